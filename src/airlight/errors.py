@@ -1,0 +1,69 @@
+"""What airlight raises, and nothing else reaches a user.
+
+    AirlightError              one message: where, what is wrong, what to do
+    ├── SceneError             a scene file, a mesh, an image, a volume or a value in one is bad
+    ├── SettingsError          a technique, a setting or an option is unknown or impossible
+    ├── DeviceError            no graphics driver, a lattice or an image too large for the device
+    │   └── ShaderError        our own WGSL does not compile: file and line of the real source
+    ├── OutputError            a picture cannot be written
+    └── ReferenceFailure       the reference renderer is missing, crashed or ran past its time
+
+Each message is complete on its own: it names the file, the key and the remedy.
+The command line prints it and exits with 2.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class AirlightError(Exception):
+    """Bad input or a missing capability, said in one line.
+
+    `problem` is what is wrong; `where` the file (and line or key) it is wrong in;
+    `remedy` what the user can do about it.
+    """
+
+    def __init__(self, problem: str, *, where: object = "", remedy: str = "") -> None:
+        self.problem = problem
+        self.where = str(where)
+        self.remedy = remedy
+        super().__init__(problem)
+
+    def __str__(self) -> str:
+        text = f"{self.where}: {self.problem}" if self.where else self.problem
+        return f"{text}. {self.remedy}" if self.remedy else text
+
+
+class SceneError(AirlightError):
+    """A scene file, or something it names, cannot be used."""
+
+
+class SettingsError(AirlightError):
+    """A technique, setting or option is unknown or impossible."""
+
+
+class DeviceError(AirlightError):
+    """There is no usable graphics device, or it is too small for what was asked."""
+
+
+class ShaderError(DeviceError):
+    """WGSL of ours that does not compile; the message points into its real file."""
+
+
+class OutputError(AirlightError):
+    """A result cannot be written where it was asked for."""
+
+
+class ReferenceFailure(AirlightError):
+    """The reference renderer is missing, refused the scene, crashed or ran out of time."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A remedy naming the known name closest to `name`, and else all of them."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f"Did you mean '{close[0]}'?"
+    return f"Known: {', '.join(names)}." if names else ""

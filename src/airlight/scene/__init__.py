@@ -1,0 +1,33 @@
+"""What is to be rendered: frozen values, no GPU.
+
+scene        everything in one value        camera, lights, environment   what sees, what shines
+mesh         triangles and their places     material                      how they reflect
+medium       homogeneous air                volume                        smoke, clouds, any density
+image        a rendered picture             settings                      a technique's knobs
+io/          files <-> these                builtin/                      scenes that ship
+"""
+
+from .camera import Camera
+from .environment import Environment
+from .lights import DirectionalLight, Light, PointLight, SpotLight
+from .material import Material, Texture
+from .medium import Medium
+from .mesh import Geometry, Mesh
+from .scene import Scene
+from .volume import Volume
+
+__all__ = [
+    "Camera",
+    "DirectionalLight",
+    "Environment",
+    "Geometry",
+    "Light",
+    "Material",
+    "Medium",
+    "Mesh",
+    "PointLight",
+    "Scene",
+    "SpotLight",
+    "Texture",
+    "Volume",
+]

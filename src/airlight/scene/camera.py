@@ -1,0 +1,41 @@
+"""A pinhole camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SceneError
+from . import checks
+from .checks import Vec3
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera in a right-handed world, +Y up, metres.
+
+    `position` looks at `target`; `fov_y_deg` is the full vertical field of view.
+    `exposure_stops` scales the displayed picture by 2**stops; radiance is not touched.
+    Raises SceneError for a camera that looks nowhere.
+    """
+
+    position: Vec3 = (0.0, 1.0, 5.0)
+    target: Vec3 = (0.0, 1.0, 0.0)
+    up: Vec3 = (0.0, 1.0, 0.0)
+    fov_y_deg: float = 50.0
+    exposure_stops: float = 0.0
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "position", checks.vec3(self.position, "camera position"))
+        put(self, "target", checks.vec3(self.target, "camera target"))
+        put(self, "up", checks.unit_vec3(self.up, "camera up"))
+        put(self, "fov_y_deg", checks.number(self.fov_y_deg, "fov_y_deg", low=0.1, high=179.0))
+        put(self, "exposure_stops", checks.number(self.exposure_stops, "exposure_stops"))
+        look = np.subtract(self.target, self.position)
+        if not np.any(look):
+            raise SceneError("camera position and target are the same point")
+        if np.linalg.norm(np.cross(look, self.up)) < 1e-6 * np.linalg.norm(look):
+            # Looking straight along `up`: any other up does.
+            put(self, "up", (0.0, 0.0, -1.0) if abs(self.up[1]) > 0.9 else (0.0, 1.0, 0.0))

@@ -1,0 +1,36 @@
+"""A rendered picture: scene-referred radiance and its layers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .checks import F32
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """Linear Rec.709 radiance, W m^-2 sr^-1, (H, W, 3) float32, top row first.
+
+    `layers` are (H, W, 3) or (H, W) float32: direct, indirect, single_scatter,
+    multiple_scatter, transmittance, depth (metres along the view ray), normal (world),
+    albedo. The radiance layers sum to `radiance`. `exposure_stops` and `tone_map` say how a
+    display-referred file is made of it. `stats` are what the renderer measured of itself.
+    """
+
+    radiance: F32
+    layers: Mapping[str, F32] = field(default_factory=dict)
+    exposure_stops: float = 0.0
+    tone_map: str = "agx"
+    stats: Mapping[str, Any] = field(default_factory=dict)
+
+    def save(self, path: str | Path, *, layers: bool = True) -> None:
+        """Write EXR (linear, with layers), HDR, or tone-mapped PNG/JPEG by the file's ending.
+
+        The file appears whole or not at all. Raises OutputError.
+        """
+        from .io.images import save_image
+
+        save_image(self, Path(path), layers=layers)

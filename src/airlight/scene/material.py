@@ -1,0 +1,84 @@
+"""How a surface reflects and emits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from . import checks
+from .checks import Rgb
+
+Wrap = Literal["repeat", "mirror", "clamp"]
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """An 8-bit image. `pixels` is (H, W, 4) uint8, top row first.
+
+    `is_srgb` says that RGB is sRGB-encoded (colour); data (normals, roughness) is linear.
+    `scale` and `offset` map mesh uv to image uv: uv * scale + offset.
+    """
+
+    pixels: NDArray[np.uint8]
+    is_srgb: bool = True
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        pixels = checks.array(
+            self.pixels, f"texture {self.source}", shape=(None, None, 4), dtype=np.uint8
+        )
+        if pixels.size == 0:
+            raise SceneError("texture has no pixels", where=self.source)
+        object.__setattr__(self, "pixels", pixels)
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """Lambert plus GGX metallic-roughness, as in glTF 2.0. All colours are linear Rec.709.
+
+    `base_color` is the diffuse reflectance of a dielectric and the specular one of a metal;
+    textures multiply their factor. `emission` is radiance, W m^-2 sr^-1, to both sides where
+    `two_sided`. A surface with `alpha` (times the base-colour texture's alpha) below
+    `alpha_cutoff` is not there; 0 means opaque everywhere. `specular` scales the dielectric
+    reflectance of 0.04 (0: a pure Lambert surface).
+    """
+
+    name: str = ""
+    base_color: Rgb = (0.8, 0.8, 0.8)
+    base_color_texture: Texture | None = None
+    alpha: float = 1.0
+    alpha_cutoff: float = 0.0
+    roughness: float = 1.0
+    metallic: float = 0.0
+    metallic_roughness_texture: Texture | None = None
+    specular: float = 1.0
+    normal_texture: Texture | None = None
+    normal_scale: float = 1.0
+    emission: Rgb = (0.0, 0.0, 0.0)
+    emission_texture: Texture | None = None
+    two_sided: bool = True
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "base_color", checks.rgb(self.base_color, "base_color", high=1.0))
+        for name in ("alpha", "roughness", "metallic", "specular"):
+            put(self, name, checks.number(getattr(self, name), name, low=0.0, high=1.0))
+        put(self, "alpha_cutoff", checks.number(self.alpha_cutoff, "alpha_cutoff", low=0, high=1))
+        put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
+        put(self, "emission", checks.rgb(self.emission, "emission"))
+        put(self, "two_sided", checks.boolean(self.two_sided, "two_sided"))
+
+    @property
+    def is_emissive(self) -> bool:
+        """Whether the surface gives light of its own."""
+        return max(self.emission) > 0.0
+
+
+DEFAULT_MATERIAL: Material = Material(name="default")

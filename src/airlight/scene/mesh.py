@@ -1,0 +1,112 @@
+"""Triangles, and where they stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from . import checks
+from .checks import F32, F64
+from .material import DEFAULT_MATERIAL, Material
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """An indexed triangle mesh in its own space.
+
+    `positions` (V, 3) float32 metres; `indices` (T, 3) uint32, counter-clockwise seen from the
+    front; `normals` (V, 3) float32, made smooth-shaded from the triangles where missing;
+    `uvs` (V, 2) float32, v downwards from the image's top row; `colors` (V, 4) float32 linear,
+    multiplied into the base colour. Raises SceneError for NaN, no triangles, bad indices.
+    """
+
+    positions: F32
+    indices: NDArray[np.uint32]
+    normals: F32 | None = None
+    uvs: F32 | None = None
+    colors: F32 | None = None
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        positions = checks.array(
+            self.positions, "vertex positions", shape=(None, 3), dtype=np.float32
+        )
+        indices = _checked_indices(self.indices, len(positions))
+        put(self, "positions", positions)
+        put(self, "indices", indices)
+        normals = self.normals
+        if normals is None:
+            normals = smooth_normals(positions, indices)
+        count = len(positions)
+        put(self, "normals", checks.array(normals, "normals", shape=(count, 3), dtype=np.float32))
+        for name, width in (("uvs", 2), ("colors", 4)):
+            value = getattr(self, name)
+            if value is not None:
+                put(self, name, checks.array(value, name, shape=(count, width), dtype=np.float32))
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A geometry with one material, placed by `world_from_object` (4x4, affine)."""
+
+    geometry: Geometry
+    material: Material = DEFAULT_MATERIAL
+    world_from_object: F64 = field(default_factory=lambda: np.eye(4))
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        matrix = checks.array(
+            self.world_from_object,
+            f"transform of mesh '{self.name}'",
+            shape=(4, 4),
+            dtype=np.float64,
+        )
+        object.__setattr__(self, "world_from_object", matrix)
+
+    @property
+    def world_bounds(self) -> tuple[F64, F64]:
+        """Lower and upper corner of the axis-aligned box around the placed mesh, metres."""
+        low, high = _geometry_bounds(self.geometry)
+        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+        placed = corners @ self.world_from_object[:3, :3].T + self.world_from_object[:3, 3]
+        return placed.min(axis=0), placed.max(axis=0)
+
+
+def _geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
+    """The geometry's own box; kept on the (immutable) geometry after the first call."""
+    known = geometry.__dict__.get("_bounds")
+    if known is None:
+        used = geometry.positions[geometry.indices.ravel()]
+        known = (used.min(axis=0).astype(np.float64), used.max(axis=0).astype(np.float64))
+        object.__setattr__(geometry, "_bounds", known)
+    return cast(tuple[F64, F64], known)
+
+
+def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[np.uint32]:
+    raw = np.asarray(indices)
+    if raw.size == 0:
+        raise SceneError("mesh has no triangles")
+    if raw.min() < 0 or raw.max() >= vertex_count:
+        raise SceneError(
+            f"triangle index {int(raw.max() if raw.min() >= 0 else raw.min())} is out of range: "
+            f"the mesh has {vertex_count} vertices"
+        )
+    return checks.array(raw, "indices", shape=(None, 3), dtype=np.uint32)
+
+
+def smooth_normals(positions: F32, indices: NDArray[np.uint32]) -> F32:
+    """Area-weighted vertex normals (V, 3); vertices of no area get +Y."""
+    a, b, c = (positions[indices[:, k]].astype(np.float64) for k in range(3))
+    face = np.cross(b - a, c - a)
+    total = np.zeros((len(positions), 3))
+    for axis in range(3):
+        total[:, axis] = np.bincount(
+            indices.ravel(), weights=np.repeat(face[:, axis], 3), minlength=len(positions)
+        )
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    unit = np.where(length > 0.0, total / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
+    return cast(F32, unit.astype(np.float32))

@@ -1,0 +1,62 @@
+"""Everything that is to be rendered, in one immutable value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .camera import Camera
+from .checks import F64
+from .environment import Environment
+from .lights import Light
+from .medium import Medium
+from .mesh import Mesh
+from .volume import Volume
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Meshes, lights, air and a camera. Change one with `dataclasses.replace`.
+
+    `settings` holds what a scene file says under [technique.NAME], unchecked until used.
+    `warnings` are what a loader dropped, replaced or approximated, for the user to read.
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    lights: tuple[Light, ...] = ()
+    environment: Environment | None = None
+    camera: Camera = field(default_factory=Camera)
+    medium: Medium | None = None
+    volumes: tuple[Volume, ...] = ()
+    settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    name: str = "scene"
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def bounds(self) -> tuple[F64, F64]:
+        """Lower and upper corner, metres, of all surfaces and volumes; else around the camera."""
+        boxes = [mesh.world_bounds for mesh in self.meshes]
+        boxes += [volume_world_bounds(volume) for volume in self.volumes]
+        if not boxes:
+            eye = np.array(self.camera.position)
+            return eye - 1.0, eye + 1.0
+        return (
+            np.min([low for low, _ in boxes], axis=0),
+            np.max([high for _, high in boxes], axis=0),
+        )
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles in all meshes, instances counted each."""
+        return sum(len(mesh.geometry.indices) for mesh in self.meshes)
+
+
+def volume_world_bounds(volume: Volume) -> tuple[F64, F64]:
+    """The axis-aligned world box, metres, around a placed volume."""
+    low, high = volume.bounds
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    placed = corners @ volume.world_from_volume[:3, :3].T + volume.world_from_volume[:3, 3]
+    return placed.min(axis=0), placed.max(axis=0)

@@ -1,0 +1,116 @@
+"""Settings of a technique: one frozen dataclass; flags, sliders, keys and docs come from it.
+
+@dataclass(frozen=True)
+class LpvSettings:
+    resolution: int = setting(32, "cells along the longest side", low=2, high=256)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar, cast
+
+from ..errors import SettingsError, nearest
+
+S = TypeVar("S")
+
+
+def setting(
+    default: Any,
+    help: str,
+    *,
+    unit: str = "",
+    low: float | None = None,
+    high: float | None = None,
+    choices: Sequence[str] = (),
+) -> Any:
+    """A dataclass field with its meaning, unit and range."""
+    metadata = {"help": help, "unit": unit, "low": low, "high": high, "choices": tuple(choices)}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = "") -> S:
+    """An instance of the settings class `cls` with `values` set, each checked.
+
+    Text is parsed ("32", "true", "1,2,3"), so that values may come from a command line.
+    Raises SettingsError for an unknown name (naming the nearest), a wrong type or range.
+    """
+    fields = {f.name: f for f in dataclasses.fields(cast(Any, cls))}
+    checked: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in fields:
+            raise SettingsError(
+                f"unknown setting '{name}'", where=where, remedy=nearest(name, fields)
+            )
+        checked[name] = _checked(fields[name], value, where)
+    return cls(**checked)
+
+
+def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
+    kind = type(f.default)
+    try:
+        result = _converted(kind, value)
+    except (TypeError, ValueError):
+        raise SettingsError(
+            f"setting {f.name} = {value!r} is not {_KIND_NAMES.get(kind, kind.__name__)}",
+            where=where,
+        ) from None
+    choices, low, high = (f.metadata.get(k) for k in ("choices", "low", "high"))
+    if choices and result not in choices:
+        raise SettingsError(
+            f"setting {f.name} = {value!r} is unknown",
+            where=where,
+            remedy=f"Choose from {', '.join(choices)}.",
+        )
+    if isinstance(result, (int, float)) and not isinstance(result, bool):
+        below, above = low is not None and result < low, high is not None and result > high
+        if below or above or result != result:
+            raise SettingsError(
+                f"setting {f.name} = {value!r} is out of range",
+                where=where,
+                remedy=f"It goes from {low if low is not None else '-inf'} "
+                f"to {high if high is not None else 'inf'}.",
+            )
+    return result
+
+
+_KIND_NAMES = {int: "a whole number", float: "a number", bool: "true or false", str: "text"}
+_TRUTH = {
+    "true": True,
+    "yes": True,
+    "on": True,
+    "1": True,
+    "false": False,
+    "no": False,
+    "off": False,
+    "0": False,
+}
+
+
+def _converted(kind: type, value: Any) -> Any:
+    if kind is bool:
+        return value if isinstance(value, bool) else _truth(value)
+    if kind is int:
+        if isinstance(value, bool) or float(value) != int(float(value)):
+            raise ValueError
+        return int(float(value))
+    if kind is float:
+        if isinstance(value, bool):
+            raise ValueError
+        return float(value)
+    if kind is str:
+        if not isinstance(value, str):
+            raise TypeError
+        return value
+    if kind is tuple:
+        parts = value.split(",") if isinstance(value, str) else value
+        return tuple(float(part) for part in parts)
+    return value
+
+
+def _truth(value: Any) -> bool:
+    try:
+        return _TRUTH[str(value).lower()]
+    except KeyError:
+        raise ValueError from None
