@@ -1,0 +1,69 @@
+"""How large polygons look from a point, and where they look to be: closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+F64 = NDArray[np.float64]
+
+
+def triangle_solid_angle(corners: ArrayLike) -> F64:
+    """Solid angle (...) in sr of triangles (..., 3, 3) seen from the origin; lengths cancel.
+
+    Source: Van Oosterom and Strackee 1983, eq. 8.
+    """
+    p = np.asarray(corners, dtype=np.float64)
+    a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
+    la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+    volume = np.abs(np.einsum("...i,...i->...", a, np.cross(b, c)))
+    dots = [np.einsum("...i,...i->...", u, v) for u, v in ((a, b), (a, c), (b, c))]
+    spread = la * lb * lc + dots[0] * lc + dots[1] * lb + dots[2] * la
+    return np.asarray(2.0 * np.arctan2(volume, spread))
+
+
+def polygon_solid_angle(corners: ArrayLike) -> F64:
+    """Solid angle (...) in sr of convex polygons (..., N, 3) in order, seen from the origin."""
+    p = np.asarray(corners, dtype=np.float64)
+    count = p.shape[-2] - 2
+    first = np.broadcast_to(p[..., :1, :], (*p.shape[:-2], count, 3))
+    fan = np.stack([first, p[..., 1:-1, :], p[..., 2:, :]], axis=-2)
+    return np.asarray(triangle_solid_angle(fan).sum(axis=-1))
+
+
+def polygon_mean_direction(corners: ArrayLike) -> F64:
+    """Mean of the unit vectors into convex polygons (..., N, 3): (..., 3), shorter than 1.
+
+    Source: Lambert 1760 (vector irradiance): the integral of direction over solid angle is half
+    the sum over edges of (angle the edge spans) x (unit normal of the plane through it).
+    """
+    p = np.asarray(corners, dtype=np.float64)
+    q = np.roll(p, -1, axis=-2)
+    normal = np.cross(p, q)
+    length = np.linalg.norm(normal, axis=-1)
+    angle = np.arctan2(length, np.einsum("...i,...i->...", p, q))
+    moment = 0.5 * ((angle / np.maximum(length, 1e-300))[..., None] * normal).sum(axis=-2)
+    inside = np.einsum("...i,...i->...", moment, p.mean(axis=-2))
+    moment = moment * np.sign(inside)[..., None]
+    return np.asarray(moment / polygon_solid_angle(p)[..., None])
+
+
+def voronoi_cell(directions: ArrayLike, index: int) -> F64:
+    """Corners (N, 3), unit, in order, of the spherical Voronoi cell of directions[index].
+
+    `directions` is (M, 3) unit. The cell's corners are the directions that are equally near to
+    three of them and to no other nearer.
+    """
+    d = np.asarray(directions, dtype=np.float64)
+    own = d[index]
+    planes = own - np.delete(d, index, axis=0)
+    i, j = np.triu_indices(len(planes), 1)
+    meets = np.cross(planes[i], planes[j])
+    length = np.linalg.norm(meets, axis=1)
+    meets = meets[length > 1e-9] / length[length > 1e-9, None]
+    meets = np.concatenate([meets, -meets])
+    corners = meets[(meets @ planes.T >= -1e-9).all(axis=1)]
+    corners = np.unique(np.round(corners, 12), axis=0)
+    side = np.cross(own, corners[0])
+    azimuth = np.arctan2(corners @ side, corners @ np.cross(side, own))
+    return np.asarray(corners[np.argsort(azimuth)])
