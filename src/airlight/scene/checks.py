@@ -25,7 +25,10 @@ def number(value: Any, name: str, *, low: float = -math.inf, high: float = math.
     """A finite number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise SceneError(f"{name} must be a number, not {value!r}")
-    x = float(value)
+    try:
+        x = float(value)
+    except OverflowError:
+        raise SceneError(f"{name} is too large") from None
     if not math.isfinite(x):
         raise SceneError(f"{name} is {x}, it must be finite")
     if not low <= x <= high:

@@ -51,7 +51,7 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
     kind = type(f.default)
     try:
         result = _converted(kind, value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise SettingsError(
             f"setting {f.name} = {value!r} is not {_KIND_NAMES.get(kind, kind.__name__)}",
             where=where,

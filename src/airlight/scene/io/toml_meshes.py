@@ -1,0 +1,188 @@
+"""A [[mesh]] of a scene file: load or make it, place it, replace its colours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ..camera import Camera
+from ..checks import F64, Vec3
+from ..lights import Light, PointLight, SpotLight
+from ..material import Material, Texture
+from ..mesh import Mesh
+from ..scene import Scene
+from ..shapes import box, quad, sphere
+
+_SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
+_READERS = {
+    ".obj": ("obj", "load_obj"),
+    ".gltf": ("gltf", "load_gltf"),
+    ".glb": ("gltf", "load_gltf"),
+    ".ply": ("meshfile", "load_mesh_file"),
+    ".stl": ("meshfile", "load_mesh_file"),
+}
+_RED_GREEN_BLUE = (0, 1, 2)
+_ROUGHNESS_CHANNEL, _METALLIC_CHANNEL = (1,), (2,)  # glTF 2.0, section 3.9.2
+
+
+def placed_mesh(values: Mapping[str, Any], label: str, folder: Path) -> Scene:
+    """The meshes, lights and camera of one [[mesh]] table whose keys are checked.
+
+    Raises SceneError where neither or both of file and shape are given, matrix stands beside
+    other transforms, or the file cannot be read.
+    """
+    if ("file" in values) == ("shape" in values):
+        raise SceneError(f"{label} needs either a file or a shape")
+    if "file" in values:
+        scene = _read(folder / values["file"], values["file"], label)
+    else:
+        shape = values["shape"]
+        scene = Scene(meshes=(Mesh(_SHAPES[shape](), name=shape),))
+    return _coloured(_moved(scene, world_from_mesh(values, label)), values)
+
+
+def existing_file(path: Path, written: str, label: str) -> Path:
+    """`path`, or a SceneError that names the file as the scene file wrote it."""
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "does not exist"
+        raise SceneError(
+            f"{label}: file '{written}' {what}", remedy="Paths are relative to the scene file."
+        )
+    return path
+
+
+def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
+    """(4, 4): `matrix`, or translate * rotate Z * rotate Y * rotate X * scale."""
+    parts = [name for name in ("translate", "rotate_deg", "scale") if name in values]
+    if "matrix" in values:
+        if parts:
+            raise SceneError(
+                f"{label} has matrix beside {' and '.join(parts)}",
+                remedy="Use matrix alone, or translate, rotate_deg and scale.",
+            )
+        return cast(F64, values["matrix"])
+    matrix = np.eye(4)
+    rotation = rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0)))
+    matrix[:3, :3] = rotation * np.array(values.get("scale", (1.0, 1.0, 1.0)))
+    matrix[:3, 3] = values.get("translate", (0.0, 0.0, 0.0))
+    return matrix
+
+
+def rotation_xyz(angles_deg: Vec3) -> F64:
+    """(3, 3): about the world's X axis first, then Y, then Z; counter-clockwise seen against it."""
+    (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians(angles_deg)), np.sin(np.radians(angles_deg))
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
+    about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
+    about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
+    rotation: F64 = about_z @ about_y @ about_x
+    return rotation
+
+
+def _read(path: Path, written: str, label: str) -> Scene:
+    from importlib import import_module
+
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise SceneError(
+            f"{label}: file '{written}' is not a mesh file",
+            remedy=f"Known endings: {', '.join(_READERS)}.",
+        )
+    existing_file(path, written, label)
+    module, function = reader
+    scene = getattr(import_module(f"..{module}", __name__), function)(path)
+    return cast(Scene, scene)
+
+
+def _moved(scene: Scene, world_from_file: F64) -> Scene:
+    meshes = (
+        replace(mesh, world_from_object=world_from_file @ mesh.world_from_object)
+        for mesh in scene.meshes
+    )
+    return replace(
+        scene,
+        meshes=tuple(meshes),
+        lights=tuple(_moved_light(light, world_from_file) for light in scene.lights),
+        camera=_moved_camera(scene.camera, world_from_file),
+    )
+
+
+def _moved_light(light: Light, matrix: F64) -> Light:
+    if isinstance(light, PointLight):
+        return replace(light, position=_point(light.position, matrix))
+    direction = _vector(light.direction, matrix)
+    if isinstance(light, SpotLight):
+        return replace(light, position=_point(light.position, matrix), direction=direction)
+    return replace(light, direction=direction)
+
+
+def _moved_camera(camera: Camera, matrix: F64) -> Camera:
+    """The file's camera, moved; the default one stays, because it says that the file has none."""
+    if camera == Camera():
+        return camera
+    return replace(
+        camera,
+        position=_point(camera.position, matrix),
+        target=_point(camera.target, matrix),
+        up=_vector(camera.up, matrix),
+    )
+
+
+def _point(p: Vec3, matrix: F64) -> Vec3:
+    x, y, z = matrix[:3, :3] @ p + matrix[:3, 3]
+    return (float(x), float(y), float(z))
+
+
+def _vector(v: Vec3, matrix: F64) -> Vec3:
+    x, y, z = matrix[:3, :3] @ v
+    return (float(x), float(y), float(z))
+
+
+def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with its materials' factors, and the texture channels behind them, replaced."""
+    names = ("base_color", "roughness", "metallic", "emission")
+    factors = {name: values[name] for name in names if name in values}
+    if not factors:
+        return scene
+    made: dict[int, Material] = {}  # one new material for each old one, so that sharing stays
+    meshes = []
+    for mesh in scene.meshes:
+        key = id(mesh.material)
+        if key not in made:
+            made[key] = _with_factors(mesh.material, factors)
+        geometry = mesh.geometry
+        if "base_color" in factors and geometry.colors is not None:
+            white = geometry.colors.copy()
+            white[:, :3] = 1.0
+            geometry = replace(geometry, colors=white)
+        meshes.append(replace(mesh, material=made[key], geometry=geometry))
+    return replace(scene, meshes=tuple(meshes))
+
+
+def _with_factors(material: Material, factors: Mapping[str, Any]) -> Material:
+    changes: dict[str, Any] = dict(factors)
+    if "base_color" in factors:
+        changes["base_color_texture"] = _whitened(material.base_color_texture, _RED_GREEN_BLUE)
+    rough_metal = material.metallic_roughness_texture
+    if "roughness" in factors:
+        rough_metal = _whitened(rough_metal, _ROUGHNESS_CHANNEL)
+    if "metallic" in factors:
+        rough_metal = _whitened(rough_metal, _METALLIC_CHANNEL)
+    changes["metallic_roughness_texture"] = rough_metal
+    if "emission" in factors:
+        changes["emission_texture"] = None
+    return replace(material, **changes)
+
+
+def _whitened(texture: Texture | None, channels: tuple[int, ...]) -> Texture | None:
+    """The texture with these channels at 1, so that the factor alone holds; alpha stays."""
+    if texture is None:
+        return None
+    pixels: NDArray[np.uint8] = texture.pixels.copy()
+    pixels[..., channels] = 255
+    return replace(texture, pixels=pixels)

@@ -1,0 +1,141 @@
+"""How a table of a scene file is described, and checked against its description."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import SceneError, nearest
+from .. import checks
+
+Check = Callable[[Any, str], Any]
+"""Takes what the file says and the key path for messages; gives the checked value."""
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a table: `kind` and `default` are words for the reference page."""
+
+    name: str
+    check: Check
+    kind: str
+    doc: str
+    unit: str = ""
+    default: str = ""
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """A [name] table, or with `repeated` a [[name]] one.
+
+    `variants` adds keys by the value of the key `variant_key`.
+    """
+
+    name: str
+    doc: str
+    keys: tuple[Key, ...]
+    repeated: bool = False
+    variant_key: str = ""
+    variants: Mapping[str, tuple[Key, ...]] | None = None
+
+    @property
+    def header(self) -> str:
+        """The table's line in a scene file."""
+        return f"[[{self.name}]]" if self.repeated else f"[{self.name}]"
+
+
+def scale_vec3(value: Any, name: str) -> checks.Vec3:
+    """One factor or three, none of them zero."""
+    grey = isinstance(value, (int, float)) and not isinstance(value, bool)
+    factors = checks.vec3([value] * 3 if grey else value, name)
+    if 0.0 in factors:
+        raise SceneError(f"{name} = {list(factors)} flattens the mesh: no factor may be zero")
+    return factors
+
+
+def matrix16(value: Any, name: str) -> checks.F64:
+    """Sixteen numbers, row major, as an invertible affine (4, 4) float64."""
+
+    if not isinstance(value, list) or len(value) != 16:
+        raise SceneError(f"{name} must be 16 numbers, row major")
+    matrix = np.array([checks.number(v, name) for v in value]).reshape(4, 4)
+    if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+        raise SceneError(
+            f"{name} ends with the row {matrix[3].tolist()}, it must be [0, 0, 0, 1]",
+            remedy="Rows come first: the translation is the 4th, 8th and 12th number.",
+        )
+    if abs(np.linalg.det(matrix[:3, :3])) < 1e-30:
+        raise SceneError(f"{name} flattens the mesh: its determinant is zero")
+    return matrix
+
+
+def unit_rgb(value: Any, name: str) -> checks.Rgb:
+    """A colour with all channels in [0, 1]."""
+    return checks.rgb(value, name, high=1.0)
+
+
+def fraction(value: Any, name: str) -> float:
+    """A number in [0, 1]."""
+    return checks.number(value, name, low=0.0, high=1.0)
+
+
+def one_of(*choices: str) -> Check:
+    """A check that a text is one of `choices`."""
+
+    def check(value: Any, name: str) -> str:
+        word = checks.text(value, name)
+        if word not in choices:
+            raise SceneError(f"{name} = '{word}' is unknown", remedy=nearest(word, choices))
+        return word
+
+    return check
+
+
+def mean_cosine(value: Any, name: str) -> checks.Rgb:
+    """g, one number or one per channel, each in (-1, 1)."""
+    from ..medium import mean_cosine as checked
+
+    try:
+        return checked(value)
+    except SceneError as error:
+        raise SceneError(error.problem.replace("g", name, 1)) from None
+
+
+def check_table(table: Table, raw: Any, label: str) -> dict[str, Any]:
+    """The checked values of the keys that `raw` sets; `label` is the table's key path.
+
+    Raises SceneError for an unknown or missing key, or a value of the wrong type or range.
+    """
+    if not isinstance(raw, dict):
+        raise SceneError(f"{label} must be a table of keys, not {raw!r}")
+    keys, of_variant = _keys_for(table, raw, label)
+    known = {key.name: key for key in keys}
+    for name in raw:
+        if name not in known:
+            raise SceneError(
+                f"unknown key '{name}' in {label}{of_variant}", remedy=nearest(name, known)
+            )
+    for key in keys:
+        if key.required and key.name not in raw:
+            raise SceneError(f"{label}{of_variant} has no {key.name}", remedy=_explained(key))
+    return {name: known[name].check(value, f"{label}: {name}") for name, value in raw.items()}
+
+
+def _keys_for(table: Table, raw: dict[str, Any], label: str) -> tuple[tuple[Key, ...], str]:
+    """The keys that hold for `raw`, and words for the variant that it names."""
+    if table.variants is None:
+        return table.keys, ""
+    (selector,) = (key for key in table.keys if key.name == table.variant_key)
+    if selector.name not in raw:
+        raise SceneError(f"{label} has no {selector.name}", remedy=f"It is {selector.kind}.")
+    variant = selector.check(raw[selector.name], f"{label}: {selector.name}")
+    return table.keys + table.variants[variant], f" ({variant})"
+
+
+def _explained(key: Key) -> str:
+    unit = f", {key.unit}" if key.unit else ""
+    return f"It is {key.doc} ({key.kind}{unit})."

@@ -1,0 +1,230 @@
+"""Scene file version 1: every table and key, its check, unit, default and meaning.
+
+The loader checks a file against these tables, and the reference page is printed from them, so
+the two cannot drift apart.
+"""
+
+from __future__ import annotations
+
+from .. import checks
+from .toml_schema import (
+    Key,
+    Table,
+    fraction,
+    matrix16,
+    mean_cosine,
+    one_of,
+    scale_vec3,
+    unit_rgb,
+)
+
+_COLOUR = "colour"
+_POSITION = Key("position", checks.vec3, "vector", "where it is", "m", required=True)
+_TRAVEL = "unit vector (normalised for you)"
+
+CAMERA = Table(
+    "camera",
+    "The pinhole camera. Without the table, one that frames the scene is chosen.",
+    (
+        _POSITION,
+        Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
+        Key("up", checks.unit_vec3, "vector", "upwards in the picture", default="[0, 1, 0]"),
+        Key("fov_y_deg", checks.number, "number", "full vertical field of view", "degrees", "50"),
+        Key("exposure_stops", checks.number, "number", "display exposure: 2^stops", "stops", "0"),
+    ),
+)
+
+MESH = Table(
+    "mesh",
+    "Triangles: a file's, or a shape's. A file's own lights come along, moved with it; its camera "
+    "is used where the scene file has no [camera]. A point is scaled first, then rotated about "
+    "the world's X axis, then Y, then Z, then translated. The colours here replace those of the "
+    "file's materials, textures included; masks stay.",
+    (
+        Key("file", checks.text, "path", "a mesh file: OBJ, glTF, GLB, PLY or STL"),
+        Key(
+            "shape",
+            one_of("box", "sphere", "plane", "quad"),
+            '"box", "sphere", "plane" or "quad"',
+            "instead of a file: 1 m across, centred at the origin; quad and plane face +Y",
+        ),
+        Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
+        Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
+        Key("scale", scale_vec3, "number or vector", "stretches it", default="1"),
+        Key("matrix", matrix16, "16 numbers", "instead of those three: 4 x 4, row major"),
+        Key("base_color", unit_rgb, _COLOUR, "linear reflectance", default="the file's, or 0.8"),
+        Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),
+        Key("metallic", fraction, "number", "0 dielectric, 1 metal", default="the file's, or 0"),
+        Key("emission", checks.rgb, _COLOUR, "radiance", "W m^-2 sr^-1", "the file's, or 0"),
+    ),
+    repeated=True,
+)
+
+_DIRECTION = Key("direction", checks.unit_vec3, _TRAVEL, "the way its light goes", required=True)
+_INTENSITY = Key(
+    "intensity", checks.rgb, _COLOUR, "intensity (of a spot: on its axis)", "W sr^-1", required=True
+)
+
+LIGHT = Table(
+    "light",
+    "A light without extent. (A mesh with emission is a light with extent.)",
+    (
+        Key(
+            "type",
+            one_of("directional", "point", "spot"),
+            '"directional", "point" or "spot"',
+            "its kind",
+            required=True,
+        ),
+    ),
+    repeated=True,
+    variant_key="type",
+    variants={
+        "directional": (
+            _DIRECTION,
+            Key(
+                "irradiance",
+                checks.rgb,
+                _COLOUR,
+                "irradiance on a surface that faces it",
+                "W m^-2",
+                required=True,
+            ),
+        ),
+        "point": (_POSITION, _INTENSITY),
+        "spot": (
+            _POSITION,
+            _DIRECTION,
+            _INTENSITY,
+            Key("inner_deg", checks.number, "number", "half angle lit in full", "degrees", "20"),
+            Key("outer_deg", checks.number, "number", "half angle of the cone", "degrees", "30"),
+        ),
+    },
+)
+
+ENVIRONMENT = Table(
+    "environment",
+    "Light from far away, all around. Without the table the background is black where the scene "
+    "has a light or an emissive mesh; where it has none, a default sun and sky are added.",
+    (
+        Key("file", checks.text, "path", "a latitude-longitude image: EXR, HDR, PNG or JPEG"),
+        Key(
+            "radiance", checks.rgb, _COLOUR, "instead of a file: constant radiance", "W m^-2 sr^-1"
+        ),
+        Key("scale", checks.number, "number", "multiplies it", default="1"),
+        Key(
+            "rotation_deg",
+            checks.number,
+            "number",
+            "turns it about +Y, counter-clockwise from above",
+            "degrees",
+            "0",
+        ),
+        Key(
+            "visible",
+            checks.boolean,
+            "boolean",
+            "false keeps its light, not its picture",
+            default="true",
+        ),
+    ),
+)
+
+_SCATTERING = (
+    Key("sigma_t", checks.rgb, _COLOUR, "extinction coefficient", "m^-1"),
+    Key("albedo", unit_rgb, _COLOUR, "sigma_s / sigma_t; only with sigma_t", default="1"),
+    Key(
+        "sigma_s",
+        checks.rgb,
+        _COLOUR,
+        "scattering coefficient, instead of sigma_t and albedo",
+        "m^-1",
+    ),
+    Key("sigma_a", checks.rgb, _COLOUR, "absorption coefficient, beside sigma_s", "m^-1", "0"),
+    Key(
+        "g",
+        mean_cosine,
+        _COLOUR,
+        "mean cosine of Henyey-Greenstein scattering, in (-1, 1); above 0 forwards",
+        default="0",
+    ),
+)
+
+MEDIUM = Table(
+    "medium",
+    "Homogeneous air. Without bounds it fills the scene's bounds, the camera included.",
+    (
+        *_SCATTERING,
+        Key("bounds", checks.bounds, "two corners", "the box it fills", "m"),
+    ),
+)
+
+VOLUME = Table(
+    "volume",
+    "Air of varying density: a density grid, or a shape of density 1. Coefficients hold at "
+    "density 1.",
+    (
+        Key("file", checks.text, "path", "a density grid: NumPy .npy or .npz, Mitsuba .vol"),
+        Key(
+            "shape",
+            one_of("box", "sphere"),
+            '"box" or "sphere"',
+            "instead of a file: fills its bounds with density 1",
+        ),
+        Key("grid", checks.text, "text", "which array of an .npz", default='"density"'),
+        Key(
+            "channels",
+            checks.text,
+            "text",
+            'which channel holds the density: "density" (the only one), "r", "g", "b" or "a"',
+            default='"density"',
+        ),
+        Key(
+            "bounds",
+            checks.bounds,
+            "two corners",
+            "the world box that the grid or shape fills",
+            "m",
+            "the file's own",
+        ),
+        *_SCATTERING,
+    ),
+    repeated=True,
+)
+
+TABLES: tuple[Table, ...] = (CAMERA, MESH, LIGHT, ENVIRONMENT, MEDIUM, VOLUME)
+
+
+def schema_markdown() -> str:
+    """The scene-file reference page: one section per table, one row per key."""
+    parts = [_PREAMBLE]
+    for table in TABLES:
+        parts.append(f"## `{table.header}`\n\n{table.doc}\n\n{_rows(table.keys)}")
+        for name, keys in (table.variants or {}).items():
+            parts.append(f'With `{table.variant_key} = "{name}"`:\n\n{_rows(keys)}')
+    parts.append(_TECHNIQUE)
+    return "\n\n".join(parts) + "\n"
+
+
+def _rows(keys: tuple[Key, ...]) -> str:
+    lines = ["| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
+    for key in keys:
+        default = "**required**" if key.required else key.default
+        cells = (f"`{key.name}`", key.kind, key.unit, default, key.doc)
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+_PREAMBLE = """\
+# Scene file, version 1
+
+A TOML file. Every key is checked; an unknown one is refused with the nearest known name. Paths \
+are relative to the scene file. Vectors are arrays of three numbers, a colour is three linear \
+Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are the ways light goes.
+
+This page is printed from the loader's own table by `./run docs`."""
+
+_TECHNIQUE = """\
+## `[technique.NAME]`
+
+Settings of the technique NAME, the same names as `-D key=value` and the Python fields."""

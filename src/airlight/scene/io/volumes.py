@@ -1,0 +1,186 @@
+"""Density grids: NumPy .npy and .npz, Mitsuba .vol.
+
+Every header is checked against the file's size before anything is allocated.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError, nearest
+from .. import checks
+from ..checks import F32, Bounds
+
+LARGEST_VALUE_COUNT = 1 << 30
+"""Values in one grid, channels counted; more would need over 4 GiB."""
+
+_CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
+_VOL_HEADER = struct.Struct("<3sBiiiii6f")
+_VOL_FLOAT32 = 1
+_DAMAGED_ZIP = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError)
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeGrid:
+    """A density grid as a file holds it.
+
+    `density` is (z, y, x) float32; `bounds` the world box in metres that the file gives it, or a
+    box 2 m along its longest side where the file gives none, which `warnings` then says.
+    """
+
+    density: F32
+    bounds: Bounds
+    warnings: tuple[str, ...] = ()
+
+
+def read_volume(path: str | Path, grid: str = "density", channels: str = "density") -> VolumeGrid:
+    """Read a density grid.
+
+    `grid` names the array of an .npz; `channels` the channel that holds the density: "density"
+    (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or (z, y, x, channel); an .npz may
+    hold `bounds` (2, 3) in metres too. Raises SceneError for what cannot be read.
+    """
+    path = Path(path)
+    readers = {".npy": _read_npy, ".npz": _read_npz, ".vol": _read_vol}
+    if path.suffix.lower() in (".nvdb", ".vdb"):
+        raise SceneError(
+            f"{path.suffix} files are not read yet",
+            where=path,
+            remedy="A later version will, with the extra 'vdb'; until then save the grid as .npy, "
+            ".npz or Mitsuba .vol.",
+        )
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        remedy = "Known endings: .npy, .npz, .vol."
+        raise SceneError("is not a density grid", where=path, remedy=remedy)
+    try:
+        values, bounds = reader(path, grid)
+        density = _density(values, channels)
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror or error}", where=path) from None
+    except SceneError as error:
+        raise SceneError(error.problem, where=path, remedy=error.remedy) from None
+    if bounds is not None:
+        return VolumeGrid(density, bounds)
+    return _in_own_box(density, path)
+
+
+def _density(values: NDArray[Any], channels: str) -> F32:
+    """(z, y, x) float32 from (z, y, x) or (z, y, x, channel)."""
+    if channels not in _CHANNELS:
+        raise SceneError(f"channels = '{channels}' is unknown", remedy=nearest(channels, _CHANNELS))
+    if values.ndim == 3:
+        values = values[..., None]
+    if values.ndim != 4:
+        raise SceneError(f"has shape {values.shape}, it must be (z, y, x) or (z, y, x, channel)")
+    count, wanted = values.shape[3], _CHANNELS[channels]
+    if channels == "density" and count != 1:
+        raise SceneError(
+            f"has {count} channels, which one is the density is not clear",
+            remedy='Say channels = "r", "g", "b" or "a".',
+        )
+    if wanted >= count:
+        raise SceneError(f"has {count} channels, there is no channel '{channels}'")
+    if values.dtype.kind not in "fiub":
+        raise SceneError(f"holds {values.dtype} values, a density must be numbers")
+    return cast(F32, np.ascontiguousarray(values[..., wanted], dtype=np.float32))
+
+
+def _in_own_box(density: F32, path: Path) -> VolumeGrid:
+    """Cubic voxels, 2 m along the longest side, centred at the origin."""
+    half = np.array(density.shape[::-1]) / max(density.shape)
+    x, y, z = (float(h) for h in half)
+    text = f"{path.name} does not say where it is: it fills {2 * x:g} x {2 * y:g} x {2 * z:g} m "
+    return VolumeGrid(density, ((-x, -y, -z), (x, y, z)), (text + "around the origin",))
+
+
+def _check_count(count: int) -> None:
+    if count > LARGEST_VALUE_COUNT:
+        raise SceneError(
+            f"has {count:,} values, at most {LARGEST_VALUE_COUNT:,} can be used",
+            remedy="Downsample it.",
+        )
+
+
+def _read_npy(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
+    with path.open("rb") as stream:
+        return _array_from_npy(stream, path.stat().st_size), None
+
+
+def _array_from_npy(stream: IO[bytes], size_bytes: int) -> NDArray[Any]:
+    """The array of an .npy stream of `size_bytes`, its header believed only where it fits."""
+    try:
+        version = np.lib.format.read_magic(stream)
+        if version == (1, 0):
+            shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(stream)
+        else:
+            shape, fortran_order, dtype = np.lib.format.read_array_header_2_0(stream)
+    except (ValueError, EOFError):
+        raise SceneError("is not a NumPy array, or its header is damaged") from None
+    if dtype.hasobject:
+        raise SceneError("holds Python objects, a density must be numbers")
+    count = math.prod(shape)
+    _check_count(count)
+    wanted_bytes = count * dtype.itemsize
+    if wanted_bytes > size_bytes:
+        raise SceneError(f"is cut short: {wanted_bytes:,} bytes of values do not fit in it")
+    content = stream.read(wanted_bytes)
+    if len(content) != wanted_bytes:
+        raise SceneError(f"is cut short: {len(content):,} of {wanted_bytes:,} bytes of values")
+    flat = np.frombuffer(content, dtype=dtype)
+    return flat.reshape(shape, order="F" if fortran_order else "C")
+
+
+def _read_npz(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            arrays = {name[:-4] for name in archive.namelist() if name.endswith(".npy")}
+            if grid not in arrays:
+                raise SceneError(f"has no array '{grid}'", remedy=nearest(grid, arrays))
+            values = _array_in(archive, grid)
+            if "bounds" not in arrays or grid == "bounds":
+                return values, None
+            return values, checks.bounds(_array_in(archive, "bounds"), "its array 'bounds'")
+    except _DAMAGED_ZIP as error:
+        raise SceneError(f"is not a readable .npz: {error}") from None
+
+
+def _array_in(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(f"{name}.npy") as stream:
+        return _array_from_npy(stream, archive.getinfo(f"{name}.npy").file_size)
+
+
+def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
+    """Mitsuba 3's grid volume: version 3, float32, x fastest, channels interleaved."""
+    size_bytes = path.stat().st_size
+    with path.open("rb") as stream:
+        header = stream.read(_VOL_HEADER.size)
+        if len(header) < _VOL_HEADER.size or not header.startswith(b"VOL"):
+            raise SceneError("is not a Mitsuba volume: it does not start with 'VOL' and a header")
+        _, version, encoding, nx, ny, nz, channel_count, *box = _VOL_HEADER.unpack(header)
+        if version != 3 or encoding != _VOL_FLOAT32:
+            raise SceneError(
+                f"has version {version} and encoding {encoding}, only version 3 with encoding 1 "
+                "(float32) is read"
+            )
+        if min(nx, ny, nz, channel_count) < 1:
+            raise SceneError(f"has an impossible size {nx} x {ny} x {nz} x {channel_count}")
+        count = nx * ny * nz * channel_count
+        _check_count(count)
+        if size_bytes != _VOL_HEADER.size + 4 * count:
+            raise SceneError(
+                f"has {size_bytes:,} bytes, its header of {nx} x {ny} x {nz} voxels and "
+                f"{channel_count} channels needs {_VOL_HEADER.size + 4 * count:,}"
+            )
+        values = np.frombuffer(stream.read(4 * count), dtype="<f4")
+    bounds = checks.bounds((box[:3], box[3:]), "the bounding box in its header")
+    return values.reshape(nz, ny, nx, channel_count), bounds

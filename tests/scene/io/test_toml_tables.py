@@ -1,0 +1,66 @@
+"""The tables agree with the scene values that they fill, and print themselves."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from airlight.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Medium,
+    PointLight,
+    SpotLight,
+    Volume,
+)
+from airlight.scene.io.toml_tables import (
+    CAMERA,
+    ENVIRONMENT,
+    LIGHT,
+    MEDIUM,
+    TABLES,
+    VOLUME,
+    schema_markdown,
+)
+
+NOT_FIELDS = {"file", "type", "sigma_s", "sigma_a", "grid", "channels"}
+"""Keys that the loader turns into others."""
+
+
+@pytest.mark.parametrize(
+    ("keys", "value_class"),
+    [
+        (CAMERA.keys, Camera),
+        (LIGHT.keys + LIGHT.variants["directional"], DirectionalLight),
+        (LIGHT.keys + LIGHT.variants["point"], PointLight),
+        (LIGHT.keys + LIGHT.variants["spot"], SpotLight),
+        (ENVIRONMENT.keys, Environment),
+        (MEDIUM.keys, Medium),
+        (VOLUME.keys, Volume),
+    ],
+)
+def test_every_key_is_a_field_and_says_its_true_default(keys, value_class):
+    fields = {f.name: f for f in dataclasses.fields(value_class)}
+    for key in keys:
+        if key.name in NOT_FIELDS:
+            continue
+        default = fields[key.name].default
+        if isinstance(default, (int, float)) and not isinstance(default, bool) and key.default:
+            assert float(key.default) == default, key.name
+
+
+def test_the_reference_names_every_key_of_every_table():
+    page = schema_markdown()
+    for table in TABLES:
+        assert f"## `{table.header}`" in page
+        keys = [*table.keys, *(k for ks in (table.variants or {}).values() for k in ks)]
+        for key in keys:
+            assert f"| `{key.name}` | {key.kind} |" in page
+
+
+def test_the_printed_reference_is_up_to_date():
+    page = Path(__file__).parents[3] / "docs" / "scene-file.md"
+    assert page.read_text(encoding="utf-8") == schema_markdown(), "print it with ./run docs"
