@@ -1,1 +1,101 @@
-""""""
+"""Scene files, and everything they name, to scenes and back.
+
+toml         the scene format of airlight      mitsuba      a subset of Mitsuba's XML
+obj, mtl     Wavefront                         gltf         glTF 2.0 and GLB
+meshfile     PLY and STL                       images       textures, radiance maps, pictures
+defaults     the camera and the daylight of a file that has none
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ...errors import SceneError, nearest
+from ..camera import Camera
+from ..scene import Scene
+
+BUILTIN_PREFIX = "builtin:"
+MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
+SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES)
+
+
+def load(path: str | Path) -> Scene:
+    """A scene from a file, or from `builtin:NAME`.
+
+    Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
+    camera one that frames them; scene files (TOML, Mitsuba XML) say themselves. What was
+    dropped, replaced or approximated is in the scene's `warnings`. Raises SceneError.
+    """
+    written = str(path)
+    if written.startswith(BUILTIN_PREFIX):
+        from ..builtin import builtin_scene
+
+        return builtin_scene(written.removeprefix(BUILTIN_PREFIX))
+    file = Path(path)
+    suffix = file.suffix.lower()
+    if suffix == ".toml":
+        from .toml import load_toml
+
+        return load_toml(file)
+    if suffix == ".xml":
+        from .mitsuba import load_mitsuba
+
+        return load_mitsuba(file)
+    return with_defaults(load_meshes(file))
+
+
+def load_meshes(file: Path) -> Scene:
+    """What a mesh file says and nothing more: no default light; Camera() where it has none.
+
+    Raises SceneError.
+    """
+    reader = _mesh_reader(file)
+    try:
+        return reader(file)
+    except SceneError as error:
+        if error.where:
+            raise
+        raise SceneError(error.problem, where=file, remedy=error.remedy) from None
+    except MemoryError:
+        raise SceneError("the scene does not fit into memory", where=file) from None
+
+
+def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
+    suffix = file.suffix.lower()
+    if suffix == ".obj":
+        from .obj import load_obj
+
+        return load_obj
+    if suffix in (".glb", ".gltf"):
+        from .gltf import load_gltf
+
+        return load_gltf
+    if suffix in (".ply", ".stl"):
+        from .meshfile import load_meshfile
+
+        return load_meshfile
+    if not suffix and not file.exists():
+        raise SceneError(
+            "file not found",
+            where=file,
+            remedy="For a scene that ships with airlight, write builtin:NAME.",
+        )
+    hint = nearest(suffix, SCENE_SUFFIXES) if len(suffix) > 2 else ""
+    raise SceneError(
+        f"a scene file cannot end in '{file.suffix}'",
+        where=file,
+        remedy=f"{hint} Known: {', '.join(SCENE_SUFFIXES)}.".strip(),
+    )
+
+
+def with_defaults(scene: Scene) -> Scene:
+    """The scene with a framing camera and daylight where it has none."""
+    from .defaults import with_default_camera, with_default_lights
+
+    if scene.camera == Camera():
+        scene = with_default_camera(scene)
+    return with_default_lights(scene)
+
+
+__all__ = ["MESH_SUFFIXES", "SCENE_SUFFIXES", "load", "load_meshes", "with_defaults"]

@@ -1,0 +1,61 @@
+"""What a file left out: a camera that frames the scene, and light to see it by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..camera import Camera
+from ..lights import PointLight
+from ..scene import Scene
+from .daylight import sun_and_sky, sun_for
+from .framing import find_room, framing_camera
+from .probe import Probe
+
+LAMP_RADIANCE = 8.0
+"""W m^-2 sr^-1. Surfaces that emit less (screens, dials) do not count as a scene's light: beside
+a sky of 1 to 4 they would hardly show."""
+
+
+def with_default_camera(scene: Scene) -> Scene:
+    """The scene with a camera that shows it well; the one it had is replaced."""
+    return replace(scene, camera=framing_camera(Probe.of(scene)))
+
+
+def with_default_lights(scene: Scene) -> Scene:
+    """The scene, with a sun and a sky where nothing in it shines.
+
+    Lights, an environment, or a surface that emits at least LAMP_RADIANCE count as shining.
+    The sun is placed for the scene's camera (for a framing one where it is the default).
+    A closed room, which no sun enters, gets a lamp under its ceiling too.
+    """
+    if scene.lights or scene.environment is not None:
+        return scene
+    brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
+    if brightest >= LAMP_RADIANCE:
+        return scene
+    warnings = scene.warnings
+    if brightest > 0.0:
+        warnings += (
+            f"its emissive surfaces are dim (radiance {brightest:g}): "
+            "a default sun and sky were added",
+        )
+    probe = Probe.of(scene)
+    camera = framing_camera(probe) if scene.camera == Camera() else scene.camera
+    towards_sun, lit_share = sun_for(probe, camera)
+    sun, sky = sun_and_sky(towards_sun)
+    lamps = _lamp(probe) if lit_share == 0.0 else ()
+    if lamps:
+        warnings += ("no daylight gets into this closed room: a lamp was hung under its ceiling",)
+    return replace(scene, lights=(sun, *lamps), environment=sky, warnings=warnings)
+
+
+def _lamp(probe: Probe) -> tuple[PointLight, ...]:
+    """A lamp that gives the floor of the room about 10 W m^-2, or none outside a room."""
+    room = find_room(probe)
+    if room is None:
+        return ()
+    x, _, z = (float(v) for v in (room.low + room.high) / 2.0)
+    height = float(room.size[1])
+    intensity = 10.0 * (0.85 * height) ** 2
+    warm = (intensity, 0.9 * intensity, 0.75 * intensity)
+    return (PointLight(position=(x, float(room.low[1]) + 0.85 * height, z), intensity=warm),)

@@ -1,0 +1,123 @@
+"""OpenEXR with named layers, as compositing programs expect them.
+
+Channel names: R, G, B are the picture; `direct.R`, `direct.G`, `direct.B` a colour layer;
+`normal.X`, `.Y`, `.Z` a vector; `depth.Z` depth; `name.Y` any other scalar. ZIP compression.
+Exposure, tone curve and statistics travel in the attributes `airlight_exposure_stops`,
+`airlight_tone_map` and `airlight_stats` (JSON).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+
+from ...errors import SceneError
+from ..checks import F32
+from ..image import Image
+
+VECTOR_LAYERS = ("normal",)
+FLOAT_LAYERS = ("depth", "position")
+"""Never stored as half: 11 bits are millimetres at a metre and metres at a kilometre."""
+
+
+def write(image: Image, path: Path, *, layers: bool, half: bool) -> None:
+    """Write the picture, and with `layers` its layers; colours as half where `half`."""
+    channels = _named(image.radiance, "", half)
+    if layers:
+        for name, pixels in image.layers.items():
+            channels.update(_named(pixels, name, half and name not in FLOAT_LAYERS))
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "airlight_exposure_stops": float(image.exposure_stops),
+        "airlight_tone_map": image.tone_map,
+        "airlight_stats": json.dumps(dict(image.stats), default=str),
+    }
+    OpenEXR.File(header, channels).write(str(path))
+
+
+def _named(pixels: F32, layer: str, half: bool) -> dict[str, Any]:
+    """Channel name -> (H, W) array."""
+    if pixels.ndim == 2:
+        names = ["Z" if layer == "depth" else "Y"]
+    else:
+        names = list("XYZ" if layer in VECTOR_LAYERS else "RGB")
+    planes = pixels.reshape(*pixels.shape[:2], len(names))
+    if half:
+        # Half ends at 65504; an infinite pixel would spread through every filter.
+        planes = np.clip(planes, -65504.0, 65504.0).astype(np.float16)
+    prefix = f"{layer}." if layer else ""
+    return {prefix + name: np.ascontiguousarray(planes[..., k]) for k, name in enumerate(names)}
+
+
+def read(path: Path) -> Image:
+    """A picture with its layers. Raises SceneError."""
+    planes, header = _planes(path)
+    radiance = _stacked(planes, "RGB")
+    if radiance is None:
+        raise SceneError(f"it has no R, G, B channels, only {_listed(planes)}", where=path)
+    names = dict.fromkeys(name.rpartition(".")[0] for name in planes if "." in name)
+    layers = {name: layer for name in names if (layer := _layer(planes, name)) is not None}
+    return Image(
+        radiance=radiance,
+        layers=layers,
+        exposure_stops=float(header.get("airlight_exposure_stops", 0.0)),
+        tone_map=str(header.get("airlight_tone_map", "agx")),
+        stats=json.loads(header.get("airlight_stats", "{}")),
+    )
+
+
+def _layer(planes: Mapping[str, F32], name: str) -> F32 | None:
+    for channels in ("RGB", "XYZ"):
+        stacked = _stacked(planes, channels, f"{name}.")
+        if stacked is not None:
+            return stacked
+    for channel in "YZ":
+        if f"{name}.{channel}" in planes:
+            return planes[f"{name}.{channel}"]
+    return None
+
+
+def read_rgb(path: Path) -> F32:
+    """The colours of any EXR, (H, W, 3) float32; grey from a lone Y. Raises SceneError."""
+    planes, _ = _planes(path)
+    rgb = _stacked(planes, "RGB")
+    if rgb is not None:
+        return rgb
+    if "Y" in planes:
+        return np.repeat(planes["Y"][..., None], 3, axis=2)
+    raise SceneError(f"it has no R, G, B channels, only {_listed(planes)}", where=path)
+
+
+def _planes(path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
+    """Every channel of the first part as (H, W) float32, and the header."""
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            header = dict(file.header())
+            planes = {
+                str(name): np.array(channel.pixels, dtype=np.float32)
+                for name, channel in file.channels().items()
+            }
+    except Exception as error:  # OpenEXR raises RuntimeError, ValueError and TypeError
+        raise SceneError(f"not a readable EXR file ({error})", where=path) from None
+    if len({plane.shape for plane in planes.values()}) > 1 or any(
+        plane.ndim != 2 for plane in planes.values()
+    ):
+        raise SceneError("subsampled and deep EXR channels are not supported", where=path)
+    return planes, header
+
+
+def _stacked(planes: Mapping[str, F32], channels: str, prefix: str = "") -> F32 | None:
+    names = [prefix + channel for channel in channels]
+    if not all(name in planes for name in names):
+        return None
+    return np.stack([planes[name] for name in names], axis=-1)
+
+
+def _listed(planes: Mapping[str, F32]) -> str:
+    return ", ".join(sorted(planes)) or "none"

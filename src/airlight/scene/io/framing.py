@@ -1,0 +1,194 @@
+"""A camera for a scene that has none: from inside a room, through its open side, or around.
+
+A room is a place from which most rays end at the front of a surface; the inside of a teapot
+shows backs instead. Within a room the eye stands near one end of the longer axis and looks
+along it; of the few places tried, the one that sees furthest and most different things wins.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..camera import Camera
+from ..checks import F64
+from .probe import Hits, Probe, sphere_directions
+
+ROOM_FOV_DEG = 60.0
+OBJECT_FOV_DEG = 40.0
+EYE_HEIGHT_M = 1.6
+_RAYS = 96
+_CONE_COSINE = 0.77
+_VIEW_FROM = (0.55, 0.35, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """A box (3,) to (3,) metres around an enclosed place; open sides are infinite."""
+
+    low: F64
+    high: F64
+
+    @property
+    def size(self) -> F64:
+        """Metres per axis."""
+        return self.high - self.low
+
+
+def framing_camera(probe: Probe) -> Camera:
+    """A camera that shows the scene of `probe` well."""
+    if len(probe.corners) == 0:
+        return Camera()
+    room = find_room(probe)
+    if room is None:
+        return _around(probe, np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
+    if not np.isfinite(room.size[[0, 2]]).all():
+        return _through_open_side(probe, room)
+    return _inside(probe, room)
+
+
+def find_room(probe: Probe) -> Room | None:
+    """The room that the middle of the scene lies in, if it lies in one."""
+    points = probe.corners.reshape(-1, 3)
+    if len(points) == 0:
+        return None
+    low, high = points.min(axis=0), points.max(axis=0)
+    offsets = np.array([(0, 0, 0), (1, 0, 1), (-1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1, 0)])
+    directions = sphere_directions(_RAYS)
+    best, best_distance = None, 0.0
+    for place in (low + high) / 2.0 + 0.15 * (high - low) * offsets:
+        hits = probe.cast(np.repeat(place[None], _RAYS, axis=0), directions)
+        struck = np.isfinite(hits.distance)
+        typical = float(np.median(np.where(struck, hits.distance, 0.0)))
+        is_enclosed = struck.mean() > 0.72 and _are_walls(probe, hits)
+        if is_enclosed and typical > best_distance:
+            best, best_distance = _room_around(place, directions, hits.distance), typical
+    return best
+
+
+def _are_walls(probe: Probe, hits: Hits) -> bool:
+    """Whether most rays met the front of something upright or level.
+
+    The inside of a thin shell shows backs; that of a thick one, say a teapot, is round.
+    """
+    struck = hits.triangle >= 0
+    slope = np.abs(probe.normals[hits.triangle[struck], 1])
+    is_built = (slope < 0.1) | (slope > 0.98)
+    return bool((hits.is_front[struck] & is_built).mean() > 0.55)
+
+
+def _room_around(place: F64, directions: F64, distance: F64) -> Room:
+    """The walls: per side, how far most rays of a cone towards it get along the axis."""
+    low, high = np.empty(3), np.empty(3)
+    for axis in range(3):
+        for side, corner in ((-1.0, low), (1.0, high)):
+            cosine = side * directions[:, axis]
+            reach = distance[cosine > _CONE_COSINE] * cosine[cosine > _CONE_COSINE]
+            is_open = np.isinf(reach).mean() > 0.5
+            far = np.inf if is_open else np.quantile(reach[np.isfinite(reach)], 0.7)
+            corner[axis] = place[axis] + side * far
+    return Room(low, high)
+
+
+def _inside(probe: Probe, room: Room) -> Camera:
+    """The best of a few places near the ends of the longer horizontal axis."""
+    axes = [0, 2] if room.size[0] > room.size[2] else [2, 0]
+    if room.size[axes[0]] > 1.2 * room.size[axes[1]]:
+        axes = axes[:1]
+    places = [
+        _look_along(room, axis, side, shift)
+        for axis in axes
+        for side in (1.0, -1.0)
+        for shift in (0.08, -0.18, 0.25)
+    ]
+    coarse = probe.largest(4000)
+    scores = [_interest(coarse, camera, room) for camera in places]
+    return places[int(np.argmax(scores))]
+
+
+def _look_along(room: Room, axis: int, side: float, shift: float) -> Camera:
+    """Eye near the `side` end of an axis, `shift` of the width off its middle."""
+    low = np.where(np.isfinite(room.low), room.low, 0.0)
+    high = np.where(np.isfinite(room.high), room.high, low + 3.0)
+    across = 2 - axis
+    length, height = float(high[axis] - low[axis]), float(high[1] - low[1])
+    is_human = 2.0 <= height <= 8.0
+    eye = (low + high) / 2.0
+    eye[1] = low[1] + (EYE_HEIGHT_M if is_human else 0.4 * height)
+    eye[axis] += side * 0.4 * length
+    eye[across] += shift * (high[across] - low[across])
+    target = eye.copy()
+    target[axis] -= side * 0.65 * length
+    target[across] -= 0.5 * shift * (high[across] - low[across])
+    target[1] -= 0.065 * length
+    return _camera(eye, target, ROOM_FOV_DEG)
+
+
+def _interest(probe: Probe, camera: Camera, room: Room) -> float:
+    """How far a camera sees, times how many different things (2 to the power of the entropy);
+    up to half as much again where some of the view leads out of a window."""
+    eye = np.array(camera.position)
+    directions = view_directions(camera, 11, 7)
+    hits = probe.cast(np.repeat(eye[None], len(directions), axis=0), directions)
+    struck = hits.triangle >= 0
+    length = float(room.size[[0, 2]].max())
+    if not struck.any() or hits.is_front[struck].mean() < 0.6:
+        return 0.0
+    near: F64 = np.clip(hits.distance[struck] / length, 0.0, 1.0)
+    share = np.bincount(probe.mesh[hits.triangle[struck]]) / struck.sum()
+    entropy = -float(np.sum(share[share > 0] * np.log2(share[share > 0])))
+    is_blocked = bool(np.quantile(near, 0.1) < 0.05)
+    ends = eye + directions * np.minimum(hits.distance, 1e6 * length)[:, None]
+    margin = 0.15 * length
+    is_out = ((ends < room.low - margin) | (ends > room.high + margin)).any(axis=1).mean()
+    window = 1.0 + 10.0 * min(float(is_out), 0.05)
+    score: float = float(near.mean()) * 2.0**entropy * window * (0.1 if is_blocked else 1.0)
+    return score
+
+
+def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 / 9) -> F64:
+    """Unit directions (rows * columns, 3) through the middles of a camera's coarse pixels."""
+    forward = np.subtract(camera.target, camera.position)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    half = math.tan(math.radians(camera.fov_y_deg) / 2.0)
+    x = (2.0 * (np.arange(columns) + 0.5) / columns - 1.0) * half * aspect
+    y = (1.0 - 2.0 * (np.arange(rows) + 0.5) / rows) * half
+    px, py = (p.ravel()[:, None] for p in np.meshgrid(x, y))
+    rays = forward + px * right + py * np.cross(right, forward)
+    unit: F64 = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    return unit
+
+
+def _through_open_side(probe: Probe, room: Room) -> Camera:
+    """From outside, straight through the open wall, so that the whole inside fits."""
+    sides = [(axis, side) for axis in (2, 0) for side in (1.0, -1.0)]
+    axis, side = next(
+        (a, s) for a, s in sides if np.isinf(room.high[a] if s > 0.0 else room.low[a])
+    )
+    direction = np.zeros(3)
+    direction[axis] = side
+    return _around(probe, direction, probe.corners.reshape(-1, 3))
+
+
+def _around(probe: Probe, direction: F64, points: F64) -> Camera:
+    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 picture."""
+    towards = direction / np.linalg.norm(direction)
+    center = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    right = np.cross((0.0, 1.0, 0.0), towards)
+    right /= np.linalg.norm(right)
+    offset = points - center
+    half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / 1.08
+    reach_x = np.abs(offset @ right) / (half * 4.0 / 3.0)
+    reach_y = np.abs(offset @ np.cross(towards, right)) / half
+    distance = float(np.max(np.maximum(reach_x, reach_y) + offset @ towards))
+    return _camera(center + towards * max(distance, 1e-3), center, OBJECT_FOV_DEG)
+
+
+def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
+    ex, ey, ez = (round(float(v), 4) for v in eye)
+    tx, ty, tz = (round(float(v), 4) for v in target)
+    return Camera(position=(ex, ey, ez), target=(tx, ty, tz), fov_y_deg=fov_y_deg)

@@ -1,0 +1,147 @@
+"""Image files <-> textures, radiance maps and rendered pictures.
+
+Textures are 8-bit and keep their encoding. Radiance is linear float32. A picture is written
+by its ending: EXR (linear, layers; exr.py), HDR (linear; rgbe.py), PNG and JPEG (tone mapped).
+"""
+
+from __future__ import annotations
+
+import io
+import warnings as python_warnings
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
+from ...errors import AirlightError, OutputError, SceneError
+from ...maths.colour import srgb_decode
+from ..checks import F32
+from ..image import Image
+from ..material import Texture
+from . import exr, rgbe
+from .files import read_bytes, whole_file
+
+MAX_TEXTURE_PIXELS = 16384 * 16384
+"""Larger images are refused: a few kilobytes of PNG can unpack to all memory there is."""
+
+PICTURE_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
+
+
+def read_texture(data: Path | bytes, *, is_srgb: bool, source: str = "") -> Texture:
+    """An 8-bit texture from a file or its bytes: PNG, JPEG and whatever else Pillow reads.
+
+    Palettes, grey, 16-bit and CMYK images become RGBA. `source` is what messages and the
+    texture call it; the path where it is left out. Raises SceneError.
+    """
+    name = source or (str(data) if isinstance(data, Path) else "an embedded image")
+    raw = read_bytes(data) if isinstance(data, Path) else data
+    return Texture(pixels=_decode(raw, name), is_srgb=is_srgb, source=name)
+
+
+def _decode(raw: bytes, name: str) -> NDArray[np.uint8]:
+    """RGBA pixels (H, W, 4), top row first."""
+    try:
+        with python_warnings.catch_warnings():
+            # Our own limit, checked before any pixel is unpacked, stands in for Pillow's.
+            python_warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
+            image = PIL.Image.open(io.BytesIO(raw))
+            if image.width * image.height > MAX_TEXTURE_PIXELS:
+                raise SceneError(
+                    f"image of {image.width} x {image.height} pixels is too large",
+                    where=name,
+                    remedy=f"Scale it to at most {MAX_TEXTURE_PIXELS} pixels.",
+                )
+            image.load()
+    except AirlightError:
+        raise
+    except PIL.Image.DecompressionBombError:
+        raise SceneError(
+            "image has too many pixels",
+            where=name,
+            remedy=f"Scale it to at most {MAX_TEXTURE_PIXELS} pixels.",
+        ) from None
+    except Exception as error:  # Pillow's decoders raise whatever comes to hand
+        raise SceneError(f"not a readable image ({error})", where=name) from None
+    return _rgba(image)
+
+
+def _rgba(image: PIL.Image.Image) -> NDArray[np.uint8]:
+    if image.mode.startswith("I") or image.mode == "F":
+        values = np.asarray(image, dtype=np.float64)
+        # Pillow's wide grey modes hold 16 bits, or 0 to 1 where they are float.
+        eight = values * 255.0 if image.mode == "F" else values / 257.0
+        grey = np.clip(np.rint(np.nan_to_num(eight)), 0, 255).astype(np.uint8)
+        return np.stack([grey, grey, grey, np.full_like(grey, 255)], axis=-1)
+    return np.array(image.convert("RGBA"))
+
+
+def read_radiance(path: Path, warnings: list[str] | None = None) -> F32:
+    """Linear Rec.709 radiance (H, W, 3) float32 from EXR, HDR or any 8-bit image.
+
+    An 8-bit image is decoded from sRGB; that, and infinite pixels cut to 65504, is said in
+    `warnings`. Raises SceneError for unreadable files and NaN.
+    """
+    said = warnings if warnings is not None else []
+    suffix = path.suffix.lower()
+    raw = read_bytes(path)
+    if suffix == ".exr":
+        pixels = exr.read_rgb(path)
+    elif suffix in (".hdr", ".pic", ".rgbe"):
+        pixels = rgbe.decode(raw, path)
+    else:
+        said.append(f"{path}: an 8-bit image used as light; it has no highlights")
+        pixels = srgb_decode(_decode(raw, str(path))[..., :3] / 255.0).astype(np.float32)
+    if np.isnan(pixels).any():
+        raise SceneError(f"{int(np.isnan(pixels).sum())} values are NaN", where=path)
+    if np.isinf(pixels).any():
+        said.append(f"{path}: infinite pixels are cut to 65504")
+    return np.clip(pixels, 0.0, 65504.0) if np.isinf(pixels).any() else pixels
+
+
+def save_image(
+    image: Image, path: Path, *, layers: bool = True, precision: Literal["float", "half"] = "float"
+) -> None:
+    """Write a picture; its format is its ending's. It appears whole or not at all.
+
+    EXR holds linear radiance and, with `layers`, every layer as named channels; `precision`
+    "half" halves its colours (depth stays float). HDR is linear; PNG and JPEG are tone mapped
+    with the image's exposure and curve. Raises OutputError with a remedy.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in PICTURE_SUFFIXES:
+        raise OutputError(
+            f"cannot write a picture that ends in '{path.suffix}'",
+            where=path,
+            remedy=f"End its name in one of {', '.join(PICTURE_SUFFIXES)}.",
+        )
+    with whole_file(path) as part:
+        if suffix == ".exr":
+            exr.write(image, part, layers=layers, half=precision == "half")
+        elif suffix == ".hdr":
+            part.write_bytes(rgbe.encode(image.radiance))
+        else:
+            _write_display(image, part, suffix)
+
+
+def _write_display(image: Image, path: Path, suffix: str) -> None:
+    from ...maths.tone import display_srgb8
+
+    try:
+        pixels = display_srgb8(image.radiance, image.exposure_stops, image.tone_map)
+    except ValueError as error:
+        raise OutputError(str(error), where=path) from None
+    options: dict[str, Any] = {} if suffix == ".png" else {"quality": 95, "subsampling": 0}
+    PIL.Image.fromarray(pixels).save(path, **options)
+
+
+def load_image(path: Path) -> Image:
+    """Read a picture back: EXR with its layers as written by `save_image`, or any image.
+
+    Raises SceneError.
+    """
+    if path.suffix.lower() == ".exr":
+        read_bytes(path)
+        return exr.read(path)
+    return Image(radiance=read_radiance(path))

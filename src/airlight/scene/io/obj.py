@@ -1,0 +1,138 @@
+"""Wavefront OBJ with its MTL: one mesh per material.
+
+Polygons are cut into fans. Corners without a normal get one (normals.py); `s off` asks for
+flat shading. v runs upwards in OBJ and downwards in airlight, so it is flipped here. Colours
+after a vertex position (`v x y z r g b`) are taken as sRGB, as scanners write them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ...maths.colour import srgb_decode
+from ..material import DEFAULT_MATERIAL, Material
+from ..mesh import Geometry, Mesh
+from ..scene import Scene
+from .files import read_bytes
+from .mtl import load_mtl
+from .normals import compact, creased_normals
+from .obj_parse import I64, Floats, ObjData, parse_obj
+from .texture_files import TextureFiles
+
+
+def load_obj(path: Path) -> Scene:
+    """Read an OBJ file and the materials it names into a scene without lights or camera.
+
+    Raises SceneError with file and line for bad numbers and indices, and for no triangles.
+    What had to be approximated or replaced is in the scene's warnings.
+    """
+    data = parse_obj(read_bytes(path), path)
+    textures = TextureFiles(path.parent)
+    materials = _materials(data, path, textures)
+    triangles = _triangles(data)
+    if len(triangles.corners) == 0:
+        raise SceneError("it has no triangles", where=path)
+    meshes = _meshes(data, triangles, materials)
+    return Scene(meshes=meshes, name=path.stem, warnings=tuple(textures.warnings))
+
+
+class _Triangles:
+    """All polygons cut up: `corners` (T, 3, 3) position, uv, normal; `polygon` (T,)."""
+
+    def __init__(self, corners: I64, polygon: I64, normals: Floats) -> None:
+        self.corners = corners
+        self.polygon = polygon
+        self.normals = normals
+
+
+def _triangles(data: ObjData) -> _Triangles:
+    """Fans: corner 0 with every edge not touching it; every corner gets a normal."""
+    count = np.maximum(data.sizes - 2, 0)
+    polygon = np.repeat(np.arange(len(count)), count)
+    first = (np.cumsum(data.sizes) - data.sizes)[polygon]
+    step = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
+    at = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    corners = data.corners[at]
+    normals = data.normals
+    missing = corners[:, :, 2] < 0
+    if missing.any():
+        rows = np.flatnonzero(missing.any(axis=1))
+        made, index = creased_normals(
+            data.positions, corners[rows, :, 0], data.is_flat[polygon[rows]]
+        )
+        chosen = np.where(missing[rows], index + len(normals), corners[rows, :, 2])
+        corners[rows, :, 2] = chosen
+        normals = np.concatenate([normals, made])
+    return _Triangles(corners, polygon, normals)
+
+
+def _meshes(data: ObjData, triangles: _Triangles, materials: list[Material]) -> tuple[Mesh, ...]:
+    material = data.material[triangles.polygon]
+    order = np.argsort(material, kind="stable")
+    used, starts = np.unique(material[order], return_index=True)
+    parts = np.split(order, starts[1:])
+    return tuple(
+        Mesh(
+            _geometry(data, triangles.corners[part], triangles.normals),
+            materials[int(k)],
+            name=data.material_names[int(k)] or "default",
+        )
+        for k, part in zip(used, parts, strict=True)
+    )
+
+
+def _geometry(data: ObjData, corners: I64, normals: Floats) -> Geometry:
+    rows, indices = compact(corners)
+    uvs: NDArray[np.float32] | None = None
+    if (rows[:, 1] >= 0).any():
+        given = np.concatenate([data.uvs, [[0.0, 1.0]]])[rows[:, 1]]  # -1 is the last row
+        uvs = np.stack([given[:, 0], 1.0 - given[:, 1]], axis=1).astype(np.float32)
+    colors: NDArray[np.float32] | None = None
+    if data.colors is not None:
+        rgb = srgb_decode(data.colors[rows[:, 0]])
+        colors = np.concatenate([rgb, np.ones((len(rgb), 1))], axis=1).astype(np.float32)
+    return Geometry(
+        positions=data.positions[rows[:, 0]].astype(np.float32),
+        indices=indices,
+        normals=_unit(normals[rows[:, 2]]),
+        uvs=uvs,
+        colors=colors,
+    )
+
+
+def _unit(normals: Floats) -> NDArray[np.float32]:
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    unit = np.where(length > 0.0, normals / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
+    return unit.astype(np.float32)
+
+
+def _materials(data: ObjData, path: Path, textures: TextureFiles) -> list[Material]:
+    """A material for each name the file uses; unknown ones become the default, with a warning."""
+    known: dict[str, Material] = {}
+    for library in _libraries(data, path, textures):
+        known.update(load_mtl(library, textures))
+    used = set(np.unique(data.material).tolist())
+    chosen = []
+    for k, name in enumerate(data.material_names):
+        if name and name not in known and k in used:
+            textures.warnings.append(f"{path}: material '{name}' is not defined, it is grey")
+        chosen.append(known.get(name, DEFAULT_MATERIAL))
+    return chosen
+
+
+def _libraries(data: ObjData, path: Path, textures: TextureFiles) -> list[Path]:
+    """The material files that exist. One statement may name several, or one with spaces."""
+    found: list[Path] = []
+    for statement in data.libraries:
+        whole = textures.find(statement)
+        several = [whole] if whole else [textures.find(name) for name in statement.split()]
+        found += [library for library in several if library is not None]
+        if None in several:
+            textures.warnings.append(
+                f"{path}: material file '{statement}' is missing, its materials are grey"
+            )
+    return list(dict.fromkeys(found))

@@ -1,0 +1,170 @@
+"""Rays against triangles in NumPy: enough to find rooms, views and windows, no renderer.
+
+Only the largest triangles are kept, so that a probe costs the same for every scene.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import F32, F64
+from ..mesh import Mesh
+from ..scene import Scene
+
+MAX_TRIANGLES = 12_000
+_TESTS_AT_ONCE = 1_000_000
+_LARGEST = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """Where rays end: `distance` (R,), inf for a miss; `triangle` (R,), -1; seen from the front."""
+
+    distance: F64
+    triangle: NDArray[np.int64]
+    is_front: NDArray[np.bool_]
+
+
+class Probe:
+    """The opaque triangles of a scene in world space, largest first.
+
+    `corners` (T, 3, 3) metres, `mesh` (T,) the mesh each belongs to, `normals` (T, 3) unit.
+    """
+
+    def __init__(self, corners: F64, normals: F64, mesh: NDArray[np.int64]) -> None:
+        self.corners = corners
+        self.normals = normals
+        self.mesh = mesh
+
+    @classmethod
+    def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
+        """The largest opaque triangles of a scene; those without area are left out."""
+        parts = [_world_triangles(mesh) for mesh in scene.meshes]
+        owner = [np.full(len(part), k) for k, part in enumerate(parts)]
+        corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
+        a, b, c = corners.transpose(1, 0, 2)
+        cross = np.cross(b - a, c - a)
+        area = np.linalg.norm(cross, axis=1)
+        keep = np.argsort(-area, kind="stable")[:max_triangles]
+        keep = keep[area[keep] > 0.0]
+        mesh = np.concatenate([np.zeros(0, dtype=np.int64), *owner])[keep]
+        return cls(corners[keep], cross[keep] / area[keep, None], mesh)
+
+    def largest(self, count: int) -> Probe:
+        """A quicker and blinder probe."""
+        return Probe(self.corners[:count], self.normals[:count], self.mesh[:count])
+
+    def cast(self, origins: F64, directions: F64) -> Hits:
+        """First hits of rays (R, 3), unit directions (R, 3).
+
+        Source: Moeller1997, the ray-triangle test in barycentric coordinates.
+        """
+        count = max(1, _TESTS_AT_ONCE // max(1, len(self.corners)))
+        parts = [
+            self._cast(origins[k : k + count], directions[k : k + count])
+            for k in range(0, len(origins), count)
+        ]
+        distance = np.concatenate([np.zeros(0), *(part[0] for part in parts)])
+        nearest = np.concatenate([np.zeros(0, int), *(part[1] for part in parts)])
+        hit = np.isfinite(distance)
+        facing = np.zeros(len(distance))
+        facing[hit] = np.einsum("rk,rk->r", self.normals[nearest[hit]], directions[hit])
+        return Hits(distance, np.where(hit, nearest, -1), facing < 0.0)
+
+    def _cast(self, origins: F64, directions: F64) -> tuple[F64, NDArray[np.int64]]:
+        if len(self.corners) == 0:
+            return np.full(len(origins), np.inf), np.zeros(len(origins), dtype=np.int64)
+        a = self.corners[:, 0]
+        edge1, edge2 = self.corners[:, 1] - a, self.corners[:, 2] - a
+        # Triple products as matrix products: rays times triangles, nothing larger.
+        normal = np.cross(edge1, edge2)
+        moment = np.cross(origins, directions)
+        det = -(directions @ normal.T)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = 1.0 / det
+            u = _triple(origins, directions, moment, a, edge2) * inverse
+            v = -_triple(origins, directions, moment, a, edge1) * inverse
+            t = (origins @ normal.T - np.einsum("tk,tk->t", a, normal)) * inverse
+        inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-6)
+        t = np.where(inside, t, np.inf)
+        nearest = t.argmin(axis=1)
+        return t[np.arange(len(t)), nearest], nearest
+
+    def sees_sky(self, points: F64, towards: F64) -> NDArray[np.bool_]:
+        """Whether parallel rays from points (P, 3) towards a unit direction leave the scene."""
+        clear = np.ones(len(points), dtype=bool)
+        # Most rays end at a wall: the few largest triangles go first, the rest see survivors.
+        for part in (slice(0, _LARGEST), slice(_LARGEST, None)):
+            left = np.flatnonzero(clear)
+            clear[left] = ~self._any_hit(points[left], towards, part)
+        return clear
+
+    def _any_hit(self, points: F64, towards: F64, part: slice) -> NDArray[np.bool_]:
+        """In the plane across the direction a ray is a point: only triangles whose flat box
+        holds it are tested."""
+        corners = self.corners[part]
+        across = _plane(towards)
+        near = np.ones((len(points), len(corners)), dtype=bool)
+        for axis in across:
+            flat: F32 = (corners @ axis).astype(np.float32)
+            at: F32 = (points @ axis).astype(np.float32)[:, None]
+            near &= (at >= flat.min(axis=1)) & (at <= flat.max(axis=1))
+        point, triangle = np.nonzero(near)
+        blocked = _pairs_hit(points[point], towards, corners[triangle])
+        hits: NDArray[np.bool_] = np.bincount(point[blocked], minlength=len(points)) > 0
+        return hits
+
+
+def _pairs_hit(origins: F64, towards: F64, corners: F64) -> NDArray[np.bool_]:
+    """Whether each origin's ray hits the triangle of the same row, (N, 3) and (N, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    edge1, edge2, to_origin = b - a, c - a, origins - a
+    p = np.cross(towards, edge2)
+    q = np.cross(to_origin, edge1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1.0 / np.einsum("nk,nk->n", edge1, p)
+        u = np.einsum("nk,nk->n", to_origin, p) * inverse
+        v = (q @ towards) * inverse
+        t = np.einsum("nk,nk->n", edge2, q) * inverse
+    hit: NDArray[np.bool_] = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-6)
+    return hit
+
+
+def _triple(origins: F64, directions: F64, moment: F64, a: F64, edge: F64) -> F64:
+    """(origin - a) . (direction x edge) for all pairs, (R, T).
+
+    = edge . (origin x direction) - direction . (edge x a): sums of outer products.
+    """
+    product: F64 = moment @ edge.T - directions @ np.cross(edge, a).T
+    return product
+
+
+def _plane(direction: F64) -> F64:
+    """Two unit vectors (2, 3) across a unit direction."""
+    other = np.eye(3)[int(np.abs(direction).argmin())]
+    u = np.cross(direction, other)
+    u /= np.linalg.norm(u)
+    return np.stack([u, np.cross(direction, u)])
+
+
+def _world_triangles(mesh: Mesh) -> F64:
+    """Corners (T, 3, 3) in world space; none for a mesh that lets light through."""
+    material = mesh.material
+    if material.alpha < material.alpha_cutoff:
+        return np.zeros((0, 3, 3))
+    matrix = mesh.world_from_object
+    placed = mesh.geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    triangles: F64 = placed[mesh.geometry.indices]
+    return triangles
+
+
+def sphere_directions(count: int) -> F64:
+    """`count` unit vectors spread evenly over the sphere (a Fibonacci spiral), (count, 3)."""
+    k = np.arange(count) + 0.5
+    y = 1.0 - 2.0 * k / count
+    angle = k * np.pi * (3.0 - 5.0**0.5)
+    across = np.sqrt(1.0 - y * y)
+    return np.stack([across * np.cos(angle), y, across * np.sin(angle)], axis=1)

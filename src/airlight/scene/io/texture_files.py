@@ -1,0 +1,82 @@
+"""Finding and reading the images that a mesh file names, and standing in for missing ones."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from ...errors import SceneError
+from ..material import Texture
+from .images import read_texture
+
+
+def missing_texture(source: str) -> Texture:
+    """A checker in magenta and black that nobody takes for the real thing."""
+    checker = np.indices((8, 8)).sum(axis=0) % 2
+    pixels = np.zeros((8, 8, 4), dtype=np.uint8)
+    pixels[..., (0, 2)] = np.where(checker[..., None], 255, 20)
+    pixels[..., 3] = 255
+    return Texture(pixels=pixels, source=f"stand-in for {source}")
+
+
+class TextureFiles:
+    """The images beside a mesh file. Each is read once; trouble goes to `warnings`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.warnings: list[str] = []
+        self._read: dict[tuple[str, bool], Texture | None] = {}
+
+    def color(self, name: str, *, is_srgb: bool = True) -> Texture:
+        """An image that people see; a magenta checker and a warning where it cannot be read."""
+        return self._texture(name, is_srgb, "a magenta checker stands in") or missing_texture(name)
+
+    def data(self, name: str) -> Texture | None:
+        """Normals, roughness and the like; None and a warning where it cannot be read."""
+        return self._texture(name, False, "the surface goes without")
+
+    def find(self, name: str) -> Path | None:
+        """The file called `name`, whatever its case and slashes, or None.
+
+        Materials from other machines name absolute paths; the bare name is then looked for
+        in this folder and in `textures`.
+        """
+        plain = PurePosixPath(name.strip().strip('"').replace("\\", "/"))
+        if not plain.name:
+            return None
+        tries = [plain, PurePosixPath(plain.name), PurePosixPath("textures", plain.name)]
+        return next((hit for path in tries if (hit := _cased(self.folder, path))), None)
+
+    def _texture(self, name: str, is_srgb: bool, consequence: str) -> Texture | None:
+        key = (name, is_srgb)
+        if key not in self._read:
+            path = self.find(name)
+            texture: Texture | None = None
+            try:
+                if path is None:
+                    raise SceneError("texture is missing", where=self.folder / name)
+                texture = read_texture(path, is_srgb=is_srgb)
+            except SceneError as error:
+                self.warnings.append(f"{str(error).rstrip('.')}; {consequence}")
+            self._read[key] = texture
+        return self._read[key]
+
+
+def _cased(folder: Path, name: PurePosixPath) -> Path | None:
+    """folder/name as a file, each part matched without regard to case if need be."""
+    try:
+        if (folder / name).is_file():
+            return folder / name
+        here = folder
+        for part in name.parts:
+            exact = here / part
+            if not exact.exists():
+                alike = sorted(p for p in here.iterdir() if p.name.lower() == part.lower())
+                if not alike:
+                    return None
+                exact = alike[0]
+            here = exact
+    except (OSError, ValueError):  # a name no file system takes
+        return None
+    return here if here.is_file() else None

@@ -1,0 +1,58 @@
+"""Two images of one surface packed into the channels of one texture."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
+from ..material import Texture
+
+Plane = NDArray[np.uint8]
+
+
+def with_alpha(base: Texture | None, mask: Texture) -> Texture:
+    """`base` (white where None) with its alpha taken from `mask`, at the larger one's size.
+
+    A mask image with an alpha channel of its own gives that, any other its mean brightness.
+    """
+    alpha = mask.pixels[..., 3]
+    if alpha.min() == 255:
+        alpha = mask.pixels[..., :3].mean(axis=2).round().astype(np.uint8)
+    if base is None:
+        white = np.full((*alpha.shape, 4), 255, dtype=np.uint8)
+        base = dataclasses.replace(mask, pixels=white, is_srgb=True)
+    shape = _larger(base.pixels.shape[:2], alpha.shape[:2])
+    planes = [_resized(base.pixels[..., k], shape) for k in range(3)]
+    pixels = np.stack([*planes, _resized(alpha, shape)], axis=-1)
+    return dataclasses.replace(base, pixels=pixels, source=f"{base.source} + {mask.source}")
+
+
+def packed_roughness_metallic(
+    roughness: Texture | None, metallic: Texture | None
+) -> Texture | None:
+    """Roughness into green and metallic into blue, as in glTF; an absent one is 1."""
+    given = roughness or metallic
+    if given is None:
+        return None
+    shape = given.pixels.shape[:2]
+    if roughness is not None and metallic is not None:
+        shape = _larger(shape, metallic.pixels.shape[:2])
+    pixels = np.full((*shape, 4), 255, dtype=np.uint8)
+    for channel, image in ((1, roughness), (2, metallic)):
+        if image is not None:
+            pixels[..., channel] = _resized(image.pixels[..., 0], shape)
+    return dataclasses.replace(given, pixels=pixels)
+
+
+def _larger(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int]:
+    return max(a[0], b[0]), max(a[1], b[1])
+
+
+def _resized(plane: Plane, shape: tuple[int, ...]) -> Plane:
+    if plane.shape == shape:
+        return plane
+    image = PIL.Image.fromarray(np.ascontiguousarray(plane))
+    return np.asarray(image.resize((shape[1], shape[0]), PIL.Image.Resampling.BILINEAR))
