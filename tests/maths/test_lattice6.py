@@ -104,20 +104,17 @@ def test_irradiance_beside_an_isotropic_field_and_a_beam() -> None:
     np.testing.assert_allclose(e, np.array([3.0, 2.0, 0.0]) * np.pi * (2.0 / 3.0) / 4.0)
 
 
-def floor_errors(scheme: lattice6.Scheme, size: int = 26, steps: int = 32) -> float:
+def floor_error(scheme: lattice6.Scheme, steps: int = 32) -> float:
     """Relative L2 error on a floor at right angles to a 12 x 12-cell Lambertian wall, exitance 1.
 
-    The wall stands in the plane x = 7 over the floor y = 7 of an open lattice.
+    Wall and floor are two sides of an open lattice, x = 0 and y = 0.
     """
-    edge, z0 = 7, 7
-    state = np.zeros((1, size, size, size, 4))
-    state[0, z0 : z0 + 12, edge : edge + 12, edge] = sh.cosine_lobe([1.0, 0.0, 0.0], 1.0)
+    state = np.zeros((1, 24, 24, 24, 4))
+    state[0, 6:18, :12, 0] = sh.cosine_lobe([1.0, 0.0, 0.0], 1.0)
     total = lattice6.propagate(state, steps, scheme)[0]
     # the lookup half a cell above the floor is at cell centres
-    measured = lattice6.surface_irradiance(
-        total[z0 : z0 + 12, edge, edge : edge + 12], [0.0, 1.0, 0.0], 1.0
-    )
-    return float(np.linalg.norm(measured - FLOOR) / np.linalg.norm(FLOOR))
+    floor = lattice6.surface_irradiance(total[6:18, 0, :12], [0.0, 1.0, 0.0], 1.0)
+    return float(np.linalg.norm(floor - FLOOR) / np.linalg.norm(FLOOR))
 
 
 def floor_by_quadrature() -> np.ndarray:
@@ -136,7 +133,6 @@ FLOOR = floor_by_quadrature()
 
 
 def test_floor_lit_by_a_wall() -> None:
-    centroid, paper = floor_errors("centroid"), floor_errors("paper")
-    print(centroid, paper)
-    assert centroid < 0.25
-    assert centroid < 0.6 * paper
+    # The notes measured .057 and .437. These ceilings may only fall.
+    assert floor_error("centroid") < 0.060
+    assert floor_error("paper") == pytest.approx(0.433, abs=0.01)

@@ -1,0 +1,247 @@
+"""Every WGSL library function gives what its NumPy namesake gives, in float32.
+
+Tolerances are float32's, widened where the formula magnifies an input's rounding; both sides get
+the same float32 inputs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from airlight.maths import airlight, medium, octahedron, phase, sampling, sh, tone
+
+Evaluate = Callable[..., np.ndarray]
+
+RNG = np.random.default_rng(20)
+COUNT = 3000
+
+
+def single(x: np.ndarray) -> np.ndarray:
+    """Rounded to float32, kept as float64 for the truth."""
+    return np.asarray(x, dtype=np.float32).astype(np.float64)
+
+
+def unit(count: int = COUNT) -> np.ndarray:
+    d = RNG.normal(size=(count, 3))
+    return single(d / np.linalg.norm(d, axis=1, keepdims=True))
+
+
+MU = single(RNG.uniform(-1.0, 1.0, COUNT))
+G = single(np.concatenate([RNG.uniform(-0.97, 0.97, COUNT - 3), [0.0, 1e-6, -1e-6]]))
+DEPTH = single(np.concatenate([[0.0], np.geomspace(1e-7, 80.0, COUNT - 1)]))
+
+
+@pytest.mark.parametrize("name", ["henyey_greenstein", "henyey_greenstein_cumulative"])
+def test_phase(wgsl: Evaluate, name: str) -> None:
+    expected = getattr(phase, name)(MU, G)
+    np.testing.assert_allclose(wgsl("phase", name, MU, G), expected, rtol=3e-4, atol=1e-6)
+
+
+def test_phase_rgb_caps_and_sampling(wgsl: Evaluate) -> None:
+    g3 = single(RNG.uniform(-0.9, 0.9, (COUNT, 3)))
+    rgb = wgsl("phase", "henyey_greenstein_rgb", MU, g3, returns="vec3f")
+    np.testing.assert_allclose(rgb, phase.henyey_greenstein(MU[:, None], g3), rtol=1e-4)
+    caps = wgsl("phase", "cap_fractions", G, returns="vec3f")
+    np.testing.assert_allclose(caps, np.stack(phase.cap_fractions(G), axis=1), atol=2e-6)
+    u = single(RNG.random(COUNT))
+    mu = wgsl("phase", "sample_henyey_greenstein", u, G)
+    np.testing.assert_allclose(mu, phase.sample_henyey_greenstein(u, G), atol=2e-4)
+
+
+@pytest.mark.parametrize("name", ["mean_transmittance", "mean_absorption_depth"])
+def test_medium_means(wgsl: Evaluate, name: str) -> None:
+    np.testing.assert_allclose(
+        wgsl("medium", name, DEPTH), getattr(medium, name)(DEPTH), rtol=3e-6, atol=1e-9
+    )
+
+
+def test_transmittance(wgsl: Evaluate) -> None:
+    sigma = single(RNG.random((COUNT, 3)))
+    length = single(RNG.random(COUNT) * 10.0)
+    expected = medium.transmittance(sigma, length[:, None])
+    t = wgsl("medium", "transmittance", sigma, length, returns="vec3f")
+    np.testing.assert_allclose(t, expected, rtol=3e-6)
+    rgb = wgsl("medium", "mean_transmittance_rgb", sigma, returns="vec3f")
+    np.testing.assert_allclose(rgb, medium.mean_transmittance(sigma), rtol=3e-6)
+
+
+def assert_same_interval(found: np.ndarray, t0: np.ndarray, t1: np.ndarray, atol: float) -> None:
+    """Hits agree; rays that graze may be told apart by float32 only."""
+    hit = (t1 - t0 > 0.05) & (np.isfinite(t0) | np.isfinite(t1))
+    far = 1e30
+    expected = np.clip(np.stack([t0, t1], axis=1), -far, far)[hit]
+    np.testing.assert_allclose(np.clip(found, -far, far)[hit], expected, rtol=2e-4, atol=atol)
+    missed = t0 > t1 + 1e-9
+    assert (found[:, 0] > found[:, 1])[missed].mean() > 0.999
+
+
+def test_ray_intervals(wgsl: Evaluate) -> None:
+    o, d = single(RNG.normal(size=(COUNT, 3)) * 1.5), unit()
+    d[:200] = np.eye(3)[RNG.integers(0, 3, 200)]
+    low, high = np.tile([[-1.0, -0.5, 0.25]], (COUNT, 1)), np.tile([[0.5, 1.0, 1.25]], (COUNT, 1))
+    found = wgsl("medium", "ray_box_interval", o, d, low, high, returns="vec2f")
+    assert_same_interval(found, *medium.ray_box_interval(o, d, low, high), atol=1e-4)
+    found = wgsl("medium", "ray_sphere_interval", o, d, low, 0.75, returns="vec2f")
+    assert_same_interval(found, *medium.ray_sphere_interval(o, d, low, 0.75), atol=1e-4)
+
+
+def test_ray_cone_interval(wgsl: Evaluate) -> None:
+    o, d, axis = single(RNG.normal(size=(COUNT, 3)) * 1.5), unit(), unit()
+    cosine = single(RNG.uniform(0.3, 0.99, COUNT))
+    apex = np.zeros((COUNT, 3))
+    # rays along the cone's own side meet it far away: their ends are not compared
+    slanted = np.abs(np.einsum("ni,ni->n", d, axis) ** 2 - cosine**2) > 0.02
+    o, d, axis, cosine, apex = (v[slanted] for v in (o, d, axis, cosine, apex))
+    found = wgsl("medium", "ray_cone_interval", o, d, apex, axis, cosine, returns="vec2f")
+    t0, t1 = medium.ray_cone_interval(o, d, apex, axis, cosine)
+    assert_same_interval(found, t0, t1, atol=2e-3)
+
+
+def airlight_inputs() -> list[np.ndarray]:
+    h = single(RNG.uniform(0.05, 3.0, COUNT))
+    t0 = single(RNG.uniform(-6.0, 2.0, COUNT))
+    t1 = single(t0 + RNG.uniform(0.0, 8.0, COUNT))
+    eye = single(t0 - RNG.uniform(0.0, 2.0, COUNT))
+    return [h, t0, t1, eye, single(RNG.random((COUNT, 3)))]
+
+
+def test_point_airlight(wgsl: Evaluate) -> None:
+    h, t0, t1, eye, sigma = airlight_inputs()
+    g = single(RNG.uniform(-0.6, 0.8, (COUNT, 3)))
+    found = wgsl("airlight", "point_airlight", h, t0, t1, eye, sigma, g, returns="vec3f")
+    columns = (v[:, None] for v in (h, t0, t1, eye))
+    expected = airlight.point_airlight(*columns, sigma, g)
+    np.testing.assert_allclose(found, expected, rtol=3e-4, atol=1e-7)
+
+
+def test_spot_airlight(wgsl: Evaluate) -> None:
+    h, t0, t1, eye, sigma = airlight_inputs()
+    axis = unit()[:, :2]
+    ends = [axis[:, 0], axis[:, 1], np.full(COUNT, 0.9375), np.full(COUNT, 0.25)]
+    g = np.zeros((COUNT, 3))
+    found = wgsl("airlight", "spot_airlight", h, t0, t1, eye, sigma, *ends, g, returns="vec3f")
+    columns = (v[:, None] for v in (h, t0, t1, eye))
+    expected = airlight.spot_airlight(*columns, sigma, *(v[:, None] for v in ends), g)
+    np.testing.assert_allclose(found, expected, rtol=5e-4, atol=2e-6)
+    c = single(RNG.uniform(-1.0, 1.0, COUNT))
+    found = wgsl("airlight", "spot_falloff", c, 0.9375, 0.25)
+    np.testing.assert_allclose(found, airlight.spot_falloff(c, 0.9375, 0.25), atol=1e-6)
+
+
+def test_directional_airlight_and_geometry(wgsl: Evaluate) -> None:
+    length, s0 = single(RNG.uniform(0.0, 9.0, COUNT)), single(RNG.uniform(9.0, 12.0, COUNT))
+    slope, sigma = single(RNG.uniform(-1.0, 1.0, COUNT)), single(RNG.random((COUNT, 3)))
+    g = single(RNG.uniform(-0.6, 0.8, (COUNT, 3)))
+    args = (length, s0, slope, sigma, MU, g)
+    found = wgsl("airlight", "directional_airlight", *args, returns="vec3f")
+    columns = (v[:, None] for v in (length, s0, slope))
+    expected = airlight.directional_airlight(*columns, sigma, MU[:, None], g)
+    np.testing.assert_allclose(found, expected, rtol=2e-4, atol=1e-9)
+    o, light, d = single(RNG.normal(size=(COUNT, 3))), single(RNG.normal(size=(COUNT, 3))), unit()
+    found = wgsl("airlight", "ray_light_geometry", o, d, light, returns="vec2f")
+    expected = np.stack(airlight.ray_light_geometry(o, d, light), axis=1)
+    np.testing.assert_allclose(found, expected, atol=3e-6)
+
+
+def test_spherical_harmonics(wgsl: Evaluate) -> None:
+    d, normal = unit(), unit()
+    state, power = single(RNG.normal(size=(COUNT, 4))), single(RNG.random(COUNT))
+    found = wgsl("sh", "intensity", state, d)
+    np.testing.assert_allclose(found, sh.intensity(state, d), atol=2e-6)
+    lobe = wgsl("sh", "cosine_lobe", normal, power, returns="vec4f")
+    np.testing.assert_allclose(lobe, sh.cosine_lobe(normal, power), atol=1e-6)
+    c = np.zeros((9, 4))
+    c[:, :3] = single(RNG.normal(size=(9, 3)))
+    rows = np.broadcast_to(c, (COUNT, 9, 4))
+    found = wgsl("sh", "sh_evaluate", rows, d, returns="vec3f")
+    np.testing.assert_allclose(found, sh.sh_evaluate(c[:, :3], d), atol=1e-5)
+    found = wgsl("sh", "irradiance_from_radiance_sh", rows, normal, returns="vec3f")
+    expected = sh.irradiance_from_radiance_sh(c[:, :3], normal)
+    np.testing.assert_allclose(found, expected, atol=2e-5)
+
+
+def test_octahedron(wgsl: Evaluate) -> None:
+    d = np.concatenate([unit(), np.eye(3), -np.eye(3)])
+    square = wgsl("octahedron", "octahedron_encode", d, returns="vec2f")
+    np.testing.assert_allclose(square, octahedron.octahedron_encode(d), atol=3e-7)
+    back = wgsl("octahedron", "octahedron_decode", single(square), returns="vec3f")
+    np.testing.assert_allclose(back, octahedron.octahedron_decode(single(square)), atol=1e-6)
+    packed = wgsl("octahedron", "octahedron_pack16", d, returns="u32")
+    # a coordinate next to a rounding border may fall to either side of it
+    assert (packed == octahedron.octahedron_pack16(d)).mean() > 0.99
+    read = wgsl("octahedron", "octahedron_unpack16", packed, returns="vec3f")
+    np.testing.assert_allclose(read, octahedron.octahedron_unpack16(packed), atol=1e-6)
+
+
+def test_octahedron_neighbour(wgsl: Evaluate) -> None:
+    v, u = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")
+    cells = np.tile(np.stack([u, v], axis=-1).reshape(-1, 2), (4, 1))
+    step = np.repeat([[1, 0], [-1, 0], [0, 1], [0, -1]], 36, axis=0)
+    found = wgsl("octahedron", "octahedron_neighbour", cells, step, 6, returns="vec2i")
+    np.testing.assert_array_equal(found, octahedron.octahedron_neighbour(cells, step, 6))
+
+
+def test_hashes_are_the_same_bits(wgsl: Evaluate) -> None:
+    values = np.concatenate([np.arange(2000), 2**32 - 1 - np.arange(2000)]).astype(np.uint32)
+    hashed = wgsl("sampling", "pcg_hash", values, returns="u32")
+    np.testing.assert_array_equal(hashed, sampling.pcg_hash(values))
+    found = wgsl("sampling", "uniform_from_hash", hashed)
+    np.testing.assert_array_equal(found, sampling.uniform_from_hash(hashed))
+    x, y, frame = (RNG.integers(0, 4000, COUNT).astype(np.uint32) for _ in range(3))
+    found = wgsl("sampling", "r2_noise", x, y, frame)
+    np.testing.assert_array_equal(found, sampling.r2_noise(x, y, frame))
+    r2 = wgsl("sampling", "r2_sequence", np.arange(5000, dtype=np.uint32), returns="vec2f")
+    np.testing.assert_allclose(r2, sampling.r2_sequence(5000), atol=2e-6)
+
+
+def test_gradient_noise(wgsl: Evaluate) -> None:
+    x, y = single(RNG.integers(0, 2000, COUNT)), single(RNG.integers(0, 2000, COUNT))
+    found = wgsl("sampling", "interleaved_gradient_noise", x, y)
+    off = np.abs(found - sampling.interleaved_gradient_noise(x, y))
+    # float32 loses 8 bits of 0.067 x and fract magnifies the rest by 53; it may wrap
+    assert np.minimum(off, 1.0 - off).max() < 2e-3
+
+
+def test_warps(wgsl: Evaluate) -> None:
+    u = single(RNG.random((COUNT, 2)))
+    found = wgsl("sampling", "concentric_disk", u, returns="vec2f")
+    np.testing.assert_allclose(found, sampling.concentric_disk(u), atol=1e-6)
+    found = wgsl("sampling", "cosine_hemisphere", u, returns="vec3f")
+    np.testing.assert_allclose(found, sampling.cosine_hemisphere(u), atol=4e-4)
+    n = unit()
+    found = wgsl("sampling", "orthonormal_frame", n, returns="mat3x3f")
+    expected = np.stack([*sampling.orthonormal_frame(n), n], axis=1)
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+    found = wgsl("sampling", "equiangular_distance", u[:, 0], 0.5, -2.0, 3.0, returns="vec2f")
+    expected = np.stack(sampling.equiangular_distance(u[:, 0], 0.5, -2.0, 3.0), axis=1)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", tone.TONE_CURVES)
+def test_tone_curves(wgsl: Evaluate, name: str) -> None:
+    colours = single(2.0 ** RNG.uniform(-14.0, 8.0, (COUNT, 3)))
+    colours[:4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.5, 0.0], [1e6, 1e5, 1.0]]
+    curve = np.full(COUNT, list(tone.TONE_CURVES).index(name), dtype=np.uint32)
+    stops = np.full(COUNT, 1.5)
+    found = wgsl("tone", "tone_map", colours, stops, curve, returns="vec3f")
+    np.testing.assert_allclose(found, tone.tone_map(colours, 1.5, name), atol=4e-5)
+
+
+def test_tone_map_drops_what_is_not_finite(wgsl: Evaluate) -> None:
+    bad = np.array([[np.nan, np.inf, -np.inf]] * 4)
+    curve = np.arange(4, dtype=np.uint32)
+    found = wgsl("tone", "tone_map", bad, np.zeros(4), curve, returns="vec3f")
+    np.testing.assert_allclose(found, 0.0, atol=1e-6)
+
+
+def test_colour(wgsl: Evaluate) -> None:
+    from airlight.maths import colour
+
+    c = single(RNG.random((COUNT, 3)))
+    for name, truth in (("srgb_encode", colour.srgb_encode), ("srgb_decode", colour.srgb_decode)):
+        found = wgsl("tone", name, c, returns="vec3f")
+        np.testing.assert_allclose(found, truth(c), atol=2e-6)
+    np.testing.assert_allclose(wgsl("tone", "luminance", c), colour.luminance(c), atol=1e-6)
