@@ -13,6 +13,7 @@ from airlight.errors import DeviceError
 Evaluate = Callable[..., np.ndarray]
 
 _SCALARS = {"f": "f32", "i": "i32", "u": "u32"}
+_DTYPES: dict[str, Any] = {"f": np.float32, "i": np.int32, "u": np.uint32}
 _KERNEL = """
 //! use {library}
 @group(0) @binding(0) var<storage, read> words: array<u32>;
@@ -46,13 +47,13 @@ def _argument(shape: tuple[int, ...], kind: str, offset: int, stride: int) -> st
 
 
 # WGSL type -> (what reads its parts off `r`, NumPy's type of a part, shape of a row)
-_RETURNS = {
+_RETURNS: dict[str, tuple[list[str], Any, tuple[int, ...]]] = {
     "f32": (["r"], np.float32, ()),
     "u32": (["r"], np.uint32, ()),
     "mat3x3f": ([f"r[{c}].{k}" for c in range(3) for k in "xyz"], np.float32, (3, 3)),
 }
 for _n in (2, 3, 4):
-    for _kind, _dtype in (("f", np.float32), ("i", np.int32), ("u", np.uint32)):
+    for _kind, _dtype in _DTYPES.items():
         _RETURNS[f"vec{_n}{_kind}"] = ([f"r.{k}" for k in "xyzw"[:_n]], _dtype, (_n,))
 
 
@@ -80,8 +81,6 @@ def wgsl() -> Evaluate:
     a second axis of 2 to 4 a vector, a third an array of vectors.
     """
     from airlight.gpu.device import open_gpu
-    from airlight.gpu.memory import Buffer, buffer_of
-    from airlight.gpu.source import Source, compile_wgsl
 
     try:
         gpu = open_gpu()
@@ -91,34 +90,39 @@ def wgsl() -> Evaluate:
     def evaluate(library: str, name: str, *values: Any, returns: str = "f32") -> np.ndarray:
         count = max(np.asarray(v).shape[0] if np.ndim(v) else 1 for v in values)
         args = [np.asarray(v) if np.ndim(v) else np.full(count, v) for v in values]
-        words32 = {"f": np.float32, "i": np.int32, "u": np.uint32}
-        args = [a.astype(words32[a.dtype.kind]) for a in args]
+        args = [a.astype(_DTYPES[a.dtype.kind]) for a in args]
         packed = np.concatenate([a.reshape(count, -1).view(np.uint32) for a in args], axis=1)
         parts, dtype, row = _RETURNS[returns]
-        source = Source()
-        source.add(_kernel(library, name, args, parts), f"twin of {name}")
-        given, result = (
-            buffer_of(gpu, "words", packed),
-            Buffer(gpu, "results", 4 * count * len(parts)),
-        )
-        pipeline = gpu.device.create_compute_pipeline(
-            layout="auto",
-            compute={"module": compile_wgsl(gpu.device, source, name), "entry_point": "main"},
-        )
-        bound = [{"binding": k, "resource": b.resource} for k, b in enumerate((given, result))]
-        group = gpu.device.create_bind_group(
-            layout=pipeline.get_bind_group_layout(0), entries=bound
-        )
-        encoder = gpu.device.create_command_encoder()
-        step = encoder.begin_compute_pass()
-        step.set_pipeline(pipeline)
-        step.set_bind_group(0, group)
-        step.dispatch_workgroups(-(-count // 64))
-        step.end()
-        gpu.queue.submit([encoder.finish()])
-        values_out = result.read(dtype)[: count * len(parts)].reshape(count, *row).copy()
-        given.release()
-        result.release()
-        return values_out
+        kernel = _kernel(library, name, args, parts)
+        words = _run(gpu, name, kernel, packed, count * len(parts))
+        return np.asarray(words.view(dtype).reshape(count, *row))
 
     return evaluate
+
+
+def _run(gpu: Any, name: str, kernel: str, packed: np.ndarray, result_words: int) -> np.ndarray:
+    """The u32 words that `kernel` writes for the words it is given."""
+    from airlight.gpu.memory import Buffer, buffer_of
+    from airlight.gpu.source import Source, compile_wgsl
+
+    source = Source()
+    source.add(kernel, f"twin of {name}")
+    given, result = buffer_of(gpu, "words", packed), Buffer(gpu, "results", 4 * result_words)
+    module = compile_wgsl(gpu.device, source, name)
+    pipeline = gpu.device.create_compute_pipeline(
+        layout="auto", compute={"module": module, "entry_point": "main"}
+    )
+    entries = [{"binding": k, "resource": b.resource} for k, b in enumerate((given, result))]
+    layout = pipeline.get_bind_group_layout(0)
+    group = gpu.device.create_bind_group(layout=layout, entries=entries)
+    encoder = gpu.device.create_command_encoder()
+    step = encoder.begin_compute_pass()
+    step.set_pipeline(pipeline)
+    step.set_bind_group(0, group)
+    step.dispatch_workgroups(-(-len(packed) // 64))
+    step.end()
+    gpu.queue.submit([encoder.finish()])
+    words = result.read(np.uint32)[:result_words].copy()
+    given.release()
+    result.release()
+    return np.asarray(words)

@@ -35,15 +35,16 @@ def relative_error(nodes: int, g: float) -> float:
 
 
 def test_point_light_by_nodes() -> None:
-    # the notes' 3.2e-3 and 8e-4 were of their own cases
-    assert relative_error(8, 0.0) < 4e-3
-    assert relative_error(16, 0.0) < 8e-4
-    assert relative_error(64, 0.0) < 1e-6
+    # measured 1.7e-3, 2.0e-4, 1e-6 (the notes, on cases of their own: 3.2e-3, 8e-4)
+    assert relative_error(8, 0.0) < 1.8e-3
+    assert relative_error(16, 0.0) < 2.1e-4
+    assert relative_error(32, 0.0) < 2e-6
 
 
 def test_point_light_with_a_phase_function() -> None:
-    assert relative_error(8, 0.5) < 2e-2
-    assert relative_error(32, 0.8) < 1e-3
+    assert relative_error(8, 0.5) < 4e-4
+    assert relative_error(8, 0.8) < 7e-3
+    assert relative_error(16, 0.8) < 4e-5
 
 
 def test_point_light_in_clear_air_is_the_angle_over_the_distance() -> None:

@@ -48,9 +48,10 @@ def point_airlight(
 
     r = sqrt(h^2 + t^2) is the distance to a point light at height h over t = 0, f
     Henyey-Greenstein. Gauss-Legendre in X = atan2(t, h): equi-angular, so 1/r^2 is exact; `nodes`
-    8 gives 3e-3, 16 gives 8e-4 at worst.
-    Source: Billeter2012 section 3.3 (the airlight integral), Kulla and Fajardo 2012 (equi-angular).
-    differs: no table; a difference of two table values cancels in float32.
+    8 is within 3e-3, 16 within 8e-4 for g up to 0.5; a sharper lobe wants 16.
+    Source: Nishita et al. 1987 (the integral), Kulla and Fajardo 2012 (equi-angular).
+    differs: Billeter2012 section 2 points to Sun et al. 2005, whose difference of two table values
+    cancels in float32; here there is no table.
     """
     return _equiangular(h_m, t0_m, t1_m, t_eye_m, sigma_t, g, None, nodes)
 
@@ -129,7 +130,7 @@ def directional_airlight(
     The light travels s0 + q t through the medium to reach the ray at t: `light_path_m` = s0,
     `light_path_slope` = q. mu is the cosine from the light's travel direction to the direction
     towards the eye. Closed: f exp(-sigma s0) T phi1(sigma (1 + q) T).
-    Source: Billeter2012 section 3.3, for parallel light.
+    Source: Billeter2012 eq. 1, for parallel light in homogeneous air.
     """
     sigma, length = np.asarray(sigma_t, dtype=np.float64), np.asarray(length_m, dtype=np.float64)
     s0, q = (np.asarray(v, dtype=np.float64) for v in (light_path_m, light_path_slope))

@@ -2,7 +2,7 @@
 
 A state is (C, Z, Y, X, 4) in power units, W: (A, B) = 4pi (a, b) of the two-band intensity
 a + b.w of lattice6; A is a cell's power, B/3 its net flux. One iteration moves all power one hop.
-Source: Billeter2012 section 3; weights and the deposit step are ours (see `Hops`, `deposit_step`).
+Source: Billeter2012 sections 3 and 4; weights and the deposit step are ours (see `Hops`, `deposit_step`).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Hops:
     (26, 3) unit; `weights` (26,) sum to 1; `solid_angles` (26,), sr, sum to 4pi: the Voronoi
     cells. `gain0`, `gain1` (26,) are the transfer functions' coefficients in bands 0 and 1,
     Gamma_j = g0 y0 + g1 d_j.y1.
-    differs: Billeter2012 rescales fitted transfer functions ("less than 1% loss"); here
+    differs: Billeter2012 section 4 rescales fitted transfer functions ("less than 1% loss"); here
     Gamma_j = sqrt(w_j) (y0 + sqrt(3) rho d_j.y1) keeps all power of any state.
     """
 

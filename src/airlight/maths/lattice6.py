@@ -3,7 +3,7 @@
 A state is (C, Z, Y, X, 4): per channel and cell the two-band intensity (a, bx, by, bz), W/sr.
 Hops are ordered +x -x +y -y +z -z. Two schemes:
 
-paper      Kaplanyan2010 section 4: evaluate towards each far face's centre, re-emit a cosine lobe
+paper      Kaplanyan2010 section 3.3: evaluate towards each far face's centre, re-emit a cosine lobe
            along the face's normal
 centroid   ours: receive and emit along the mean direction of the face's solid angle; keeps 0.912
            of the net direction per hop where the paper keeps 0.369
@@ -97,7 +97,7 @@ def _triple(v: F64) -> tuple[float, float, float]:
 def hops(scheme: Scheme = "centroid") -> tuple[Hop, ...]:
     """The six hops of a scheme. Raises ValueError for an unknown one.
 
-    differs: Kaplanyan2010 sections 4.1-4.2 weigh by dOmega/4pi and divide by pi, which loses a
+    differs: Kaplanyan2010 section 3.3 weighs by dOmega/4pi and divides by pi, which loses a
     factor 4pi per step; both schemes here keep the power of every hop.
     """
     table = []
@@ -115,7 +115,7 @@ def blocked_shares(projected_area: ArrayLike) -> F64:
     falls into floor(p/s + 1/2)): the surfels' area projected on each axis, over s^2, split by the
     side they face, order +x -x +y -y +z -z. Light is stopped by what faces it. The four corners
     of the crossed face are averaged; 3/2 closes a wall that falls between two layers.
-    differs: Kaplanyan2010 section 4.3 keeps the surfels as spherical harmonics, which leak.
+    differs: Kaplanyan2010 section 3.2 keeps the surfels as spherical harmonics, which leak.
     """
     area = np.asarray(projected_area, dtype=np.float64)
     shares = []
@@ -162,7 +162,7 @@ def propagate_step(
 
     Light that leaves the lattice, and the share in `blocked` (6, Z, Y, X), is gone. Unclamped,
     the power 4pi sum a is kept to rounding; `clamp_negative` drops negative face powers and gains
-    power. Source: Kaplanyan2010 section 4; scheme as in `hops`.
+    power. Source: Kaplanyan2010 section 3.3; scheme as in `hops`.
     """
     before = np.asarray(state, dtype=np.float64)
     stopped = None if blocked is None else np.asarray(blocked, dtype=np.float64)
@@ -191,7 +191,11 @@ def propagate(
     *,
     clamp_negative: bool = False,
 ) -> F64:
-    """Sum of the injected state (C, Z, Y, X, 4) and all `iterations` states after it."""
+    """Sum of the injected state (C, Z, Y, X, 4) and all `iterations` states after it.
+
+    Source: Kaplanyan2010 section 3.3. differs: blockers stop light in the first step too; the
+    paper leaves them out there, lest a surface shadow itself.
+    """
     state = np.asarray(injected, dtype=np.float64)
     total = state.copy()
     for _ in range(iterations):
@@ -207,7 +211,7 @@ def surface_irradiance(
 
     The state is to be looked up trilinearly at x + n cell_size/2. `scale` turns the flux through
     a cell into a density: 2/3 for 6 neighbours, about 1.1 for 26 (measured).
-    differs: Kaplanyan2010 section 4.4 divides the intensity towards the surface by a quarter of
+    differs: Kaplanyan2010 section 3.4 divides the intensity towards the surface by a quarter of
     the cell's area: 2 to 2.4 times too bright beside a wall.
     """
     s, n = np.asarray(accumulated, dtype=np.float64), np.asarray(normal, dtype=np.float64)

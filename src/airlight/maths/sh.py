@@ -84,7 +84,7 @@ def cosine_lobe(normal: ArrayLike, power_w: ArrayLike) -> F64:
     """(a, bx, by, bz) of a clamped cosine lobe of total power `power_w` about unit normals.
 
     Shapes (..., 3) and (...) to (..., 4). a = P/4pi, b = P n/2pi: its two-band projection.
-    Source: Kaplanyan2010 section 3, through clamped_cosine_sh.
+    Source: Kaplanyan2010 section 3.1, through clamped_cosine_sh.
     """
     n, p = np.asarray(normal, dtype=np.float64), np.asarray(power_w, dtype=np.float64)
     a = np.broadcast_to(p / (4.0 * np.pi), n.shape[:-1])
