@@ -2,7 +2,7 @@
 
 A state is (C, Z, Y, X, 4) in power units, W: (A, B) = 4pi (a, b) of the two-band intensity
 a + b.w of lattice6; A is a cell's power, B/3 its net flux. One iteration moves all power one hop.
-Source: Billeter2012 sections 3 and 4; weights and the deposit step are ours (see `Hops`, `deposit_step`).
+Source: Billeter2012 sections 3 and 4; weights and deposit are ours (see `Hops`, `deposit_step`).
 """
 
 from __future__ import annotations
