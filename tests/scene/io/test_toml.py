@@ -173,6 +173,7 @@ def test_an_environment_map_is_read(load, tmp_path):
     assert scene.environment.map.shape == (4, 8, 3)
     np.testing.assert_allclose(scene.environment.map, 1.0)
     assert scene.environment.source == "white.png"
+    assert "an 8-bit image used as light" in scene.warnings[0]
 
 
 SYNTAX = [

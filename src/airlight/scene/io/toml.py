@@ -88,10 +88,11 @@ def _scene(raw: Raw, path: Path) -> Scene:
     ]
     volumes = [_volume(table, label, folder) for label, table in _numbered(raw, "volume")]
     lights = [_light(table, label) for label, table in _numbered(raw, "light")]
+    said: list[str] = []
     scene = Scene(
         meshes=tuple(mesh for part in parts for mesh in part.meshes),
         lights=(*lights, *(light for part in parts for light in part.lights)),
-        environment=_environment(raw, folder),
+        environment=_environment(raw, folder, said),
         medium=_medium(raw),
         volumes=tuple(volume for volume, _ in volumes),
         settings=_technique_settings(raw),
@@ -99,6 +100,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
         warnings=(
             *(warning for part in parts for warning in part.warnings),
             *(warning for _, warnings in volumes for warning in warnings),
+            *said,
         ),
     )
     if not (scene.meshes or scene.volumes or scene.medium):
@@ -137,7 +139,8 @@ def _light(raw: Any, label: str) -> Light:
         return _LIGHT_CLASSES[values.pop("type")](**values)
 
 
-def _environment(raw: Raw, folder: Path) -> Environment | None:
+def _environment(raw: Raw, folder: Path, said: list[str]) -> Environment | None:
+    """[environment], or None; what its file left to doubt is added to `said`."""
     label = ENVIRONMENT.header
     if "environment" not in raw:
         return None
@@ -149,7 +152,7 @@ def _environment(raw: Raw, folder: Path) -> Environment | None:
             from .images import read_radiance
 
             written = values.pop("file")
-            values["map"] = read_radiance(existing_file(folder / written, written, label))
+            values["map"] = read_radiance(existing_file(folder / written, written, label), said)
             values["source"] = written
         return Environment(**values)
 

@@ -1,0 +1,99 @@
+"""The `airlight` command: finds its commands, and turns errors into messages and exit codes.
+
+Exit 0: done. 2: bad input or a missing capability, in one message. 1: a mistake of ours.
+130: interrupted.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import NoReturn, cast
+
+import click
+
+from .. import __version__, env
+from ..errors import AirlightError
+
+COMMANDS: tuple[str, ...] = (
+    "render",
+    "view",
+    "sequence",
+    "compare",
+    "info",
+    "validate",
+    "convert",
+    "scenes",
+    "figure",
+    "bench",
+    "doctor",
+)
+"""Commands in the order of the help page; `airlight.app.NAME` makes one, if it is there."""
+
+
+class _Commands(click.Group):
+    """Imports a command only when it is asked for, so that `--help` needs no graphics."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for name in COMMANDS if importlib.util.find_spec(_module(name))]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        return cast(click.Command, importlib.import_module(_module(cmd_name)).command)
+
+
+def _module(command: str) -> str:
+    return f"{__package__}.{command}"
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="airlight")
+def airlight() -> None:
+    """Light transport in air: a scene file in, a lit image out, with a GPU or without.
+
+    A SCENE is a file (.toml, .gltf, .glb, .obj, .ply, .stl) or builtin:NAME; `airlight scenes`
+    lists the names.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and exit."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    try:
+        code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
+        return code if isinstance(code, int) else 0
+    except AirlightError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        print("interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # whoever read our output has seen enough
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        return _report(error)
+
+
+def _report(error: Exception) -> int:
+    """Say that the mistake is ours, in one line."""
+    if env.is_on("AIRLIGHT_DEBUG"):
+        traceback.print_exception(error)
+    what = " ".join(str(error).split()) or "no message"
+    print(
+        f"internal error: {type(error).__name__}: {what}. Please report it, with the output of "
+        "`airlight doctor` and of the same command under AIRLIGHT_DEBUG=1.",
+        file=sys.stderr,
+    )
+    return 1

@@ -1,0 +1,105 @@
+"""The pictures of a comparison: tone mapped, signed differences, FLIP maps, contact sheet."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
+from numpy.typing import NDArray
+
+from ..maths.colour import luminance, srgb_encode
+from ..maths.tone import display_srgb8
+from ..reference.metrics_display import displayed
+from ..scene.checks import F32, F64
+
+U8 = NDArray[np.uint8]
+
+FULL_DIFFERENCE = 0.25
+"""The difference of displayed luminance, of 1, that gets the full colour."""
+TOO_BRIGHT = np.array([0.15, 0.90, 0.35])  # linear Rec.709
+TOO_DARK = np.array([0.95, 0.06, 0.04])
+MAGMA = np.array(  # every eighth of matplotlib's map, 8-bit sRGB
+    [
+        (0, 0, 4),
+        (28, 16, 68),
+        (79, 18, 123),
+        (129, 37, 129),
+        (181, 54, 122),
+        (229, 80, 100),
+        (251, 135, 97),
+        (254, 194, 135),
+        (252, 253, 191),
+    ],
+    dtype=np.float64,
+)
+PAPER, INK, FAINT = (22, 22, 24), (232, 232, 230), (150, 150, 152)
+
+
+def shown(radiance: F32, stops: float) -> U8:
+    """As a picture on a display, AgX; (H, W, 3)."""
+    return display_srgb8(radiance, stops, "agx")
+
+
+def signed_map(image: F32, reference: F32, stops: float) -> U8:
+    """Green where too bright, red where too dark, as Kaplanyan2010 Fig. 6; (H, W, 3).
+
+    Of displayed luminance (sRGB, exposed by `stops`), so that it shows what an eye would.
+    """
+    a, b = (luminance(displayed(c, stops)) for c in (image, reference))
+    d = np.clip((a - b) / FULL_DIFFERENCE, -1.0, 1.0)[..., None]
+    linear: F64 = np.where(d > 0.0, d * TOO_BRIGHT, -d * TOO_DARK)
+    return np.rint(255.0 * srgb_encode(linear)).astype(np.uint8)
+
+
+def heat(error: F32) -> U8:
+    """A map (H, W) of errors in [0, 1] in the colours FLIP is drawn in; (H, W, 3)."""
+    at = np.clip(np.asarray(error, dtype=np.float64), 0.0, 1.0) * (len(MAGMA) - 1)
+    rgb = [np.interp(at, np.arange(len(MAGMA)), MAGMA[:, c]) for c in range(3)]
+    return np.rint(np.stack(rgb, axis=-1)).astype(np.uint8)
+
+
+def png_bytes(pixels: U8) -> bytes:
+    """A PNG file of (H, W, 3)."""
+    buffer = io.BytesIO()
+    PIL.Image.fromarray(pixels).save(buffer, "PNG", optimize=False, compress_level=7)
+    return buffer.getvalue()
+
+
+def data_url(pixels: U8) -> str:
+    """The picture as a URL that holds it."""
+    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+
+
+Row = tuple[str, Sequence[tuple[str, U8 | None]]]
+"""A row's name, and its captioned pictures; None leaves a gap."""
+
+
+def contact_sheet(title: str, rows: Sequence[Row], *, cell_width_px: int = 400) -> U8:
+    """All pictures on one sheet, a row each, captions above; (H, W, 3)."""
+    first = next(p for _, cells in rows for _, p in cells if p is not None)
+    height_px = max(1, round(first.shape[0] * cell_width_px / first.shape[1]))
+    margin, caption, head = 16, 26, 56
+    columns = max(len(cells) for _, cells in rows)
+    width = margin + columns * (cell_width_px + margin)
+    band = caption + height_px + margin
+    sheet = PIL.Image.new("RGB", (width, head + len(rows) * band), PAPER)
+    draw = PIL.ImageDraw.Draw(sheet)
+    draw.text((margin, 16), title, INK, font=PIL.ImageFont.load_default(22))
+    font = PIL.ImageFont.load_default(14)
+    for r, (name, cells) in enumerate(rows):
+        for c, (label, pixels) in enumerate(cells):
+            x, y = margin + c * (cell_width_px + margin), head + r * band
+            text = f"{name} · {label}"
+            draw.text((x, y + 4), text, FAINT if pixels is None else INK, font=font)
+            if pixels is not None:
+                small = PIL.Image.fromarray(pixels)
+                if small.width != cell_width_px:
+                    size = (cell_width_px, height_px)
+                    small = small.resize(size, PIL.Image.Resampling.LANCZOS)
+                sheet.paste(small, (x, y + caption))
+    return np.asarray(sheet, dtype=np.uint8)

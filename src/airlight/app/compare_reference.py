@@ -1,0 +1,215 @@
+"""The reference of a comparison: rendered once for a scene's content, then kept on disk."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import math
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import env
+from ..errors import AirlightError
+from ..reference.metrics import noise_floor, scene_epsilon
+from ..scene.checks import F32
+from ..scene.image import Image
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+    from .progress import Report
+
+FORMAT = 1  # raise it when what is kept, or what it means, changes
+SPP_LIMIT = 1 << 16
+NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
+"""Fields of a scene that no reference depends on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The truth of a comparison: `image` holds the layers, "variance" and "NAME_variance".
+
+    `seconds` is what rendering its `spp` samples per pixel took, when it was rendered;
+    `notes` what Mitsuba's picture leaves out or approximates.
+    """
+
+    image: Image
+    spp: int
+    seconds: float
+    is_from_cache: bool
+    notes: tuple[str, ...] = ()
+
+    @property
+    def floor(self) -> float:
+        """The relmse its own noise would give a perfect picture."""
+        R = self.image.radiance
+        return noise_floor(self.image.layers["variance"], R, scene_epsilon(R))
+
+
+def reference_for(
+    scene: Scene,
+    size: tuple[int, int],
+    spp: int,
+    *,
+    noise: float | None = None,
+    timeout_s: float = 3600.0,
+    report: Report = lambda stage, fraction: None,
+) -> Reference:
+    """At least `spp` samples a pixel, and more until the noise floor (relmse) is below `noise`.
+
+    Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
+    and else refined with new samples. Raises ReferenceFailure.
+    """
+    path = env.cache_folder() / "references" / f"{scene_hash(scene, size)}.npz"
+    kept = _read(path)
+    have = kept
+    while (missing := _samples_missing(have, spp, noise)) > 0:
+        fresh = _render(scene, size, missing, have.spp if have else 0, timeout_s, report)
+        have = fresh if have is None else _merged(have, fresh)
+        _keep(have, path)
+    assert have is not None
+    return dataclasses.replace(have, is_from_cache=have is kept)
+
+
+def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> int:
+    if have is None:
+        return spp
+    wanted = spp
+    if noise is not None and have.floor > noise:
+        # Variance falls as 1/N; a tenth more, so that the estimate of it need not be exact.
+        wanted = max(spp, math.ceil(1.1 * have.spp * have.floor / noise))
+    return max(0, min(wanted, SPP_LIMIT) - have.spp)
+
+
+def _render(
+    scene: Scene, size: tuple[int, int], spp: int, seed: int, timeout_s: float, report: Report
+) -> Reference:
+    from ..reference import mitsuba
+
+    notes: tuple[str, ...] = ()
+    names = tuple(name for name in mitsuba.LAYERS if name != "transmittance")
+    if _has_media(scene) and not _compiled():
+        names = ("all",)
+        notes = ("no libLLVM was found: the layers of a scene with media have no reference",)
+    pictures = mitsuba.render_layers(
+        scene,
+        names,
+        size=size,
+        spp=max(spp, mitsuba.MIN_SPP),
+        seed=seed,
+        timeout_s=timeout_s,
+        progress=lambda done: report("reference", done),
+    )
+    whole = pictures["all"]
+    layers = {"variance": whole.layers["variance"]}
+    for name in names[1:]:
+        layers[name] = pictures[name].radiance
+        layers[f"{name}_variance"] = pictures[name].layers["variance"]
+    stats = whole.stats
+    return Reference(
+        image=Image(whole.radiance, layers),
+        spp=int(stats["spp"]),
+        seconds=float(stats["seconds"]),
+        is_from_cache=False,
+        notes=notes + tuple(stats.get("approximations", ())),
+    )
+
+
+def _has_media(scene: Scene) -> bool:
+    return scene.medium is not None or bool(scene.volumes)
+
+
+def _compiled() -> bool:
+    from ..reference.mitsuba_child import SCALAR_VARIANT, choose_variant
+
+    return choose_variant() != SCALAR_VARIANT
+
+
+def _merged(a: Reference, b: Reference) -> Reference:
+    """Two independent estimates as one: means by samples, variances of means by their squares."""
+    total = a.spp + b.spp
+    u, v = a.spp / total, b.spp / total
+
+    def mean(x: F32, y: F32) -> F32:
+        return (u * x + v * y).astype(np.float32)
+
+    layers = {
+        name: (u * u * x + v * v * b.image.layers[name]).astype(np.float32)
+        if name.endswith("variance")
+        else mean(x, b.image.layers[name])
+        for name, x in a.image.layers.items()
+        if name in b.image.layers
+    }
+    image = Image(mean(a.image.radiance, b.image.radiance), layers)
+    return Reference(image, total, a.seconds + b.seconds, False, b.notes)
+
+
+def _read(path: Path) -> Reference | None:
+    """What is kept at `path`; None where there is nothing, or something broken."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(str(arrays.pop("about")))
+        image = Image(arrays.pop("radiance"), arrays)
+        kept = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
+        return kept if "variance" in arrays else None
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+def _keep(reference: Reference, path: Path) -> None:
+    """Write it for the next time; a cache that cannot be written is no reason to fail."""
+    from ..scene.io.files import whole_file
+
+    about = {"spp": reference.spp, "seconds": reference.seconds, "notes": reference.notes}
+    arrays: dict[str, Any] = {"about": json.dumps(about), "radiance": reference.image.radiance}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as part:
+            np.savez(part, **arrays, **dict(reference.image.layers))
+    except (OSError, AirlightError):
+        return
+
+
+def scene_hash(scene: Scene, size: tuple[int, int]) -> str:
+    """A name for what the reference of `scene` at `size` depends on: values, not files or ids."""
+    digest = hashlib.sha256(f"{FORMAT} {size}".encode())
+    known: dict[int, bytes] = {}
+    digest.update(_content(scene, known))
+    return digest.hexdigest()[:32]
+
+
+def _content(value: Any, known: dict[int, bytes]) -> bytes:
+    """A digest of a value made of dataclasses, tuples, arrays and plain values.
+
+    `known` keeps what is shared: a mesh placed a thousand times is read once.
+    """
+    if id(value) in known:
+        return known[id(value)]
+    digest = hashlib.sha256(type(value).__name__.encode())
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype} {value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).data)
+    elif dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            if field.name not in NOT_CONTENT:
+                digest.update(field.name.encode())
+                digest.update(_content(getattr(value, field.name), known))
+    elif isinstance(value, (tuple, list)):
+        for item in value:
+            digest.update(_content(item, known))
+    elif isinstance(value, Mapping):
+        for key in sorted(value):
+            digest.update(str(key).encode())
+            digest.update(_content(value[key], known))
+    else:
+        digest.update(repr(value).encode())
+    result = digest.digest()
+    if isinstance(value, np.ndarray) or dataclasses.is_dataclass(value):
+        known[id(value)] = result
+    return result

@@ -1,0 +1,154 @@
+"""`airlight doctor`: which adapter is used and why, what is missing, how to get it."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib import metadata
+from typing import Any
+
+import click
+
+from .. import __version__, env
+from ..errors import DeviceError
+from .outputs import json_text
+
+_EXTRA_PURPOSE = {
+    "reference": "path-traced references (Mitsuba) and comparisons",
+    "view": "the window",
+    "test": "the project's own tests",
+}
+_REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['\"]$")
+
+
+@click.command("doctor")
+@click.option(
+    "--adapter",
+    default=lambda: env.value("AIRLIGHT_ADAPTER"),
+    metavar="NAME",
+    help="Say what this choice would use: auto, cpu, gpu or a part of a name.",
+)
+@click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
+def command(adapter: str, as_json: bool) -> None:
+    """List graphics adapters, say which is used and why, what is missing and how to get it."""
+    graphics, problem = graphics_facts(adapter)
+    facts = {
+        "airlight": __version__,
+        "python": platform.python_version(),
+        "system": platform.platform(),
+        "cpu_cores": os.cpu_count(),
+        **graphics,
+        "extras": extras(),
+        "llvm": llvm_facts(),
+        "switches": {switch.name: env.value(switch.name) for switch in env.SWITCHES},
+        "cache": str(env.cache_folder()),
+    }
+    click.echo(json_text(facts) if as_json else _text(facts))
+    if problem is not None:
+        raise problem
+
+
+def graphics_facts(wanted: str) -> tuple[dict[str, Any], DeviceError | None]:
+    """Every adapter, which one `wanted` would use and why; or why none."""
+    from ..gpu import device
+
+    found = device.adapters()
+    listed = [asdict(info) for info in found]
+    try:
+        chosen = device.choose(found, wanted)
+    except DeviceError as error:
+        return {"adapters": listed, "used": None, "because": str(error)}, error
+    because = device.chosen_reason(found, chosen, wanted)
+    return {"adapters": listed, "used": chosen.name, "because": because}, None
+
+
+def extras() -> dict[str, dict[str, Any]]:
+    """For each extra: what it is for, installed versions by package (None: missing), the remedy."""
+    try:
+        requirements = metadata.requires("airlight") or []
+    except metadata.PackageNotFoundError:
+        requirements = []
+    found: dict[str, dict[str, Any]] = {}
+    for match in filter(None, map(_REQUIREMENT.match, requirements)):
+        package, extra = match.groups()
+        entry = found.setdefault(
+            extra,
+            {
+                "for": _EXTRA_PURPOSE.get(extra, ""),
+                "packages": {},
+                "get_it": f'pip install "airlight[{extra}]"',
+            },
+        )
+        entry["packages"][package] = _installed_version(package)
+    return found
+
+
+def _installed_version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def llvm_facts(environment: Mapping[str, str] = os.environ) -> dict[str, Any]:
+    """The LLVM that Mitsuba's fast variants would load; without one it runs scalar, slower."""
+    from ctypes.util import find_library
+
+    chosen = environment.get("DRJIT_LIBLLVM_PATH")
+    names = ["LLVM", *(f"LLVM-{version}" for version in range(22, 15, -1))]
+    return {
+        "library": chosen or next(filter(None, map(find_library, names)), None),
+        "for": "faster references: Mitsuba's llvm variants; without it they run scalar",
+        "get_it": _llvm_remedy(),
+    }
+
+
+def _llvm_remedy() -> str:
+    if sys.platform == "darwin":
+        return "brew install llvm, then set DRJIT_LIBLLVM_PATH to its libLLVM.dylib"
+    if sys.platform == "win32":
+        return "install LLVM from its releases page, then set DRJIT_LIBLLVM_PATH to LLVM-C.dll"
+    return "apt install libllvm19 (16 or newer), or set DRJIT_LIBLLVM_PATH"
+
+
+def _text(facts: Mapping[str, Any]) -> str:
+    lines = [
+        f"airlight {facts['airlight']}, Python {facts['python']}, {facts['system']}, "
+        f"{facts['cpu_cores']} CPU cores",
+        "",
+        "Graphics adapters",
+        *(_adapter_line(info, facts["used"]) for info in facts["adapters"]),
+    ]
+    if not facts["adapters"]:
+        lines.append("  none")
+    if facts["used"] is not None:
+        lines.append(f"  used: {facts['used']} ({facts['because']})")
+    else:
+        lines.append(f"  none is used: {facts['because']}")
+    lines += ["", "Extras", *(_extra_line(name, e) for name, e in facts["extras"].items())]
+    llvm = facts["llvm"]
+    state = llvm["library"] or f"missing; {llvm['get_it']}"
+    lines += [f"  LLVM: {state} ({llvm['for']})", "", "Switches"]
+    lines += [
+        f"  {switch.name}={facts['switches'][switch.name]}  {switch.meaning}"
+        for switch in env.SWITCHES
+    ]
+    return "\n".join([*lines, f"  cache: {facts['cache']}"])
+
+
+def _adapter_line(info: Mapping[str, Any], used: str | None) -> str:
+    mark = "*" if info["name"] == used else " "
+    return f"  {mark} {info['name']}: {info['adapter_type']}, {info['backend']}, {info['driver']}"
+
+
+def _extra_line(name: str, extra: Mapping[str, Any]) -> str:
+    missing = [package for package, version in extra["packages"].items() if version is None]
+    purpose = f" ({extra['for']})" if extra["for"] else ""
+    if missing:
+        return f"  {name}: {', '.join(missing)} missing; {extra['get_it']}{purpose}"
+    versions = ", ".join(f"{package} {v}" for package, v in extra["packages"].items())
+    return f"  {name}: {versions}{purpose}"

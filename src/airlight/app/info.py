@@ -1,0 +1,149 @@
+"""`airlight info`: what a scene, a picture or a density grid holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from .outputs import json_text
+from .scene_argument import load_scene, show_warnings
+
+if TYPE_CHECKING:
+    from ..scene import Light, Material, Scene, Texture, Volume
+
+_GRID_ENDINGS = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
+
+
+@click.command("info")
+@click.argument("file")
+@click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
+def command(file: str, as_json: bool) -> None:
+    """Say what FILE holds: a scene (or builtin:NAME), a picture or a density grid."""
+    from ..scene.io.images import PICTURE_SUFFIXES
+
+    ending = Path(file).suffix.lower()
+    if ending in _GRID_ENDINGS:
+        facts = grid_facts(Path(file))
+    elif ending in PICTURE_SUFFIXES:
+        facts = picture_facts(Path(file))
+    else:
+        scene = load_scene(file)
+        facts = scene_facts(scene)
+        if not as_json:
+            show_warnings(scene)
+    click.echo(json_text(facts) if as_json else _text(facts))
+
+
+def scene_facts(scene: Scene) -> dict[str, Any]:
+    """Counts, bounds in metres, and every light, as plain values."""
+    materials = {id(mesh.material): mesh.material for mesh in scene.meshes}.values()
+    textures = {id(t): t for material in materials for t in _textures(material)}.values()
+    low, high = scene.bounds
+    sky = scene.environment
+    return {
+        "kind": "scene",
+        "name": scene.name,
+        "meshes": len(scene.meshes),
+        "triangles": scene.triangle_count,
+        "materials": len(materials),
+        "emissive_materials": sum(material.is_emissive for material in materials),
+        "textures": len(textures),
+        "texture_bytes": sum(texture.pixels.nbytes for texture in textures),
+        "bounds_m": [np.round(low, 6).tolist(), np.round(high, 6).tolist()],
+        "lights": [_light_facts(light) for light in scene.lights],
+        "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
+        "camera": {
+            "position": scene.camera.position,
+            "target": scene.camera.target,
+            "fov_y_deg": scene.camera.fov_y_deg,
+        },
+        "medium": None if scene.medium is None else _coefficients(scene.medium),
+        "volumes": [_volume_facts(volume) for volume in scene.volumes],
+        "techniques": {name: dict(values) for name, values in scene.settings.items()},
+        "warnings": list(scene.warnings),
+    }
+
+
+def grid_facts(path: Path) -> dict[str, Any]:
+    """Size, place and range of a density grid. Raises SceneError."""
+    from ..scene.io.volumes import read_volume
+
+    grid = read_volume(path)
+    return {
+        "kind": "density grid",
+        "size_zyx": list(grid.density.shape),
+        "bounds_m": grid.bounds,
+        "density": {
+            "lowest": float(grid.density.min()),
+            "mean": float(grid.density.mean(dtype=np.float64)),
+            "highest": float(grid.density.max()),
+        },
+        "warnings": list(grid.warnings),
+    }
+
+
+def picture_facts(path: Path) -> dict[str, Any]:
+    """Size, layers and mean radiance of a picture. Raises SceneError."""
+    from ..scene.io.images import load_image
+
+    image = load_image(path)
+    height_px, width_px, _ = image.radiance.shape
+    return {
+        "kind": "picture",
+        "size_px": [width_px, height_px],
+        "mean_radiance": image.radiance.mean(axis=(0, 1), dtype=np.float64).tolist(),
+        "layers": sorted(image.layers),
+    }
+
+
+def _textures(material: Material) -> list[Texture]:
+    found = (
+        material.base_color_texture,
+        material.metallic_roughness_texture,
+        material.normal_texture,
+        material.emission_texture,
+    )
+    return [texture for texture in found if texture is not None]
+
+
+def _light_facts(light: Light) -> dict[str, Any]:
+    return {"type": type(light).__name__.removesuffix("Light").lower(), **vars(light)}
+
+
+def _coefficients(medium: Any) -> dict[str, Any]:
+    return {name: getattr(medium, name) for name in ("sigma_t", "albedo", "g", "bounds")}
+
+
+def _volume_facts(volume: Volume) -> dict[str, Any]:
+    size = None if volume.density is None else list(volume.density.shape)
+    return {"shape": volume.shape, "size_zyx": size, **_coefficients(volume)}
+
+
+def _text(facts: Mapping[str, Any]) -> str:
+    """One fact a line; a list or table one entry a line below its name."""
+    lines: list[str] = []
+    for name, value in facts.items():
+        if name == "warnings":
+            continue
+        words = name.replace("_", " ")
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            lines += [f"{words}:", *(f"  {_inline(entry)}" for entry in value)]
+        else:
+            lines.append(f"{words}: {_inline(value)}")
+    return "\n".join(lines)
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_inline(entry)}" for name, entry in value.items()) or "none"
+    if isinstance(value, (list, tuple)):
+        if not value:
+            return "none"
+        return "(" + ", ".join(_inline(entry) for entry in value) + ")"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "none" if value is None else str(value)

@@ -1,0 +1,48 @@
+"""`airlight validate`: whether a scene could be rendered, without rendering it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from ..errors import AirlightError
+from .outputs import json_text
+from .scene_argument import load_scene, show_warnings
+
+
+@click.command("validate")
+@click.argument("file")
+@click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
+def command(file: str, as_json: bool) -> None:
+    """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
+    try:
+        scene = load_scene(file)
+        check_techniques(scene.settings)
+    except AirlightError as error:
+        if as_json:
+            click.echo(json_text(_refusal(file, error)))
+        raise
+    if as_json:
+        click.echo(json_text({"file": file, "valid": True, "warnings": list(scene.warnings)}))
+        return
+    show_warnings(scene)
+    click.echo(f"{file}: valid")
+
+
+def check_techniques(settings: Any) -> None:
+    """Raise SettingsError for an unknown technique or setting under [technique.NAME]."""
+    from ..techniques import check_settings
+
+    for name, values in settings.items():
+        check_settings(name, values)
+
+
+def _refusal(file: str, error: AirlightError) -> dict[str, Any]:
+    return {
+        "file": file,
+        "valid": False,
+        "where": error.where,
+        "problem": error.problem,
+        "remedy": error.remedy,
+    }

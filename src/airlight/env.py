@@ -1,0 +1,50 @@
+"""Every AIRLIGHT_* environment variable, in one table. `airlight doctor` shows it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Switch:
+    """One environment variable, what it stands at when unset, and what it does."""
+
+    name: str
+    default: str
+    meaning: str
+
+
+SWITCHES: tuple[Switch, ...] = (
+    Switch("AIRLIGHT_ADAPTER", "auto", "graphics adapter: auto, cpu, gpu or a part of its name"),
+    Switch("AIRLIGHT_CACHE", "", "folder for what is costly to make again; empty: the system's"),
+    Switch("AIRLIGHT_DEBUG", "0", "1 prints the traceback of an internal error"),
+)
+
+
+def value(name: str, environment: Mapping[str, str] = os.environ) -> str:
+    """What a switch stands at. An empty variable counts as unset. KeyError for an unknown name."""
+    switch = {switch.name: switch for switch in SWITCHES}[name]
+    return environment.get(name, "") or switch.default
+
+
+def is_on(name: str, environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether a switch stands at 1, true, yes or on."""
+    return value(name, environment).lower() in ("1", "true", "yes", "on")
+
+
+def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sys.platform) -> Path:
+    """AIRLIGHT_CACHE, else airlight's folder where the system keeps caches; not created here."""
+    chosen = value("AIRLIGHT_CACHE", environment)
+    if chosen:
+        return Path(chosen).expanduser()
+    if platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "airlight"
+    if platform == "win32":
+        local = environment.get("LOCALAPPDATA")
+        return (Path(local) if local else Path.home() / "AppData" / "Local") / "airlight" / "cache"
+    xdg = environment.get("XDG_CACHE_HOME")
+    return (Path(xdg) if xdg else Path.home() / ".cache") / "airlight"
