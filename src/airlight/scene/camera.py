@@ -16,7 +16,8 @@ class Camera:
     """A pinhole camera in a right-handed world, +Y up, metres.
 
     `position` looks at `target`; `fov_y_deg` is the full vertical field of view.
-    `exposure_stops` scales the displayed picture by 2**stops; radiance is not touched.
+    `exposure_stops` scales the displayed picture by 2**stops (None: from the picture itself);
+    radiance is not touched.
     Raises SceneError for a camera that looks nowhere.
     """
 
@@ -24,7 +25,7 @@ class Camera:
     target: Vec3 = (0.0, 1.0, 0.0)
     up: Vec3 = (0.0, 1.0, 0.0)
     fov_y_deg: float = 50.0
-    exposure_stops: float = 0.0
+    exposure_stops: float | None = 0.0
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -32,7 +33,8 @@ class Camera:
         put(self, "target", checks.vec3(self.target, "camera target"))
         put(self, "up", checks.unit_vec3(self.up, "camera up"))
         put(self, "fov_y_deg", checks.number(self.fov_y_deg, "fov_y_deg", low=0.1, high=179.0))
-        put(self, "exposure_stops", checks.number(self.exposure_stops, "exposure_stops"))
+        if self.exposure_stops is not None:
+            put(self, "exposure_stops", checks.number(self.exposure_stops, "exposure_stops"))
         look = np.subtract(self.target, self.position)
         if not np.any(look):
             raise SceneError("camera position and target are the same point")

@@ -1,0 +1,57 @@
+"""From named resources to a cached WebGPU bind group."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .commands import Commands
+from .device import Gpu
+from .layout import Struct
+from .slots import Slot, bind_group_layout
+
+
+class Bindings:
+    """The bind groups of one set of slots; each combination of resources is made once."""
+
+    def __init__(self, gpu: Gpu, slots: tuple[Slot, ...], *, compute: bool, label: str) -> None:
+        self.slots, self.label, self.device = slots, label, gpu.device
+        self.layout: Any = bind_group_layout(gpu.device, slots, compute=compute, label=label)
+        self._names = frozenset(slot.name for slot in slots)
+        self._dynamic = [slot.name for slot in slots if slot.is_dynamic]
+        self._fixed = [slot.name for slot in slots if not slot.is_dynamic]
+        self._groups: dict[tuple[int, ...], tuple[Any, list[Any]]] = {}
+
+    def bind(self, commands: Commands, encoder: Any, group: int, values: dict[str, Any]) -> None:
+        """Set the bind group `group` of an open pass. Refuses missing and unknown names."""
+        if values.keys() != self._names:
+            missing, unknown = self._names - values.keys(), values.keys() - self._names
+            raise TypeError(f"{self.label}: missing {sorted(missing)}, unknown {sorted(unknown)}")
+        offsets = [commands.put(self._struct(values[name])) for name in self._dynamic]
+        resources = [values[name] for name in self._fixed]
+        key = (id(commands), *(id(r) for r in resources))
+        found = self._groups.get(key)
+        if found is None:
+            # The resources are kept beside the group: an id stays theirs while they live.
+            found = (self._make(commands, values), [commands, *resources])
+            if len(self._groups) >= 256:
+                self._groups.pop(next(iter(self._groups)))
+            self._groups[key] = found
+        encoder.set_bind_group(group, found[0], offsets)
+
+    @staticmethod
+    def _struct(value: Any) -> Struct:
+        if not isinstance(value, Struct):
+            raise TypeError(f"uniform parameters must be a Struct, not {type(value).__name__}")
+        return value
+
+    def _make(self, commands: Commands, values: dict[str, Any]) -> Any:
+        entries = []
+        for index, slot in enumerate(self.slots):
+            if slot.is_dynamic and slot.struct is not None:
+                size = slot.struct.dtype.itemsize
+                resource: Any = {"buffer": commands.arena, "offset": 0, "size": size}
+            else:
+                value = values[slot.name]
+                resource = getattr(value, "resource", value)
+            entries.append({"binding": index, "resource": resource})
+        return self.device.create_bind_group(label=self.label, layout=self.layout, entries=entries)

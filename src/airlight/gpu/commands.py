@@ -1,0 +1,178 @@
+"""What a frame encodes: passes, their uniforms, and how long each stage took.
+
+Uniforms of one frame lie in one buffer, each dispatch at an offset of its own: a buffer rewritten
+between dispatches of one submit would show only its last value to all of them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from .device import Gpu
+from .layout import Struct
+
+_ALIGNMENT = 256  # of dynamic uniform offsets, WebGPU's default limit
+_ARENA_BYTES = 1 << 18
+_MAX_TIMESTAMPS = 512
+
+
+class Commands:
+    """Encodes one frame after the other; reused, so that nothing is allocated per frame."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        self.gpu = gpu
+        self.arena: Any = gpu.device.create_buffer(
+            label="uniforms",
+            size=_ARENA_BYTES,
+            usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST,
+        )
+        self._staging = np.zeros(_ARENA_BYTES, np.uint8)
+        self._used = 0
+        self._encoder: Any = None
+        self._compute: Any = None
+        self.stage_ms: dict[str, float] = {}
+        self.is_timed = False
+        self._stage = ""
+        self._clock = _Timestamps(gpu) if "timestamp-query" in gpu.features else None
+
+    @property
+    def encoder(self) -> Any:
+        """The command encoder; any open compute pass is closed first."""
+        self._close_compute()
+        if self._encoder is None:
+            self._encoder = self.gpu.device.create_command_encoder(label="frame")
+        return self._encoder
+
+    @property
+    def compute(self) -> Any:
+        """The open compute pass; dispatches in a row share one."""
+        if self._compute is None:
+            encoder = self.encoder
+            stamps = self._stamps()
+            self._compute = encoder.begin_compute_pass(
+                label=self._stage or "compute", **({"timestamp_writes": stamps} if stamps else {})
+            )
+        return self._compute
+
+    @contextmanager
+    def render(self, label: str, **attachments: Any) -> Iterator[Any]:
+        """A render pass onto the given attachments."""
+        stamps = self._stamps()
+        extra = {"timestamp_writes": stamps} if stamps else {}
+        render_pass = self.encoder.begin_render_pass(label=label, **attachments, **extra)
+        try:
+            yield render_pass
+        finally:
+            render_pass.end()
+
+    def put(self, params: Struct) -> int:
+        """Keep `params` until the submit; returns their offset in the arena."""
+        size = params.dtype.itemsize
+        if self._used + size > _ARENA_BYTES:
+            raise RuntimeError("uniform arena is full: submit between stages")
+        offset = self._used
+        self._staging[offset : offset + size] = np.frombuffer(params.record.tobytes(), np.uint8)
+        self._used = -(-(offset + size) // _ALIGNMENT) * _ALIGNMENT
+        return offset
+
+    def submit(self) -> None:
+        """Hand everything encoded so far to the device."""
+        self._close_compute()
+        if self._encoder is None:
+            return
+        if self._clock and self._clock.count:
+            self._clock.resolve(self._encoder)
+        if self._used:
+            self.gpu.queue.write_buffer(self.arena, 0, self._staging[: self._used])
+        self.gpu.queue.submit([self._encoder.finish(label="frame")])
+        self._encoder, self._used = None, 0
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Everything encoded inside counts as `name`, and is timed where `is_timed`.
+
+        A software driver's timestamps mean nothing, so there each stage is a submit of its own
+        and the wall clock is read; on a GPU the passes carry timestamp queries.
+        """
+        outer, self._stage = self._stage, name
+        on_wall = self.is_timed and (self.gpu.is_cpu or self._clock is None)
+        self._close_compute()
+        if on_wall and not outer:
+            self.submit()
+            self.gpu.wait()
+        begin = time.perf_counter()
+        try:
+            yield
+        finally:
+            self._close_compute()
+            if on_wall and not outer:
+                self.submit()
+                self.gpu.wait()
+                spent_ms = (time.perf_counter() - begin) * 1e3
+                self.stage_ms[name] = self.stage_ms.get(name, 0.0) + spent_ms
+            self._stage = outer
+
+    def collect_timestamps(self) -> None:
+        """Add the last submit's timestamp queries to `stage_ms`; waits for the device."""
+        if self._clock:
+            for name, spent_ms in self._clock.collect():
+                self.stage_ms[name] = self.stage_ms.get(name, 0.0) + spent_ms
+
+    def _stamps(self) -> dict[str, Any] | None:
+        if not (self.is_timed and self._clock and not self.gpu.is_cpu):
+            return None
+        return self._clock.next(self._stage or "other")
+
+    def _close_compute(self) -> None:
+        if self._compute is not None:
+            self._compute.end()
+            self._compute = None
+
+
+class _Timestamps:
+    """Begin and end of every pass of a frame, in device nanoseconds."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        self.gpu = gpu
+        self.names: list[str] = []
+        self._queries: Any = None
+
+    @property
+    def count(self) -> int:
+        return 2 * len(self.names)
+
+    def next(self, name: str) -> dict[str, Any] | None:
+        if self.count + 2 > _MAX_TIMESTAMPS:
+            return None
+        if self._queries is None:
+            self._queries = self.gpu.device.create_query_set(
+                label="stages", type="timestamp", count=_MAX_TIMESTAMPS
+            )
+            usage = wgpu.BufferUsage.QUERY_RESOLVE | wgpu.BufferUsage.COPY_SRC
+            self._buffer = self.gpu.device.create_buffer(
+                label="stages", size=8 * _MAX_TIMESTAMPS, usage=usage
+            )
+        first = self.count
+        self.names.append(name)
+        return {
+            "query_set": self._queries,
+            "beginning_of_pass_write_index": first,
+            "end_of_pass_write_index": first + 1,
+        }
+
+    def resolve(self, encoder: Any) -> None:
+        encoder.resolve_query_set(self._queries, 0, self.count, self._buffer, 0)
+
+    def collect(self) -> list[tuple[str, float]]:
+        if not self.names:
+            return []
+        names, self.names = self.names, []
+        raw = self.gpu.queue.read_buffer(self._buffer, 0, 16 * len(names))
+        ticks = np.frombuffer(raw, np.uint64).reshape(-1, 2).astype(np.int64)
+        return [(n, float(b - a) * 1e-6) for n, (a, b) in zip(names, ticks, strict=True)]

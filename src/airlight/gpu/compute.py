@@ -1,0 +1,69 @@
+"""A compute pass: one Python class and the WGSL file beside it.
+
+The WGSL holds functions and `@compute @workgroup_size(WX, WY, WZ) fn main`; structs, bindings
+and the workgroup constants WX, WY, WZ are generated from the class.
+"""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Any, ClassVar
+
+from .bindings import Bindings
+from .commands import Commands
+from .device import Gpu
+from .slots import Slot, declarations
+from .source import Source, compile_wgsl
+
+
+class ComputePass:
+    """Subclass it: `slots`, `workgroup`, and a `.wgsl` of the module's name."""
+
+    slots: ClassVar[tuple[Slot, ...]]
+    workgroup: ClassVar[tuple[int, int, int]] = (8, 8, 1)
+    entry: ClassVar[str] = "main"
+    file: ClassVar[str] = ""
+
+    def __init__(
+        self, gpu: Gpu, *, constants: dict[str, float] | None = None, generated: str = ""
+    ) -> None:
+        """`constants` set the shader's `override`s; `generated` WGSL goes before the file's."""
+        self.gpu, self.label = gpu, type(self).__name__
+        source = Source()
+        wx, wy, wz = self.workgroup
+        source.add(declarations(self.slots), f"{self.label} slots")
+        source.add(f"const WX = {wx}u;\nconst WY = {wy}u;\nconst WZ = {wz}u;", "workgroup")
+        if generated:
+            source.add(generated, f"{self.label} generated")
+        path = shader_path(type(self))
+        source.add(path.read_text(), f"{path.parent.name}/{path.name}")
+        module = compile_wgsl(gpu.device, source, self.label)
+        self.bindings = Bindings(gpu, self.slots, compute=True, label=self.label)
+        layout = gpu.device.create_pipeline_layout(
+            label=self.label, bind_group_layouts=[self.bindings.layout]
+        )
+        self.pipeline: Any = gpu.device.create_compute_pipeline(
+            label=self.label,
+            layout=layout,
+            compute={"module": module, "entry_point": self.entry, "constants": constants or {}},
+        )
+
+    def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
+        """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
+        counts = (*invocations, 1, 1)[:3]
+        groups = [-(-n // w) for n, w in zip(counts, self.workgroup, strict=True)]
+        self.gpu.require(
+            "max-compute-workgroups-per-dimension", max(groups), f"pass '{self.label}'"
+        )
+        encoder = commands.compute
+        encoder.set_pipeline(self.pipeline)
+        self.bindings.bind(commands, encoder, 0, values)
+        encoder.dispatch_workgroups(*groups)
+
+
+def shader_path(cls: type) -> Path:
+    """The `.wgsl` beside the class's module: its `file`, or the module's own stem."""
+    module = Path(inspect.getfile(cls))
+    name = getattr(cls, "file", "")
+    return module.parent / name if name else module.with_suffix(".wgsl")

@@ -1,0 +1,168 @@
+"""Choose a graphics adapter and open it.
+
+WebGPU on Vulkan, Metal or DirectX 12; OpenGL adapters are never used, because the driver
+falls back to OpenGL silently where Vulkan is missing and then lacks what we need.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import wgpu
+
+from ..errors import DeviceError
+
+NO_DRIVER_REMEDY = (
+    "Install a Vulkan driver: your GPU vendor's, or the software one "
+    "(Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+)
+_PREFERENCE = ("DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other")
+_FEATURES = ("float32-filterable", "timestamp-query")
+_LIMITS = {  # asked for up to these values, so that code which needs more fails everywhere alike
+    "max-storage-buffers-per-shader-stage": 10,
+    "max-storage-buffer-binding-size": 1 << 30,
+    "max-buffer-size": 1 << 30,
+    "max-texture-dimension-3d": 2048,
+    "max-texture-dimension-2d": 16384,
+    "max-texture-array-layers": 2048,
+    "max-sampled-textures-per-shader-stage": 48,
+    "max-color-attachment-bytes-per-sample": 64,
+}
+
+
+@dataclass(frozen=True)
+class AdapterInfo:
+    """One graphics adapter. `adapter_type` is DiscreteGPU, IntegratedGPU, VirtualGPU or CPU."""
+
+    name: str
+    adapter_type: str
+    backend: str
+    driver: str
+    vendor: str
+    index: int
+
+    @property
+    def is_cpu(self) -> bool:
+        """Whether this is a software driver."""
+        return self.adapter_type == "CPU"
+
+
+def _enumerate() -> list[Any]:
+    if not os.environ.get("XDG_RUNTIME_DIR") and os.name == "posix":
+        os.environ["XDG_RUNTIME_DIR"] = tempfile.gettempdir()
+    try:
+        found = wgpu.gpu.enumerate_adapters_sync()
+    except RuntimeError:
+        return []
+    return [a for a in found if a.info["backend_type"] != "OpenGL"]
+
+
+def adapters() -> list[AdapterInfo]:
+    """Every usable adapter, best first; empty where there is no driver."""
+    infos = [
+        AdapterInfo(
+            name=a.info["device"],
+            adapter_type=a.info["adapter_type"],
+            backend=a.info["backend_type"],
+            driver=a.info["description"],
+            vendor=a.info["vendor"],
+            index=index,
+        )
+        for index, a in enumerate(_enumerate())
+    ]
+    return sorted(infos, key=lambda info: _PREFERENCE.index(info.adapter_type))
+
+
+def choose(found: Sequence[AdapterInfo], wanted: str = "auto") -> AdapterInfo:
+    """The adapter for `wanted`: auto (the best), cpu, gpu, or a part of its name.
+
+    Raises DeviceError with the remedy where there is none.
+    """
+    if not found:
+        raise DeviceError("no graphics driver was found", remedy=NO_DRIVER_REMEDY)
+    listed = ", ".join(f"{info.name} ({info.adapter_type})" for info in found)
+    key = wanted.lower()
+    if key == "auto":
+        return found[0]
+    if key in ("cpu", "gpu"):
+        matching = [info for info in found if info.is_cpu == (key == "cpu")]
+        remedy = NO_DRIVER_REMEDY if key == "cpu" else "Use --adapter auto"
+    else:
+        matching = [info for info in found if key in info.name.lower()]
+        remedy = "Use auto, cpu, gpu or a part of a name"
+    if not matching:
+        raise DeviceError(f"no adapter matches '{wanted}'; there is {listed}", remedy=remedy)
+    return matching[0]
+
+
+def chosen_reason(found: Sequence[AdapterInfo], chosen: AdapterInfo, wanted: str = "auto") -> str:
+    """Why `chosen` was chosen, in words."""
+    if wanted.lower() not in ("auto", ""):
+        return f"asked for by '{wanted}'"
+    if len(found) == 1:
+        return "the only adapter"
+    others = {info.adapter_type for info in found if info is not chosen}
+    return f"{chosen.adapter_type} comes before {', '.join(sorted(others))}"
+
+
+class Gpu:
+    """An open device, its queue, and what was allocated on it."""
+
+    def __init__(self, info: AdapterInfo) -> None:
+        adapter = _enumerate()[info.index]
+        self.info = info
+        self.features = [f for f in _FEATURES if f in adapter.features]
+        limits = {k: min(v, adapter.limits[k]) for k, v in _LIMITS.items() if k in adapter.limits}
+        try:
+            self.device: Any = adapter.request_device_sync(
+                label="airlight", required_features=self.features, required_limits=limits
+            )
+        except RuntimeError as error:
+            raise DeviceError(f"{info.name} could not be opened: {error}") from None
+        self.queue: Any = self.device.queue
+        self.limits: dict[str, int] = dict(self.device.limits)
+        self.allocated_bytes = 0
+        self.peak_bytes = 0
+        self._fence = self.device.create_buffer(
+            label="fence", size=4, usage=wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.MAP_READ
+        )
+        self._fence_source = self.device.create_buffer(
+            label="fence source", size=4, usage=wgpu.BufferUsage.COPY_SRC
+        )
+
+    @property
+    def is_cpu(self) -> bool:
+        """Whether this is a software driver: kernels are laid out for lanes, not for threads."""
+        return self.info.is_cpu
+
+    def wait(self) -> None:
+        """Return once everything submitted so far is done."""
+        # A mapping waits only for the last submit that touched the buffer, so it has to be ours.
+        encoder = self.device.create_command_encoder(label="fence")
+        encoder.copy_buffer_to_buffer(self._fence_source, 0, self._fence, 0, 4)
+        self.queue.submit([encoder.finish()])
+        self._fence.map_sync("READ")
+        self._fence.unmap()
+
+    def require(self, limit: str, value: int, what: str) -> None:
+        """Raise DeviceError where `what` needs more than the device's `limit`."""
+        if value > self.limits[limit]:
+            raise DeviceError(
+                f"{what} needs {limit} = {value}, {self.info.name} has {self.limits[limit]}",
+                remedy="Make it smaller",
+            )
+
+
+@functools.cache
+def _open(info: AdapterInfo) -> Gpu:
+    return Gpu(info)
+
+
+def open_gpu(wanted: str = "auto") -> Gpu:
+    """The device for `wanted` (see `choose`); opened once per process. Raises DeviceError."""
+    return _open(choose(adapters(), wanted or "auto"))

@@ -1,0 +1,163 @@
+"""Textures and buffers: labelled, counted, with their views made once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import wgpu
+from numpy.typing import NDArray
+
+from .device import Gpu
+
+_TEXTURE_USAGE = (
+    wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
+)
+_BYTES = {  # of one texel
+    "r8unorm": 1, "rgba8unorm": 4, "rgba8unorm-srgb": 4, "bgra8unorm": 4, "bgra8unorm-srgb": 4,
+    "r16float": 2, "rg16float": 4, "rgba16float": 8, "r32float": 4, "rg32float": 8,
+    "rgba32float": 16, "depth32float": 4, "r32uint": 4, "rg32uint": 8, "rgba8snorm": 4,
+}  # fmt: skip
+_DTYPES = {
+    "rgba8unorm": (np.uint8, 4), "rgba8unorm-srgb": (np.uint8, 4), "r16float": (np.float16, 1),
+    "rgba16float": (np.float16, 4), "r32float": (np.float32, 1), "rg32float": (np.float32, 2),
+    "rgba32float": (np.float32, 4), "depth32float": (np.float32, 1), "r32uint": (np.uint32, 1),
+    "rgba8snorm": (np.int8, 4), "rg16float": (np.float16, 2), "r8unorm": (np.uint8, 1),
+}  # fmt: skip
+
+
+class Texture:
+    """A texture and its views. `size` is (width, height, depth or layers)."""
+
+    def __init__(
+        self, gpu: Gpu, label: str, size: tuple[int, ...], format: str, *,
+        dimension: str = "2d", target: bool = False, written: bool = False, mips: int = 1,
+    ) -> None:  # fmt: skip
+        width, height, depth = (*size, 1, 1)[:3]
+        is_3d = dimension == "3d"
+        limit = "max-texture-dimension-3d" if is_3d else "max-texture-dimension-2d"
+        gpu.require(limit, max(width, height, depth if is_3d else 1), f"texture '{label}'")
+        usage = _TEXTURE_USAGE
+        usage |= wgpu.TextureUsage.RENDER_ATTACHMENT if target else 0
+        usage |= wgpu.TextureUsage.STORAGE_BINDING if written else 0
+        self.gpu, self.label, self.size, self.format = gpu, label, (width, height, depth), format
+        self.mips = mips
+        self.handle: Any = gpu.device.create_texture(
+            label=label,
+            size=self.size,
+            format=format,
+            usage=usage,
+            dimension="3d" if is_3d else "2d",
+            mip_level_count=mips,
+        )
+        self.resource: Any = self.handle.create_view(label=label, dimension=dimension)
+        self._layers: dict[int, Any] = {}
+        self.nbytes = width * height * depth * _BYTES[format] * (4 if mips > 1 else 3) // 3
+        gpu.allocated_bytes += self.nbytes
+        gpu.peak_bytes = max(gpu.peak_bytes, gpu.allocated_bytes)
+
+    def layer(self, index: int) -> Any:
+        """The view of one array layer, for rendering into it."""
+        if index not in self._layers:
+            self._layers[index] = self.handle.create_view(
+                label=f"{self.label}[{index}]",
+                dimension="2d",
+                base_array_layer=index,
+                array_layer_count=1,
+                mip_level_count=1,
+            )
+        return self._layers[index]
+
+    def write(self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0) -> None:
+        """Upload one whole mip level (of one layer, or of a whole 3D texture)."""
+        data = np.ascontiguousarray(pixels)
+        dtype, channels = _DTYPES[self.format]
+        if data.dtype != dtype:
+            raise TypeError(f"{self.label}: {self.format} takes {dtype.__name__}, not {data.dtype}")
+        depth, height, width = (1, *data.shape)[-4:-1] if channels > 1 else (1, *data.shape)[-3:]
+        self.gpu.queue.write_texture(
+            {"texture": self.handle, "mip_level": mip, "origin": (0, 0, layer)},
+            data,
+            {"bytes_per_row": data.itemsize * channels * width, "rows_per_image": height},
+            (width, height, depth),
+        )
+
+    def read(self, layer: int | None = None) -> NDArray[Any]:
+        """The texels: (H, W, C), or (D, H, W, C) for 3D and arrays; C dropped where it is 1."""
+        width, height, depth = self.size
+        dtype, channels = _DTYPES[self.format]
+        layers = depth if layer is None else 1
+        row = width * channels * np.dtype(dtype).itemsize
+        raw = self.gpu.queue.read_texture(
+            {"texture": self.handle, "mip_level": 0, "origin": (0, 0, layer or 0)},
+            {"bytes_per_row": row, "rows_per_image": height},
+            (width, height, layers),
+        )
+        texels = np.frombuffer(raw, dtype).reshape(layers, height, width, channels)
+        texels = texels[0] if layers == 1 else texels
+        return texels[..., 0] if channels == 1 else texels
+
+    def release(self) -> None:
+        """Give the memory back."""
+        if self.handle is not None:
+            self.gpu.allocated_bytes -= self.nbytes
+            self.handle.destroy()
+            self.handle = None
+
+
+class Buffer:
+    """A buffer for storage, vertices, indices or uniforms."""
+
+    def __init__(
+        self, gpu: Gpu, label: str, nbytes: int, *, vertex: bool = False, index: bool = False
+    ) -> None:
+        gpu.require("max-buffer-size", nbytes, f"buffer '{label}'")
+        if not (vertex or index):
+            gpu.require("max-storage-buffer-binding-size", nbytes, f"buffer '{label}'")
+        usage = wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.STORAGE
+        usage |= wgpu.BufferUsage.VERTEX if vertex else 0
+        usage |= wgpu.BufferUsage.INDEX if index else 0
+        self.gpu, self.label = gpu, label
+        self.nbytes = max(16, -(-nbytes // 4) * 4)
+        self.handle: Any = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
+        self.resource: Any = {"buffer": self.handle, "offset": 0, "size": self.nbytes}
+        gpu.allocated_bytes += self.nbytes
+        gpu.peak_bytes = max(gpu.peak_bytes, gpu.allocated_bytes)
+
+    def write(self, data: NDArray[Any], offset: int = 0) -> None:
+        """Upload; happens before anything submitted later, after anything submitted before."""
+        if data.nbytes:
+            self.gpu.queue.write_buffer(self.handle, offset, np.ascontiguousarray(data))
+
+    def read(self, dtype: Any = np.float32) -> NDArray[Any]:
+        """The contents, once everything submitted is done."""
+        return np.frombuffer(self.gpu.queue.read_buffer(self.handle), dtype)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        if self.handle is not None:
+            self.gpu.allocated_bytes -= self.nbytes
+            self.handle.destroy()
+            self.handle = None
+
+
+def buffer_of(gpu: Gpu, label: str, data: NDArray[Any], **usage: bool) -> Buffer:
+    """A buffer that holds `data`."""
+    made = Buffer(gpu, label, data.nbytes, **usage)
+    made.write(data)
+    return made
+
+
+class Sampler:
+    """How a texture is filtered and what lies beyond its border."""
+
+    def __init__(self, gpu: Gpu, label: str, **settings: Any) -> None:
+        self.resource: Any = gpu.device.create_sampler(label=label, **settings)
+
+
+def linear_sampler(gpu: Gpu, label: str = "linear clamp", wrap: str = "clamp-to-edge") -> Sampler:
+    """Trilinear filtering."""
+    return Sampler(
+        gpu, label, mag_filter="linear", min_filter="linear", mipmap_filter="linear",
+        address_mode_u=wrap, address_mode_v=wrap, address_mode_w=wrap,
+    )  # fmt: skip

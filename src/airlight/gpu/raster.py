@@ -1,0 +1,120 @@
+"""Render passes: over meshes with vertex buffers, or over the whole picture."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from .bindings import Bindings
+from .commands import Commands
+from .compute import shader_path
+from .device import Gpu
+from .slots import Slot, declarations
+from .source import Source, compile_wgsl
+
+_FULLSCREEN_VERTEX = """
+@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+}
+"""
+
+
+class RasterPipeline:
+    """A render pipeline with up to two bind groups: the pass's own and a second, per material."""
+
+    slots: ClassVar[tuple[Slot, ...]]
+    second_slots: ClassVar[tuple[Slot, ...]] = ()
+    targets: ClassVar[tuple[str, ...]] = ()
+    depth: ClassVar[str] = ""
+    depth_compare: ClassVar[str] = "greater"
+    vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = ()
+    vertex_entry: ClassVar[str] = "vertex"
+    fragment_entry: ClassVar[str] = "fragment"
+    topology: ClassVar[str] = "triangle-list"
+    blend: ClassVar[dict[str, Any] | None] = None
+    file: ClassVar[str] = ""
+
+    def __init__(
+        self, gpu: Gpu, *, constants: dict[str, float] | None = None, cull: str = "none",
+        generated: str = "", targets: tuple[str, ...] | None = None,
+    ) -> None:  # fmt: skip
+        self.gpu, self.label = gpu, type(self).__name__
+        self.targets_used = self.targets if targets is None else targets
+        module = compile_wgsl(gpu.device, self._source(generated), self.label)
+        self.bindings = Bindings(gpu, self.slots, compute=False, label=self.label)
+        groups = [self.bindings.layout]
+        self.second: Bindings | None = None
+        if self.second_slots:
+            self.second = Bindings(
+                gpu, self.second_slots, compute=False, label=f"{self.label} material"
+            )
+            groups.append(self.second.layout)
+        self.pipeline: Any = gpu.device.create_render_pipeline(
+            label=self.label,
+            layout=gpu.device.create_pipeline_layout(label=self.label, bind_group_layouts=groups),
+            vertex={
+                "module": module,
+                "entry_point": self.vertex_entry,
+                "buffers": list(self.vertex_buffers),
+                "constants": constants or {},
+            },
+            primitive={"topology": self.topology, "cull_mode": cull},
+            depth_stencil=self._depth_state(),
+            fragment=self._fragment_state(module, constants or {}),
+        )
+
+    def _source(self, generated: str) -> Source:
+        source = Source()
+        source.add(declarations(self.slots), f"{self.label} slots")
+        if self.second_slots:
+            source.add(declarations(self.second_slots, 1), f"{self.label} material slots")
+        if self.vertex_entry == "fullscreen":
+            source.add(_FULLSCREEN_VERTEX, "fullscreen vertex")
+        if generated:
+            source.add(generated, f"{self.label} generated")
+        path = shader_path(type(self))
+        source.add(path.read_text(), f"{path.parent.name}/{path.name}")
+        return source
+
+    def _depth_state(self) -> dict[str, Any] | None:
+        if not self.depth:
+            return None
+        return {
+            "format": self.depth,
+            "depth_write_enabled": True,
+            "depth_compare": self.depth_compare,
+        }
+
+    def _fragment_state(self, module: Any, constants: dict[str, float]) -> dict[str, Any] | None:
+        if not self.fragment_entry:
+            return None
+        extra = {"blend": self.blend} if self.blend else {}
+        return {
+            "module": module,
+            "entry_point": self.fragment_entry,
+            "constants": constants,
+            "targets": [{"format": f, **extra} for f in self.targets_used],
+        }
+
+
+class FullscreenPass(RasterPipeline):
+    """A fragment shader over every pixel of its targets."""
+
+    vertex_entry = "fullscreen"
+
+    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
+        """Write `targets` (textures, or views); `values` name every slot."""
+        keep = self.blend is not None
+        colors = [
+            {
+                "view": getattr(t, "resource", t),
+                "load_op": "load" if keep else "clear",
+                "store_op": "store",
+                "clear_value": (0, 0, 0, 0),
+            }
+            for t in targets
+        ]
+        with commands.render(self.label, color_attachments=colors) as encoder:
+            encoder.set_pipeline(self.pipeline)
+            self.bindings.bind(commands, encoder, 0, values)
+            encoder.draw(3)

@@ -1,0 +1,122 @@
+"""What stands between cells: the open share of every hop.
+
+Each surfel's area, projected on the three axes and split by the side it faces, is summed around
+the lattice's corners; a hop is blocked by what faces it, averaged over the four corners of the
+crossed face (NOTES section 1; the NumPy twin is maths.lattice6.blocked_shares).
+differs: Kaplanyan2010 section 3.2 keeps blockers as spherical harmonics, through which a full wall
+lets 16 to 22% of the light.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.memory import Buffer, Texture, buffer_of
+from ..gpu.slots import image, storage, uniform
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene, InstanceData
+from .placement import Placement
+from .surfels import SurfelData, surfels
+
+_UNITS = 2.0**16  # fixed-point units per fully covered cell face
+
+
+class BlockerParams(Struct):
+    """Where corners are and how area becomes integers."""
+
+    origin = vec3f("m")
+    cell = f32("m")
+    count = vec3u("cells")
+    surfel_count = u32()
+    units = f32("fixed-point units per fully covered face")
+
+
+class _SumSurfels(ComputePass):
+    slots = (
+        uniform("params", BlockerParams),
+        storage("surfels", SurfelData),
+        storage("instances", InstanceData),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "blockers.wgsl"
+
+
+class _Openness(ComputePass):
+    slots = (
+        uniform("params", BlockerParams),
+        storage("sums", "i32", "read"),
+        storage("openness", "vec2u", "read_write"),
+        image("open_a", "rgba8unorm", "3d"),
+        image("open_b", "rgba8unorm", "3d"),
+        image("walls", "rgba8snorm", "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "openness.wgsl"
+
+
+class Blockers:
+    """Openness of all cell faces, made anew only where the geometry moved.
+
+    `openness` holds, per cell, the open shares of its six incoming hops as unorm8 in two u32;
+    `open_a`, `open_b` the same as textures. `walls` says how far (in cells) the walls that were
+    counted on a cell's three low faces really lie from them: readers bend space by it, so that a
+    point before a wall is never looked up behind it.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int
+    ) -> None:
+        self.placement, self.meshes = placement, meshes
+        samples = surfels(scene.meshes, meshes.order, count)
+        self.count = len(samples)
+        self._surfels = buffer_of(gpu, "surfels", samples)
+        corners = int(np.prod([n + 1 for n in placement.count]))
+        self._sums = Buffer(gpu, "blocker sums", corners * 12 * 4)
+        self.openness = Buffer(gpu, "openness", placement.cells * 8)
+
+        def texture(name: str, format: str) -> Texture:
+            return Texture(gpu, name, placement.count, format, dimension="3d", written=True)
+
+        self.open_a, self.open_b = texture("open xy", "rgba8unorm"), texture("open z", "rgba8unorm")
+        self.walls = texture("walls", "rgba8snorm")
+        self._sum = _SumSurfels(gpu)
+        self._open = _Openness(gpu)
+        self._version = -1
+
+    def encode(self, commands: Commands) -> bool:
+        """Bring the openness up to date; returns whether anything changed."""
+        if self._version == self.meshes.version:
+            return False
+        self._version = self.meshes.version
+        params = BlockerParams(
+            origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
+            surfel_count=self.count, units=_UNITS,
+        )  # fmt: skip
+        commands.encoder.clear_buffer(self._sums.handle)
+        self._sum.dispatch(
+            commands, (self.count,), params=params, surfels=self._surfels,
+            instances=self.meshes.instances, sums=self._sums,
+        )  # fmt: skip
+        self._open.dispatch(
+            commands, self.placement.count, params=params, sums=self._sums, openness=self.openness,
+            open_a=self.open_a, open_b=self.open_b, walls=self.walls,
+        )  # fmt: skip
+        return True
+
+    @property
+    def bound(self) -> dict[str, Texture]:
+        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        return {"lattice_open_a": self.open_a, "lattice_open_b": self.open_b,
+                "lattice_walls": self.walls}  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self._surfels, self._sums, self.openness, self.open_a, self.open_b,
+                     self.walls):
+            part.release()
+

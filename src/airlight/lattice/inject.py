@@ -1,0 +1,142 @@
+"""Virtual point lights into cells (Kaplanyan2010 section 3.1), bit-identical from run to run.
+
+Sums are made in fixed point with integer atomics: they do not depend on the order of the
+additions. The scale is chosen from the total flux, so that even all of it in one cell fits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+from ..maths.lattice6 import hops
+from ..scene.lights import DirectionalLight, Light, PointLight
+from ..surface.light_views import LightViewData
+from ..surface.reflective import ReflectiveShadowMaps
+from .placement import LatticeParams, Placement
+
+_HEADROOM_BITS = 30
+COSINE_LOBE = 2.0
+"""b = COSINE_LOBE P n / 4pi: the two-band fit of a clamped cosine (Ramamoorthi2001)."""
+SHAPED_LOBE = 5.0
+"""Where the surface itself blocks what would go backwards: five times P n / 4pi sends 0.56 of the
+power through the far face and 0.11 through each side face, as a cosine lobe does (0.554, 0.111)."""
+
+
+class InjectParams(Struct):
+    """How flux becomes integers, and the shape of a virtual point light's lobe."""
+
+    scale = f32("fixed-point units per W sr^-1")
+    lobe = f32("b / (P n / 4pi)")
+    hop_even = f32("share of an isotropic cell's power on one hop")
+    hop_direct = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
+    resolution = u32("texels")
+    layers = u32()
+    is_shaped = u32("1: the surface blocks what goes backwards")
+
+
+class Inject(ComputePass):
+    """Every texel of a reflective shadow map, moved half a cell along its normal, adds its lobe."""
+
+    slots = (
+        uniform("params", InjectParams),
+        uniform("lattice", LatticeParams),
+        storage("views", LightViewData),
+        texture("depth", "2d-array", "depth"),
+        texture("normal", "2d-array", "unfilterable-float"),
+        texture("flux", "2d-array", "unfilterable-float"),
+        texture("lattice_walls", "3d"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (16, 16, 1)
+
+    def encode(
+        self, commands: Commands, maps: ReflectiveShadowMaps, placement: Placement,
+        walls: Texture, sums: Buffer, scale: float, *, is_shaped: bool,
+    ) -> None:  # fmt: skip
+        """Add all texels of `maps` to `sums` (fixed point, `scale` units per W sr^-1).
+
+        `is_shaped`: surfaces stop light from the first step on, so the lobe may be narrow.
+        """
+        hop = hops("centroid")[0].matrix
+        params = InjectParams(
+            scale=scale, resolution=maps.resolution, layers=maps.layers,
+            lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=hop[0, 0],
+            hop_direct=hop[0, 1], is_shaped=int(is_shaped),
+        )  # fmt: skip
+        self.dispatch(
+            commands, (maps.resolution, maps.resolution, maps.layers), params=params,
+            lattice=placement.params(), views=maps.views, depth=maps.depth, normal=maps.normal,
+            flux=maps.flux, lattice_walls=walls, sums=sums,
+        )  # fmt: skip
+
+
+class ResolveParams(Struct):
+    """How integers become intensities."""
+
+    values = u32("vec4 values in the lattice")
+    unit = f32("W sr^-1 per fixed-point unit")
+
+
+class Resolve(ComputePass):
+    """Fixed-point sums -> lattice of float4; the sums are zeroed for the next frame."""
+
+    slots = (
+        uniform("params", ResolveParams),
+        storage("sums", "vec4i", "read_write"),
+        storage("base", "vec4f"),
+        storage("lattice", "vec4f", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "resolve.wgsl"
+
+    def encode(
+        self, commands: Commands, placement: Placement, sums: Buffer, base: Buffer,
+        lattice: Buffer, scale: float,
+    ) -> None:  # fmt: skip
+        """lattice = base + sums; then clear `sums`."""
+        values = 3 * placement.cells
+        self.dispatch(
+            commands, (values,), params=ResolveParams(values=values, unit=1.0 / scale),
+            sums=sums, base=base, lattice=lattice,
+        )  # fmt: skip
+
+
+def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[float]) -> float:
+    """An upper bound, W, of the flux that `lights` bring into the box low..high (metres)."""
+    extent = [b - a for a, b in zip(low, high, strict=True)]
+    cross_section = math.pi / 4.0 * sum(e * e for e in extent)  # of the circumscribed sphere
+    total = 0.0
+    for light in lights:
+        match light:
+            case DirectionalLight():
+                total += max(light.irradiance) * cross_section
+            case PointLight():
+                total += 4.0 * math.pi * max(light.intensity)
+            case _:
+                total += 2.0 * math.pi * max(light.intensity)
+    return total
+
+
+def fixed_point_scale(flux: float) -> float:
+    """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits."""
+    largest = SHAPED_LOBE * max(flux, 1e-30) / (4.0 * math.pi)
+    return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
+
+
+def forward_share() -> float:
+    """What a shaped lobe along an axis sends through the five hops that its surface leaves open."""
+    hop = hops("centroid")[0].matrix
+    even, along = float(hop[0, 0]), float(hop[0, 1]) * SHAPED_LOBE
+    return even + along + 4.0 * even
+
+
+def new_sums(gpu: Gpu, placement: Placement) -> Buffer:
+    """The fixed-point lattice, all zero."""
+    return Buffer(gpu, "injected sums", 3 * placement.cells * 16)

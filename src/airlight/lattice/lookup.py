@@ -1,0 +1,93 @@
+"""The solved lattice as filtered 3D textures, and how surfaces read it.
+
+Half floats hold three textures (one per channel) of (a, bx, by, bz), scaled so that the whole
+flux in one cell still fits. `wgsl/lattice.wgsl` reads them.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import image, storage, uniform
+from .inject import COSINE_LOBE, SHAPED_LOBE, forward_share
+from .placement import Placement
+
+_LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
+
+
+class PackParams(Struct):
+    """The lattice's size and its scale."""
+
+    count = vec3u("cells")
+    scale = f32("stored units per W sr^-1")
+    own_even = f32("share of the injected a that surfaces in the cell see")
+    own_direct = f32("share of the injected b")
+
+
+class Pack(ComputePass):
+    """injected + propagated -> three textures."""
+
+    slots = (
+        uniform("params", PackParams),
+        storage("injected", "vec4f"),
+        storage("propagated", "vec4f"),
+        image("red", "rgba16float", "3d"),
+        image("green", "rgba16float", "3d"),
+        image("blue", "rgba16float", "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "pack.wgsl"
+
+
+class LatticeTextures:
+    """What a solved lattice hands on."""
+
+    def __init__(self, gpu: Gpu, placement: Placement) -> None:
+        self.placement = placement
+        self.pack = Pack(gpu)
+
+        self.red, self.green, self.blue = (
+            Texture(gpu, f"lattice {name}", placement.count, "rgba16float", dimension="3d",
+                    written=True)
+            for name in ("red", "green", "blue")
+        )  # fmt: skip
+
+    def encode(
+        self, commands: Commands, injected: Buffer, propagated: Buffer, scale: float,
+        *, is_shaped: bool,
+    ) -> None:  # fmt: skip
+        """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are."""
+        even, direct = own_shares() if is_shaped else (1.0, 1.0)
+        self.pack.dispatch(
+            commands, self.placement.count,
+            params=PackParams(count=self.placement.count, scale=scale, own_even=even,
+                              own_direct=direct),
+            injected=injected, propagated=propagated, red=self.red, green=self.green,
+            blue=self.blue,
+        )  # fmt: skip
+
+    @property
+    def bound(self) -> dict[str, Texture]:
+        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for texture in (self.red, self.green, self.blue):
+            texture.release()
+
+
+def texture_scale(flux: float) -> float:
+    """Stored units per W sr^-1 for a lattice into which `flux` (W) comes."""
+    return float(2.0 ** math.floor(math.log2(_LARGEST * 4.0 * math.pi / max(flux, 1e-30))))
+
+
+def own_shares() -> tuple[float, float]:
+    """What turns a shaped lobe back into the cosine lobe that surfaces in its own cell see."""
+    whole = forward_share()
+    return whole, whole * COSINE_LOBE / SHAPED_LOBE

@@ -1,0 +1,41 @@
+//! use lattice_space
+
+// Places inside a cell where visibility is asked, in cells from its centre.
+const PLACES = array<vec3f, 4>(
+    vec3f(0.25, 0.25, 0.25), vec3f(-0.25, -0.25, 0.25), vec3f(-0.25, 0.25, -0.25),
+    vec3f(0.25, -0.25, -0.25),
+);
+
+fn lit(world: vec3f, view: LightViewData, layer: u32) -> f32 {
+    let clip = view.clip_from_world * vec4f(world, 1.0);
+    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0))) {
+        return 1.0;
+    }
+    return textureSampleCompareLevel(depth, compare, uv, layer, clip.z);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= lattice.count)) {
+        return;
+    }
+    var faces = array<vec3f, 6>();
+    for (var i = 0u; i < params.lights; i++) {
+        let view = views[i];
+        var share = 0.0;
+        for (var k = 0u; k < 4u; k++) {
+            share += lit(unbent_point(lattice, id, 0.5 + PLACES[k]), view, i);
+        }
+        let e = sky[i].irradiance.rgb * share * 0.25;
+        let towards = -sky[i].direction.xyz;
+        faces[0] += e * max(0.0, towards.x);
+        faces[1] += e * max(0.0, -towards.x);
+        faces[2] += e * max(0.0, towards.y);
+        faces[3] += e * max(0.0, -towards.y);
+        faces[4] += e * max(0.0, towards.z);
+        faces[5] += e * max(0.0, -towards.z);
+    }
+    for (var face = 0u; face < 6u; face++) {
+        textureStore(cube, id + vec3u(0u, 0u, face * lattice.count.z), vec4f(faces[face], 1.0));
+    }
+}

@@ -1,0 +1,59 @@
+"""The mean of jittered pictures: anti-aliased stills."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, vec2u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+
+
+class AccumulateParams(Struct):
+    """The picture's size and the new picture's weight."""
+
+    size = vec2u("px")
+    weight = f32("of the new picture; 1 starts anew")
+
+
+class _Add(ComputePass):
+    slots = (
+        uniform("params", AccumulateParams),
+        texture("picture", "2d", "unfilterable-float"),
+        storage("mean", "vec4f", "read_write"),
+    )
+    workgroup = (32, 8, 1)
+    file = "accumulate.wgsl"
+
+
+class Accumulator:
+    """Running means of several textures."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], names: tuple[str, ...]) -> None:
+        self.size = size
+        self._add = _Add(gpu)
+        self._means = {
+            name: Buffer(gpu, f"mean {name}", size[0] * size[1] * 16) for name in names
+        }
+
+    def encode(self, commands: Commands, pictures: dict[str, Texture], index: int) -> None:
+        """Fold in the picture number `index` (0 starts anew) of every name."""
+        params = AccumulateParams(size=self.size, weight=1.0 / (index + 1))
+        for name, mean in self._means.items():
+            self._add.dispatch(
+                commands, self.size, params=params, picture=pictures[name], mean=mean
+            )
+
+    def read(self, name: str) -> NDArray[np.float32]:
+        """(H, W, 4): the mean so far."""
+        width, height = self.size
+        return self._means[name].read().reshape(height, width, 4)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for mean in self._means.values():
+            mean.release()

@@ -1,0 +1,77 @@
+"""Light surfaces: direct light with shadows, emission, sky, the lattice's light, background.
+
+The material is Lambert plus GGX (Walter2007) with Smith's height-correlated shadowing
+(Heitz2014) and Schlick's Fresnel term, as glTF 2.0 defines it.
+"""
+
+from __future__ import annotations
+
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
+from ..gpu.memory import Texture
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams
+from ..surface.light_table import LightData
+from ..surface.light_views import LightViewData
+
+
+class LightingParams(Struct):
+    """Camera and what there is to add."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    light_count = u32()
+    size = vec2f("px")
+    environment_rotation = f32("rad")
+    has_lattice = u32()
+
+
+class Lighting(FullscreenPass):
+    """G-buffer -> direct and indirect radiance, W m^-2 sr^-1."""
+
+    slots = (
+        uniform("params", LightingParams),
+        uniform("lattice", LatticeParams),
+        storage("lights", LightData),
+        storage("parallel_views", LightViewData),
+        storage("local_views", LightViewData),
+        texture("parallel_shadows", "2d-array", "depth"),
+        texture("local_shadows", "2d-array", "depth"),
+        sampler("shadow_compare", "comparison"),
+        texture("depth", "2d", "depth"),
+        texture("albedo", "2d", "unfilterable-float"),
+        texture("normal", "2d", "unfilterable-float"),
+        texture("emission", "2d", "unfilterable-float"),
+        texture("environment", "2d"),
+        sampler("environment_sampler"),
+        texture("sky_cube", "3d"),
+        texture("lattice_red", "3d"),
+        texture("lattice_green", "3d"),
+        texture("lattice_blue", "3d"),
+        texture("lattice_open_a", "3d"),
+        texture("lattice_open_b", "3d"),
+        texture("lattice_walls", "3d"),
+        sampler("linear_clamp"),
+    )
+    targets = ("rgba32float", "rgba32float")
+
+
+class RadianceLayers:
+    """What lighting writes: direct (with emission, sky and background; a = 1) and indirect."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.direct = Texture(gpu, "direct", size, "rgba32float", target=True)
+        self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True)
+
+    @property
+    def targets(self) -> tuple[Texture, Texture]:
+        """In the order of the pass's targets."""
+        return (self.direct, self.indirect)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.direct.release()
+        self.indirect.release()
+
+

@@ -1,0 +1,97 @@
+//! use lights
+//! use shadow
+//! use surface_reflection
+//! use lattice
+
+struct Lit {
+    @location(0) direct: vec4f,
+    @location(1) indirect: vec4f,
+}
+
+fn background(direction: vec3f) -> vec3f {
+    let u = atan2(direction.x, -direction.z) / (2.0 * PI)
+        + params.environment_rotation / (2.0 * PI);
+    let v = acos(clamp(direction.y, -1.0, 1.0)) / PI;
+    return textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0).rgb;
+}
+
+fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
+    let view = view_of(light, in.to_light);
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
+            in.to_light, 1.0);
+    }
+    return lit_share(local_shadows, shadow_compare, local_views[view], view, p, n, in.to_light,
+        in.distance);
+}
+
+fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < params.light_count; i++) {
+        let light = lights[i];
+        let in = incoming(light, p);
+        let cosine = dot(n, in.to_light);
+        if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
+            let lit = light_visibility(light, p, n, in);
+            if (lit > 0.0) {
+                sum += reflection(r, n, in.to_light, v) * in.irradiance * cosine * lit;
+            }
+        }
+    }
+    return sum;
+}
+
+// The face of the ambient cube that looks along one axis: 0 +x, 1 -x, 2 +y ...
+fn sky_face(uvw: vec3f, face: f32) -> vec3f {
+    let half_cell = 0.5 / f32(lattice.count.z);
+    let z = (face + clamp(uvw.z, half_cell, 1.0 - half_cell)) / 6.0;
+    return textureSampleLevel(sky_cube, linear_clamp, vec3f(uvw.xy, z), 0.0).rgb;
+}
+
+fn sky_irradiance(uvw: vec3f, n: vec3f) -> vec3f {
+    let s = n * n;
+    return s.x * sky_face(uvw, select(1.0, 0.0, n.x > 0.0))
+        + s.y * sky_face(uvw, select(3.0, 2.0, n.y > 0.0))
+        + s.z * sky_face(uvw, select(5.0, 4.0, n.z > 0.0));
+}
+
+// Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss.
+fn reflected(r: Reflector, n_v: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
+    let gloss = specular_albedo(r, n_v);
+    return ((vec3f(1.0) - gloss) * r.diffuse * e + gloss * e_mirror) / PI;
+}
+
+@fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
+    let pixel = vec2i(position.xy);
+    let d = textureLoad(depth, pixel, 0);
+    let ndc = vec2f(position.x / params.size.x, 1.0 - position.y / params.size.y) * 2.0 - 1.0;
+    var out: Lit;
+    out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
+    // A point on the pixel's ray: reversed depth, so any depth > 0 is in front of the eye.
+    let far = params.world_from_clip * vec4f(ndc, max(d, 1e-7), 1.0);
+    let p = far.xyz / far.w;
+    let v = normalize(params.eye - p);
+    if (d <= 0.0) {
+        out.direct = vec4f(background(-v), 0.0);
+        return out;
+    }
+    let base = textureLoad(albedo, pixel, 0);
+    let bent = textureLoad(normal, pixel, 0);
+    let glow = textureLoad(emission, pixel, 0);
+    let n = normalize(bent.xyz);
+    let r = reflector(base.rgb, base.a, bent.w, glow.a);
+    let n_v = max(dot(n, v), 1e-4);
+    var direct = glow.rgb + direct_light(r, p, n, v);
+    if (params.has_lattice != 0u) {
+        let mirrored = reflect(-v, n);
+        let uvw = lattice_coordinates(lattice, p, n);
+        let weight = lattice_weight(lattice, p);
+        direct += weight
+            * reflected(r, n_v, sky_irradiance(uvw, n), sky_irradiance(uvw, mirrored));
+        let e = lattice_irradiance_at(lattice, uvw, n) * weight;
+        let e_mirror = lattice_irradiance_at(lattice, uvw, mirrored) * weight;
+        out.indirect = vec4f(reflected(r, n_v, e, e_mirror), 1.0);
+    }
+    out.direct = vec4f(direct, 1.0);
+    return out;
+}

@@ -1,0 +1,78 @@
+"""All lights of a scene on the device: their table, their shadow maps, the environment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import pack_array
+from ..gpu.memory import Buffer
+from ..maths.transforms import F64
+from ..scene.environment import Environment
+from ..scene.lights import DirectionalLight, Light
+from ..surface.geometry import GpuScene
+from ..surface.light_table import LightData, light_rows
+from ..surface.light_views import light_views, view_count
+from ..surface.shadow import ShadowMaps
+from ..surface.sky import EnvironmentTexture
+
+
+class Lights:
+    """Shadow maps and the light table for a fixed set of kinds of lights.
+
+    The number and the kinds of lights are fixed at creation; everything else may change by frame.
+    """
+
+    def __init__(
+        self, gpu: Gpu, lights: tuple[Light, ...], environment: Environment | None,
+        parallel_resolution: int, local_resolution: int,
+    ) -> None:  # fmt: skip
+        self.gpu = gpu
+        parallel = sum(isinstance(light, DirectionalLight) for light in lights)
+        local = sum(view_count(x) for x in lights if not isinstance(x, DirectionalLight))
+        self.parallel = ShadowMaps(gpu, "sun shadows", parallel_resolution, parallel)
+        self.local = ShadowMaps(gpu, "lamp shadows", local_resolution, local)
+        self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
+        self._environment = environment
+        self.background = EnvironmentTexture(gpu, environment)
+        self._lights: tuple[Light, ...] | None = None
+        self.count = len(lights)
+
+    def encode(
+        self, commands: Commands, meshes: GpuScene, lights: tuple[Light, ...],
+        environment: Environment | None, low: F64, high: F64,
+    ) -> None:  # fmt: skip
+        """Bring the table, the background and those shadow maps that changed up to date."""
+        if lights != self._lights:
+            self._lights = lights
+            self.table.write(pack_array(LightData, light_rows(lights)))
+        if environment is not self._environment:
+            self._environment = environment
+            self.background = EnvironmentTexture(self.gpu, environment)
+        suns = [x for x in lights if isinstance(x, DirectionalLight)]
+        lamps = [x for x in lights if not isinstance(x, DirectionalLight)]
+        low, high = np.asarray(low), np.asarray(high)
+        self.parallel.encode(
+            commands, meshes, light_views(suns, low, high, self.parallel.resolution)
+        )
+        self.local.encode(commands, meshes, light_views(lamps, low, high, self.local.resolution))
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name, for the lighting pass."""
+        return {
+            "lights": self.table, "parallel_views": self.parallel.views,
+            "local_views": self.local.views, "parallel_shadows": self.parallel.depth,
+            "local_shadows": self.local.depth, "shadow_compare": self.parallel.sampler,
+            "environment": self.background.texture,
+            "environment_sampler": self.background.sampler,
+        }  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.parallel.release()
+        self.local.release()
+        self.table.release()

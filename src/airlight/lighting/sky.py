@@ -1,0 +1,57 @@
+"""The environment's light: its occluded direct part on a lattice, and maps for its bounce."""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lattice.placement import Placement
+from ..lattice.skylight import Skylight
+from ..scene.environment import Environment
+from ..scene.lights import DirectionalLight
+from ..surface.geometry import GpuScene
+from ..surface.light_views import light_views
+from ..surface.reflective import ReflectiveShadowMaps
+from ..surface.shadow import comparison_sampler
+from ..surface.sky import sky_lights
+
+
+class Sky:
+    """Directional lights that stand for the environment, what they see, and what they light.
+
+    `maps` are their reflective shadow maps, whose texels are the sky's first bounce.
+    """
+
+    def __init__(
+        self, gpu: Gpu, environment: Environment | None, placement: Placement, count: int,
+        resolution: int,
+    ) -> None:  # fmt: skip
+        self.placement, self._count = placement, count
+        self.lights: list[DirectionalLight] = sky_lights(environment, count)
+        self._environment = environment
+        layers = count if self.lights else 0
+        self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
+        self.skylight = Skylight(gpu, placement, count)
+        self._compare = comparison_sampler(gpu)
+
+    def encode(
+        self, commands: Commands, meshes: GpuScene, environment: Environment | None,
+        walls: Texture,
+    ) -> bool:  # fmt: skip
+        """Bring maps and cubes up to date; returns whether anything changed."""
+        if environment is not self._environment:
+            self._environment = environment
+            self.lights = sky_lights(environment, self._count)
+        if not self.lights or not self.maps.layers:
+            return False
+        low, high = self.placement.bounds
+        views = light_views(self.lights, low, high, self.maps.resolution)
+        changed = self.maps.encode(commands, meshes, self.lights, views)
+        if changed:
+            self.skylight.encode(commands, self.lights, self.maps, self._compare, walls)
+        return changed
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.maps.release()
+        self.skylight.release()

@@ -1,0 +1,45 @@
+"""One camera's picture: its matrices and the textures that passes write."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.device import Gpu
+from ..maths.transforms import (
+    F64,
+    clip_from_view_infinite,
+    jittered,
+    view_from_world,
+)
+from ..scene.camera import Camera
+from ..surface.gbuffer import GBuffer
+from .lighting import RadianceLayers
+
+_NEAR_M = 0.01
+
+
+class View:
+    """G-buffer and radiance of one picture; `aim` sets the camera before each."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.size = size
+        self.gbuffer = GBuffer(gpu, size)
+        self.layers = RadianceLayers(gpu, size)
+        self.clip_from_world: F64 = np.eye(4)
+        self.world_from_clip: F64 = np.eye(4)
+        self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def aim(self, camera: Camera, jitter_px: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Look through `camera`, the picture moved by `jitter_px`."""
+        look = np.subtract(camera.target, camera.position)
+        view = view_from_world(camera.position, look, camera.up)
+        aspect = self.size[0] / self.size[1]
+        clip = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, _NEAR_M)
+        self.clip_from_world = jittered(clip, jitter_px, self.size) @ view
+        self.world_from_clip = np.linalg.inv(self.clip_from_world)
+        self.eye = camera.position
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.gbuffer.release()
+        self.layers.release()

@@ -1,0 +1,83 @@
+"""Matrices between spaces, named target_from_source and read as chains.
+
+Right-handed, column vectors, clip space of WebGPU: x right, y up, depth 0..1. Cameras use
+reversed infinite depth (1 near, 0 at infinity), lights conventional depth (0 near, 1 far).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+Vector = Sequence[float] | NDArray[Any]
+
+
+def unit(v: Vector) -> F64:
+    """`v` / |v|."""
+    a = np.asarray(v, dtype=np.float64)
+    return a / np.linalg.norm(a)
+
+
+def view_from_world(eye: Vector, forward: Vector, up: Vector) -> F64:
+    """(4, 4): the eye at the origin looking down -Z, +Y as near to `up` as it can be."""
+    z = -unit(forward)
+    x = np.cross(up, z)
+    if np.linalg.norm(x) < 1e-9:
+        x = np.cross((0.0, 0.0, 1.0) if abs(z[1]) > 0.5 else (0.0, 1.0, 0.0), z)
+    x = unit(x)
+    y = np.cross(z, x)
+    m = np.eye(4)
+    m[:3, :3] = (x, y, z)
+    m[:3, 3] = -m[:3, :3] @ np.asarray(eye, dtype=np.float64)
+    return m
+
+
+def clip_from_view_infinite(fov_y: float, aspect: float, near: float) -> F64:
+    """(4, 4): perspective with reversed infinite depth; `fov_y` in radians, `near` in metres."""
+    f = 1.0 / np.tan(0.5 * fov_y)
+    m = np.zeros((4, 4))
+    m[0, 0], m[1, 1], m[2, 3], m[3, 2] = f / aspect, f, near, -1.0
+    return m
+
+
+def clip_from_view_perspective(fov_y: float, near: float, far: float) -> F64:
+    """(4, 4): square perspective with depth 0 at `near` and 1 at `far` (metres)."""
+    f = 1.0 / np.tan(0.5 * fov_y)
+    m = np.zeros((4, 4))
+    m[0, 0] = m[1, 1] = f
+    m[2, 2], m[2, 3], m[3, 2] = far / (near - far), near * far / (near - far), -1.0
+    return m
+
+
+def clip_from_view_orthographic(low: Vector, high: Vector) -> F64:
+    """(4, 4): the view-space box low..high to the clip box; z = high maps to depth 0."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    m = np.eye(4)
+    m[0, 0], m[0, 3] = 2.0 / (x1 - x0), -(x1 + x0) / (x1 - x0)
+    m[1, 1], m[1, 3] = 2.0 / (y1 - y0), -(y1 + y0) / (y1 - y0)
+    m[2, 2], m[2, 3] = -1.0 / (z1 - z0), z1 / (z1 - z0)
+    return m
+
+
+def jittered(clip_from_view: F64, offset_px: Vector, size_px: tuple[int, int]) -> F64:
+    """The projection with the picture moved by `offset_px` (x right, y down)."""
+    shift = np.eye(4)
+    shift[0, 3] = 2.0 * offset_px[0] / size_px[0]
+    shift[1, 3] = -2.0 * offset_px[1] / size_px[1]
+    return shift @ clip_from_view
+
+
+def box_corners(low: Vector, high: Vector) -> F64:
+    """(8, 3): the corners of an axis-aligned box."""
+    return np.array(np.meshgrid(*zip(low, high, strict=True)), dtype=np.float64).reshape(3, 8).T
+
+
+def transformed(points: F64, matrix: F64) -> F64:
+    """(n, 3) points through a 4x4 matrix, with the perspective division."""
+    homogeneous = points @ matrix[:3, :3].T + matrix[:3, 3]
+    w = points @ matrix[3, :3] + matrix[3, 3]
+    return homogeneous / w[..., None]

@@ -1,0 +1,234 @@
+"""Scene + technique -> image, without a window."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from .errors import SettingsError
+from .gpu.commands import Commands
+from .gpu.device import open_gpu
+from .lighting.accumulate import Accumulator
+from .lighting.view import View
+from .maths.sampling import pixel_jitter
+from .maths.tone import auto_exposure
+from .scene.camera import Camera
+from .scene.environment import Environment
+from .scene.image import Image
+from .scene.lights import Light
+from .scene.mesh import Mesh
+from .scene.scene import Scene
+from .surface.geometry import GpuScene
+from .techniques import make_technique
+
+Progress = Callable[[str, float], None]
+MAX_SIDE_PX = 16384
+STILL_SAMPLES = 8
+_RADIANCE = ("direct", "indirect")
+
+
+class Renderer:
+    """Keeps a scene on the device, for animation and for viewers.
+
+    with Renderer(scene, technique="lpv", size=(640, 360)) as r:
+        image = r.frame(camera=...)
+
+    The number and kinds of lights and the meshes' geometry are fixed; everything that `frame`
+    takes may change from call to call. Raises SettingsError, DeviceError.
+    """
+
+    def __init__(
+        self, scene: Scene, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
+        settings: Mapping[str, Any] | None = None, adapter: str = "auto",
+    ) -> None:  # fmt: skip
+        self.size = checked_size(size)
+        self.scene = scene
+        self.gpu = open_gpu(adapter)
+        self.gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
+        self.gpu.peak_bytes = self.gpu.allocated_bytes
+        self.commands = Commands(self.gpu)
+        self.meshes = GpuScene(self.gpu, scene)
+        self.technique = make_technique(self.gpu, scene, self.meshes, technique, settings or {})
+        self.view = View(self.gpu, self.size)
+        self._accumulator: Accumulator | None = None
+        self.frame_ms: list[float] = []
+        self.python_ms: list[float] = []
+
+    def frame(
+        self, *, camera: Camera | None = None, lights: Sequence[Light] | None = None,
+        environment: Environment | None = None, meshes: Sequence[Mesh] | None = None,
+        samples: int = 1, read: bool = True, progress: Progress | None = None,
+    ) -> Image | None:  # fmt: skip
+        """One picture, with what is given changed for good.
+
+        `samples` jittered pictures are averaged. Without `read` nothing comes back to the host,
+        as in a viewer; the call then returns when the device is done.
+        """
+        begin = time.perf_counter()
+        self._change(camera, lights, environment, meshes)
+        self.technique.solve(self.commands, self.scene)
+        jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
+        for index, jitter in enumerate(jitters):
+            self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])))
+            self.technique.draw(self.commands, self.view)
+            if samples > 1:
+                self._accumulate(index)
+                self.commands.submit()
+                if progress:
+                    self.gpu.wait()
+                    progress("render", (index + 1) / samples)
+        self.commands.submit()
+        encoded = time.perf_counter()
+        self.gpu.wait()
+        done = time.perf_counter()
+        self.frame_ms.append((done - begin) * 1e3)
+        self.python_ms.append((encoded - begin) * 1e3)
+        return self._image(samples) if read else None
+
+    def timed_passes(self) -> dict[str, float]:
+        """Milliseconds per stage of one more frame, each stage waited for."""
+        self.commands.is_timed, self.commands.stage_ms = True, {}
+        self.frame(read=False)
+        self.frame_ms.pop()
+        self.python_ms.pop()
+        if not self.gpu.is_cpu:
+            self.commands.collect_timestamps()
+        self.commands.is_timed = False
+        return dict(self.commands.stage_ms)
+
+    def stats(self) -> dict[str, Any]:
+        """What --stats writes, as far as the renderer knows it; times in milliseconds."""
+        steady = self.frame_ms[1:] or self.frame_ms
+        python = self.python_ms[1:] or self.python_ms
+        return {
+            "device": self.gpu.info.name, "adapter_type": self.gpu.info.adapter_type,
+            "frame_ms": statistics.median(steady) if steady else 0.0,
+            "python_ms": statistics.median(python) if python else 0.0,
+            "peak_gpu_bytes": self.gpu.peak_bytes, "size": list(self.size),
+            "triangles": self.scene.triangle_count, **self.technique.stats,
+        }  # fmt: skip
+
+    def close(self) -> None:
+        """Give the device's memory back."""
+        self.technique.release()
+        self.view.release()
+        self.meshes.release()
+        if self._accumulator:
+            self._accumulator.release()
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        self.close()
+
+    def _change(
+        self, camera: Camera | None, lights: Sequence[Light] | None,
+        environment: Environment | None, meshes: Sequence[Mesh] | None,
+    ) -> None:  # fmt: skip
+        changes: dict[str, Any] = {}
+        if camera is not None:
+            changes["camera"] = camera
+        if lights is not None:
+            kinds = [type(light) for light in lights]
+            if kinds != [type(light) for light in self.scene.lights]:
+                raise SettingsError("frame() got lights of other kinds than the scene's",
+                                    remedy="Make a new Renderer")
+            changes["lights"] = tuple(lights)
+        if environment is not None:
+            changes["environment"] = environment
+        if meshes is not None:
+            changes["meshes"] = tuple(meshes)
+            self.meshes.move(tuple(meshes))
+        if changes:
+            self.scene = dataclasses.replace(self.scene, **changes)
+
+    def _accumulate(self, index: int) -> None:
+        if self._accumulator is None:
+            self._accumulator = Accumulator(self.gpu, self.size, _RADIANCE)
+        layers = self.view.layers
+        with self.commands.stage("accumulate"):
+            self._accumulator.encode(
+                self.commands, {"direct": layers.direct, "indirect": layers.indirect}, index
+            )
+
+    def _image(self, samples: int) -> Image:
+        if samples > 1 and self._accumulator is not None:
+            direct, indirect = (self._accumulator.read(name) for name in _RADIANCE)
+        else:
+            direct, indirect = self.view.layers.direct.read(), self.view.layers.indirect.read()
+        g = self.view.gbuffer
+        layers = {
+            "direct": np.ascontiguousarray(direct[..., :3]),
+            "indirect": np.ascontiguousarray(indirect[..., :3]),
+            "albedo": g.albedo.read()[..., :3].astype(np.float32),
+            "normal": g.normal.read()[..., :3].astype(np.float32),
+            "depth": self._distance(),
+        }
+        radiance = layers["direct"] + layers["indirect"]
+        stops = self.scene.camera.exposure_stops
+        exposure = float(auto_exposure(radiance)) if stops is None else stops
+        return Image(radiance, layers, exposure_stops=exposure, stats=self.stats())
+
+    def _distance(self) -> np.ndarray[Any, np.dtype[np.float32]]:
+        """Metres along each pixel's ray; infinite where nothing is."""
+        depth = self.view.gbuffer.depth.read().astype(np.float64)
+        height, width = depth.shape
+        x = (np.arange(width) + 0.5) / width * 2.0 - 1.0
+        y = 1.0 - (np.arange(height) + 0.5) / height * 2.0
+        safe = np.maximum(depth, 1e-9)
+        clip = np.stack([*np.broadcast_arrays(x[None, :], y[:, None]), safe,
+                         np.ones_like(safe)], axis=-1)
+        world = clip @ self.view.world_from_clip.T
+        distance = np.linalg.norm(world[..., :3] / world[..., 3:] - self.view.eye, axis=-1)
+        return np.where(depth > 0.0, distance, np.inf).astype(np.float32)
+
+
+def render(
+    scene: Scene, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
+    settings: Mapping[str, Any] | None = None, samples: int = STILL_SAMPLES,
+    adapter: str = "auto", progress: Progress | None = None, timed: bool = False,
+) -> Image:  # fmt: skip
+    """One anti-aliased picture of `scene`.
+
+    `size` (width, height) in pixels; `samples` jittered pictures are averaged; `settings` as in
+    `airlight render -D`. `progress(stage, share)` is called as it goes. `timed` adds per-pass
+    milliseconds to `image.stats` (a few more frames). Raises SettingsError, DeviceError.
+    """
+    if samples < 1 or samples > 4096:
+        raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
+    if progress:
+        progress("upload", 0.0)
+    with Renderer(scene, technique, size, settings=settings, adapter=adapter) as renderer:
+        image = renderer.frame(samples=samples, progress=progress)
+        assert image is not None
+        if not timed:
+            return image
+        renderer.frame_ms.clear()
+        renderer.python_ms.clear()
+        for _ in range(4):
+            renderer.frame(read=False)
+        stats = {**renderer.stats(), "passes": renderer.timed_passes()}
+        return dataclasses.replace(image, stats=stats)
+
+
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    """(width, height) in pixels. Raises SettingsError for an impossible one."""
+    values = tuple(size)
+    if len(values) != 2 or any(not isinstance(v, (int, np.integer)) for v in values):
+        raise SettingsError(f"size must be two whole numbers, not {size!r}")
+    if any(not 1 <= v <= MAX_SIDE_PX for v in values):
+        raise SettingsError(
+            f"size {values[0]}x{values[1]} is impossible",
+            remedy=f"Each side goes from 1 to {MAX_SIDE_PX} pixels",
+        )
+    return (int(values[0]), int(values[1]))

@@ -1,0 +1,25 @@
+//! use mesh
+
+override IS_CUTOUT: bool = false;
+
+struct GBufferOut {
+    @location(0) albedo: vec4f,
+    @location(1) normal: vec4f,
+    @location(2) emission: vec4f,
+}
+
+@vertex fn vertex(in: VertexIn) -> VertexOut {
+    return placed_vertex(in, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> GBufferOut {
+    let point = surface_at(in, is_front);
+    if (IS_CUTOUT && point.alpha < materials[in.material].alpha_cutoff) {
+        discard;
+    }
+    var out: GBufferOut;
+    out.albedo = vec4f(point.base_color, point.metallic);
+    out.normal = vec4f(point.normal, point.roughness);
+    out.emission = vec4f(point.emission, point.specular);
+    return out;
+}

@@ -1,0 +1,221 @@
+"""All meshes of a scene in shared buffers, drawn material by material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f, vec4f
+from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
+from ..maths.transforms import box_corners
+from ..scene.material import Material
+from ..scene.material import Texture as SceneTexture
+from ..scene.mesh import Geometry, Mesh
+from ..scene.scene import Scene
+from .textures import TextureStore
+
+F64 = NDArray[np.float64]
+_VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
+
+
+class InstanceData(Struct):
+    """Where one copy of a geometry stands."""
+
+    world_from_object = mat4x4f()
+    normal_from_object = mat4x4f()
+    material = u32("index into materials")
+
+
+class MaterialData(Struct):
+    """The factors of a material; textures multiply them."""
+
+    base_color = vec3f()
+    alpha = f32()
+    emission = vec3f("W m^-2 sr^-1")
+    alpha_cutoff = f32()
+    roughness = f32()
+    metallic = f32()
+    specular = f32()
+    normal_scale = f32()
+    uv_base_color = vec4f("scale, offset")
+    uv_metallic_roughness = vec4f("scale, offset")
+    uv_normal = vec4f("scale, offset")
+    uv_emission = vec4f("scale, offset")
+    has_normal_map = u32()
+    pad = vec2f()
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Instances of one geometry with one material."""
+
+    first_index: int
+    index_count: int
+    base_vertex: int
+    first_instance: int
+    instance_count: int
+    material: Material
+    textures: dict[str, Texture | Sampler]
+
+
+class GpuScene:
+    """Vertex, index, instance and material buffers, and the draws over them.
+
+    Geometry and materials are fixed at creation; `move` places the instances anew.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+        self.gpu = gpu
+        self.store = TextureStore(gpu)
+        self.version = 0
+        order = _draw_order(scene.meshes)
+        self.order = [index for run in order for index in run]
+        geometries = {id(m.geometry): m.geometry for m in scene.meshes}
+        offsets = self._upload(list(geometries.values()))
+        materials = {id(m.material): m.material for m in scene.meshes}
+        self._material_index = {key: i for i, key in enumerate(materials)}
+        self.materials = buffer_of(
+            gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
+        )
+        self.instances = Buffer(
+            gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes))
+        )
+        self.draws: list[Draw] = []
+        first = 0
+        for run in order:
+            mesh = scene.meshes[run[0]]
+            start, base = offsets[id(mesh.geometry)]
+            self.draws.append(
+                Draw(start, mesh.geometry.indices.size, base, first, len(run), mesh.material,
+                     self._bound_textures(mesh.material))
+            )
+            first += len(run)
+        self.move(scene.meshes)
+
+    def move(self, meshes: tuple[Mesh, ...]) -> None:
+        """Place the instances as `meshes` (the same meshes, in the same order) stand."""
+        rows = [
+            {"world_from_object": m.world_from_object,
+             "normal_from_object": _normal_matrix(m.world_from_object),
+             "material": self._material_index[id(m.material)]}
+            for m in (meshes[i] for i in self.order)
+        ]
+        self.instances.write(pack_array(InstanceData, rows))
+        boxes = [box_corners(*meshes[i].world_bounds) for i in self.order]
+        edges = [d.first_instance for d in self.draws]
+        corners = np.array(boxes).reshape(-1, 3)
+        self._draw_low = _reduce(np.minimum, corners, edges)
+        self._draw_high = _reduce(np.maximum, corners, edges)
+        self.version += 1
+
+    def visible(self, clip_from_world: F64) -> list[Draw]:
+        """The draws whose boxes are not wholly outside one plane of the clip box.
+
+        The depth planes are not tested: what stands before a light's near plane still shadows.
+        """
+        if not self.draws:
+            return []
+        pick = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, 8).T
+        both = np.stack([self._draw_low, self._draw_high])
+        corners = np.stack([both[pick[:, k], :, k] for k in range(3)], axis=-1)
+        homogeneous = corners @ clip_from_world[:, :3].T + clip_from_world[:, 3]
+        x, y, w = homogeneous[..., 0], homogeneous[..., 1], homogeneous[..., 3]
+        outside = (
+            (x < -w).all(0) | (x > w).all(0) | (y < -w).all(0) | (y > w).all(0) | (w <= 0.0).all(0)
+        )
+        return [draw for draw, out in zip(self.draws, outside, strict=True) if not out]
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.positions, self.vertices, self.indices, self.instances, self.materials):
+            part.release()
+        self.store.release()
+
+    def _upload(self, geometries: list[Geometry]) -> dict[int, tuple[int, int]]:
+        offsets, index_count, vertex_count = {}, 0, 0
+        for geometry in geometries:
+            offsets[id(geometry)] = (index_count, vertex_count)
+            index_count += geometry.indices.size
+            vertex_count += len(geometry.positions)
+        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
+        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
+        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
+        self.positions = buffer_of(self.gpu, "positions", positions, vertex=True)
+        self.vertices = buffer_of(self.gpu, "vertices", vertices, vertex=True)
+        self.indices = buffer_of(self.gpu, "indices", indices, index=True)
+        return offsets
+
+    def _bound_textures(self, m: Material) -> dict[str, Texture | Sampler]:
+        named: dict[str, tuple[SceneTexture | None, Texture]] = {
+            "base_color": (m.base_color_texture, self.store.white),
+            "metallic_roughness": (m.metallic_roughness_texture, self.store.white),
+            "normal": (m.normal_texture, self.store.flat_normal),
+            "emission": (m.emission_texture, self.store.white),
+        }
+        bound: dict[str, Texture | Sampler] = {}
+        for name, (texture, default) in named.items():
+            bound[f"{name}_map"] = self.store.get(texture, default)
+            bound[f"{name}_sampler"] = self.store.sampler(texture)
+        return bound
+
+
+def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
+    """Mesh indices in runs that share geometry and material, opaque before cut-out."""
+
+    def key(index: int) -> tuple[bool, int, int]:
+        m = meshes[index]
+        return (m.material.alpha_cutoff > 0.0, id(m.material), id(m.geometry))
+
+    return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
+
+
+def _fields(m: Material) -> dict[str, Any]:
+    def placed(texture: SceneTexture | None) -> tuple[float, ...]:
+        return (*texture.scale, *texture.offset) if texture else (1.0, 1.0, 0.0, 0.0)
+
+    return {
+        "base_color": m.base_color, "alpha": m.alpha, "emission": m.emission,
+        "alpha_cutoff": m.alpha_cutoff, "roughness": m.roughness, "metallic": m.metallic,
+        "specular": m.specular, "normal_scale": m.normal_scale,
+        "uv_base_color": placed(m.base_color_texture),
+        "uv_metallic_roughness": placed(m.metallic_roughness_texture),
+        "uv_normal": placed(m.normal_texture), "uv_emission": placed(m.emission_texture),
+        "has_normal_map": int(m.normal_texture is not None), "pad": (0.0, 0.0),
+    }  # fmt: skip
+
+
+def _vertex_data(g: Geometry) -> NDArray[Any]:
+    data = np.zeros(len(g.positions), _VERTEX)
+    if g.normals is not None:
+        data["normal"][:, :3] = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0)
+    if g.uvs is not None:
+        data["uv"] = g.uvs
+    data["color"] = 1.0 if g.colors is None else g.colors
+    return data
+
+
+def _normal_matrix(world_from_object: F64) -> F64:
+    """Inverse transpose: keeps normals at right angles under uneven scale."""
+    linear = world_from_object[:3, :3]
+    normal = np.eye(4)
+    # The cofactor matrix is det * inverse transpose and exists for flat transforms too.
+    a, b, c = linear.T
+    normal[:3, :3] = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    if np.linalg.det(linear) < 0.0:
+        normal[:3, :3] *= -1.0
+    return normal
+
+
+def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    return np.concatenate(parts) if parts else np.zeros(empty, dtype)
+
+
+def _reduce(operation: np.ufunc, corners: F64, first_instances: list[int]) -> F64:
+    if not first_instances:
+        return np.zeros((0, 3))
+    return np.asarray(operation.reduceat(corners, [8 * f for f in first_instances], axis=0))

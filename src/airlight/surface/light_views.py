@@ -1,0 +1,121 @@
+"""What lights see: their projections, fitted to the scene, stable under camera movement.
+
+Depth is conventional: 0 near, 1 far. A directional light has one view (or one per cascade), a
+spot light one, a point light six.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f
+from ..maths.transforms import (
+    F64,
+    box_corners,
+    clip_from_view_orthographic,
+    clip_from_view_perspective,
+    transformed,
+    view_from_world,
+)
+from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+
+_CUBE = (  # forward, up: faces +x -x +y -y +z -z
+    ((1, 0, 0), (0, -1, 0)), ((-1, 0, 0), (0, -1, 0)), ((0, 1, 0), (0, 0, 1)),
+    ((0, -1, 0), (0, 0, -1)), ((0, 0, 1), (0, -1, 0)), ((0, 0, -1), (0, -1, 0)),
+)  # fmt: skip
+
+
+class LightViewData(Struct):
+    """One view of a light, as shaders see it."""
+
+    clip_from_world = mat4x4f()
+    world_from_clip = mat4x4f()
+    texel = vec2f("m where parallel, m at 1 m distance in perspective")
+    is_perspective = u32()
+    pad = f32()
+
+
+@dataclass(frozen=True, eq=False)
+class LightView:
+    """A square picture of `resolution`^2 texels as a light sees it."""
+
+    clip_from_world: F64
+    texel: tuple[float, float]
+    is_perspective: bool
+    light: int
+
+    @property
+    def fields(self) -> dict[str, object]:
+        """The values of `LightViewData`."""
+        return {
+            "clip_from_world": self.clip_from_world,
+            "world_from_clip": np.linalg.inv(self.clip_from_world),
+            "texel": self.texel, "is_perspective": int(self.is_perspective), "pad": 0.0,
+        }  # fmt: skip
+
+
+def light_views(
+    lights: Iterable[Light], low: F64, high: F64, resolution: int
+) -> list[LightView]:
+    """The views of all lights over the box low..high (metres), in the lights' order."""
+    views: list[LightView] = []
+    for index, light in enumerate(lights):
+        match light:
+            case DirectionalLight():
+                views.append(_parallel(light, index, low, high, resolution))
+            case SpotLight():
+                views.append(_spot(light, index, low, high, resolution))
+            case PointLight():
+                views += _cube(light, index, low, high, resolution)
+    return views
+
+
+def view_count(light: Light) -> int:
+    """How many views `light_views` makes of a light."""
+    return 6 if isinstance(light, PointLight) else 1
+
+
+def _parallel(
+    light: DirectionalLight, index: int, low: F64, high: F64, resolution: int
+) -> LightView:
+    view = view_from_world((0.0, 0.0, 0.0), light.direction, (0.0, 1.0, 0.0))
+    corners = transformed(box_corners(low, high), view)
+    near, far = corners.min(axis=0), corners.max(axis=0)
+    margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
+    near, far = near - margin, far + margin
+    # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
+    texel = (far[:2] - near[:2]) / (resolution - 1)
+    near[:2] = np.floor(near[:2] / texel) * texel
+    far[:2] = near[:2] + texel * resolution
+    clip = clip_from_view_orthographic(near, far) @ view
+    return LightView(clip, (float(texel[0]), float(texel[1])), False, index)
+
+
+def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) -> LightView:
+    fov = np.radians(2.0 * light.outer_deg) * 1.01
+    return _perspective(light.position, light.direction, (0, 1, 0), fov, index, low, high,
+                        resolution)
+
+
+def _cube(
+    light: PointLight, index: int, low: F64, high: F64, resolution: int
+) -> list[LightView]:
+    return [
+        _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
+        for forward, up in _CUBE
+    ]
+
+
+def _perspective(
+    position: tuple[float, float, float], forward: object, up: object, fov: float, index: int,
+    low: F64, high: F64, resolution: int,
+) -> LightView:  # fmt: skip
+    far = float(np.linalg.norm(box_corners(low, high) - position, axis=1).max()) * 1.01
+    near = max(1e-3 * far, 1e-4)
+    view = view_from_world(position, forward, up)  # type: ignore[arg-type]
+    clip = clip_from_view_perspective(fov, near, far) @ view
+    texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
+    return LightView(clip, (texel, texel), True, index)

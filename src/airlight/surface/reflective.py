@@ -1,0 +1,107 @@
+"""Reflective shadow maps: depth, normal and reflected flux as lights see the scene.
+
+Dachsbacher2005; each texel is a virtual point light (Kaplanyan2010 section 3.1). The flux is kept
+per texel measure (m^2 where the light is parallel, sr in perspective), so that half floats hold
+it; its reader multiplies by the measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import uniform
+from ..scene.lights import Light
+from .geometry import GpuScene
+from .light_table import light_fields
+from .light_views import LightView, LightViewData
+from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+
+
+class ReflectiveParams(Struct):
+    """The view that is drawn, and its light."""
+
+    clip_from_world = mat4x4f()
+    color = vec3f("W m^-2 (directional) or W sr^-1")
+    kind = u32()
+    position = vec3f("m")
+    cos_inner = f32()
+    direction = vec3f()
+    cos_outer = f32()
+
+
+class _ReflectivePipeline(MeshPipeline):
+    slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
+    targets = ("rgba16float", "rgba16float")
+    depth_compare = "less"
+    file = "reflective.wgsl"
+
+
+class ReflectiveShadowMaps:
+    """Arrays of square maps; drawn anew only where a light, its view or the geometry changed.
+
+    normal  xyz world, facing the light
+    flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel
+    """
+
+    def __init__(self, gpu: Gpu, label: str, resolution: int, layers: int) -> None:
+        self.resolution, self.layers = resolution, layers
+        size = (resolution, resolution, layers) if layers else (1, 1, 1)
+
+        def map_of(name: str, format: str) -> Texture:
+            return Texture(
+                gpu, f"{label} {name}", size, format, dimension="2d-array", target=True
+            )
+
+        self.depth = map_of("depth", "depth32float")
+        self.normal = map_of("normal", "rgba16float")
+        self.flux = map_of("flux", "rgba16float")
+        self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
+        self._pass = MeshPass(gpu, _ReflectivePipeline)
+        self._drawn: dict[int, tuple[int, bytes, Light]] = {}
+
+    def encode(
+        self, commands: Commands, scene: GpuScene, lights: Sequence[Light],
+        views: list[LightView],
+    ) -> bool:  # fmt: skip
+        """Draw those `views` that changed; returns whether any did."""
+        stale = []
+        for layer, view in enumerate(views):
+            key = (scene.version, view.clip_from_world.tobytes(), lights[view.light])
+            if self._drawn.get(layer) != key:
+                self._drawn[layer] = key
+                stale.append(layer)
+        if stale:
+            self.views.write(pack_array(LightViewData, [view.fields for view in views]))
+        for layer in stale:
+            self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
+        return bool(stale)
+
+    def _draw(
+        self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
+    ) -> None:
+        colors = [
+            {"view": t.layer(layer), "load_op": "clear", "store_op": "store",
+             "clear_value": (0, 0, 0, 0)}
+            for t in (self.normal, self.flux)
+        ]  # fmt: skip
+        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
+                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        fields = light_fields(light)
+        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
+        params = ReflectiveParams(
+            clip_from_world=view.clip_from_world, **{name: fields[name] for name in names}
+        )
+        with commands.render(
+            "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
+        ) as encoder:
+            draws = scene.visible(view.clip_from_world)
+            self._pass.draw(commands, encoder, scene, draws, params)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.depth, self.normal, self.flux, self.views):
+            part.release()

@@ -1,0 +1,29 @@
+//! use mesh
+
+override IS_CUTOUT: bool = false;
+
+struct ReflectiveOut {
+    @location(0) normal: vec4f,
+    @location(1) flux: vec4f,
+}
+
+@vertex fn vertex(in: VertexIn) -> VertexOut {
+    return placed_vertex(in, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> ReflectiveOut {
+    let base = base_color_at(in);
+    if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {
+        discard;
+    }
+    // Metals count with their whole reflectance: a two-band lattice cannot tell gloss from matt.
+    var power = params.color * base.rgb;
+    if (params.kind == 2u) {
+        let c = dot(normalize(in.world - params.position), params.direction);
+        power *= smoothstep(params.cos_outer, max(params.cos_inner, params.cos_outer + 1e-4), c);
+    }
+    var out: ReflectiveOut;
+    out.normal = vec4f(facing_normal(in, is_front), 0.0);
+    out.flux = vec4f(power, 0.0);
+    return out;
+}

@@ -1,0 +1,84 @@
+"""Shadow maps: depth as lights see it, filtered by percentage-closer comparison."""
+
+from __future__ import annotations
+
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f, pack_array
+from ..gpu.memory import Buffer, Sampler, Texture
+from ..gpu.slots import uniform
+from .geometry import GpuScene
+from .light_views import LightView, LightViewData
+from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+
+
+class ShadowParams(Struct):
+    """The view that is drawn."""
+
+    clip_from_world = mat4x4f()
+
+
+class _ShadowPipeline(MeshPipeline):
+    slots = (uniform("params", ShadowParams), *MESH_SLOTS)
+    depth_compare = "less"
+    opaque_fragment = ""
+    file = "shadow.wgsl"
+
+
+class ShadowMaps:
+    """An array of square depth maps; drawn anew only where a view or the geometry changed."""
+
+    def __init__(self, gpu: Gpu, label: str, resolution: int, layers: int) -> None:
+        self.resolution, self.layers = resolution, layers
+        count = max(1, layers)
+        side = resolution if layers else 1
+        self.depth = Texture(
+            gpu, label, (side, side, count), "depth32float", dimension="2d-array", target=True
+        )
+        self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * count)
+        self.sampler = comparison_sampler(gpu)
+        self._pass = MeshPass(gpu, _ShadowPipeline)
+        self._drawn: dict[int, tuple[int, bytes]] = {}
+
+    def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
+        """Draw those `views` that changed."""
+        stale = []
+        for layer, view in enumerate(views):
+            key = (scene.version, view.clip_from_world.tobytes())
+            if self._drawn.get(layer) != key:
+                self._drawn[layer] = key
+                stale.append(layer)
+        if not stale:
+            return
+        self.views.write(pack_array(LightViewData, [view.fields for view in views]))
+        for layer in stale:
+            self._draw(commands, scene, layer, views[layer])
+
+    def _draw(self, commands: Commands, scene: GpuScene, layer: int, view: LightView) -> None:
+        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
+                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        with commands.render(
+            self.depth.label, color_attachments=[], depth_stencil_attachment=depth
+        ) as encoder:
+            self._pass.draw(
+                commands, encoder, scene, scene.visible(view.clip_from_world),
+                ShadowParams(clip_from_world=view.clip_from_world),
+            )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.depth.release()
+        self.views.release()
+
+
+def comparison_sampler(gpu: Gpu) -> Sampler:
+    """Lit where the reference depth is not beyond the stored one; bilinear."""
+    return Sampler(gpu, "shadow", compare="less-equal", mag_filter="linear", min_filter="linear")
+
+
+def parallel_and_local(views: list[LightView]) -> tuple[list[LightView], list[LightView]]:
+    """The views of directional lights, and those of spots and points."""
+    return [v for v in views if not v.is_perspective], [v for v in views if v.is_perspective]
+
+

@@ -1,0 +1,13 @@
+//! use mesh
+
+override IS_CUTOUT: bool = false;
+
+@vertex fn vertex(in: VertexIn) -> VertexOut {
+    return placed_vertex(in, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut) {
+    if (base_color_at(in).a < materials[in.material].alpha_cutoff) {
+        discard;
+    }
+}

@@ -1,0 +1,92 @@
+"""The environment as light: a map to look at, and directional lights that stand for it.
+
+The sphere is cut into the Voronoi cells of Fibonacci points; each cell becomes a directional light
+with the cell's whole irradiance, along its radiance-weighted mean direction. The partition has no
+noise and no seed, so a turning map does not flicker.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.device import Gpu
+from ..gpu.memory import Sampler, Texture
+from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
+from ..maths.sampling import fibonacci_sphere
+from ..scene.environment import Environment
+from ..scene.lights import DirectionalLight
+
+F64 = NDArray[np.float64]
+_ROWS = 64  # of the map that is partitioned; finer detail is averaged first
+_HALF_MAX = 65504.0
+
+
+def sky_lights(environment: Environment | None, count: int) -> list[DirectionalLight]:
+    """At most `count` directional lights that carry the environment's light; none if it is black.
+
+    Their irradiances sum to the integral of the radiance over the sphere.
+    """
+    if environment is None or count < 1:
+        return []
+    radiance = environment_map(environment)
+    radiance = _shrunk(radiance, max(1, radiance.shape[0] // _ROWS))
+    height, width = radiance.shape[:2]
+    directions = turned(latlong_texel_directions(height, width), environment.rotation_deg)
+    towards = directions.reshape(-1, 3)
+    solid_angles = np.repeat(latlong_row_solid_angles(height, width), width)
+    flux = radiance.reshape(-1, 3) * solid_angles[:, None]
+    cell = np.argmax(towards @ fibonacci_sphere(count).T, axis=1)
+    irradiance = np.stack([np.bincount(cell, flux[:, k], count) for k in range(3)], axis=1)
+    weight = flux.sum(axis=1)
+    centroid = np.stack(
+        [np.bincount(cell, weight * towards[:, k], count) for k in range(3)], axis=1
+    )
+    lit = irradiance.max(axis=1) > 1e-6 * max(float(irradiance.max()), 1e-30)
+    return [
+        DirectionalLight((float(-d[0]), float(-d[1]), float(-d[2])), (float(e[0]), float(e[1]),
+                         float(e[2])))
+        for d, e in zip(centroid[lit], irradiance[lit], strict=True)
+        if np.linalg.norm(d) > 0.0
+    ]  # fmt: skip
+
+
+def environment_map(environment: Environment) -> F64:
+    """Scaled radiance (H, W, 3); a constant environment becomes a small map."""
+    if environment.map is None:
+        return np.tile(np.asarray(environment.radiance), (32, 64, 1)) * environment.scale
+    return environment.map.astype(np.float64) * environment.scale
+
+
+def turned(directions: F64, rotation_deg: float) -> F64:
+    """Directions (..., 3) of the map's texels in the world, turned about +Y."""
+    angle = np.radians(rotation_deg)
+    c, s = np.cos(angle), np.sin(angle)
+    about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return np.asarray(directions @ about_y.T)
+
+
+def _shrunk(radiance: F64, factor: int) -> F64:
+    height, width = radiance.shape[0] // factor * factor, radiance.shape[1] // factor * factor
+    blocks = radiance[:height, :width].reshape(
+        height // factor, factor, width // factor, factor, 3
+    )
+    return np.asarray(blocks.mean(axis=(1, 3)))
+
+
+class EnvironmentTexture:
+    """The map on the device, for the background; black where there is none or it is invisible."""
+
+    def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
+        visible = environment is not None and environment.visible
+        radiance = environment_map(environment) if environment and visible else np.zeros((1, 1, 3))
+        self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
+        pixels = np.ones((*radiance.shape[:2], 4), np.float16)
+        pixels[..., :3] = np.minimum(radiance, _HALF_MAX)
+        height, width = radiance.shape[:2]
+        self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
+        self.texture.write(pixels)
+        self.sampler = Sampler(
+            gpu, "environment", mag_filter="linear", min_filter="linear",
+            address_mode_u="repeat", address_mode_v="clamp-to-edge",
+        )  # fmt: skip

@@ -1,0 +1,108 @@
+"""Material textures on the device, with mip chains filtered in linear light."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.device import Gpu
+from ..gpu.memory import Sampler, Texture
+from ..maths.colour import srgb_decode, srgb_encode
+from ..scene.material import Texture as SceneTexture
+from ..scene.material import Wrap
+
+_WRAPS: dict[Wrap, str] = {
+    "repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"
+}  # fmt: skip
+
+
+class TextureStore:
+    """Uploads each scene texture once and keeps one sampler per way of wrapping."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        self.gpu = gpu
+        self._textures: dict[int, tuple[SceneTexture, Texture]] = {}
+        self._samplers: dict[tuple[Wrap, Wrap], Sampler] = {}
+        self.white = _solid(gpu, "white", (255, 255, 255, 255))
+        self.flat_normal = _solid(gpu, "flat normal", (128, 128, 255, 255))
+
+    def get(self, texture: SceneTexture | None, default: Texture) -> Texture:
+        """The device's copy of `texture`."""
+        if texture is None:
+            return default
+        found = self._textures.get(id(texture))
+        if found is None:
+            found = (texture, _uploaded(self.gpu, texture))
+            self._textures[id(texture)] = found
+        return found[1]
+
+    def sampler(self, texture: SceneTexture | None) -> Sampler:
+        """Trilinear, 8-fold anisotropic where the device is a GPU."""
+        wrap: tuple[Wrap, Wrap] = texture.wrap if texture else ("repeat", "repeat")
+        if wrap not in self._samplers:
+            self._samplers[wrap] = Sampler(
+                self.gpu, f"material {wrap}", mag_filter="linear", min_filter="linear",
+                mipmap_filter="linear", address_mode_u=_WRAPS[wrap[0]],
+                address_mode_v=_WRAPS[wrap[1]], max_anisotropy=1 if self.gpu.is_cpu else 8,
+            )  # fmt: skip
+        return self._samplers[wrap]
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for _, texture in self._textures.values():
+            texture.release()
+        self.white.release()
+        self.flat_normal.release()
+
+
+def _solid(gpu: Gpu, label: str, rgba: tuple[int, int, int, int]) -> Texture:
+    made = Texture(gpu, label, (1, 1), "rgba8unorm")
+    made.write(np.array([[rgba]], np.uint8))
+    return made
+
+
+def _uploaded(gpu: Gpu, texture: SceneTexture) -> Texture:
+    chain = mip_chain(texture.pixels, is_srgb=texture.is_srgb)
+    height, width = texture.pixels.shape[:2]
+    format = "rgba8unorm-srgb" if texture.is_srgb else "rgba8unorm"
+    made = Texture(gpu, texture.source or "texture", (width, height), format, mips=len(chain))
+    for level, pixels in enumerate(chain):
+        made.write(pixels, mip=level)
+    return made
+
+
+def mip_chain(pixels: NDArray[np.uint8], *, is_srgb: bool) -> list[NDArray[np.uint8]]:
+    """`pixels` (H, W, 4) and its halvings down to 1x1.
+
+    Colour is averaged in linear light, weighted by alpha so that the hidden colour of cut-out
+    texels does not bleed in.
+    """
+    chain = [np.ascontiguousarray(pixels)]
+    level = pixels.astype(np.float32) / 255.0
+    if is_srgb:
+        level[..., :3] = srgb_decode(level[..., :3])
+    while max(level.shape[:2]) > 1:
+        level = _halved(level)
+        encoded = level.copy()
+        if is_srgb:
+            encoded[..., :3] = srgb_encode(encoded[..., :3])
+        chain.append((encoded * 255.0 + 0.5).astype(np.uint8))
+    return chain
+
+
+def _halved(level: NDArray[Any]) -> NDArray[Any]:
+    height, width = level.shape[:2]
+    if height > 1 and height % 2:
+        level = level[:-1]
+    if width > 1 and width % 2:
+        level = level[:, :-1]
+    rows = (level[0::2], level[1::2]) if level.shape[0] > 1 else (level, level)
+    quads = [q for row in rows for q in ((row[:, 0::2], row[:, 1::2])
+                                         if level.shape[1] > 1 else (row, row))]
+    alpha = sum(q[..., 3:] for q in quads)
+    weighted = sum(q[..., :3] * q[..., 3:] for q in quads)
+    plain = sum(q[..., :3] for q in quads) * 0.25
+    colour = np.where(alpha > 0.0, weighted / np.maximum(alpha, 1e-6), plain)
+    return np.concatenate([colour, alpha * 0.25], axis=-1)

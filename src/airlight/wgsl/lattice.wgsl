@@ -1,0 +1,60 @@
+//! use lattice_space
+
+// Reading a solved lattice. The including pass binds lattice_red/green/blue (filtered 3D textures
+// of a, b), lattice_open_a/b (open share of each cell's six incoming hops) and linear_clamp, and
+// declares the struct LatticeParams.
+
+// Flux through a cell to irradiance on a surface in it; measured (see maths.lattice6).
+const LATTICE_LOOKUP_SCALE = 0.6666667;
+
+// How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
+// centre of the first cell wholly before the surface's plane, as blockers round it to cell faces.
+fn lookup_offset(place: f32, n: f32) -> f32 {
+    let f = fract(place * sign(n));
+    return n * (0.5 + min(f, 1.0 - f));
+}
+
+// The share of a neighbour in interpolation, less where the face between is closed.
+fn open_fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
+    let open = select(open_low, open_high, offset > 0.0);
+    return offset * smoothstep(0.15, 0.5, open);
+}
+
+// Where to sample the textures (texture coordinates) for a surface point, metres.
+fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
+    let place = bent_place(lattice, position);
+    let offset = vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
+        lookup_offset(place.z, n.z));
+    let moved = place + offset;
+    let count = vec3f(lattice.count);
+    let cell = clamp(floor(moved), vec3f(0.0), count - 1.0);
+    let xy = textureLoad(lattice_open_a, vec3i(cell), 0);
+    let z = textureLoad(lattice_open_b, vec3i(cell), 0);
+    // Hop 0 comes from the low x side, hop 1 from the high, and so on.
+    let t = moved - cell - 0.5;
+    let eased = vec3f(open_fraction(t.x, xy.x, xy.y), open_fraction(t.y, xy.z, xy.w),
+        open_fraction(t.z, z.x, z.y));
+    return (cell + 0.5 + eased) / count;
+}
+
+// 1 inside, falling to 0 over the outermost cell.
+fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
+    let place = (position - lattice.origin) / lattice.cell;
+    let inside = min(place, vec3f(lattice.count) - place);
+    return saturate(min(inside.x, min(inside.y, inside.z)) + 0.5);
+}
+
+fn facing_flux(state: vec4f, n: vec3f) -> f32 {
+    return max(0.0, state.x - (2.0 / 3.0) * dot(state.yzw, n));
+}
+
+// Irradiance, W m^-2, on a surface of normal n at a place of the textures.
+// NOTES section 1: E = (l/s^2) pi max(0, a - 2/3 b.n).
+fn lattice_irradiance_at(lattice: LatticeParams, uvw: vec3f, n: vec3f) -> vec3f {
+    let flux = vec3f(
+        facing_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), n),
+        facing_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), n),
+        facing_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), n));
+    let scale = LATTICE_LOOKUP_SCALE * 3.14159265 / (lattice.cell * lattice.cell);
+    return flux * scale / lattice.power_scale;
+}

@@ -1,0 +1,41 @@
+// Where a world point is among the cells. The including pass binds lattice_walls (how far the walls
+// on each cell's low faces really lie from them, in cells) and declares the struct LatticeParams.
+//
+// Blockers round walls to cell faces; up to half a cell before or behind a wall would then belong
+// to a cell on its other side. So space is bent: a piecewise linear map per axis takes every wall
+// to the face it was rounded to.
+
+fn wall_shifts_low(cell: vec3i) -> vec3f {
+    return textureLoad(lattice_walls, cell, 0).xyz;
+}
+
+fn wall_shifts_high(cell: vec3i, count: vec3u) -> vec3f {
+    let last = vec3i(count) - 1;
+    let next = min(cell + 1, last);
+    let shifts = vec3f(textureLoad(lattice_walls, vec3i(next.x, cell.yz), 0).x,
+        textureLoad(lattice_walls, vec3i(cell.x, next.y, cell.z), 0).y,
+        textureLoad(lattice_walls, vec3i(cell.xy, next.z), 0).z);
+    return select(shifts, vec3f(0.0), cell == last);
+}
+
+// Cells from the lattice's origin to bent cells.
+fn bent_place(lattice: LatticeParams, world: vec3f) -> vec3f {
+    let place = (world - lattice.origin) / lattice.cell;
+    let cell = clamp(vec3i(floor(place)), vec3i(0), vec3i(lattice.count) - 1);
+    let low = wall_shifts_low(cell);
+    let high = wall_shifts_high(cell, lattice.count);
+    let t = place - vec3f(cell);
+    let between = (t - low) / max(1.0 + high - low, vec3f(0.25));
+    let below = (t - low) / (1.0 + low);
+    let above = 1.0 + (t - 1.0 - high) / (1.0 - high);
+    let bent = select(select(between, above, t > 1.0 + high), below, t < low);
+    return vec3f(cell) + bent;
+}
+
+// The world point of a place inside a cell (0..1 on each axis), the other way round.
+fn unbent_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
+    let low = wall_shifts_low(vec3i(cell));
+    let high = wall_shifts_high(vec3i(cell), lattice.count);
+    let place = vec3f(cell) + low + inside * (1.0 + high - low);
+    return lattice.origin + place * lattice.cell;
+}

@@ -1,0 +1,36 @@
+// Percentage-closer filtering of an array of depth maps. The including pass declares LightViewData.
+
+// Eight bilinear comparisons on a turned square: a soft edge of about three texels.
+const SHADOW_TAPS = array<vec2f, 8>(
+    vec2f(-0.35, -1.05), vec2f(1.05, -0.35), vec2f(0.35, 1.05), vec2f(-1.05, 0.35),
+    vec2f(-0.95, -0.55) * 0.45, vec2f(0.55, -0.95) * 0.45, vec2f(0.95, 0.55) * 0.45,
+    vec2f(-0.55, 0.95) * 0.45,
+);
+
+// The lit share of a surface point. The point is moved along its normal by about two texels, so
+// that a texel that straddles a slope does not shadow itself.
+fn lit_share(
+    maps: texture_depth_2d_array, compare: sampler_comparison, view: LightViewData, layer: u32,
+    position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32,
+) -> f32 {
+    let scale = select(1.0, distance_m, view.is_perspective != 0u);
+    let texel_m = max(view.texel.x, view.texel.y) * scale;
+    let slope = sqrt(max(0.0, 1.0 - pow(dot(normal, to_light), 2.0)));
+    let moved = position + normal * texel_m * (0.5 + 2.0 * slope) + to_light * texel_m * 0.5;
+    let clip = view.clip_from_world * vec4f(moved, 1.0);
+    if (clip.w <= 0.0) {
+        return 1.0;
+    }
+    let ndc = clip.xyz / clip.w;
+    let uv = ndc.xy * vec2f(0.5, -0.5) + 0.5;
+    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {
+        return 1.0;
+    }
+    let texel = 1.0 / f32(textureDimensions(maps).x);
+    var sum = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        sum += textureSampleCompareLevel(
+            maps, compare, uv + SHADOW_TAPS[i] * texel, layer, ndc.z);
+    }
+    return sum * 0.125;
+}
