@@ -72,9 +72,9 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 
         return load_gltf
     if suffix in (".ply", ".stl"):
-        from .meshfile import load_meshfile
+        from .meshfile import load_mesh_file
 
-        return load_meshfile
+        return load_mesh_file
     if not suffix and not file.exists():
         raise SceneError(
             "file not found",

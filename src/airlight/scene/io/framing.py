@@ -20,6 +20,7 @@ ROOM_FOV_DEG = 60.0
 OBJECT_FOV_DEG = 40.0
 EYE_HEIGHT_M = 1.6
 _RAYS = 96
+_ROOM_TRIANGLES = 3000
 _CONE_COSINE = 0.77
 _VIEW_FROM = (0.55, 0.35, 1.0)
 
@@ -55,6 +56,7 @@ def find_room(probe: Probe) -> Room | None:
     if len(points) == 0:
         return None
     low, high = points.min(axis=0), points.max(axis=0)
+    probe = probe.largest(_ROOM_TRIANGLES)
     offsets = np.array([(0, 0, 0), (1, 0, 1), (-1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1, 0)])
     directions = sphere_directions(_RAYS)
     best, best_distance = None, 0.0
@@ -103,7 +105,7 @@ def _inside(probe: Probe, room: Room) -> Camera:
         for side in (1.0, -1.0)
         for shift in (0.08, -0.18, 0.25)
     ]
-    coarse = probe.largest(4000)
+    coarse = probe.largest(_ROOM_TRIANGLES)
     scores = [_interest(coarse, camera, room) for camera in places]
     return places[int(np.argmax(scores))]
 

@@ -21,7 +21,7 @@ GREY = Material(name="grey", base_color=(0.6, 0.6, 0.6))
 PAINTED = Material(name="vertex colours", base_color=(1.0, 1.0, 1.0))
 
 
-def load_meshfile(path: Path) -> Scene:
+def load_mesh_file(path: Path) -> Scene:
     """Read a PLY or STL file into a scene of one mesh, without lights or camera.
 
     Vertex colours are sRGB in the file. Where there are no normals they are computed over

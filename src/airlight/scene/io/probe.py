@@ -14,8 +14,8 @@ from ..checks import F32, F64
 from ..mesh import Mesh
 from ..scene import Scene
 
-MAX_TRIANGLES = 12_000
-_TESTS_AT_ONCE = 1_000_000
+MAX_TRIANGLES = 8_000
+_TESTS_AT_ONCE = 60_000
 _LARGEST = 500
 
 
@@ -77,21 +77,32 @@ class Probe:
     def _cast(self, origins: F64, directions: F64) -> tuple[F64, NDArray[np.int64]]:
         if len(self.corners) == 0:
             return np.full(len(origins), np.inf), np.zeros(len(origins), dtype=np.int64)
-        a = self.corners[:, 0]
-        edge1, edge2 = self.corners[:, 1] - a, self.corners[:, 2] - a
-        # Triple products as matrix products: rays times triangles, nothing larger.
+        middle = self.corners[0].mean(axis=0)  # single precision wants small coordinates
+        origins = origins - middle
+        a = self.corners[:, 0] - middle
+        edge1, edge2 = (
+            self.corners[:, 1] - self.corners[:, 0],
+            self.corners[:, 2] - self.corners[:, 0],
+        )
         normal = np.cross(edge1, edge2)
-        moment = np.cross(origins, directions)
-        det = -(directions @ normal.T)
+        # All four triple products are sums over a ray's and a triangle's vectors, so each is a
+        # matrix product: (o - a) . (d x e) = e . (o x d) - d . (e x a).
+        ray = _single(np.hstack([np.cross(origins, directions), directions]))
         with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = 1.0 / det
-            u = _triple(origins, directions, moment, a, edge2) * inverse
-            v = -_triple(origins, directions, moment, a, edge1) * inverse
-            t = (origins @ normal.T - np.einsum("tk,tk->t", a, normal)) * inverse
-        inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-6)
-        t = np.where(inside, t, np.inf)
+            inverse = 1.0 / -(ray[:, 3:] @ _single(normal).T)
+            u = ray @ _single(np.hstack([edge2, -np.cross(edge2, a)])).T
+            u *= inverse
+            v = ray @ _single(np.hstack([-edge1, np.cross(edge1, a)])).T
+            v *= inverse
+            t = _single(origins) @ _single(normal).T
+            t -= _single(np.einsum("tk,tk->t", a, normal))
+            t *= inverse
+        outside = (u < 0.0) | (v < 0.0)
+        u += v
+        outside |= ~((u <= 1.0) & (t > 1e-5))
+        t[outside] = np.inf
         nearest = t.argmin(axis=1)
-        return t[np.arange(len(t)), nearest], nearest
+        return t[np.arange(len(t)), nearest].astype(np.float64), nearest
 
     def sees_sky(self, points: F64, towards: F64) -> NDArray[np.bool_]:
         """Whether parallel rays from points (P, 3) towards a unit direction leave the scene."""
@@ -133,13 +144,8 @@ def _pairs_hit(origins: F64, towards: F64, corners: F64) -> NDArray[np.bool_]:
     return hit
 
 
-def _triple(origins: F64, directions: F64, moment: F64, a: F64, edge: F64) -> F64:
-    """(origin - a) . (direction x edge) for all pairs, (R, T).
-
-    = edge . (origin x direction) - direction . (edge x a): sums of outer products.
-    """
-    product: F64 = moment @ edge.T - directions @ np.cross(edge, a).T
-    return product
+def _single(values: F64) -> F32:
+    return np.ascontiguousarray(values, dtype=np.float32)
 
 
 def _plane(direction: F64) -> F64:

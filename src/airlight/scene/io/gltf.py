@@ -1,0 +1,202 @@
+"""glTF 2.0 and GLB: meshes, materials, punctual lights and the first camera.
+
+Photometric units are read as radiometric ones, WATTS_PER_LUMEN = 1: a candela is a W sr^-1, a
+lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lamps and glowing surfaces keep
+their proportion; exposure sets the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import SceneError
+from ..camera import Camera
+from ..checks import F64
+from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..mesh import Geometry, Mesh
+from ..scene import Scene
+from .gltf_buffers import Buffers, read_container
+from .gltf_json import Item
+from .gltf_material import Materials
+from .gltf_mesh import read_geometry
+from .gltf_nodes import Node, read_nodes, scene_roots, world_matrices
+
+WATTS_PER_LUMEN = 1.0
+
+_COMPRESSION = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
+_SUPPORTED = {
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+}
+
+
+def load_gltf(path: Path) -> Scene:
+    """Read a .gltf or .glb file into a scene; Camera() where it has no camera.
+
+    Raises SceneError naming the file and the place in it, such as accessors[3].
+    """
+    return read_gltf(path).scene()
+
+
+def read_gltf(path: Path) -> GltfFile:
+    """The parsed file, whose nodes can be placed at will. Raises SceneError."""
+    document, binary = read_container(path)
+    _check_extensions(document)
+    return GltfFile(document, Buffers(document, binary))
+
+
+def _check_extensions(document: Item) -> None:
+    for required in document.items("extensionsRequired"):
+        name = str(required.value)
+        if name in _COMPRESSION:
+            raise SceneError(
+                f"its meshes are compressed with {name}, which airlight does not read",
+                where=document.file,
+                remedy="Export it without mesh compression.",
+            )
+        if name not in _SUPPORTED and not name.startswith("KHR_materials_"):
+            raise SceneError(
+                f"it needs the extension {name}, which airlight does not read",
+                where=document.file,
+                remedy="Export it without that extension.",
+            )
+
+
+class GltfFile:
+    """A document with its buffers. Geometry is read once and shared by its instances."""
+
+    def __init__(self, document: Item, buffers: Buffers) -> None:
+        self.document = document
+        self.buffers = buffers
+        self.nodes: tuple[Node, ...] = read_nodes(document)
+        self.roots = scene_roots(document, self.nodes)
+        self.materials = Materials(document, buffers)
+        self.warnings: list[str] = []
+        self._meshes = document.items("meshes")
+        self._geometries: dict[tuple[str, int, bool], Geometry | None] = {}
+
+    def world(self) -> dict[int, F64]:
+        """world_from_node of the scene's nodes, as the file places them."""
+        return world_matrices(self.nodes, self.roots, [n.local_matrix() for n in self.nodes])
+
+    def scene(self) -> Scene:
+        """Everything the file shows."""
+        world = self.world()
+        meshes = self.meshes(world)
+        if not meshes:
+            raise SceneError("it has no triangles", where=self.document.file)
+        return Scene(
+            meshes=meshes,
+            lights=self.lights(world),
+            camera=self.camera(world) or Camera(),
+            name=self.document.file.stem,
+            warnings=tuple(dict.fromkeys(self.warnings + self.materials.warnings)),
+        )
+
+    def meshes(self, world: dict[int, F64]) -> tuple[Mesh, ...]:
+        """All primitives, placed by `world`."""
+        return tuple(
+            mesh
+            for k, matrix in world.items()
+            if self.nodes[k].item.has("mesh")
+            for mesh in self._node_meshes(self.nodes[k].item, matrix)
+        )
+
+    def _node_meshes(self, node: Item, matrix: F64) -> list[Mesh]:
+        mesh = self._meshes[node.index("mesh", self._meshes, "meshes")]
+        name = node.text("name") or mesh.text("name") or mesh.place
+        placed = []
+        for primitive in mesh.items("primitives"):
+            material = self.materials.of(primitive)
+            # A mirrored node turns triangles inside out (specification 3.7.4).
+            mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
+            geometry = self._geometry(primitive, material.uv_set, mirrored)
+            if geometry is not None:
+                placed.append(Mesh(geometry, material.material, matrix, name))
+        return placed
+
+    def _geometry(self, primitive: Item, uv_set: int, mirrored: bool) -> Geometry | None:
+        key = (primitive.place, uv_set, mirrored)
+        if key not in self._geometries:
+            if mirrored:
+                geometry = self._geometry(primitive, uv_set, False)
+                if geometry is not None:
+                    geometry = replace(geometry, indices=geometry.indices[:, ::-1])
+            else:
+                geometry = read_geometry(primitive, self.buffers, uv_set)
+                if geometry is None:
+                    self._warn(primitive, "points and lines are left out")
+            self._geometries[key] = geometry
+        return self._geometries[key]
+
+    def lights(self, world: dict[int, F64]) -> tuple[Light, ...]:
+        """The KHR_lights_punctual lights."""
+        listed = self.document.at("extensions", "KHR_lights_punctual").items("lights")
+        return tuple(
+            light
+            for k, matrix in world.items()
+            if (light := self._light(self.nodes[k].item, listed, matrix)) is not None
+        )
+
+    def _light(self, node: Item, listed: Sequence[Item], matrix: F64) -> Light | None:
+        hung = node.at("extensions", "KHR_lights_punctual")
+        if not hung.has("light"):
+            return None
+        light = listed[hung.index("light", listed, "lights")]
+        strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
+        red, green, blue = (
+            max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))
+        )
+        position, direction = _vector(matrix[:3, 3]), _vector(-matrix[:3, 2])
+        kind = light.text("type")
+        if kind == "directional":
+            return DirectionalLight(direction=direction, irradiance=(red, green, blue))
+        if kind == "point":
+            return PointLight(position=position, intensity=(red, green, blue))
+        if kind != "spot":
+            raise light.error(f"has the unknown type '{kind}'")
+        inner, outer = _cone_deg(light.child("spot"))
+        return SpotLight(position, direction, (red, green, blue), inner, outer)
+
+    def camera(self, world: dict[int, F64]) -> Camera | None:
+        """The first perspective camera of the scene."""
+        cameras = self.document.items("cameras")
+        for k, matrix in world.items():
+            node = self.nodes[k].item
+            if not node.has("camera"):
+                continue
+            item = cameras[node.index("camera", cameras, "cameras")]
+            if item.text("type") != "perspective":
+                self._warn(item, "only perspective cameras are used")
+                continue
+            fov_y = item.child("perspective").number("yfov", 0.8)
+            position, forward, up = matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]
+            return Camera(
+                position=_vector(position),
+                target=_vector(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),
+                up=_vector(up),
+                fov_y_deg=float(np.clip(math.degrees(fov_y), 0.1, 179.0)),
+            )
+        return None
+
+    def _warn(self, item: Item, problem: str) -> None:
+        self.warnings.append(f"{self.document.file}: {item.place}: {problem}")
+
+
+def _vector(v: F64) -> tuple[float, float, float]:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def _cone_deg(spot: Item) -> tuple[float, float]:
+    """Inner and outer half angle; the file has radians."""
+    inner = math.degrees(spot.number("innerConeAngle", 0.0))
+    outer = math.degrees(spot.number("outerConeAngle", math.pi / 4.0))
+    outer = float(np.clip(outer, 0.1, 89.0))
+    return float(np.clip(inner, 0.0, outer)), outer

@@ -1,0 +1,117 @@
+"""A value inside a glTF document that knows where it stands, so that every error can say it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ...errors import SceneError
+
+
+class Item:
+    """A JSON value at `place` (such as accessors[3].count) of `file`.
+
+    Every reading method raises SceneError naming both for a value that is missing or wrong.
+    """
+
+    def __init__(self, value: Any, place: str, file: Path) -> None:
+        self.value = value
+        self.place = place
+        self.file = file
+
+    def error(self, problem: str, remedy: str = "") -> SceneError:
+        """The error that something is wrong with this value."""
+        return SceneError(f"{self.place}: {problem}", where=self.file, remedy=remedy)
+
+    def has(self, key: str) -> bool:
+        """Whether this object holds `key`."""
+        return isinstance(self.value, dict) and self.value.get(key) is not None
+
+    def child(self, key: str) -> Item:
+        """The value under `key`; an empty object where there is none."""
+        place = f"{self.place}.{key}" if self.place else key
+        if not isinstance(self.value, dict):
+            raise self.error(f"must be an object, not {_shown(self.value)}")
+        value = self.value.get(key)
+        return Item({} if value is None else value, place, self.file)
+
+    def at(self, *keys: str) -> Item:
+        """The value under a chain of keys, empty where the chain breaks."""
+        item = self
+        for key in keys:
+            item = item.child(key)
+        return item
+
+    def items(self, key: str) -> list[Item]:
+        """The elements of the list under `key`; none where it is absent."""
+        if not self.has(key):
+            return []
+        listed = self.child(key)
+        if not isinstance(listed.value, list):
+            raise listed.error(f"must be a list, not {_shown(listed.value)}")
+        return [
+            Item(value, f"{listed.place}[{k}]", self.file) for k, value in enumerate(listed.value)
+        ]
+
+    def integer(self, key: str, default: int | None = None, *, low: int = 0) -> int:
+        """A whole number of at least `low`."""
+        if not self.has(key) and default is not None:
+            return default
+        child = self._present(key)
+        value = child.value
+        is_whole = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_whole or not math.isfinite(value) or value != int(value):
+            raise child.error(f"must be a whole number, not {_shown(value)}")
+        if value < low:
+            raise child.error(f"is {int(value)}, below {low}")
+        return int(value)
+
+    def number(self, key: str, default: float) -> float:
+        """A finite number."""
+        return self.floats(key, 1, (default,))[0]
+
+    def floats(self, key: str, count: int, default: Sequence[float]) -> tuple[float, ...]:
+        """`count` finite numbers."""
+        if not self.has(key):
+            return tuple(default)
+        child = self.child(key)
+        values = child.value if isinstance(child.value, list) else [child.value]
+        good = len(values) == count and all(
+            isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v)
+            for v in values
+        )
+        if not good:
+            raise child.error(f"must be {count} finite numbers, not {_shown(child.value)}")
+        return tuple(float(v) for v in values)
+
+    def text(self, key: str, default: str = "") -> str:
+        """A string."""
+        if not self.has(key):
+            return default
+        child = self.child(key)
+        if not isinstance(child.value, str):
+            raise child.error(f"must be text, not {_shown(child.value)}")
+        return child.value
+
+    def flag(self, key: str) -> bool:
+        """true, or false where absent."""
+        return self.has(key) and self.value[key] is True
+
+    def index(self, key: str, targets: Sequence[Any], what: str) -> int:
+        """A number that picks one of `targets`, which a message calls `what`."""
+        k = self.integer(key)
+        if k >= len(targets):
+            raise self.child(key).error(f"is {k}, but the file has {len(targets)} {what}")
+        return k
+
+    def _present(self, key: str) -> Item:
+        if not self.has(key):
+            raise self.error(f"has no '{key}'")
+        return self.child(key)
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."

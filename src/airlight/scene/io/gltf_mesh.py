@@ -1,0 +1,128 @@
+"""glTF primitives as geometries: attributes, triangle strips and fans, missing normals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ..checks import F32
+from ..mesh import Geometry
+from .gltf_buffers import Buffers
+from .gltf_json import Item
+from .normals import compact, creased_normals
+
+TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
+
+
+def read_geometry(primitive: Item, buffers: Buffers, uv_set: int) -> Geometry | None:
+    """The triangles of a primitive with TEXCOORD_`uv_set`; None for points and lines.
+
+    Without normals it is shaded flat, as the specification (3.7.2.1) demands.
+    Raises SceneError.
+    """
+    mode = primitive.integer("mode", TRIANGLES)
+    attributes = primitive.child("attributes")
+    if mode not in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN):
+        if mode > TRIANGLE_FAN:
+            raise primitive.error(f"has the unknown mode {mode}")
+        return None
+    positions = buffers.array(attributes, "POSITION", width=3).astype(np.float32)
+    if not np.isfinite(positions).all():
+        raise attributes.child("POSITION").error("positions hold NaN or infinite numbers")
+    triangles = _triangles(primitive, buffers, len(positions), mode)
+    per_vertex = {
+        "normals": _normals(attributes, buffers),
+        "uvs": _optional(attributes, buffers, f"TEXCOORD_{uv_set}", 2),
+        "colors": _colors(attributes, buffers),
+    }
+    for name, values in per_vertex.items():
+        if values is not None and len(values) != len(positions):
+            raise attributes.error(f"has {len(values)} {name} for {len(positions)} positions")
+        if values is not None and not np.isfinite(values).all():
+            raise attributes.error(f"its {name} hold NaN or infinite numbers")
+    try:
+        return _geometry(positions, triangles, per_vertex)
+    except SceneError as error:
+        raise primitive.error(error.problem) from None
+
+
+def _geometry(
+    positions: F32, triangles: NDArray[np.int64], per_vertex: dict[str, F32 | None]
+) -> Geometry:
+    if per_vertex["normals"] is not None:
+        return Geometry(positions, triangles.astype(np.uint32), **per_vertex)
+    flat = np.ones(len(triangles), dtype=bool)
+    table, index = creased_normals(positions.astype(np.float64), triangles, flat)
+    rows, indices = compact(np.stack([triangles, index], axis=-1))
+    others = {
+        name: values[rows[:, 0]]
+        for name, values in per_vertex.items()
+        if values is not None and name != "normals"
+    }
+    normals = table[rows[:, 1]].astype(np.float32)
+    return Geometry(positions[rows[:, 0]], indices, normals=normals, **others)
+
+
+def _triangles(
+    primitive: Item, buffers: Buffers, vertex_count: int, mode: int
+) -> NDArray[np.int64]:
+    if primitive.has("indices"):
+        raw = buffers.array(primitive, "indices", width=1)[:, 0]
+        if np.issubdtype(raw.dtype, np.floating):
+            raise primitive.child("indices").error("indices must be whole numbers")
+        order = raw.astype(np.int64)
+    else:
+        order = np.arange(vertex_count)
+    if len(order) and (order.max() >= vertex_count or order.min() < 0):
+        raise primitive.child("indices").error(
+            f"index {order.max()} is out of range: the primitive has {vertex_count} vertices"
+        )
+    count = len(order) // 3 if mode == TRIANGLES else max(len(order) - 2, 0)
+    if count == 0:
+        raise primitive.error("has no triangles")
+    if mode == TRIANGLES:
+        return order[: 3 * count].reshape(-1, 3)
+    k = np.arange(count)
+    if mode == TRIANGLE_FAN:
+        return np.stack([order[k + 1], order[k + 2], np.full(count, order[0])], axis=1)
+    # Every second triangle of a strip runs the other way round.
+    odd = k % 2
+    strip = np.stack([order[k], order[k + 1 + odd], order[k + 2 - odd]], axis=1)
+    a, b, c = strip.T
+    kept = strip[(a != b) & (b != c) & (a != c)]
+    return kept if len(kept) else strip
+
+
+def _normals(attributes: Item, buffers: Buffers) -> F32 | None:
+    normals = _optional(attributes, buffers, "NORMAL", 3)
+    if normals is None:
+        return None
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    up = np.array((0.0, 1.0, 0.0), dtype=np.float32)
+    unit: F32 = np.where(length > 0.0, normals / np.maximum(length, 1e-30), up)
+    return unit
+
+
+def _colors(attributes: Item, buffers: Buffers) -> F32 | None:
+    """COLOR_0, linear RGBA; RGB gets alpha 1."""
+    if not attributes.has("COLOR_0"):
+        return None
+    k = attributes.index("COLOR_0", buffers.accessors, "accessors")
+    width = 3 if buffers.accessors[k].text("type") == "VEC3" else 4
+    colors = _as_float(buffers.array(attributes, "COLOR_0", width=width))
+    if width == 4:
+        return colors
+    return np.concatenate([colors, np.ones((len(colors), 1), dtype=np.float32)], axis=1)
+
+
+def _optional(attributes: Item, buffers: Buffers, name: str, width: int) -> F32 | None:
+    if not attributes.has(name):
+        return None
+    return _as_float(buffers.array(attributes, name, width=width))
+
+
+def _as_float(values: NDArray[Any]) -> F32:
+    return values.astype(np.float32)
