@@ -55,18 +55,28 @@ class Item:
             Item(value, f"{listed.place}[{k}]", self.file) for k, value in enumerate(listed.value)
         ]
 
+    def whole(self, *, low: int = 0) -> int:
+        """This value as a whole number of at least `low`."""
+        value = self.value
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value) or value != int(value):
+            raise self.error(f"must be a whole number, not {_shown(value)}")
+        if value < low:
+            raise self.error(f"is {int(value)}, below {low}")
+        return int(value)
+
+    def pick(self, targets: Sequence[Any], what: str) -> int:
+        """This value as the number of one of `targets`, which a message calls `what`."""
+        k = self.whole()
+        if k >= len(targets):
+            raise self.error(f"is {k}, but the file has {len(targets)} {what}")
+        return k
+
     def integer(self, key: str, default: int | None = None, *, low: int = 0) -> int:
-        """A whole number of at least `low`."""
+        """The whole number under `key`."""
         if not self.has(key) and default is not None:
             return default
-        child = self._present(key)
-        value = child.value
-        is_whole = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_whole or not math.isfinite(value) or value != int(value):
-            raise child.error(f"must be a whole number, not {_shown(value)}")
-        if value < low:
-            raise child.error(f"is {int(value)}, below {low}")
-        return int(value)
+        return self._present(key).whole(low=low)
 
     def number(self, key: str, default: float) -> float:
         """A finite number."""
@@ -100,11 +110,8 @@ class Item:
         return self.has(key) and self.value[key] is True
 
     def index(self, key: str, targets: Sequence[Any], what: str) -> int:
-        """A number that picks one of `targets`, which a message calls `what`."""
-        k = self.integer(key)
-        if k >= len(targets):
-            raise self.child(key).error(f"is {k}, but the file has {len(targets)} {what}")
-        return k
+        """The number under `key`, which picks one of `targets`."""
+        return self._present(key).pick(targets, what)
 
     def _present(self, key: str) -> Item:
         if not self.has(key):

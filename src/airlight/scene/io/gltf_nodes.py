@@ -38,10 +38,7 @@ def read_nodes(document: Item) -> tuple[Node, ...]:
 
 
 def _node(item: Item, items: Sequence[Item]) -> Node:
-    children = tuple(
-        Item({"child": child.value}, child.place, item.file).index("child", items, "nodes")
-        for child in item.items("children")
-    )
+    children = tuple(child.pick(items, "nodes") for child in item.items("children"))
     matrix: F64 | None = None
     if item.has("matrix"):
         values = item.floats("matrix", 16, ())
@@ -79,10 +76,7 @@ def scene_roots(document: Item, nodes: Sequence[Node]) -> list[int]:
     scenes = document.items("scenes")
     if scenes:
         chosen = scenes[document.index("scene", scenes, "scenes") if document.has("scene") else 0]
-        return [
-            Item({"node": root.value}, root.place, root.file).index("node", nodes, "nodes")
-            for root in chosen.items("nodes")
-        ]
+        return [root.pick(nodes, "nodes") for root in chosen.items("nodes")]
     children = {child for node in nodes for child in node.children}
     return [k for k in range(len(nodes)) if k not in children]
 

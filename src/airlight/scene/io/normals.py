@@ -70,7 +70,7 @@ class _Around:
         triangle = order // 3
         self.face = faces[triangle]
         self.weighted = self.face * angles.ravel()[order][:, None]
-        self.is_sliver: NDArray[np.bool_] = ~self.face.any(axis=1)
+        self.is_sliver = np.equal(np.abs(self.face).max(axis=1), 0.0)
         self.limit = np.full(len(order), CREASE_COSINE)
         if is_flat is not None:
             self.limit[is_flat[triangle]] = _COPLANAR_COSINE
