@@ -1,1 +1,73 @@
-""""""
+"""Procedural scenes that ship: nothing to download, the same on every machine.
+
+    atrium       two storeys of arches around a sunlit court, drapes, plants, a fountain
+    atrium-fog   the atrium in thin haze
+    cornell      the Cornell box under a wide spot light (or point, or area)
+    haze-box     the Cornell box full of haze
+    room         a furnished room with the sun in its window
+    foggy-room   the room full of fog
+    wall-floor   a lit wall over a floor, for form factors
+    smoke        a plume of smoke, animated
+    cloud        a cumulus cloud
+
+Scenes stand on parts of three kinds: textures (stone, wood, fabric, foliage, sky), shapes
+(patch, solids, profile and what is made of them) and noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ...errors import SceneError, nearest
+from ..scene import Scene
+from .atrium import atrium, atrium_fog
+from .cloud import cloud
+from .cornell import cornell, haze_box
+from .room import foggy_room, room
+from .smoke import smoke
+from .wall_floor import wall_floor
+
+__all__ = [
+    "BUILTIN",
+    "atrium",
+    "atrium_fog",
+    "builtin_scene",
+    "cloud",
+    "cornell",
+    "foggy_room",
+    "haze_box",
+    "room",
+    "smoke",
+    "wall_floor",
+]
+
+BUILTIN: dict[str, Callable[..., Scene]] = {
+    "atrium": atrium,
+    "atrium-fog": atrium_fog,
+    "cornell": cornell,
+    "haze-box": haze_box,
+    "room": room,
+    "foggy-room": foggy_room,
+    "wall-floor": wall_floor,
+    "smoke": smoke,
+    "cloud": cloud,
+}
+"""Scene by name; the first line of each function's docstring says what it shows."""
+
+
+def builtin_scene(name: str, **options: Any) -> Scene:
+    """The shipped scene called `name`, with its function's options.
+
+    Raises SceneError for an unknown name (naming the nearest) or option.
+    """
+    if name not in BUILTIN:
+        raise SceneError(f"there is no builtin scene '{name}'", remedy=nearest(name, BUILTIN))
+    make = BUILTIN[name]
+    known = (make.__kwdefaults__ or {}).keys()
+    for option in options:
+        if option not in known:
+            raise SceneError(
+                f"builtin scene '{name}' has no option '{option}'", remedy=nearest(option, known)
+            )
+    return make(**options)

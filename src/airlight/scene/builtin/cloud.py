@@ -1,0 +1,82 @@
+"""A cumulus cloud."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from ..camera import Camera
+from ..checks import F32, F64, Bounds, Vec3
+from ..lights import DirectionalLight
+from ..scene import Scene
+from ..volume import Volume
+from .noise import fractal_noise, smoothstep
+from .sky import clear_sky
+
+SHAPE = (64, 40, 64)
+"""Cells of the density grid, (z, y, x), 1 m each."""
+
+BOUNDS: Bounds = ((-32.0, 12.0, -32.0), (32.0, 52.0, 32.0))
+
+SUN_TRAVEL: Vec3 = (-0.70, -0.62, -0.36)
+
+
+def cloud(*, seed: int = 5) -> Scene:
+    """A small cumulus, 50 m wide with a flat base, alone in sun and sky.
+
+    One grid of 64 x 40 x 64 over 64 x 40 x 64 m; extinction 0.6 per metre at density 1,
+    albedo 0.999, g 0.85.
+    """
+    volume = Volume(
+        sigma_t=(0.6, 0.6, 0.6),
+        density=cumulus_density(seed),
+        bounds=BOUNDS,
+        albedo=(0.999, 0.999, 0.999),
+        g=(0.85, 0.85, 0.85),
+        source="builtin cloud",
+    )
+    return Scene(
+        name="cloud",
+        lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
+        environment=clear_sky(SUN_TRAVEL),
+        camera=Camera((6.0, 8.0, 84.0), (0.0, 28.0, 0.0), fov_y_deg=42.0, exposure_stops=-1.5),
+        volumes=(volume,),
+    )
+
+
+def cumulus_density(seed: int) -> F32:
+    """Density (z, y, x) in [0, 1]: a heap of balls with a flat base, its rim eroded by billows."""
+    rng = np.random.default_rng(seed)
+    z, y, x = np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij")
+    centred = np.stack([x - 32.0, y - 7.0, z - 32.0])
+    depth = np.full(SHAPE, -np.inf)
+    for cx, cy, cz, radius in _heap(rng):
+        away = np.sqrt(
+            (centred[0] - cx) ** 2 + (1.15 * (centred[1] - cy)) ** 2 + (centred[2] - cz) ** 2
+        )
+        depth = np.maximum(depth, radius - away)
+    billow = np.abs(fractal_noise(SHAPE, (8, 5, 8), rng, octaves=3, gain=0.6))
+    wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=2, gain=0.6)
+    rim = depth.astype(np.float32) + 2.6 * (1.0 - 1.3 * billow) + 0.7 * wisp
+    density = smoothstep(-0.4, 2.6, rim) * smoothstep(2.5, 6.5, (y + 0.8 * wisp).astype(np.float32))
+    edge = np.minimum.reduce([_inside(i, n) for i, n in ((z, 64), (y, 40), (x, 64))])
+    return cast(F32, np.clip(density * smoothstep(0.5, 3.0, edge), 0.0, 1.0))
+
+
+def _heap(rng: np.random.Generator) -> F64:
+    """Balls (n, 4): centre and radius, metres from the base's middle; a dome of smaller ones."""
+    count = 26
+    away = 21.0 * np.sqrt(rng.random(count))
+    angle = rng.uniform(0.0, 2.0 * np.pi, count)
+    dome = 1.0 - (away / 24.0) ** 2
+    height = rng.uniform(0.0, 1.0, count) * 20.0 * dome
+    radius = rng.uniform(4.5, 8.0, count) * (0.6 + 0.6 * dome) * (1.0 - 0.02 * height)
+    balls = np.stack([away * np.cos(angle), height, 0.8 * away * np.sin(angle), radius], axis=1)
+    core = np.array([[0.0, 4.0, 0.0, 14.0], [-9.0, 2.0, 2.0, 9.0], [10.0, 2.0, -2.0, 9.5]])
+    return np.concatenate([core, balls])
+
+
+def _inside(index: F64, count: int) -> F32:
+    """Cells between here and the grid's nearer border."""
+    return cast(F32, np.minimum(index, count - index).astype(np.float32))

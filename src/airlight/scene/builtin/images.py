@@ -1,0 +1,63 @@
+"""Float fields as 8-bit textures: colours, normals of a height field, roughness."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...maths.colour import srgb_encode
+from ..checks import Rgb
+from ..material import Texture
+
+U8 = NDArray[np.uint8]
+Field = NDArray[np.floating[Any]]
+"""Values of any float type; the results are 8 bit anyway."""
+
+_STEPS = 8191
+"""Steps of the table of the sRGB curve: finer than half a code value down to 0.1 %."""
+
+
+def color_texture(
+    grey: Field, tints: Field | Rgb, source: str, alpha: Field | None = None
+) -> Texture:
+    """sRGB texture of `grey` (H, W) times `tints`, one linear colour or (H, W, 3)."""
+    scaled = np.multiply(grey, np.float32(_STEPS), dtype=np.float32)
+    pixels = np.full((*grey.shape, 4), 255, np.uint8)
+    for channel in range(3):
+        factor = tints[channel] if isinstance(tints, tuple) else tints[..., channel]
+        index = np.clip(scaled * factor, 0, _STEPS).astype(np.uint16)
+        pixels[..., channel] = _srgb_table()[index]
+    if alpha is not None:
+        pixels[..., 3] = np.clip(255.0 * alpha + 0.5, 0, 255)
+    return Texture(pixels, source=source)
+
+
+def normal_texture(height_m: Field, width_m: float, source: str) -> Texture:
+    """Tangent-space normals of a tileable height field (H, W) that spans `width_m` metres.
+
+    As in glTF: x to the image's right, y to its top, z outwards; linear.
+    """
+    texel_m = np.float32(2.0 * width_m / height_m.shape[1])
+    slope_x = (np.roll(height_m, -1, 1) - np.roll(height_m, 1, 1)) / texel_m
+    slope_down = (np.roll(height_m, -1, 0) - np.roll(height_m, 1, 0)) / texel_m
+    z = 1.0 / np.sqrt(1.0 + slope_x * slope_x + slope_down * slope_down)
+    pixels = np.full((*height_m.shape, 4), 255, np.uint8)
+    for channel, value in enumerate((-slope_x * z, slope_down * z, z)):
+        pixels[..., channel] = value * np.float32(127.5) + np.float32(128.0)
+    return Texture(pixels, is_srgb=False, source=source)
+
+
+def roughness_texture(roughness: Field, source: str) -> Texture:
+    """Roughness (H, W) in green, as glTF has it; blue (metallic) full, for the factor to scale."""
+    pixels = np.full((*roughness.shape, 4), 255, np.uint8)
+    pixels[..., 1] = np.clip(255.0 * roughness + 0.5, 0, 255)
+    return Texture(pixels, is_srgb=False, source=source)
+
+
+@cache
+def _srgb_table() -> U8:
+    linear = np.arange(_STEPS + 1) / _STEPS
+    return cast(U8, (255.0 * srgb_encode(linear) + 0.5).astype(np.uint8))
