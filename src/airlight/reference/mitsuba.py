@@ -1,0 +1,250 @@
+"""The reference: any airlight scene rendered without bias by Mitsuba 3, whole or by layers.
+
+    render          a picture with a variance per pixel
+    render_layers   direct, one_bounce, indirect, single_scatter, multiple_scatter,
+                    transmittance, all: a picture each
+    write_mitsuba   the scene as Mitsuba XML
+
+Layers are told apart by scattering events, the way mitsuba_paths says. With a libLLVM our own
+integrator finds them all in one pass. Without one, scenes without media take them from
+differences between Mitsuba's path length limits (noisier), and the layers of media are refused.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ReferenceFailure, SettingsError, nearest
+from ..scene.checks import F32
+from ..scene.image import Image
+from ..scene.scene import Scene
+from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
+from .mitsuba_process import SCALAR_VARIANT, Job
+from .mitsuba_scene import Exported, export, g_channels, with_grey_g, write_mitsuba
+
+__all__ = ["LAYERS", "MIN_SPP", "render", "render_layers", "write_mitsuba"]
+
+MEDIA_LAYERS = ("single_scatter", "multiple_scatter", "transmittance")
+LAYERS = ("all", "direct", "one_bounce", "indirect", *MEDIA_LAYERS)
+MIN_SPP = 4  # one sample in each of four batches: fewer give no variance
+MAX_PX = 1 << 26
+
+
+def render(
+    scene: Scene,
+    *,
+    size: tuple[int, int] = (640, 360),
+    spp: int = 256,
+    layers: Sequence[str] = ("all",),
+    max_depth: int | None = None,
+    seed: int = 0,
+    timeout_s: float = 3600.0,
+    progress: Progress | None = None,
+    variant: str = "auto",
+) -> Image:
+    """The scene's picture, unbiased, `size` (width, height) pixels, `spp` samples a pixel.
+
+    `radiance` is the whole picture. layers["variance"] (H, W, 3) is the variance of its mean,
+    from at least 4 independent batches; other `layers` (of LAYERS) are added by name.
+    `max_depth` limits a path's edges from emitter to eye: 1 emission, 2 one scattering event;
+    None has no limit. `progress` is called with the share done. `variant`: a Mitsuba variant,
+    llvm_ad_rgb or scalar_rgb; "auto" takes the first where a libLLVM is found.
+    stats: spp (as rendered), seconds (of rendering), variant, integrator, noise_floor (root
+    mean square of the standard error over the mean), approximations (a list of sentences).
+    Raises ReferenceFailure: no Mitsuba, a scene it refuses, a crash, more than `timeout_s`.
+    """
+    names = tuple(dict.fromkeys(("all", *layers)))
+    pictures = render_layers(
+        scene,
+        names,
+        size=size,
+        spp=spp,
+        max_depth=max_depth,
+        seed=seed,
+        timeout_s=timeout_s,
+        progress=progress,
+        variant=variant,
+    )
+    whole = pictures["all"]
+    added = {name: pictures[name].radiance for name in names if name != "all"}
+    return Image(
+        radiance=whole.radiance,
+        layers={**whole.layers, **added},
+        exposure_stops=whole.exposure_stops,
+        stats=whole.stats,
+    )
+
+
+def render_layers(
+    scene: Scene,
+    names: Sequence[str],
+    *,
+    size: tuple[int, int] = (640, 360),
+    spp: int = 256,
+    max_depth: int | None = None,
+    seed: int = 0,
+    timeout_s: float = 3600.0,
+    progress: Progress | None = None,
+    variant: str = "auto",
+) -> dict[str, Image]:
+    """A picture for each of `names` (of LAYERS), each with its own layers["variance"].
+
+    Parameters and errors as in `render`. Scattering events are reflections (glossy ones too)
+    and scatterings in the air; the first is the one nearest the eye:
+    direct: none, or one at a surface. one_bounce: two, the first at a surface. indirect: two or
+    more, the first at a surface. single_scatter: one, in the air. multiple_scatter: two or
+    more, the first in the air. direct + indirect + single_scatter + multiple_scatter = all.
+    """
+    _check(names, size, spp, max_depth)
+    request = _Request(tuple(names), size, spp, max_depth, seed, timeout_s, choose_variant(variant))
+    try:
+        parts = _render_channels(scene, request, progress)
+    except LlvmFailure:
+        if variant != "auto":
+            raise
+        parts = _render_channels(scene, replace(request, variant=SCALAR_VARIANT), progress)
+    return {name: _picture(name, parts, scene) for name in names}
+
+
+@dataclass(frozen=True)
+class _Request:
+    names: tuple[str, ...]
+    size: tuple[int, int]
+    spp: int
+    max_depth: int | None
+    seed: int
+    timeout_s: float
+    variant: str
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What one child rendered."""
+
+    arrays: dict[str, NDArray[Any]]
+    variant: str
+    integrator: str
+    notes: tuple[str, ...]
+
+
+def _check(names: Sequence[str], size: tuple[int, int], spp: int, max_depth: int | None) -> None:
+    for name in names:
+        if name not in LAYERS:
+            raise SettingsError(f"unknown reference layer '{name}'", remedy=nearest(name, LAYERS))
+    if min(size) < 1 or size[0] * size[1] > MAX_PX:
+        raise SettingsError(f"reference size {size[0]}x{size[1]} is impossible")
+    if spp < MIN_SPP:
+        raise SettingsError(
+            f"spp = {spp} is too few",
+            remedy=f"It takes {MIN_SPP} to know the noise.",
+        )
+    if max_depth is not None and max_depth < 1:
+        raise SettingsError(f"max_depth = {max_depth} is too few", remedy="1 shows emission only.")
+
+
+def _share(progress: Progress | None, index: int, count: int) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda done: progress((index + done) / count)
+
+
+def _render_channels(scene: Scene, request: _Request, progress: Progress | None) -> list[_Part]:
+    """One render, or one per colour channel where g differs between them."""
+    channels = g_channels(scene)
+    if len(channels) == 1:
+        return [_render_once(scene, request, progress)]
+    return [
+        _render_once(with_grey_g(scene, c), request, _share(progress, c, len(channels)))
+        for c in channels
+    ]
+
+
+def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> _Part:
+    with tempfile.TemporaryDirectory(prefix="airlight-mitsuba-") as name:
+        folder = Path(name)
+        exported = export(
+            scene,
+            folder,
+            "scene",
+            ".",
+            size=request.size,
+            spp=request.spp,
+            knows_airlight=request.variant != SCALAR_VARIANT,
+        )
+        job = _job(scene, exported, request, folder)
+        arrays = run_job(job, folder, timeout_s=request.timeout_s, progress=progress)
+    missing = [layer for layer in request.names if layer not in arrays]
+    shape = (request.size[1], request.size[0], 3)
+    for layer in missing:  # a scene without media
+        arrays[layer] = np.full(shape, float(layer == "transmittance"), np.float32)
+        arrays[f"{layer}.variance"] = np.zeros(shape, np.float32)
+    hidden = "the environment is visible: Mitsuba hides all emitters or none"
+    notes = tuple(note for note in exported.notes if note != hidden)
+    return _Part(arrays, job.variant, job.integrator, notes)
+
+
+def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> Job:
+    environment = scene.environment
+    hide = environment is not None and not environment.visible
+    glows = any(mesh.material.is_emissive for mesh in scene.meshes)
+    wants_layers = request.names != ("all",)
+    compiled = request.variant != SCALAR_VARIANT
+    if wants_layers and exported.has_media and not compiled:
+        raise ReferenceFailure(
+            "layers of a scene with media need Mitsuba's compiled variant, and no libLLVM 16 or "
+            "newer is found",
+            remedy="Install libLLVM 19, or name it in DRJIT_LIBLLVM_PATH.",
+        )
+    ours = compiled and (wants_layers or (hide and glows))
+    names = request.names
+    if not ours:
+        names = tuple(name for name in names if name not in MEDIA_LAYERS)
+    return Job(
+        xml=str(folder / "scene.xml"),
+        result=str(folder / "result.npz"),
+        variant=request.variant,
+        layers=names or ("all",),
+        integrator="airlight_layers" if ours else exported.integrator,
+        width=request.size[0],
+        height=request.size[1],
+        spp=request.spp,
+        seed=request.seed,
+        max_depth=-1 if request.max_depth is None else request.max_depth,
+        hide_environment=hide,
+        has_area_lights=glows,
+    )
+
+
+def _picture(name: str, parts: list[_Part], scene: Scene) -> Image:
+    """One layer, its channels from the parts that rendered them."""
+
+    def gathered(key: str) -> F32:
+        if len(parts) == 1:
+            return np.asarray(parts[0].arrays[key], dtype=np.float32)
+        return np.stack([part.arrays[key][..., c] for c, part in enumerate(parts)], axis=-1)
+
+    radiance, variance = gathered(name), gathered(f"{name}.variance")
+    first = parts[0]
+    mean = float(radiance.mean(dtype=np.float64))
+    error = float(np.sqrt(variance.mean(dtype=np.float64)))
+    stats = {
+        "spp": int(first.arrays["spp"]),
+        "seconds": float(sum(part.arrays["seconds"] for part in parts)),
+        "variant": first.variant,
+        "integrator": first.integrator,
+        "noise_floor": error / mean if mean > 0.0 else 0.0,
+        "approximations": list(dict.fromkeys(note for part in parts for note in part.notes)),
+    }
+    return Image(
+        radiance=radiance,
+        layers={"variance": variance},
+        exposure_stops=scene.camera.exposure_stops,
+        stats=stats,
+    )

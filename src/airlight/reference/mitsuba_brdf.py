@@ -1,0 +1,130 @@
+"""airlight's own reflection model, written in Mitsuba's Python.
+
+Lambert plus GGX as in glTF 2.0, appendix B, so that a reference differs from airlight by light
+transport alone. Only the child process imports this module, with a compiled (llvm) variant set;
+elsewhere `principled` stands in for it.
+
+f = (1 - F) (1 - metallic) base_color / pi + F D V: F is Schlick's, with F0 = 0.04 specular or
+the metal's colour, D is GGX with alpha = roughness^2, V is Smith's height-correlated masking
+and shadowing (Heitz 2014).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+PLUGIN = "airlight"
+MIN_ALPHA = 0.002
+
+
+def register() -> None:
+    """Make the model known as `airlight` to the variant that is set."""
+    mi.register_bsdf(PLUGIN, make_bsdf())
+
+
+def make_bsdf() -> Any:
+    """The BSDF class; made late, since its base belongs to the variant that is set."""
+
+    class GltfReflection(mi.BSDF):  # type: ignore[misc]
+        def __init__(self, props: Any) -> None:
+            super().__init__(props)
+            self.base_color = props.get_texture("base_color", 0.8)
+            self.roughness = props.get_texture("roughness", 1.0)
+            self.metallic = props.get_texture("metallic", 0.0)
+            self.specular = props.get("specular", 1.0)
+            front = mi.BSDFFlags.FrontSide
+            self.m_components = [
+                mi.BSDFFlags.DiffuseReflection | front,
+                mi.BSDFFlags.GlossyReflection | front,
+            ]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def sample(
+            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+        ) -> tuple[Any, Any]:
+            surface = self._surface(si, active)
+            glossy_share = surface.glossy_share(si.wi)
+            glossy = sample1 < glossy_share
+            normal, _ = surface.microfacets.sample(si.wi, sample2)
+            mirrored = mi.reflect(si.wi, normal)
+            scattered = mi.warp.square_to_cosine_hemisphere(sample2)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = dr.select(glossy, mirrored, scattered)
+            bs.eta = 1.0
+            bs.sampled_component = dr.select(glossy, mi.UInt32(1), mi.UInt32(0))
+            kinds = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
+            bs.sampled_type = dr.select(glossy, mi.UInt32(+kinds[0]), mi.UInt32(+kinds[1]))
+            value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
+            usable = active & (bs.pdf > 0.0)
+            return bs, dr.select(usable, value / bs.pdf, 0.0)
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            surface = self._surface(si, active)
+            above = active & (mi.Frame3f.cos_theta(si.wi) > 0.0) & (mi.Frame3f.cos_theta(wo) > 0.0)
+            value = surface.reflection(si.wi, wo) * mi.Frame3f.cos_theta(wo)
+            return dr.select(above, value, 0.0), dr.select(above, surface.pdf(si.wi, wo), 0.0)
+
+        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+            return self._surface(si, active).diffuse
+
+        def _surface(self, si: Any, active: Any) -> _Surface:
+            return _Surface(
+                self.base_color.eval(si, active),
+                self.roughness.eval_1(si, active),
+                self.metallic.eval_1(si, active),
+                self.specular,
+            )
+
+        def to_string(self) -> str:
+            return "GltfReflection[]"
+
+    return GltfReflection
+
+
+class _Surface:
+    """The model at one point: directions are local, z along the shading normal."""
+
+    def __init__(self, base_color: Any, roughness: Any, metallic: Any, specular: float) -> None:
+        self.diffuse = base_color * (1.0 - metallic)
+        self.f0 = dr.lerp(mi.Spectrum(0.04 * specular), base_color, metallic)
+        self.f90 = dr.clip(50.0 * dr.max(self.f0), 0.0, 1.0)
+        self.alpha = dr.maximum(dr.square(roughness), MIN_ALPHA)
+        self.microfacets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha)
+
+    def fresnel(self, cosine: Any) -> Any:
+        x = dr.clip(1.0 - cosine, 0.0, 1.0)
+        return self.f0 + (self.f90 - self.f0) * (dr.square(dr.square(x)) * x)
+
+    def glossy_share(self, wi: Any) -> Any:
+        """How often to sample the glossy lobe."""
+        glossy = dr.mean(self.fresnel(mi.Frame3f.cos_theta(wi)))
+        diffuse = dr.mean(self.diffuse)
+        share = glossy / dr.maximum(glossy + diffuse, 1e-6)
+        return dr.select(diffuse > 0.0, dr.clip(share, 0.1, 0.9), 1.0)
+
+    def reflection(self, wi: Any, wo: Any) -> Any:
+        """f, sr^-1."""
+        half = dr.normalize(wi + wo)
+        n_v, n_l = mi.Frame3f.cos_theta(wi), mi.Frame3f.cos_theta(wo)
+        F = self.fresnel(dr.dot(wi, half))
+        a2 = dr.square(self.alpha)
+        D = a2 / (dr.pi * dr.square(dr.square(half.z) * (a2 - 1.0) + 1.0))
+        masking = n_l * dr.sqrt(dr.square(n_v) * (1.0 - a2) + a2)
+        shadowing = n_v * dr.sqrt(dr.square(n_l) * (1.0 - a2) + a2)
+        V = 0.5 / dr.maximum(masking + shadowing, 1e-6)
+        return (1.0 - F) * self.diffuse * dr.inv_pi + F * (D * V)
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        half = dr.normalize(wi + wo)
+        mirrored = self.microfacets.pdf(wi, half) / (4.0 * dr.abs(dr.dot(wo, half)))
+        scattered = mi.warp.square_to_cosine_hemisphere_pdf(wo)
+        return dr.lerp(scattered, mirrored, self.glossy_share(wi))

@@ -1,0 +1,114 @@
+"""airlight lights and environments as Mitsuba emitters."""
+
+from __future__ import annotations
+
+import math
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..scene.checks import F32, Vec3
+from ..scene.environment import Environment
+from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from .mitsuba_files import FileStore, write_exr
+from .mitsuba_xml import (
+    add_lookat,
+    add_matrix,
+    add_number,
+    add_point,
+    add_rgb,
+    add_text,
+    add_truth,
+    add_vector,
+    plugin,
+)
+
+SPOT_PX = 1024
+
+
+def light_emitter(light: Light, files: FileStore, notes: list[str]) -> Element:
+    """The emitter of a light without extent."""
+    if isinstance(light, DirectionalLight):
+        emitter = plugin("emitter", "directional")
+        add_vector(emitter, "direction", light.direction)
+        add_rgb(emitter, "irradiance", light.irradiance)
+        return emitter
+    if isinstance(light, PointLight):
+        emitter = plugin("emitter", "point")
+        add_point(emitter, "position", light.position)
+        add_rgb(emitter, "intensity", light.intensity)
+        return emitter
+    return _spot(light, files, notes)
+
+
+def _spot(light: SpotLight, files: FileStore, notes: list[str]) -> Element:
+    """A hard cone that projects our fall-off: Mitsuba's own is linear in the angle."""
+    emitter = plugin("emitter", "spot")
+    d = np.array(light.direction)
+    x, y, z = (float(v) for v in np.array(light.position) + d)
+    up: Vec3 = (0.0, 0.0, 1.0) if abs(light.direction[1]) > 0.9 else (0.0, 1.0, 0.0)
+    add_lookat(emitter, "to_world", light.position, (x, y, z), up)
+    add_rgb(emitter, "intensity", light.intensity)
+    add_number(emitter, "cutoff_angle", light.outer_deg)
+    add_number(emitter, "beam_width", light.outer_deg)
+    if light.inner_deg == light.outer_deg:
+        return emitter
+    pixels = spot_falloff_pixels(light.inner_deg, light.outer_deg)
+    key = ("spot", light.inner_deg, light.outer_deg)
+    texture = plugin("texture", "bitmap", "texture")
+    name = files.once(key, "spot", "exr", lambda path: write_exr(path, pixels))
+    add_text(texture, "filename", name)
+    add_truth(texture, "raw", True)
+    add_text(texture, "wrap_mode", "clamp")
+    emitter.append(texture)
+    error = _spot_texture_error(light, pixels)
+    if error > 0.005:
+        notes.append(f"spot light: its fall-off is off by up to {100 * error:.1f}% of its peak")
+    return emitter
+
+
+def spot_falloff(cosine: F32, inner_deg: float, outer_deg: float) -> F32:
+    """The smoothstep of the cosine between the outer and the inner half angle, in [0, 1]."""
+    inner, outer = math.cos(math.radians(inner_deg)), math.cos(math.radians(outer_deg))
+    t = np.clip((cosine - outer) / max(inner - outer, 1e-9), 0.0, 1.0)
+    falloff: F32 = t * t * (3.0 - 2.0 * t)
+    return falloff
+
+
+def spot_falloff_pixels(inner_deg: float, outer_deg: float) -> F32:
+    """The fall-off on the plane that Mitsuba projects: (S, S, 3), tan(outer) at the border."""
+    at = ((np.arange(SPOT_PX) + 0.5) / SPOT_PX * 2.0 - 1.0) * math.tan(math.radians(outer_deg))
+    cosine = 1.0 / np.sqrt(1.0 + at[:, None] ** 2 + at[None, :] ** 2)
+    falloff = spot_falloff(cosine.astype(np.float32), inner_deg, outer_deg)
+    return np.repeat(falloff[..., None], 3, axis=2)
+
+
+def _spot_texture_error(light: SpotLight, pixels: F32) -> float:
+    """Largest difference between the projected texture, filtered, and the fall-off."""
+    angle = np.linspace(0.0, math.radians(light.outer_deg), 4001)
+    x = 0.5 + 0.5 * np.tan(angle) / math.tan(math.radians(light.outer_deg))
+    row = 0.5 * (pixels[SPOT_PX // 2 - 1, :, 0] + pixels[SPOT_PX // 2, :, 0])
+    seen = np.interp(x * SPOT_PX - 0.5, np.arange(SPOT_PX), row)
+    exact = spot_falloff(np.cos(angle).astype(np.float32), light.inner_deg, light.outer_deg)
+    return float(np.abs(seen - exact)[:-1].max())
+
+
+def environment_emitter(environment: Environment, files: FileStore) -> Element:
+    """A constant or a latitude-longitude map, turned about +Y."""
+    if environment.map is None:
+        emitter = plugin("emitter", "constant")
+        r, g, b = (environment.scale * c for c in environment.radiance)
+        add_rgb(emitter, "radiance", (r, g, b))
+        return emitter
+    emitter = plugin("emitter", "envmap")
+    pixels = environment.map
+    key = ("environment", files.identity(pixels))
+    name = files.once(key, "environment", "exr", lambda path: write_exr(path, pixels))
+    add_text(emitter, "filename", name)
+    add_number(emitter, "scale", environment.scale)
+    if environment.rotation_deg != 0.0:
+        c = math.cos(math.radians(environment.rotation_deg))
+        s = math.sin(math.radians(environment.rotation_deg))
+        turn = np.array([[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1]])
+        add_matrix(emitter, "to_world", turn)
+    return emitter

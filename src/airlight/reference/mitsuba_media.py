@@ -1,0 +1,224 @@
+"""Air and density volumes as Mitsuba media behind invisible (`null`) boundaries.
+
+Mitsuba knows one medium per point. A volume inside the scene's air therefore carries the sum
+of both: sigma_t = air + volume, exactly; the albedo and the mix of their phase functions are
+ratios, exact where the two are alike or the volume is of constant density, else interpolated
+between voxels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..scene.checks import F32, F64, Rgb
+from ..scene.medium import Medium
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .mitsuba_boundary import (
+    EDGE_MARGIN,
+    boundary,
+    ellipsoid,
+    holds,
+    is_inside,
+    refuse_crossings,
+    world_from_cube,
+    world_from_volume_cube,
+)
+from .mitsuba_files import FileStore, write_vol
+from .mitsuba_xml import (
+    add_matrix,
+    add_number,
+    add_rgb,
+    add_text,
+    add_truth,
+    plugin,
+)
+
+AIR = "air"
+FILL_MARGIN = 1e-3  # of the diagonal: air that fills the scene ends outside its walls
+
+
+@dataclass
+class Media:
+    """What a scene's media are written as. `camera_id`: the medium around the camera, or ""."""
+
+    mediums: list[Element] = field(default_factory=list)
+    boundaries: list[Element] = field(default_factory=list)
+    camera_id: str = ""
+    is_colored: bool = False  # extinction differs between channels
+
+
+def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
+    """All media of the scene. Raises ReferenceFailure where two of them cross."""
+    media = Media()
+    volumes = [volume for volume in scene.volumes if max(volume.sigma_t) > 0.0]
+    air = scene.medium if scene.medium and max(scene.medium.sigma_t) > 0.0 else None
+    air_box = air_bounds(scene) if air else None
+    refuse_crossings(volumes, air_box)
+    eye = np.array(scene.camera.position)
+    if air and air_box is not None:
+        media.mediums.append(_homogeneous(AIR, _coefficients(air)))
+        media.boundaries.append(boundary(world_from_cube(*air_box), AIR, ""))
+        media.is_colored = np.ptp(air.sigma_t) > 0.0
+        if np.all(eye > air_box[0]) and np.all(eye < air_box[1]):
+            media.camera_id = AIR
+    for index, volume in enumerate(volumes):
+        name = f"volume_{index}"
+        inside_air = air_box is not None and is_inside(volume, air_box)
+        _add_volume(media, volume, name, air if inside_air else None, files, notes)
+        if holds(volume, eye):
+            media.camera_id = name
+    return media
+
+
+def air_bounds(scene: Scene) -> tuple[F64, F64]:
+    """The box of the scene's homogeneous medium, metres, a hair larger than said."""
+    assert scene.medium is not None
+    if scene.medium.bounds is not None:
+        low, high = (np.array(corner) for corner in scene.medium.bounds)
+        margin = EDGE_MARGIN
+    else:
+        low, high = scene.bounds
+        eye = np.array(scene.camera.position)
+        low, high, margin = np.minimum(low, eye), np.maximum(high, eye), FILL_MARGIN
+    grow = margin * float(np.linalg.norm(high - low))
+    return low - grow, high + grow
+
+
+@dataclass(frozen=True)
+class _Coefficients:
+    sigma_t: F64  # (3,) m^-1
+    albedo: F64  # (3,)
+    g: float
+
+
+def _coefficients(of: Medium | Volume) -> _Coefficients:
+    return _Coefficients(np.array(of.sigma_t), np.array(of.albedo), float(np.mean(of.g)))
+
+
+def _add_volume(
+    media: Media,
+    volume: Volume,
+    name: str,
+    air: Medium | None,
+    files: FileStore,
+    notes: list[str],
+) -> None:
+    if volume.detail > 0.0:
+        notes.append(f"volume {volume.source or name}: its procedural detail is left out")
+    own = _coefficients(volume)
+    around = _coefficients(air) if air else None
+    if volume.density is None:
+        medium = _constant_volume(name, own, around, notes)
+    else:
+        medium = _grid_volume(name, volume, own, around, files, notes)
+    media.mediums.append(medium)
+    exterior = AIR if air else ""
+    inset = world_from_volume_cube(volume, 1.0 - 2.0 * EDGE_MARGIN)
+    if volume.shape == "sphere":
+        media.boundaries.append(ellipsoid(inset, name, exterior, files, notes))
+    else:
+        media.boundaries.append(boundary(inset, name, exterior))
+    media.is_colored = media.is_colored or bool(np.ptp(own.sigma_t) > 0.0)
+
+
+def _constant_volume(
+    name: str, own: _Coefficients, around: _Coefficients | None, notes: list[str]
+) -> Element:
+    if around is None:
+        return _homogeneous(name, own)
+    sigma_t = own.sigma_t + around.sigma_t
+    own_s, around_s = own.sigma_t * own.albedo, around.sigma_t * around.albedo
+    albedo = (own_s + around_s) / np.maximum(sigma_t, 1e-30)
+    weight = float(np.mean(own_s / np.maximum(own_s + around_s, 1e-30)))
+    medium = _homogeneous(name, _Coefficients(sigma_t, albedo, own.g), with_phase=False)
+    if own.g == around.g:
+        medium.append(_phase(own.g))
+    else:
+        medium.append(blend := plugin("phase", "blendphase"))
+        add_number(blend, "weight", weight)
+        blend.extend([_phase(around.g, "phase_0"), _phase(own.g, "phase_1")])
+        if np.ptp(own_s / np.maximum(own_s + around_s, 1e-30)) > 1e-6:
+            notes.append(f"{name}: its phase function's share is the mean of the channels")
+    return medium
+
+
+def _grid_volume(
+    name: str,
+    volume: Volume,
+    own: _Coefficients,
+    around: _Coefficients | None,
+    files: FileStore,
+    notes: list[str],
+) -> Element:
+    """A heterogeneous medium. Grids are written at absolute scale, m^-1."""
+    density = volume.density
+    assert density is not None
+    own_t = density[..., None] * own.sigma_t.astype(np.float32)
+    medium = plugin("medium", "heterogeneous", id=name)
+    sigma_t = own_t if around is None else own_t + around.sigma_t.astype(np.float32)
+    _add_grid(medium, "sigma_t", sigma_t, volume, files)
+    add_truth(medium, "has_spectral_extinction", bool(np.ptp(sigma_t, axis=-1).max() > 0.0))
+    if around is None:
+        add_rgb(medium, "albedo", _rgb(own.albedo))
+        medium.append(_phase(own.g))
+        return medium
+    own_s = own_t * own.albedo.astype(np.float32)
+    sigma_s = own_s + (around.sigma_t * around.albedo).astype(np.float32)
+    if np.array_equal(own.albedo, around.albedo):
+        add_rgb(medium, "albedo", _rgb(own.albedo))
+    else:
+        _add_grid(medium, "albedo", sigma_s / np.maximum(sigma_t, 1e-30), volume, files)
+        notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
+    if own.g == around.g:
+        medium.append(_phase(own.g))
+        return medium
+    medium.append(blend := plugin("phase", "blendphase"))
+    weight = (own_s / np.maximum(sigma_s, 1e-30)).mean(axis=-1)
+    _add_grid(blend, "weight", weight, volume, files)
+    blend.extend([_phase(around.g, "phase_0"), _phase(own.g, "phase_1")])
+    notes.append(f"{name} in air of another g: their phase functions are mixed by voxel")
+    return medium
+
+
+def _add_grid(parent: Element, name: str, values: F32, volume: Volume, files: FileStore) -> None:
+    """A grid over the volume's placed bounds; one channel where all are equal."""
+    if values.ndim == 4 and np.ptp(values, axis=-1).max() == 0.0:
+        values = values[..., 0]
+    key = ("grid", files.identity(values))
+    filename = files.once(key, name, "vol", lambda path: write_vol(path, values, volume.bounds))
+    node = plugin("volume", "gridvolume", name)
+    add_text(node, "filename", filename)
+    add_matrix(node, "to_world", world_from_volume_cube(volume, 1.0) @ _CUBE_FROM_UNIT)
+    parent.append(node)
+
+
+# Mitsuba's grid fills [0, 1]^3, its cube [-1, 1]^3.
+_CUBE_FROM_UNIT = np.array([[2.0, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0, 0, 1]])
+
+
+def _homogeneous(name: str, values: _Coefficients, *, with_phase: bool = True) -> Element:
+    medium = plugin("medium", "homogeneous", id=name)
+    top = float(values.sigma_t.max())
+    add_rgb(medium, "sigma_t", _rgb(values.sigma_t / top))
+    add_number(medium, "scale", top)
+    add_rgb(medium, "albedo", _rgb(values.albedo))
+    add_truth(medium, "has_spectral_extinction", bool(np.ptp(values.sigma_t) > 0.0))
+    if with_phase:
+        medium.append(_phase(values.g))
+    return medium
+
+
+def _phase(g: float, name: str = "") -> Element:
+    if g == 0.0:
+        return plugin("phase", "isotropic", name)
+    node = plugin("phase", "hg", name)
+    add_number(node, "g", g)
+    return node
+
+
+def _rgb(values: F64) -> Rgb:
+    return (float(values[0]), float(values[1]), float(values[2]))

@@ -1,0 +1,263 @@
+"""A volumetric path tracer that tells its light apart, written in Mitsuba's Python.
+
+Only the child process imports this module: it needs a Mitsuba variant already set, and a
+compiled one (llvm), since Dr.Jit traces this code once and compiles it.
+
+Every contribution has n scattering events (reflections and in-air scatterings alike, glossy
+ones too) between the emitter and the eye, and a first event as seen from the eye:
+    n = 0                      emission seen directly          -> direct
+    n = 1, at a surface        direct light                    -> direct
+    n = 2, first at a surface  exactly one more event          -> one_bounce (part of indirect)
+    n > 1, first at a surface  all further light               -> indirect
+    n = 1, in the air          single scattering               -> single_scatter
+    n > 1, first in the air    multiple scattering             -> multiple_scatter
+direct + indirect + single_scatter + multiple_scatter is the whole picture.
+transmittance is exp(-optical depth) from the eye to the first surface, or to infinity.
+
+Free paths are sampled by delta tracking with a channel drawn per step, weighted by the mean
+density over the channels (one-sample balance heuristic); light is sampled by ratio tracking,
+in closed form where the medium is homogeneous.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+PATH_LAYERS = (
+    "direct",
+    "one_bounce",
+    "indirect",
+    "single_scatter",
+    "multiple_scatter",
+    "transmittance",
+)
+RUSSIAN_ROULETTE_DEPTH = 5
+
+
+def register() -> None:
+    """Make the integrator known as `airlight_layers` to the variant that is set."""
+    mi.register_integrator("airlight_layers", make_integrator())
+
+
+def make_integrator() -> Any:
+    """The integrator class; made late, since its base belongs to the variant that is set."""
+
+    class LayeredPaths(mi.SamplingIntegrator):  # type: ignore[misc]
+        def __init__(self, props: Any) -> None:
+            super().__init__(props)
+            limit = props.get("max_depth", -1)
+            self.max_depth = 2**31 if limit < 0 else limit
+            self.hide_environment = props.get("hide_environment", False)
+
+        def aov_names(self) -> list[str]:
+            return [f"{layer}.{c}" for layer in PATH_LAYERS for c in "RGB"]
+
+        def sample(
+            self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
+        ) -> Any:
+            eye = mi.Ray3f(ray)
+            inside = mi.MediumPtr(medium)
+            through = transmittance(scene, sampler, eye, inside, mi.Bool(active), to_surface=True)
+            direct, one, indirect, single, multiple = trace(
+                scene, sampler, eye, inside, mi.Bool(active), self.max_depth, self.hide_environment
+            )
+            layers = (direct, one, indirect, single, multiple, through)
+            total = direct + indirect + single + multiple
+            return total, mi.Bool(True), [layer[k] for layer in layers for k in range(3)]
+
+        def to_string(self) -> str:
+            return "LayeredPaths[]"
+
+    return LayeredPaths
+
+
+def mis_weight(pdf: Any, other: Any) -> Any:
+    """Power heuristic."""
+    a, b = dr.square(pdf), dr.square(other)
+    return dr.select(pdf > 0.0, a / (a + b), 0.0)
+
+
+def channel_of(spectrum: Any, index: Any) -> Any:
+    return dr.select(index == 0, spectrum[0], dr.select(index == 1, spectrum[1], spectrum[2]))
+
+
+def pick_channel(sampler: Any, active: Any) -> Any:
+    return mi.UInt32(dr.minimum(3.0 * sampler.next_1d(active), 2.0))
+
+
+@dr.syntax  # type: ignore[untyped-decorator]
+def trace(  # a path tracer is one loop: cutting it would only hide its state
+    scene: Any,
+    sampler: Any,
+    ray: Any,
+    medium: Any,
+    active: Any,
+    max_depth: int,
+    hide_environment: bool,
+) -> Any:
+    ray = mi.Ray3f(ray)
+    medium = mi.MediumPtr(medium)
+    active = mi.Bool(active)
+    direct, one, indirect = mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)
+    single, multiple = mi.Spectrum(0), mi.Spectrum(0)
+    throughput = mi.Spectrum(1)
+    events = mi.UInt32(0)
+    air_first = mi.Bool(False)
+    last = dr.zeros(mi.Interaction3f)
+    last_pdf = mi.Float(1)
+    last_delta = mi.Bool(True)
+
+    while active:
+        # Russian roulette keeps weights near one.
+        q = dr.minimum(dr.max(throughput), 0.95)
+        roulette = events > RUSSIAN_ROULETTE_DEPTH
+        survives = (sampler.next_1d(active) < q) | ~roulette
+        throughput[roulette] = throughput * dr.rcp(q)
+        active &= survives & dr.any(throughput != 0.0)
+
+        # Free flight to the nearer of a collision and a surface.
+        si = scene.ray_intersect(ray, active)
+        in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
+        channel = pick_channel(sampler, in_medium)
+        mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
+        mei.t[in_medium & (si.t < mei.t)] = dr.inf
+        tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
+        density = dr.mean(pdf)
+        throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
+
+        # A collision is real or null.
+        collides = in_medium & mei.is_valid()
+        real_share = dr.mean(mei.sigma_t / mei.combined_extinction)
+        is_real = sampler.next_1d(collides) < real_share
+        scatters, passes = collides & is_real, collides & ~is_real
+        throughput[scatters] *= mei.sigma_s / real_share
+        throughput[passes] *= mei.sigma_n / (1.0 - real_share)
+        ray[passes] = mei.spawn_ray(ray.d)
+
+        # Emission where the ray ends.
+        on_surface = active & ~collides
+        emitter = si.emitter(scene, on_surface)
+        shines = on_surface & (emitter != None)  # noqa: E711
+        if dr.hint(hide_environment, mode="scalar"):
+            shines &= si.is_valid() | (events > 0)
+        ds = mi.DirectionSample3f(scene, si, last)
+        light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~last_delta)
+        weight = dr.select(last_delta, 1.0, mis_weight(last_pdf, light_pdf))
+        found = dr.select(shines, throughput * emitter.eval(si, shines) * weight, 0.0)
+        direct += dr.select((events == 0) | ((events == 1) & ~air_first), found, 0.0)
+        one += dr.select((events == 2) & ~air_first, found, 0.0)
+        indirect += dr.select((events > 1) & ~air_first, found, 0.0)
+        single += dr.select((events == 1) & air_first, found, 0.0)
+        multiple += dr.select((events > 1) & air_first, found, 0.0)
+
+        # Light sampled from this vertex: one event more.
+        on_surface &= si.is_valid()
+        context = mi.BSDFContext()
+        bsdf = si.bsdf(ray)
+        smooth = mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        next_event = events + 1
+        allowed = next_event < max_depth
+        lit_surface, lit_air = on_surface & smooth & allowed, scatters & allowed
+        here = dr.zeros(mi.Interaction3f)
+        here[lit_surface] = si
+        here[lit_air] = mei
+        light, to_light = scene.sample_emitter_direction(
+            here, sampler.next_2d(lit_surface | lit_air), False, lit_surface | lit_air
+        )
+        lit = (lit_surface | lit_air) & (light.pdf != 0.0)
+        shadow_medium = mi.MediumPtr(medium)
+        shadow_medium[lit_surface & si.is_medium_transition()] = si.target_medium(light.d)
+        seen = transmittance(
+            scene, sampler, here.spawn_ray_to(light.p), shadow_medium, lit, to_surface=False
+        )
+        f_surface, pdf_surface = bsdf.eval_pdf(context, si, si.to_local(light.d), lit_surface)
+        phase = medium.phase_function()
+        phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
+        phase_context = mi.PhaseFunctionContext(sampler)
+        f_air, pdf_air = phase.eval_pdf(phase_context, mei, light.d, lit_air)
+        f = dr.select(lit_surface, f_surface, f_air)
+        vertex_pdf = dr.select(lit_surface, pdf_surface, pdf_air)
+        weight = dr.select(light.delta, 1.0, mis_weight(light.pdf, vertex_pdf))
+        found = dr.select(lit, throughput * f * weight * to_light * seen, 0.0)
+        from_air = dr.select(events == 0, scatters, air_first)
+        direct += dr.select((next_event == 1) & ~from_air, found, 0.0)
+        one += dr.select((next_event == 2) & ~from_air, found, 0.0)
+        indirect += dr.select((next_event > 1) & ~from_air, found, 0.0)
+        single += dr.select((next_event == 1) & from_air, found, 0.0)
+        multiple += dr.select((next_event > 1) & from_air, found, 0.0)
+
+        # Onward: the phase function, or the surface.
+        wo, phase_weight, phase_pdf = phase.sample(
+            phase_context, mei, sampler.next_1d(scatters), sampler.next_2d(scatters), scatters
+        )
+        throughput[scatters] *= phase_weight
+        ray[scatters] = mei.spawn_ray(wo)
+        bs, bsdf_weight = bsdf.sample(
+            context, si, sampler.next_1d(on_surface), sampler.next_2d(on_surface), on_surface
+        )
+        throughput[on_surface] *= bsdf_weight
+        ray[on_surface] = si.spawn_ray(si.to_world(bs.wo))
+        reflects = on_surface & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+        medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
+
+        air_first |= scatters & (events == 0)
+        last[scatters] = mei
+        last[reflects] = si
+        last_pdf[scatters] = phase_pdf
+        last_pdf[reflects] = bs.pdf
+        last_delta[scatters] = False
+        last_delta[reflects] = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        events[scatters | reflects] += 1
+        active &= collides | on_surface
+        active &= events < max_depth
+
+    return direct, one, indirect, single, multiple
+
+
+@dr.syntax  # type: ignore[untyped-decorator]
+def transmittance(
+    scene: Any, sampler: Any, ray: Any, medium: Any, active: Any, *, to_surface: bool
+) -> Any:
+    """Transmittance along `ray`, per channel, through media and null surfaces.
+
+    `to_surface`: as far as the first surface. Else as far as ray.maxt, 0 where a surface is hit.
+    """
+    ray = mi.Ray3f(ray)
+    medium = mi.MediumPtr(medium)
+    active = mi.Bool(active)
+    T = mi.Spectrum(1)
+    while active:
+        si = scene.ray_intersect(ray, active)
+        in_medium = active & (medium != None)  # noqa: E711
+        channel = pick_channel(sampler, in_medium)
+        mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
+        mei.t[in_medium & (si.t < mei.t)] = dr.inf
+
+        # Homogeneous: the whole segment at once. Else ratio tracking with a grey majorant.
+        whole = in_medium & medium.is_homogeneous()
+        mei.t[whole] = dr.minimum(si.t, ray.maxt)
+        tr, _ = medium.transmittance_eval_pdf(mei, si, whole)
+        T[whole] *= tr
+        mei.t[whole] = dr.inf
+        collides = in_medium & mei.is_valid()
+        T[collides] *= mei.sigma_n / mei.combined_extinction
+
+        on_surface = active & ~collides & si.is_valid()
+        bsdf = si.bsdf(ray)
+        opening = bsdf.eval_null_transmission(si, on_surface)
+        closed = on_surface & (dr.max(opening) == 0.0)
+        if dr.hint(to_surface, mode="scalar"):
+            T[on_surface & ~closed] *= opening
+        else:
+            T[on_surface] *= opening
+        medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
+        travelled = dr.select(collides, mei.t, si.t)
+        left = ray.maxt - travelled
+        ray[collides] = mei.spawn_ray(ray.d)
+        ray[on_surface] = si.spawn_ray(ray.d)
+        ray.maxt = left
+        active &= (collides | (on_surface & ~closed)) & (left > 0.0) & (dr.max(T) > 0.0)
+    return T

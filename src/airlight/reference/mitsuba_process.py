@@ -1,0 +1,237 @@
+"""The child process that renders: `python -m airlight.reference.mitsuba_process JOB.json`.
+
+Mitsuba can abort or hang; here only this process suffers. It reads a Job, prints lines
+    ready VARIANT        Mitsuba has started and compiled a first kernel
+    progress 0.25        share of all samples done
+and writes the result file whole. It ends when its standard input closes, which the parent's
+death does too.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import threading
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+SCALAR_VARIANT = "scalar_rgb"  # interpreted: our Python plugins would take forever in it
+MAX_SAMPLES_A_PASS = 1 << 22  # camera rays in flight: bounds memory in compiled variants
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to render: `layers` of mitsuba_paths, or "all" alone for Mitsuba's own integrator.
+
+    `max_depth`: as in Mitsuba, -1 for no limit; `batches` independent renders of `spp / batches`
+    samples each, from which the variance is estimated.
+    """
+
+    xml: str
+    result: str
+    variant: str
+    layers: tuple[str, ...]
+    integrator: str
+    width: int
+    height: int
+    spp: int
+    seed: int
+    max_depth: int = -1
+    hide_environment: bool = False
+    has_area_lights: bool = False
+
+    def write(self, path: Path) -> None:
+        path.write_text(json.dumps(asdict(self)))
+
+
+def read_job(path: Path) -> Job:
+    fields = json.loads(path.read_text())
+    return Job(**{**fields, "layers": tuple(fields["layers"])})
+
+
+def main(job_file: str) -> None:
+    """Render the job and leave its result file."""
+    job = read_job(Path(job_file))
+    threading.Thread(target=_end_with_parent, args=(Path(job_file).parent,), daemon=True).start()
+    import mitsuba as mi
+
+    mi.set_variant(job.variant)
+    mi.set_log_level(mi.LogLevel.Error)
+    _check_compiler(job.variant)
+    if job.variant != SCALAR_VARIANT:
+        from .mitsuba_brdf import register
+
+        register()
+    _say(f"ready {job.variant}")
+    start = time.perf_counter()
+    sums = _Batches(job)
+    sums.run()
+    result = Path(job.result)
+    partial = result.with_suffix(".part.npz")
+    np.savez(partial, seconds=time.perf_counter() - start, spp=sums.spp, **sums.results())
+    partial.replace(result)
+
+
+def _end_with_parent(folder: Path) -> None:
+    """Nobody waits for the picture any more: leave, and leave nothing behind."""
+    while os.read(0, 64):  # not sys.stdin: its lock would outlive the interpreter
+        pass
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(3)
+
+
+def _check_compiler(variant: str) -> None:
+    """Compile something: an LLVM that does not work ends the process here, not later."""
+    if variant.startswith("llvm"):
+        import drjit as dr
+        import mitsuba as mi
+
+        dr.eval(dr.arange(mi.Float, 16) * 2.0)
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+class _Batches:
+    """Independent renders and their running mean and variance, per layer."""
+
+    def __init__(self, job: Job) -> None:
+        self.job = job
+        pixels = job.width * job.height
+        batch_spp = max(1, min(job.spp // 4, MAX_SAMPLES_A_PASS // pixels))
+        self.count = max(4, round(job.spp / batch_spp))
+        self.batch_spp = max(1, round(job.spp / self.count))
+        self.spp = self.count * self.batch_spp
+        self._mean: dict[str, NDArray[np.float64]] = {}
+        self._m2: dict[str, NDArray[np.float64]] = {}
+
+    def run(self) -> None:
+        renderer = _layered if self.job.integrator == "airlight_layers" else _Stock(self.job)
+        for index in range(self.count):
+            seed = (self.job.seed * 1_000_003 + index) % 2**32
+            for name, picture in renderer(self.job, seed, self.batch_spp).items():
+                self._add(name, picture.astype(np.float64), index + 1)
+            _say(f"progress {(index + 1) / self.count:.4f}")
+
+    def _add(self, name: str, x: NDArray[np.float64], n: int) -> None:
+        """Welford's running moments."""
+        if n == 1:
+            self._mean[name], self._m2[name] = x, np.zeros_like(x)
+            return
+        delta = x - self._mean[name]
+        self._mean[name] += delta / n
+        self._m2[name] += delta * (x - self._mean[name])
+
+    def results(self) -> dict[str, NDArray[np.float32]]:
+        """NAME and NAME.variance (of the mean), float32, per layer."""
+        scale = 1.0 / ((self.count - 1) * self.count)
+        means = {name: mean.astype(np.float32) for name, mean in self._mean.items()}
+        spread = {f"{n}.variance": (m2 * scale).astype(np.float32) for n, m2 in self._m2.items()}
+        return means | spread
+
+
+def _load(job: Job, xml: str) -> Any:
+    import mitsuba as mi
+
+    return mi.load_file(xml, width=job.width, height=job.height, max_depth=job.max_depth)
+
+
+_SCENES: dict[str, Any] = {}
+
+
+def _layered(job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
+    """One pass of the integrator that tells layers apart."""
+    import mitsuba as mi
+
+    from . import mitsuba_paths
+
+    if "layered" not in _SCENES:
+        mitsuba_paths.register()
+        description = {
+            "type": "airlight_layers",
+            "max_depth": job.max_depth,
+            "hide_environment": job.hide_environment,
+        }
+        _SCENES["layered"] = (_load(job, job.xml), mi.load_dict(description))
+    scene, integrator = _SCENES["layered"]
+    picture = np.array(mi.render(scene, integrator=integrator, seed=seed, spp=spp))
+    parts = {"all": picture[..., :3]}
+    for index, name in enumerate(mitsuba_paths.PATH_LAYERS):
+        parts[name] = picture[..., 3 + 3 * index : 6 + 3 * index]
+    return {name: parts[name] for name in job.layers}
+
+
+# A layer is the picture of the first length limit minus that of the second.
+_LIMITS = {"all": (-1,), "direct": (2,), "one_bounce": (3, 2), "indirect": (-1, 2)}
+
+
+class _Stock:
+    """Mitsuba's own integrators; layers are differences between path length limits.
+
+    All limits use one seed: in compiled variants the paths are then the same, and the noise
+    of what they share cancels.
+    """
+
+    def __init__(self, job: Job) -> None:
+        import mitsuba as mi
+
+        self._scene = _load(job, job.xml)
+        self._integrators: dict[int, Any] = {}
+        self._subtract = job.hide_environment and job.has_area_lights
+        self._hide = job.hide_environment and not job.has_area_lights
+        self._background = _load(job, _environment_only(job.xml)) if self._subtract else None
+        self._mi = mi
+
+    def __call__(self, job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
+        rendered: dict[int, NDArray[np.float32]] = {}
+
+        def limited(limit: int) -> NDArray[np.float32]:
+            if job.max_depth > 0:
+                limit = job.max_depth if limit < 0 else min(limit, job.max_depth)
+            if limit not in rendered:
+                rendered[limit] = self._render(self._scene, job.integrator, limit, seed, spp)
+                if self._background is not None:
+                    rendered[limit] -= self._render(self._background, job.integrator, 1, seed, spp)
+            return rendered[limit]
+
+        parts = {}
+        for name in job.layers:
+            first, *rest = _LIMITS[name]
+            parts[name] = limited(first) - (limited(rest[0]) if rest else np.float32(0.0))
+        return parts
+
+    def _render(
+        self, scene: Any, kind: str, limit: int, seed: int, spp: int
+    ) -> NDArray[np.float32]:
+        if limit not in self._integrators:
+            description = {"type": kind, "max_depth": limit, "hide_emitters": self._hide}
+            self._integrators[limit] = self._mi.load_dict(description)
+        integrator = self._integrators[limit]
+        picture = self._mi.render(scene, integrator=integrator, seed=seed, spp=spp)
+        return np.array(picture, dtype=np.float32)[..., :3]
+
+
+def _environment_only(xml: str) -> str:
+    """The scene with every other light removed: what a hidden environment must lose."""
+    from xml.etree import ElementTree
+
+    tree = ElementTree.parse(xml)
+    for parent in list(tree.iter()):
+        for emitter in parent.findall("emitter"):
+            if emitter.get("type") not in ("constant", "envmap"):
+                parent.remove(emitter)
+    path = Path(xml).with_name("environment_only.xml")
+    tree.write(path)
+    return str(path)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

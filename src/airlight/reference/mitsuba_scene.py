@@ -1,0 +1,198 @@
+"""Any airlight scene as a Mitsuba 3 scene: an XML file and a folder of what it names."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+import numpy as np
+
+from ..errors import OutputError
+from ..scene.checks import Rgb
+from ..scene.medium import Medium
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .mitsuba_files import FileStore
+from .mitsuba_lights import environment_emitter, light_emitter
+from .mitsuba_material import is_masked
+from .mitsuba_media import Media, air_bounds, scene_media
+from .mitsuba_shapes import mesh_shapes
+from .mitsuba_xml import (
+    add_integer,
+    add_lookat,
+    add_number,
+    add_reference,
+    add_text,
+    plugin,
+)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A scene written for Mitsuba.
+
+    `notes`: what was approximated. `has_media`, `has_masks`: what the integrator must cope
+    with. `integrator`: the Mitsuba plugin that fits.
+    """
+
+    notes: tuple[str, ...]
+    has_media: bool
+    has_masks: bool
+    integrator: str
+
+
+def write_mitsuba(scene: Scene, path: Path) -> list[str]:
+    """Write `scene` as Mitsuba XML to `path`, its meshes and pictures into NAME_files beside it.
+
+    Both appear whole or not at all. Returns what was approximated, a sentence each.
+    Raises OutputError, and ReferenceFailure for media that Mitsuba cannot hold.
+    """
+    path = Path(path)
+    prefix = f"{path.stem}_files"
+    staged = path.parent / f".{prefix}.{os.getpid()}.part"
+    try:
+        staged.mkdir(parents=False)
+    except OSError as error:
+        raise OutputError(f"cannot write: {error.strerror}", where=path) from None
+    try:
+        notes: list[str] = []
+        if not _has_grey_g(scene):
+            notes.append("g differs between the channels, written as its mean")
+        exported = export(scene, staged, path.stem, prefix, notes=notes)
+        _replace_folder(staged, path.parent / prefix)
+        (path.parent / prefix / f"{path.stem}.xml").replace(path)
+    except OSError as error:
+        raise OutputError(f"cannot write: {error.strerror or error}", where=path) from None
+    finally:
+        shutil.rmtree(staged, ignore_errors=True)
+    return list(exported.notes)
+
+
+def _replace_folder(staged: Path, target: Path) -> None:
+    old = staged.with_suffix(".old")
+    if target.exists():
+        target.replace(old)
+    staged.replace(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def export(
+    scene: Scene,
+    folder: Path,
+    stem: str,
+    prefix: str,
+    *,
+    size: tuple[int, int] = (1280, 720),
+    spp: int = 256,
+    notes: list[str] | None = None,
+    knows_airlight: bool = False,
+) -> Exported:
+    """Write STEM.xml and what it needs into `folder`, naming files as PREFIX/name.
+
+    `prefix` "." names them beside the XML. `knows_airlight`: see FileStore.
+    """
+    notes = [] if notes is None else notes
+    files = FileStore(folder, prefix, knows_airlight=knows_airlight)
+    diagonal = scene_diagonal(scene)
+    shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
+    media = scene_media(scene, files, notes)
+    emitters = [light_emitter(light, files, notes) for light in scene.lights]
+    if scene.environment is not None:
+        emitters.append(environment_emitter(scene.environment, files))
+    has_masks = any(is_masked(mesh.material, mesh.geometry) for mesh in scene.meshes)
+    integrator = _integrator(media, has_masks)
+    root = _root(integrator, size, spp)
+    root.append(_hiding(plugin("integrator", integrator), scene, notes))
+    root.extend(media.mediums)
+    root.append(_sensor(scene, diagonal, media.camera_id))
+    root.extend(media.boundaries)
+    root.extend(shapes)
+    root.extend(emitters)
+    _write_xml(root, folder / f"{stem}.xml")
+    return Exported(tuple(dict.fromkeys(notes)), bool(media.mediums), has_masks, integrator)
+
+
+def with_grey_g(scene: Scene, channel: int) -> Scene:
+    """The scene with every g that of one channel: Mitsuba's phase functions are grey."""
+
+    def grey(g: Rgb) -> Rgb:
+        return (g[channel],) * 3
+
+    medium = scene.medium and replace(scene.medium, g=grey(scene.medium.g))
+    volumes = tuple(replace(volume, g=grey(volume.g)) for volume in scene.volumes)
+    return replace(scene, medium=medium, volumes=volumes)
+
+
+def _has_grey_g(scene: Scene) -> bool:
+    holders: list[Medium | Volume] = [*scene.volumes, *([scene.medium] if scene.medium else [])]
+    return all(len(set(holder.g)) == 1 for holder in holders)
+
+
+def g_channels(scene: Scene) -> tuple[int, ...]:
+    """Channels that need a render of their own: one where g is grey, else three."""
+    return (0,) if _has_grey_g(scene) else (0, 1, 2)
+
+
+def scene_diagonal(scene: Scene) -> float:
+    """Length of the box around surfaces, volumes, air and camera, metres."""
+    low, high = scene.bounds
+    eye = np.array(scene.camera.position)
+    low, high = np.minimum(low, eye), np.maximum(high, eye)
+    if scene.medium is not None:
+        air_low, air_high = air_bounds(scene)
+        low, high = np.minimum(low, air_low), np.maximum(high, air_high)
+    return float(np.linalg.norm(high - low))
+
+
+def _root(integrator: str, size: tuple[int, int], spp: int) -> Element:
+    root = Element("scene", {"version": "3.0.0"})
+    defaults = {"integrator": integrator, "max_depth": -1, "spp": spp}
+    for name, value in (*defaults.items(), ("width", size[0]), ("height", size[1])):
+        if name != "integrator":
+            SubElement(root, "default", {"name": name, "value": str(value)})
+    return root
+
+
+def _integrator(media: Media, has_masks: bool) -> str:
+    """path cannot see light through masks or media; volpathmis pays off for coloured air."""
+    if media.is_colored:
+        return "volpathmis"
+    return "volpath" if media.mediums or has_masks else "path"
+
+
+def _hiding(integrator: Element, scene: Scene, notes: list[str]) -> Element:
+    add_integer(integrator, "max_depth", "$max_depth")
+    if scene.environment is not None and not scene.environment.visible:
+        notes.append("the environment is visible: Mitsuba hides all emitters or none")
+    return integrator
+
+
+def _sensor(scene: Scene, diagonal: float, medium_id: str) -> Element:
+    camera = scene.camera
+    sensor = plugin("sensor", "perspective")
+    add_lookat(sensor, "to_world", camera.position, camera.target, camera.up)
+    add_number(sensor, "fov", camera.fov_y_deg)
+    add_text(sensor, "fov_axis", "y")
+    add_number(sensor, "near_clip", 1e-6 * diagonal)
+    add_number(sensor, "far_clip", 1e3 * diagonal)
+    if medium_id:
+        add_reference(sensor, medium_id, "medium")
+    film = plugin("film", "hdrfilm")
+    add_integer(film, "width", "$width")
+    add_integer(film, "height", "$height")
+    add_text(film, "pixel_format", "rgb")
+    add_text(film, "component_format", "float32")
+    film.append(plugin("rfilter", "box"))
+    sensor.append(film)
+    sampler = plugin("sampler", "independent")
+    add_integer(sampler, "sample_count", "$spp")
+    sensor.append(sampler)
+    return sensor
+
+
+def _write_xml(root: Element, path: Path) -> None:
+    indent(root, "  ")
+    path.write_bytes(tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
