@@ -15,6 +15,7 @@ import click
 
 from .. import __version__, env
 from ..errors import DeviceError
+from .options import adapter_option
 from .outputs import json_text
 
 _EXTRA_PURPOSE = {
@@ -26,12 +27,7 @@ _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['
 
 
 @click.command("doctor")
-@click.option(
-    "--adapter",
-    default=lambda: env.value("AIRLIGHT_ADAPTER"),
-    metavar="NAME",
-    help="Say what this choice would use: auto, cpu, gpu or a part of a name.",
-)
+@adapter_option()
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 def command(adapter: str, as_json: bool) -> None:
     """List graphics adapters, say which is used and why, what is missing and how to get it."""
@@ -96,12 +92,11 @@ def _installed_version(package: str) -> str | None:
 
 def llvm_facts(environment: Mapping[str, str] = os.environ) -> dict[str, Any]:
     """The LLVM that Mitsuba's fast variants would load; without one it runs scalar, slower."""
-    from ctypes.util import find_library
+    from ..reference.mitsuba_llvm import find_llvm
 
-    chosen = environment.get("DRJIT_LIBLLVM_PATH")
-    names = ["LLVM", *(f"LLVM-{version}" for version in range(22, 15, -1))]
+    library = find_llvm(environment)
     return {
-        "library": chosen or next(filter(None, map(find_library, names)), None),
+        "library": None if library is None else str(library),
         "for": "faster references: Mitsuba's llvm variants; without it they run scalar",
         "get_it": _llvm_remedy(),
     }
@@ -126,7 +121,7 @@ def _text(facts: Mapping[str, Any]) -> str:
     if not facts["adapters"]:
         lines.append("  none")
     if facts["used"] is not None:
-        lines.append(f"  used: {facts['used']} ({facts['because']})")
+        lines.append(f"  used: {facts['used']}; why: {facts['because']}")
     else:
         lines.append(f"  none is used: {facts['because']}")
     lines += ["", "Extras", *(_extra_line(name, e) for name, e in facts["extras"].items())]

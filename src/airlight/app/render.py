@@ -9,50 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import env
 from ..errors import SettingsError
+from .options import adapter_option, settings_option, size_option
 from .outputs import check_writable, write_json
-from .progress import progress
+from .progress import Report, progress
 from .scene_argument import load_scene, show_warnings
 
 if TYPE_CHECKING:
+    from ..scene import Scene
     from ..scene.image import Image
 
 _STARTED_S = time.perf_counter()
-LARGEST_SIDE_PX = 16384
-
-
-class _Size(click.ParamType):
-    """WIDTHxHEIGHT in pixels."""
-
-    name = "WxH"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
-        if isinstance(value, tuple):
-            return value
-        parts = value.lower().split("x")
-        if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
-            self.fail(f"'{value}' is not a size such as 1280x720", param, ctx)
-        width_px, height_px = (int(part[:9]) for part in parts)
-        if not (1 <= width_px <= LARGEST_SIDE_PX and 1 <= height_px <= LARGEST_SIDE_PX):
-            self.fail(
-                f"'{value}' is outside 1x1 to {LARGEST_SIDE_PX}x{LARGEST_SIDE_PX}", param, ctx
-            )
-        return width_px, height_px
-
-
-class _Setting(click.ParamType):
-    """key=value."""
-
-    name = "key=value"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str, str]:
-        if isinstance(value, tuple):
-            return value
-        key, equals, text = value.partition("=")
-        if not equals or not key.strip():
-            self.fail(f"'{value}' is not written as key=value", param, ctx)
-        return key.strip().replace("-", "_"), text.strip()
 
 
 @click.command("render")
@@ -70,11 +37,11 @@ class _Setting(click.ParamType):
     "--technique",
     default="auto",
     show_default=True,
-    help="auto (the full composition), direct, single, lpv, lpv-scatter, pop ...",
+    help="auto (the best there is so far), direct or lpv.",
 )
-@click.option("--size", type=_Size(), default=(1280, 720), help="Pixels.  [default: 1280x720]")
+@size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
-@click.option("-D", "settings", multiple=True, type=_Setting(), help="A setting of the technique.")
+@settings_option()
 @click.option("--layers", is_flag=True, help="Keep every layer in the EXR.")
 @click.option(
     "--stats",
@@ -82,12 +49,7 @@ class _Setting(click.ParamType):
     metavar="FILE.json",
     help="Write device, timings and sizes as JSON.",
 )
-@click.option(
-    "--adapter",
-    default=lambda: env.value("AIRLIGHT_ADAPTER"),
-    metavar="NAME",
-    help="auto, cpu, gpu or a part of the adapter's name.  [default: auto]",
-)
+@adapter_option()
 @click.option(
     "--exposure", type=click.FloatRange(-64, 64), metavar="STOPS", help="Instead of the camera's."
 )
@@ -106,13 +68,15 @@ def command(scene: str, output: Path, **options: Any) -> None:
     """
     stats_path: Path | None = options["stats"]
     _check_outputs(output, stats_path, options["layers"])
+    _check_technique(options["technique"], options["settings"])
     with progress(quiet=options["quiet"]) as report:
         report("loading", 0.0)
         started_s = time.perf_counter()
         loaded = load_scene(scene)
         load_s = time.perf_counter() - started_s
-        image = _rendered(loaded, options, report)
-        first_image_s = time.perf_counter() - _STARTED_S
+        finished_s: list[float] = []
+        image = _rendered(loaded, options, _stamped(report, finished_s))
+        first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
         report("writing", 0.0)
         image.save(output, layers=options["layers"])
         if stats_path is not None:
@@ -137,16 +101,35 @@ def _check_outputs(output: Path, stats_path: Path | None, layers: bool) -> None:
             raise SettingsError("--stats and -o name the same file", where=output)
 
 
-def _rendered(scene: Any, options: dict[str, Any], report: Any) -> Image:
+def _check_technique(technique: str, settings: dict[str, str]) -> None:
+    from ..scene.settings import make_settings
+    from ..techniques import technique_class
+
+    make_settings(technique_class(technique).Settings, settings, where=f"technique {technique}")
+
+
+def _stamped(report: Report, finished_s: list[float]) -> Report:
+    """`report`, noting when a stage is done: timing goes on after the first image with --stats."""
+
+    def stamped(stage: str, fraction: float) -> None:
+        report(stage, fraction)
+        if stage == "render" and fraction >= 1.0:
+            finished_s.append(time.perf_counter())
+
+    return stamped
+
+
+def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
     from ..render import render
 
     image = render(
         scene,
         technique=options["technique"],
         size=options["size"],
-        settings=dict(options["settings"]),
+        settings=options["settings"],
         adapter=options["adapter"],
         progress=report,
+        timed=options["stats"] is not None,
         **({"samples": options["samples"]} if options["samples"] else {}),
     )
     if options["exposure"] is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -10,18 +9,12 @@ import click
 if TYPE_CHECKING:
     from ..scene import Scene
 
-BUILTIN = "builtin:"
-
 
 def load_scene(text: str) -> Scene:
     """The scene that SCENE names. Raises SceneError."""
-    if text.startswith(BUILTIN):
-        from ..scene.builtin import build
-
-        return build(text.removeprefix(BUILTIN))
     from ..scene.io import load
 
-    return load(Path(text))
+    return load(text)
 
 
 def show_warnings(scene: Scene) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import click
 
-from ..errors import AirlightError
+from ..errors import AirlightError, SettingsError
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -18,7 +19,7 @@ def command(file: str, as_json: bool) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
     try:
         scene = load_scene(file)
-        check_techniques(scene.settings)
+        check_techniques(scene.settings, file)
     except AirlightError as error:
         if as_json:
             click.echo(json_text(_refusal(file, error)))
@@ -30,12 +31,19 @@ def command(file: str, as_json: bool) -> None:
     click.echo(f"{file}: valid")
 
 
-def check_techniques(settings: Any) -> None:
+def check_techniques(settings: Mapping[str, Mapping[str, Any]], file: str) -> None:
     """Raise SettingsError for an unknown technique or setting under [technique.NAME]."""
-    from ..techniques import check_settings
+    if not settings:
+        return
+    from ..scene.settings import make_settings
+    from ..techniques import technique_class
 
     for name, values in settings.items():
-        check_settings(name, values)
+        try:
+            make_settings(technique_class(name).Settings, values)
+        except SettingsError as error:
+            where = f"{file}: [technique.{name}]"
+            raise SettingsError(error.problem, where=where, remedy=error.remedy) from None
 
 
 def _refusal(file: str, error: AirlightError) -> dict[str, Any]:

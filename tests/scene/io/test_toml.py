@@ -203,7 +203,7 @@ MISTAKES = [
     (BOX + '[[mesh]]\nfile = "gone.obj"\n',
      "[[mesh]] 2: file 'gone.obj' does not exist. Paths are relative to the scene file."),
     ('[[mesh]]\nfile = "room.toml"\n', "[[mesh]] 1: file 'room.toml' is not a mesh file. "
-     "Known endings: .obj, .gltf, .glb, .ply, .stl."),
+     "Known endings: .obj, .glb, .gltf, .ply, .stl."),
     ('[[mesh]]\nshape = "sphre"\n', "[[mesh]] 1: shape = 'sphre' is unknown. "
      "Did you mean 'sphere'?"),
     (BOX + "base_color = [0.5, 2, 0]\n",

@@ -105,7 +105,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
     )
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
-    return _with_camera(_with_light(scene), camera, parts)
+    return _with_light(_with_camera(scene, camera, parts))
 
 
 def _numbered(raw: Raw, name: str) -> Iterator[tuple[str, Any]]:
@@ -219,15 +219,6 @@ def _technique_settings(raw: Raw) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def _with_light(scene: Scene) -> Scene:
-    """The scene; with a default sun and sky where nothing in it shines."""
-    if scene.lights or scene.environment or any(m.material.is_emissive for m in scene.meshes):
-        return scene
-    from .defaults import with_default_lights
-
-    return with_default_lights(scene)
-
-
 def _with_camera(scene: Scene, camera: Camera | None, parts: list[Scene]) -> Scene:
     """The scene with `camera`, else the first that a mesh file brought, else one that frames it."""
     brought = [part.camera for part in parts if part.camera != Camera()]
@@ -237,3 +228,12 @@ def _with_camera(scene: Scene, camera: Camera | None, parts: list[Scene]) -> Sce
     from .defaults import with_default_camera
 
     return with_default_camera(scene)
+
+
+def _with_light(scene: Scene) -> Scene:
+    """The scene; with a default sun and sky where nothing in it shines."""
+    if scene.lights or scene.environment or any(m.material.is_emissive for m in scene.meshes):
+        return scene
+    from .defaults import with_default_lights
+
+    return with_default_lights(scene)

@@ -20,13 +20,6 @@ from ..scene import Scene
 from ..shapes import box, quad, sphere
 
 _SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
-_READERS = {
-    ".obj": ("obj", "load_obj"),
-    ".gltf": ("gltf", "load_gltf"),
-    ".glb": ("gltf", "load_gltf"),
-    ".ply": ("meshfile", "load_mesh_file"),
-    ".stl": ("meshfile", "load_mesh_file"),
-}
 _RED_GREEN_BLUE = (0, 1, 2)
 _ROUGHNESS_CHANNEL, _METALLIC_CHANNEL = (1,), (2,)  # glTF 2.0, section 3.9.2
 
@@ -85,18 +78,14 @@ def rotation_xyz(angles_deg: Vec3) -> F64:
 
 
 def _read(path: Path, written: str, label: str) -> Scene:
-    from importlib import import_module
+    from . import MESH_SUFFIXES, load_meshes
 
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    if path.suffix.lower() not in MESH_SUFFIXES:
         raise SceneError(
             f"{label}: file '{written}' is not a mesh file",
-            remedy=f"Known endings: {', '.join(_READERS)}.",
+            remedy=f"Known endings: {', '.join(MESH_SUFFIXES)}.",
         )
-    existing_file(path, written, label)
-    module, function = reader
-    scene = getattr(import_module(f"..{module}", __name__), function)(path)
-    return cast(Scene, scene)
+    return load_meshes(existing_file(path, written, label))
 
 
 def _moved(scene: Scene, world_from_file: F64) -> Scene:

@@ -1,0 +1,64 @@
+"""Options that several commands share, and how their text is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from .. import env
+
+LARGEST_SIDE_PX = 16384
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+def size_option(default: str) -> Decorator:
+    """--size WxH, given to the command as (width, height) in pixels."""
+    return click.option(
+        "--size", default=default, show_default=True, metavar="WxH", callback=_size, help="Pixels."
+    )
+
+
+def adapter_option() -> Decorator:
+    """--adapter NAME; AIRLIGHT_ADAPTER where it is not given."""
+    return click.option(
+        "--adapter",
+        default=lambda: env.value("AIRLIGHT_ADAPTER"),
+        metavar="NAME",
+        help="auto, cpu, gpu or a part of the adapter's name.  [default: auto]",
+    )
+
+
+def settings_option() -> Decorator:
+    """-D KEY=VALUE, repeatable, given to the command as `settings`, {key: text}."""
+    return click.option(
+        "-D",
+        "settings",
+        multiple=True,
+        metavar="KEY=VALUE",
+        callback=_settings,
+        help="A setting of the technique; may be repeated.",
+    )
+
+
+def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise click.BadParameter(f"'{text}' is not a size such as 1280x720")
+    width_px, height_px = (int(part[:9]) for part in parts)
+    if not (1 <= width_px <= LARGEST_SIDE_PX and 1 <= height_px <= LARGEST_SIDE_PX):
+        raise click.BadParameter(f"'{text}' is outside 1x1 to {LARGEST_SIDE_PX}x{LARGEST_SIDE_PX}")
+    return width_px, height_px
+
+
+def _settings(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+    """The last value of a key holds; dashes in a key count as underscores."""
+    found: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise click.BadParameter(f"'{text}' is not written as key=value")
+        found[key.strip().replace("-", "_")] = value.strip()
+    return found

@@ -1,0 +1,77 @@
+"""`airlight info`: scenes, pictures and density grids, for people and machines."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from airlight.app import cli
+from airlight.scene.image import Image
+
+SCENE = """
+[camera]
+position = [0, 0, 5]
+target = [0, 0, 0]
+[[mesh]]
+shape = "box"
+[[light]]
+type = "point"
+position = [0, 2, 0]
+intensity = 3
+[medium]
+sigma_t = 0.5
+[technique.lpv]
+resolution = 16
+"""
+
+
+def facts(capsys, *arguments: str) -> dict:
+    assert cli.run(["info", *arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_scene_as_json(tmp_path, capsys):
+    (tmp_path / "a.toml").write_text(SCENE)
+    told = facts(capsys, str(tmp_path / "a.toml"))
+    assert told["kind"] == "scene"
+    assert (told["meshes"], told["triangles"]) == (1, 12)
+    assert told["bounds_m"] == [[-0.5] * 3, [0.5] * 3]
+    assert told["lights"] == [{"type": "point", "position": [0, 2, 0], "intensity": [3, 3, 3]}]
+    assert told["medium"]["sigma_t"] == [0.5, 0.5, 0.5]
+    assert told["techniques"] == {"lpv": {"resolution": 16}}
+    assert told["environment"] is None
+
+
+def test_a_scene_for_people(tmp_path, capsys):
+    (tmp_path / "a.toml").write_text(SCENE)
+    assert cli.run(["info", str(tmp_path / "a.toml")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "triangles: 12" in lines
+    assert "  type point, position (0, 2, 0), intensity (3, 3, 3)" in lines
+    assert "volumes: none" in lines
+    assert "environment: none" in lines
+
+
+def test_a_picture(tmp_path, capsys):
+    pixels = np.full((2, 3, 3), 0.5, np.float32)
+    Image(pixels, layers={"depth": pixels[..., 0]}).save(tmp_path / "a.exr")
+    told = facts(capsys, str(tmp_path / "a.exr"))
+    assert told["size_px"] == [3, 2]
+    assert told["layers"] == ["depth"]
+    np.testing.assert_allclose(told["mean_radiance"], 0.5)
+
+
+def test_a_density_grid(tmp_path, capsys):
+    np.save(tmp_path / "a.npy", np.arange(24.0).reshape(2, 3, 4))
+    told = facts(capsys, str(tmp_path / "a.npy"))
+    assert told["size_zyx"] == [2, 3, 4]
+    assert told["density"] == {"lowest": 0.0, "mean": 11.5, "highest": 23.0}
+
+
+def test_what_cannot_be_read(tmp_path, capsys):
+    for name in ("gone.toml", "gone.exr", "gone.npy", "gone.obj", "gone"):
+        assert cli.run(["info", str(tmp_path / name)]) == 2
+        err = capsys.readouterr().err
+        assert err.startswith(f"error: {tmp_path / name}")
+        assert err.count("\n") == 1

@@ -1,0 +1,31 @@
+"""Shared options: sizes and settings from text."""
+
+from __future__ import annotations
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from airlight.app.options import settings_option, size_option
+
+
+@click.command()
+@size_option("8x4")
+@settings_option()
+def show(size: tuple[int, int], settings: dict[str, str]) -> None:
+    click.echo(f"{size} {settings}")
+
+
+def test_the_default_and_what_is_said():
+    assert CliRunner().invoke(show, []).output == "(8, 4) {}\n"
+    assert CliRunner().invoke(show, ["--size", "640X360"]).output == "(640, 360) {}\n"
+
+
+def test_the_last_value_of_a_key_holds_and_values_may_hold_equals():
+    arguments = ["-D", "a=1", "-D", "b-c = x=y", "-D", "a=2"]
+    assert CliRunner().invoke(show, arguments).output == "(8, 4) {'a': '2', 'b_c': 'x=y'}\n"
+
+
+@pytest.mark.parametrize("text", ["12", "1x2x3", "ax4", "-1x4", "0x4", "4x16385", "٣x٤", ""])
+def test_impossible_sizes_are_misuse(text):
+    assert CliRunner().invoke(show, ["--size", text]).exit_code == 2

@@ -1,0 +1,189 @@
+"""`airlight render`: options reach the renderer, mistakes are caught before any work."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+import airlight.render
+from airlight.app import cli, render
+from airlight.scene import Scene
+from airlight.scene.image import Image
+
+SCENE = '[[mesh]]\nshape = "box"\n[[light]]\ntype = "point"\nposition = [0, 2, 0]\nintensity = 3\n'
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "box.toml"
+    path.write_text(SCENE)
+    return str(path)
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """What the command asked the renderer for; the picture is grey."""
+    asked: list[dict] = []
+
+    def grey(scene: Scene, **options) -> Image:
+        options["progress"]("solve", 0.5)
+        options["progress"]("solve", 1.0)
+        asked.append({"scene": scene, **options})
+        width_px, height_px = options["size"]
+        return Image(
+            np.full((height_px, width_px, 3), 0.18, np.float32),
+            layers={"direct": np.full((height_px, width_px, 3), 0.18, np.float32)},
+            stats={"device": "none", "lattice": np.int64(32)},
+        )
+
+    monkeypatch.setattr(airlight.render, "render", grey)
+    return asked
+
+
+def test_every_option_reaches_the_renderer(scene_file, tmp_path, calls, capsys):
+    out, stats = tmp_path / "box.exr", tmp_path / "stats.json"
+    code = cli.run(
+        ["render", scene_file, "-o", str(out), "--technique", "lpv", "--size", "8x4", "--samples",
+         "3", "-D", "resolution=16", "--layers", "--stats", str(stats), "--adapter", "cpu"]
+    )  # fmt: skip
+    assert code == 0
+    (call,) = calls
+    assert call["scene"].name == "box"
+    assert call["technique"] == "lpv"
+    assert call["size"] == (8, 4)
+    assert call["samples"] == 3
+    assert call["settings"] == {"resolution": "16"}
+    assert call["adapter"] == "cpu"
+    assert call["timed"] is True
+    streams = capsys.readouterr()
+    assert streams.out == f"{out}\n"
+    assert "loading ...\nsolve ...\nwriting ...\n" in streams.err
+
+    written = json.loads(stats.read_text())
+    assert written["device"] == "none"
+    assert written["lattice"] == 32
+    assert 0.0 < written["load_s"] <= written["first_image_s"]
+
+
+def test_defaults(scene_file, tmp_path, calls):
+    assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png"), "-q"]) == 0
+    (call,) = calls
+    assert (call["technique"], call["size"], call["adapter"]) == ("auto", (1280, 720), "auto")
+    assert "samples" not in call
+    assert call["timed"] is False
+    assert PIL.Image.open(tmp_path / "a.png").size == (1280, 720)
+
+
+def test_the_adapter_switch_is_the_default(scene_file, tmp_path, calls, monkeypatch):
+    monkeypatch.setenv("AIRLIGHT_ADAPTER", "gpu")
+    assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png"), "--size", "4x4"]) == 0
+    assert calls[0]["adapter"] == "gpu"
+
+
+def test_exposure_brightens_the_display_and_layers_stay_out_unasked(scene_file, tmp_path, calls):
+    from airlight.scene.io.images import load_image
+
+    for name, options in {"dark.png": [], "bright.png": ["--exposure", "2"], "a.exr": []}.items():
+        arguments = ["render", scene_file, "-o", str(tmp_path / name), "--size", "4x4", "-q"]
+        assert cli.run([*arguments, "--tone-map", "neutral", *options]) == 0
+    dark, bright = (
+        np.asarray(PIL.Image.open(tmp_path / name)).mean() for name in ("dark.png", "bright.png")
+    )
+    assert bright > dark + 20
+    exr = load_image(tmp_path / "a.exr")
+    np.testing.assert_allclose(exr.radiance, 0.18)
+    assert not exr.layers
+
+
+MISTAKES = [
+    (["-o", "{out}/a.bmp"], "error: {out}/a.bmp: cannot write a picture that ends in '.bmp'. "
+     "End its name in one of .exr, .hdr, .png, .jpg, .jpeg."),
+    (["-o", "{out}/gone/a.png"], "error: {out}/gone/a.png: the folder '{out}/gone' does not exist. "
+     "Create it first."),
+    (["-o", "{out}/folder.png"], "error: {out}/folder.png: this is a folder, not a file"),
+    (["-o", "{out}/a.png", "--layers"],
+     "error: {out}/a.png: --layers needs an .exr, .png holds one picture"),
+    (["-o", "{out}/a.exr", "--stats", "{out}/a.exr"],
+     "error: {out}/a.exr: --stats and -o name the same file"),
+    (["-o", "{out}/a.png", "--stats", "{out}/gone/s.json"],
+     "error: {out}/gone/s.json: the folder '{out}/gone' does not exist. Create it first."),
+    (["-o", "{out}/a.png", "-t", "lpw"],
+     "error: unknown technique 'lpw'. Did you mean 'lpv'?"),
+    (["-o", "{out}/a.png", "-t", "lpv", "-D", "resolutoin=3"],
+     "error: technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?"),
+    (["-o", "{out}/a.png", "--size", "0x5"], "'0x5' is outside 1x1 to 16384x16384"),
+    (["-o", "{out}/a.png", "--size", "99999999999999999999x5"], "is outside 1x1 to 16384x16384"),
+    (["-o", "{out}/a.png", "--size", "12"], "'12' is not a size such as 1280x720"),
+    (["-o", "{out}/a.png", "--size", "-3x4"], "'-3x4' is not a size such as 1280x720"),
+    (["-o", "{out}/a.png", "-D", "resolution"], "'resolution' is not written as key=value"),
+    (["-o", "{out}/a.png", "--samples", "0"], "0 is not in the range 1<=x<=4096"),
+    (["-o", "{out}/a.png", "--tone-map", "flat"], "'flat' is not one of"),
+    ([], "Missing option '-o' / '--output'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "expected"), MISTAKES, ids=[m[1][:60] for m in MISTAKES])
+def test_mistakes_are_found_before_any_work(
+    options, expected, scene_file, tmp_path, calls, capsys, monkeypatch
+):
+    monkeypatch.setattr(render, "load_scene", lambda _: pytest.fail("the scene was loaded"))
+    out = tmp_path / "out"
+    (out / "folder.png").mkdir(parents=True)
+    code = cli.run(["render", scene_file, *(option.format(out=out) for option in options)])
+    err = capsys.readouterr().err
+    assert code == 2
+    assert expected.format(out=out) in err
+    assert "Traceback" not in err
+    assert calls == []
+    assert sorted(path.name for path in out.iterdir()) == ["folder.png"]
+
+
+def test_a_failing_renderer_leaves_no_partial_file(scene_file, tmp_path, monkeypatch, capsys):
+    from airlight.errors import DeviceError
+
+    def no_driver(scene, **options):
+        raise DeviceError("no graphics driver was found", remedy="Install one")
+
+    monkeypatch.setattr(airlight.render, "render", no_driver)
+    assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png")]) == 2
+    assert "error: no graphics driver was found. Install one\n" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["box.toml"]
+
+
+def test_an_interrupted_render_leaves_no_partial_file(scene_file, tmp_path, monkeypatch):
+    def interrupted(scene, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(airlight.render, "render", interrupted)
+    assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png")]) == 130
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["box.toml"]
+
+
+def test_warnings_of_the_scene_are_shown(tmp_path, calls, capsys):
+    np.save(tmp_path / "smoke.npy", np.ones((2, 2, 2), np.float32))
+    (tmp_path / "smoke.toml").write_text('[[volume]]\nfile = "smoke.npy"\nsigma_t = 1\n')
+    arguments = ["render", str(tmp_path / "smoke.toml"), "-o", str(tmp_path / "a.png")]
+    assert cli.run([*arguments, "--size", "4x4"]) == 0
+    assert "warning: smoke.npy does not say where it is" in capsys.readouterr().err
+
+
+def test_the_help_names_every_technique(capsys):
+    from airlight.techniques import TECHNIQUES
+
+    assert cli.run(["render", "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert all(name in told for name in [*TECHNIQUES, "auto"])
+
+
+def test_the_first_image_is_timed_before_the_timing_frames():
+    finished_s: list[float] = []
+    seen: list[tuple[str, float]] = []
+    report = render._stamped(lambda *call: seen.append(call), finished_s)
+    report("render", 0.5)
+    assert finished_s == []
+    report("render", 1.0)
+    assert len(finished_s) == 1
+    assert seen == [("render", 0.5), ("render", 1.0)]

@@ -1,0 +1,67 @@
+"""`airlight validate`: good scenes pass, bad ones say why, to people and machines."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from airlight.app import cli
+
+BOX = '[[mesh]]\nshape = "box"\nemission = 1\n'
+
+
+@pytest.fixture
+def validate(tmp_path, capsys):
+    """(exit code, stdout, stderr) for a scene file's text."""
+
+    def run(text: str, *options: str) -> tuple[int, str, str]:
+        (tmp_path / "a.toml").write_text(text)
+        code = cli.run(["validate", str(tmp_path / "a.toml"), *options])
+        out, err = capsys.readouterr()
+        return code, out.replace(f"{tmp_path}/", ""), err.replace(f"{tmp_path}/", "")
+
+    return run
+
+
+def test_a_good_scene(validate):
+    assert validate(BOX) == (0, "a.toml: valid\n", "")
+    code, out, _ = validate(BOX, "--json")
+    assert code == 0
+    assert json.loads(out)["valid"] is True
+
+
+def test_a_bad_scene(validate):
+    expected = "[[mesh]] 1: shape = 'bx' is unknown. Did you mean 'box'?"
+    assert validate('[[mesh]]\nshape = "bx"\n') == (2, "", f"error: a.toml: {expected}\n")
+
+
+def test_a_bad_scene_as_json(validate):
+    code, out, err = validate('[[mesh]]\nshape = "bx"\n', "--json")
+    told = json.loads(out)
+    assert code == 2
+    assert err.startswith("error: ")
+    assert told == {
+        "file": told["file"],
+        "valid": False,
+        "where": "a.toml",
+        "problem": "[[mesh]] 1: shape = 'bx' is unknown",
+        "remedy": "Did you mean 'box'?",
+    }
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("[technique.lpw]\n",
+         "a.toml: [technique.lpw]: unknown technique 'lpw'. Did you mean 'lpv'?"),
+        ("[technique.lpv]\nresolutoin = 3\n",
+         "a.toml: [technique.lpv]: unknown setting 'resolutoin'. Did you mean 'resolution'?"),
+    ],
+)  # fmt: skip
+def test_technique_settings_are_checked(validate, table, expected):
+    assert validate(BOX + table) == (2, "", f"error: {expected}\n")
+
+
+def test_good_technique_settings_pass(validate):
+    assert validate(BOX + "[technique.lpv]\nresolution = 16\n")[0] == 0

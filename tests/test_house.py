@@ -1,0 +1,286 @@
+"""The house: who may import whom, sizes, citations, packaging. See docs/architecture.md."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from airlight import env
+
+REPOSITORY = Path(__file__).parents[1]
+SOURCE = REPOSITORY / "src" / "airlight"
+TESTS = REPOSITORY / "tests"
+
+LONGEST_MODULE, LONGEST_FUNCTION, LONGEST_SHADER = 400, 80, 250
+"""Lines. The aim is 300, 40 and 200; these are where the build fails."""
+
+SOLVERS = ("lpv", "scatter", "pop")
+LAYERS = ("surface", "lattice", "march", "shafts", "display", "lighting")
+_MAY_IMPORT: dict[str, tuple[str, ...]] = {
+    "maths": (),
+    "scene": ("maths",),
+    "gpu": (),
+    **dict.fromkeys(LAYERS, ("gpu", "scene", "maths", *LAYERS)),
+    **dict.fromkeys(SOLVERS, ("gpu", "scene", "maths", *LAYERS)),
+    "reference": ("scene", "maths"),
+}
+"""Room -> the other rooms it may import. Everyone may import `errors` and `env`, which import
+nothing; what is not listed here may import everything but `figures` and `app`."""
+TOP = ("figures", "app")
+
+
+def modules() -> list[Path]:
+    return sorted(SOURCE.rglob("*.py"))
+
+
+def shaders() -> list[Path]:
+    return sorted(SOURCE.rglob("*.wgsl"))
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(REPOSITORY).as_posix()
+
+
+def dotted(path: Path) -> str:
+    """src/airlight/scene/io/toml.py -> airlight.scene.io.toml"""
+    parts = path.relative_to(SOURCE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+@cache
+def imported_by(path: Path) -> frozenset[str]:
+    """Absolute dotted names that a file imports anywhere, `from a import b` as a and a.b."""
+    names: set[str] = set()
+    package = dotted(path) if path.name == "__init__.py" else dotted(path).rpartition(".")[0]
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*parts, base] if base else parts)
+            names |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return frozenset(names)
+
+
+def room(name: str) -> str:
+    """airlight.scene.io.toml -> scene; a module at the top is its own room."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+def rooms() -> set[str]:
+    """Folders and modules directly under airlight."""
+    return {path.stem for path in SOURCE.iterdir() if path.is_dir() or path.suffix == ".py"}
+
+
+def is_allowed(importer: str, imported: str) -> bool:
+    if imported in (importer, "errors", "env"):
+        return True
+    if importer in _MAY_IMPORT:
+        return imported in _MAY_IMPORT[importer]
+    return imported not in TOP or importer in (*TOP, "__main__")
+
+
+def test_imports_go_one_way():
+    known = rooms()
+    broken = [
+        f"{relative(path)} ({room(dotted(path))}) imports {name}"
+        for path in modules()
+        for name in sorted(imported_by(path))
+        if name.startswith("airlight.") and room(name) in known
+        if room(dotted(path)) and not is_allowed(room(dotted(path)), room(name))
+    ]
+    assert not broken, "\n".join(broken)
+
+
+def test_the_import_rule_catches_what_it_forbids():
+    assert not is_allowed("lpv", "scatter")
+    assert not is_allowed("maths", "scene")
+    assert not is_allowed("gpu", "maths")
+    assert not is_allowed("reference", "gpu")
+    assert not is_allowed("render", "app")
+    assert is_allowed("lpv", "lattice")
+    assert is_allowed("app", "reference")
+
+
+def test_only_gpu_imports_wgpu():
+    broken = [
+        relative(path)
+        for path in modules()
+        if room(dotted(path)) != "gpu"
+        if any(name == "wgpu" or name.startswith("wgpu.") for name in imported_by(path))
+    ]
+    assert not broken, "\n".join(broken)
+
+
+def functions(path: Path) -> Iterator[tuple[str, int]]:
+    """(name, lines) of every function, decorators and docstring counted."""
+    for node in ast.walk(tree(path)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
+            yield node.name, (node.end_lineno or first) - first + 1
+
+
+def line_count(path: Path) -> int:
+    return len(path.read_text(encoding="utf-8").splitlines())
+
+
+def test_nothing_is_too_long():
+    long = [
+        f"{relative(path)}: {line_count(path)} lines"
+        for paths, longest in ((modules(), LONGEST_MODULE), (shaders(), LONGEST_SHADER))
+        for path in paths
+        if line_count(path) > longest
+    ]
+    long += [
+        f"{relative(path)}: {name}() {lines} lines"
+        for path in modules()
+        for name, lines in functions(path)
+        if lines > LONGEST_FUNCTION
+    ]
+    assert not long, "\n".join(long)
+
+
+def test_every_module_has_a_test():
+    """A test file imports it, names it dotted (airlight.scene.mesh), or mirrors its place."""
+    files = [path for path in sorted(TESTS.rglob("*.py")) if path.name != "test_house.py"]
+    imported = {name for path in files for name in _test_imports(path)}
+    text = "\n".join(path.read_text(encoding="utf-8") for path in files)
+    missing = [
+        relative(path)
+        for path in modules()
+        if not _is_only_a_docstring(path)
+        if dotted(path) not in imported
+        if not re.search(rf"\b{re.escape(dotted(path))}\b", text)
+        if not (TESTS / path.relative_to(SOURCE)).with_name(f"test_{path.name}").exists()
+    ]
+    assert not missing, "\n".join(missing)
+
+
+def _test_imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _is_only_a_docstring(path: Path) -> bool:
+    """A package's __init__ that names its rooms, and perhaps re-exports, does nothing to test."""
+    harmless = (ast.Expr, ast.Import, ast.ImportFrom, ast.Assign, ast.AnnAssign)
+    return path.name == "__init__.py" and all(isinstance(n, harmless) for n in tree(path).body)
+
+
+_CITATION = re.compile(r"\b[A-Z][a-z]+(?:19|20)\d\d[a-z]?\b")
+_NOT_A_CITATION = {"Rec2020"}
+
+
+def test_every_citation_is_known():
+    text = (REPOSITORY / "docs" / "references.bib").read_text(encoding="utf-8")
+    known = set(re.findall(r"^@\w+\{([^,]+),", text, re.MULTILINE))
+    assert known >= {"Kaplanyan2010", "Billeter2012", "Elek2014"}
+    unknown = [
+        f"{relative(path)}: {key}"
+        for path in [*modules(), *shaders()]
+        for key in sorted(set(_CITATION.findall(path.read_text(encoding="utf-8"))))
+        if key not in known | _NOT_A_CITATION
+    ]
+    assert not unknown, "\n".join(unknown)
+
+
+def is_public(name: str) -> bool:
+    return not name.startswith("_")
+
+
+def undocumented(path: Path) -> Iterator[str]:
+    """The module, its public classes and functions, and public methods, where undocumented."""
+    if not ast.get_docstring(tree(path)):
+        yield f"{relative(path)}: the module"
+    pending: list[tuple[str, ast.AST]] = [("", tree(path))]
+    while pending:
+        prefix, parent = pending.pop()
+        for node in ast.iter_child_nodes(parent):
+            if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                continue
+            if not is_public(node.name):
+                continue
+            if not ast.get_docstring(node) and not _inherits_its_meaning(node):
+                yield f"{relative(path)}: {prefix}{node.name}"
+            if isinstance(node, ast.ClassDef):
+                pending.append((f"{prefix}{node.name}.", node))
+
+
+def _inherits_its_meaning(node: ast.AST) -> bool:
+    """click's overrides and properties' setters say nothing new."""
+    decorators = getattr(node, "decorator_list", [])
+    is_setter = any(isinstance(d, ast.Attribute) and d.attr == "setter" for d in decorators)
+    return is_setter or getattr(node, "name", "") in ("convert", "list_commands", "get_command")
+
+
+def test_public_names_say_what_they_mean():
+    bare = [line for path in modules() for line in undocumented(path)]
+    assert not bare, "\n".join(bare)
+
+
+def test_every_switch_is_in_the_table():
+    known = {switch.name for switch in env.SWITCHES}
+    used = {
+        f"{relative(path)}: {name}"
+        for path in modules()
+        for name in re.findall(r"\bAIRLIGHT_[A-Z_]+\b", path.read_text(encoding="utf-8"))
+        if name not in known
+    }
+    assert not used, "\n".join(sorted(used))
+
+
+def tracked_files() -> list[Path]:
+    done = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=REPOSITORY, capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        pytest.skip("not a git checkout")
+    return [REPOSITORY / name for name in done.stdout.split("\0") if name]
+
+
+_MACHINE_PATHS = ("/" + "work/", "/" + "root/", "/" + "home/", ".py" + "env/")
+
+
+def test_no_file_names_the_machine_it_was_made_on():
+    found = []
+    for path in tracked_files():
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (UnicodeDecodeError, OSError):  # a picture, or deleted in the working tree
+            continue
+        found += [f"{relative(path)}: {place}" for place in _MACHINE_PATHS if place in text]
+    assert not found, "\n".join(found)
+
+
+def test_the_wheel_carries_every_shader_and_the_type_marker(tmp_path):
+    builders = pytest.importorskip("hatchling.builders.wheel", reason="hatchling is not installed")
+    import zipfile
+
+    (wheel,) = builders.WheelBuilder(str(REPOSITORY)).build(
+        directory=str(tmp_path), versions=["standard"]
+    )
+    carried = set(zipfile.ZipFile(wheel).namelist())
+    wanted = {
+        path.relative_to(SOURCE.parent).as_posix()
+        for path in [*modules(), *shaders(), SOURCE / "py.typed"]
+    }
+    assert wanted <= carried, sorted(wanted - carried)
+    assert not [name for name in carried if name.startswith("tests/")]
