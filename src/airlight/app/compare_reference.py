@@ -171,7 +171,7 @@ def _keep(reference: Reference, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as part:
-            np.savez(part, **arrays, **dict(reference.image.layers))
+            np.savez(part, **{**arrays, **reference.image.layers})
     except (OSError, AirlightError):
         return
 
