@@ -81,11 +81,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
             where=file,
             remedy="For a scene that ships with airlight, write builtin:NAME.",
         )
-    hint = nearest(suffix, SCENE_SUFFIXES) if len(suffix) > 2 else ""
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,
-        remedy=f"{hint} Known: {', '.join(SCENE_SUFFIXES)}.".strip(),
+        remedy=nearest(suffix, SCENE_SUFFIXES),
     )
 
 

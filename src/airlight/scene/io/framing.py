@@ -66,7 +66,7 @@ def find_room(probe: Probe) -> Room | None:
         typical = float(np.median(np.where(struck, hits.distance, 0.0)))
         is_enclosed = struck.mean() > 0.72 and _are_walls(probe, hits)
         if is_enclosed and typical > best_distance:
-            best, best_distance = _room_around(place, directions, hits.distance), typical
+            best, best_distance = _room_around(probe, place, directions, hits.distance), typical
     return best
 
 
@@ -81,17 +81,33 @@ def _are_walls(probe: Probe, hits: Hits) -> bool:
     return bool((hits.is_front[struck] & is_built).mean() > 0.55)
 
 
-def _room_around(place: F64, directions: F64, distance: F64) -> Room:
-    """The walls: per side, how far most rays of a cone towards it get along the axis."""
+def _room_around(probe: Probe, place: F64, directions: F64, distance: F64) -> Room:
+    """The walls: per side, how far most rays of a cone and of a bundle get along the axis."""
     low, high = np.empty(3), np.empty(3)
     for axis in range(3):
         for side, corner in ((-1.0, low), (1.0, high)):
             cosine = side * directions[:, axis]
             reach = distance[cosine > _CONE_COSINE] * cosine[cosine > _CONE_COSINE]
-            is_open = np.isinf(reach).mean() > 0.5
-            far = np.inf if is_open else np.quantile(reach[np.isfinite(reach)], 0.7)
+            far = np.inf
+            if np.isinf(reach).mean() <= 0.5:
+                # In a long room most of the cone meets the side walls, the bundle does not.
+                cone = float(np.quantile(reach[np.isfinite(reach)], 0.7))
+                far = max(cone, _bundle_reach(probe, place, axis, side))
             corner[axis] = place[axis] + side * far
     return Room(low, high)
+
+
+def _bundle_reach(probe: Probe, place: F64, axis: int, side: float) -> float:
+    """The median length of the parallel rays around `place` that hit anything; 0 without."""
+    spread = 0.08 * np.ptp(probe.corners.reshape(-1, 3), axis=0)
+    spread[axis] = 0.0
+    steps = np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T
+    direction = np.zeros(3)
+    direction[axis] = side
+    origins = place + spread * steps
+    distance = probe.cast(origins, np.repeat(direction[None], len(origins), axis=0)).distance
+    struck = distance[np.isfinite(distance)]
+    return float(np.median(struck)) if len(struck) else 0.0
 
 
 def _inside(probe: Probe, room: Room) -> Camera:

@@ -34,7 +34,7 @@ def load_mesh_file(path: Path) -> Scene:
     colors = _colors(mesh)
     rows, indices = np.arange(len(positions)), triangles.astype(np.uint32)
     if normals is None:
-        rows, indices, normals = _with_normals(positions, triangles)
+        rows, indices, normals = _with_normals(positions, triangles, keep=colors is not None)
     geometry = Geometry(
         positions=positions[rows].astype(np.float32),
         indices=indices,
@@ -96,14 +96,18 @@ def _colors(mesh: Any) -> NDArray[np.float32] | None:
 
 
 def _with_normals(
-    positions: NDArray[np.float64], triangles: NDArray[np.int64]
+    positions: NDArray[np.float64], triangles: NDArray[np.int64], *, keep: bool
 ) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.float64]]:
-    """The file's vertex of each new one, triangles and normals, split along creases."""
+    """The file's vertex of each new one, triangles and normals, split along creases.
+
+    Vertices at one place become one, unless `keep`, where they may differ in colour.
+    """
     # STL repeats a vertex for every triangle; only equal places make a surface smooth.
     ranks = [np.unique(positions[:, k], return_inverse=True)[1] for k in range(3)]
     place, merged = compact(np.stack(ranks, axis=1)[triangles])
     sample = np.zeros(len(place), dtype=np.int64)
     sample[merged.ravel()] = triangles.ravel()
     table, index = creased_normals(positions[sample], merged.astype(np.int64))
-    rows, indices = compact(np.stack([triangles, index], axis=-1))
+    source = triangles if keep else sample[merged]
+    rows, indices = compact(np.stack([source, index], axis=-1))
     return rows[:, 0], indices, table[rows[:, 1]]

@@ -97,10 +97,8 @@ class Probe:
             t = _single(origins) @ _single(normal).T
             t -= _single(np.einsum("tk,tk->t", a, normal))
             t *= inverse
-        outside = (u < 0.0) | (v < 0.0)
-        u += v
-        outside |= ~((u <= 1.0) & (t > 1e-5))
-        t[outside] = np.inf
+            inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-5)
+        t[~inside] = np.inf
         nearest = t.argmin(axis=1)
         return t[np.arange(len(t)), nearest].astype(np.float64), nearest
 

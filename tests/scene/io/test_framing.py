@@ -1,0 +1,103 @@
+"""Where the default camera stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.scene.camera import Camera
+from airlight.scene.io.framing import find_room, framing_camera, view_directions
+from airlight.scene.io.obj import load_obj
+from airlight.scene.io.probe import Probe
+from airlight.scene.mesh import Geometry, Mesh
+from airlight.scene.scene import Scene
+
+
+def quad(a, b, c, d) -> Mesh:
+    return Mesh(Geometry(np.array([a, b, c, d], np.float32), np.array([(0, 1, 2), (0, 2, 3)])))
+
+
+def room(x: float, y: float, z: float, *, open_front: bool = False, inward: bool = True) -> Scene:
+    """A box from the origin to (x, y, z) whose fronts face inwards."""
+    corners = np.array(np.meshgrid([0, x], [0, y], [0, z], indexing="ij")).reshape(3, 8).T
+    faces = [(0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (0, 2, 3, 1), (4, 5, 7, 6), (1, 3, 7, 5)]
+    kept = faces[:-1] if open_front else faces
+    return Scene(tuple(quad(*corners[list(f if inward else f[::-1])]) for f in kept))
+
+
+def in_picture(camera: Camera, points: np.ndarray, aspect: float) -> np.ndarray:
+    forward = np.subtract(camera.target, camera.position)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    offset = points - camera.position
+    depth = offset @ forward
+    half = np.tan(np.radians(camera.fov_y_deg) / 2) * depth
+    up = np.cross(right, forward)
+    return (depth > 0) & (abs(offset @ up) <= half) & (abs(offset @ right) <= half * aspect)
+
+
+def test_a_room_is_found_and_seen_along_its_length_at_eye_height():
+    probe = Probe.of(room(4, 3, 9))
+    found = find_room(probe)
+    assert found is not None
+    np.testing.assert_allclose(found.low, 0, atol=0.01)
+    np.testing.assert_allclose(found.high, [4, 3, 9], atol=0.01)
+    camera = framing_camera(probe)
+    assert camera.fov_y_deg == 60
+    assert camera.position[1] == pytest.approx(1.6)
+    look = np.subtract(camera.target, camera.position)
+    assert abs(look[2]) > 4 * abs(look[0])
+    assert min(camera.position[2], 9 - camera.position[2]) < 1.5
+
+
+def test_a_hall_not_in_metres_is_seen_from_two_fifths_of_its_height():
+    camera = framing_camera(Probe.of(room(400, 300, 900)))
+    assert camera.position[1] == pytest.approx(120)
+
+
+def test_an_open_box_is_seen_through_its_open_side():
+    scene = room(2, 2, 2, open_front=True)
+    camera = framing_camera(Probe.of(scene))
+    assert camera.position[2] > 2
+    assert camera.position[0] == pytest.approx(1)
+    corners = np.concatenate([m.geometry.positions for m in scene.meshes])
+    assert in_picture(camera, corners, 4 / 3).all()
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 500.0])
+def test_a_thing_is_seen_whole_from_outside_and_fills_the_picture(size):
+    scene = room(size, size, 2 * size, inward=False)
+    assert find_room(Probe.of(scene)) is None
+    camera = framing_camera(Probe.of(scene))
+    corners = np.concatenate([m.geometry.positions for m in scene.meshes]).astype(float)
+    assert in_picture(camera, corners, 4 / 3).all()
+    closer = Camera(
+        position=tuple(np.add(camera.position, camera.target) / 2),
+        target=camera.target,
+        fov_y_deg=camera.fov_y_deg,
+    )
+    assert not in_picture(closer, corners, 4 / 3).all()
+
+
+def test_the_teapot_is_no_room_and_the_living_room_is_one(shared_data):
+    teapot = Probe.of(load_obj(shared_data / "teapot" / "teapot.obj"))
+    assert find_room(teapot) is None
+    living = Probe.of(load_obj(shared_data / "living_room" / "living_room.obj"))
+    camera = framing_camera(living)
+    # From the wall with the back light towards the windows, as in the picture all know.
+    assert camera.position[2] > 6.5
+    assert camera.target[2] < 4
+    assert -2.4 < camera.position[0] < 3
+    assert camera.position[1] == pytest.approx(1.6, abs=0.05)
+
+
+def test_nothing_to_frame():
+    assert framing_camera(Probe.of(Scene())) == Camera()
+
+
+def test_view_directions_span_the_field_of_view():
+    camera = Camera(position=(0, 0, 0), target=(0, 0, -1), fov_y_deg=90)
+    directions = view_directions(camera, 2, 2, aspect=1)
+    expected = np.array([(-1, 1, -2), (1, 1, -2), (-1, -1, -2), (1, -1, -2)]) / 6**0.5
+    np.testing.assert_allclose(directions, expected, atol=1e-12)

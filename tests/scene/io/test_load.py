@@ -1,0 +1,69 @@
+"""`load`: from a name to a scene."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from airlight.errors import SceneError
+from airlight.scene.camera import Camera
+from airlight.scene.io import load, load_meshes
+
+
+def test_a_bare_mesh_gets_light_and_a_camera(tmp_path):
+    for name in ("a.obj", "a.ply", "a.stl", "a.glb", "A.PLY"):
+        path = tmp_path / name
+        trimesh.creation.icosphere().export(path, file_type=path.suffix.lower()[1:])
+        scene = load(str(path))
+        assert scene.triangle_count == 1280, name
+        assert len(scene.lights) == 1
+        assert scene.environment is not None
+        assert scene.camera != Camera()
+        bare = load_meshes(path)
+        assert bare.lights == ()
+        assert bare.camera == Camera()
+
+
+def test_a_files_own_camera_and_light_stay(draft):
+    draft.single(draft.triangle())
+    draft.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0}}]
+    draft.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}
+    light = {"KHR_lights_punctual": {"light": 0}}
+    draft.json["nodes"].append({"camera": 0, "translation": [0, 0, 3], "extensions": light})
+    draft.json["scenes"][0]["nodes"].append(1)
+    scene = load(draft.glb())
+    assert scene.camera.position == (0, 0, 3)
+    assert len(scene.lights) == 1
+    assert scene.environment is None
+
+
+def test_a_toml_scene(tmp_path):
+    (tmp_path / "a.toml").write_text('[[mesh]]\nshape = "box"\n')
+    assert load(tmp_path / "a.toml").triangle_count == 12
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.fbx", "a scene file cannot end in '.fbx'. Known: .glb, .gltf, .obj, .ply, .stl, "),
+        ("a.tmol", "Did you mean '.toml'?"),
+        ("a", "file not found. For a scene that ships with airlight, write builtin:NAME."),
+        ("a.obj", "a.obj: file not found. Check the path."),
+        ("a.glb", "a.glb: file not found. Check the path."),
+        ("a.stl", "a.stl: file not found. Check the path."),
+    ],
+)
+def test_unknown_and_missing_files(tmp_path, name, message):
+    with pytest.raises(SceneError) as error:
+        load(tmp_path / name)
+    assert message in str(error.value)
+
+
+def test_living_room_loads_as_the_acceptance_scene(shared_data):
+    scene = load(shared_data / "living_room" / "living_room.obj")
+    assert scene.triangle_count == 28656
+    assert len(scene.lights) == 1
+    assert np.isfinite(scene.environment.map).all()
+    assert any("0.5 opaque" in w for w in scene.warnings)
+    assert any("a default sun and sky were added" in w for w in scene.warnings)
