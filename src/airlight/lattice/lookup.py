@@ -14,7 +14,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
-from .inject import COSINE_LOBE, SHAPED_LOBE, forward_share
+from .inject import SHAPED_LOBE, forward_share
 from .placement import Placement
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
@@ -88,6 +88,9 @@ def texture_scale(flux: float) -> float:
 
 
 def own_shares() -> tuple[float, float]:
-    """What turns a shaped lobe back into the cosine lobe that surfaces in its own cell see."""
+    """What turns a shaped lobe into the one that surfaces in its own cell see.
+
+    A flat surface must not light itself: a - (2/3) b.n = 0 asks for b = 3/2 a n.
+    """
     whole = forward_share()
-    return whole, whole * COSINE_LOBE / SHAPED_LOBE
+    return whole, whole * 1.5 / SHAPED_LOBE

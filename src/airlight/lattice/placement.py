@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..gpu.layout import Struct, f32, vec3f, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 
 F64 = NDArray[np.float64]
 _TILE = 2  # the marching kernel works on columns of 2 x 2 cells
@@ -23,6 +22,8 @@ class LatticeParams(Struct):
     cell = f32("m")
     count = vec3u("cells")
     power_scale = f32("stored units per W sr^-1 of the filtered textures")
+    is_paper = u32("1: the paper's rule for reading the lattice on surfaces")
+    pad = vec3u()
 
 
 @dataclass(frozen=True)
@@ -44,19 +45,15 @@ class Placement:
         low = np.array(self.origin)
         return low, low + self.cell * np.array(self.count)
 
-    def params(self, power_scale: float = 1.0) -> LatticeParams:
+    def params(self, power_scale: float = 1.0, *, is_paper: bool = False) -> LatticeParams:
         """The struct that shaders read."""
-        return LatticeParams(**self.fields(power_scale))
-
-    def fields(self, power_scale: float = 1.0) -> dict[str, Any]:
-        """The values of `LatticeParams` by name."""
-        return {"origin": self.origin, "cell": self.cell, "count": self.count,
-                "power_scale": power_scale}
+        return LatticeParams(
+            origin=self.origin, cell=self.cell, count=self.count, power_scale=power_scale,
+            is_paper=int(is_paper), pad=(0, 0, 0),
+        )  # fmt: skip
 
 
-def fitted(
-    low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int
-) -> Placement:
+def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:
     """Cubic cells over the box low..high (metres), `resolution` of them along its longest side.
 
     One cell of margin all around keeps surfaces on the box's faces inside. Shorter sides get
@@ -73,6 +70,7 @@ def fitted(
     centre = 0.5 * np.add(low, high)
     origin = centre - 0.5 * cell * count
     return Placement(
-        (float(origin[0]), float(origin[1]), float(origin[2])), cell,
+        (float(origin[0]), float(origin[1]), float(origin[2])),
+        cell,
         (int(count[0]), int(count[1]), int(count[2])),
     )

@@ -36,9 +36,7 @@ class Accumulator:
     def __init__(self, gpu: Gpu, size: tuple[int, int], names: tuple[str, ...]) -> None:
         self.size = size
         self._add = _Add(gpu)
-        self._means = {
-            name: Buffer(gpu, f"mean {name}", size[0] * size[1] * 16) for name in names
-        }
+        self._means = {name: Buffer(gpu, f"mean {name}", size[0] * size[1] * 16) for name in names}
 
     def encode(self, commands: Commands, pictures: dict[str, Texture], index: int) -> None:
         """Fold in the picture number `index` (0 starts anew) of every name."""

@@ -73,5 +73,3 @@ class RadianceLayers:
         """Give the memory back."""
         self.direct.release()
         self.indirect.release()
-
-

@@ -29,6 +29,7 @@ class Sky:
         self.placement, self._count = placement, count
         self.lights: list[DirectionalLight] = sky_lights(environment, count)
         self._environment = environment
+        self._drawn_version = -1
         layers = count if self.lights else 0
         self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
         self.skylight = Skylight(gpu, placement, count)
@@ -42,14 +43,15 @@ class Sky:
         if environment is not self._environment:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)
-        if not self.lights or not self.maps.layers:
+            self._drawn_version = -1
+        if meshes.version == self._drawn_version or not self.lights or not self.maps.layers:
             return False
+        self._drawn_version = meshes.version
         low, high = self.placement.bounds
         views = light_views(self.lights, low, high, self.maps.resolution)
-        changed = self.maps.encode(commands, meshes, self.lights, views)
-        if changed:
-            self.skylight.encode(commands, self.lights, self.maps, self._compare, walls)
-        return changed
+        self.maps.encode(commands, meshes, self.lights, views)
+        self.skylight.encode(commands, self.lights, self.maps, self._compare, walls)
+        return True
 
     def release(self) -> None:
         """Give the memory back."""

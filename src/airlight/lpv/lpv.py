@@ -33,17 +33,22 @@ class SurfaceSettings:
     """What lighting surfaces needs in every technique."""
 
     resolution: int = setting(32, "cells along the lattice's longest side", low=4, high=256)
-    bounds: tuple[float, ...] = setting((), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene",
-                                        unit="m")
-    shadow_resolution: int = setting(2048, "side of a sun's shadow map", unit="px", low=16,
-                                     high=8192)
-    lamp_resolution: int = setting(512, "side of a lamp's shadow maps", unit="px", low=16,
-                                   high=4096)
-    sky_lights: int = setting(128, "directional lights that stand for the environment", low=0,
-                              high=512)
+    bounds: tuple[float, ...] = setting(
+        (), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene", unit="m"
+    )
+    shadow_resolution: int = setting(
+        2048, "side of a sun's shadow map", unit="px", low=16, high=8192
+    )
+    lamp_resolution: int = setting(
+        512, "side of a lamp's shadow maps", unit="px", low=16, high=4096
+    )
+    sky_lights: int = setting(
+        128, "directional lights that stand for the environment", low=0, high=512
+    )
     sky_resolution: int = setting(96, "side of their maps", unit="px", low=8, high=1024)
-    surfels: int = setting(200_000, "samples of all surfaces, for occlusion", low=1,
-                           high=10_000_000)
+    surfels: int = setting(
+        200_000, "samples of all surfaces, for occlusion", low=1, high=10_000_000
+    )
 
 
 @dataclass(frozen=True)
@@ -52,8 +57,9 @@ class LpvSettings(SurfaceSettings):
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
     iterations: int = setting(32, "propagation steps", low=0, high=1024)
-    map_resolution: int = setting(256, "side of reflective shadow maps", unit="px", low=8,
-                                  high=4096)
+    map_resolution: int = setting(
+        256, "side of reflective shadow maps", unit="px", low=8, high=4096
+    )
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
 
 
@@ -65,21 +71,27 @@ class Direct:
     def __init__(self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings) -> None:
         self.gpu, self.meshes, self.settings = gpu, meshes, settings
         self.placement = scene_placement(scene, settings)
-        self.lights = Lights(gpu, scene.lights, scene.environment, settings.shadow_resolution,
-                             settings.lamp_resolution)
-        self.sky = Sky(gpu, scene.environment, self.placement, settings.sky_lights,
-                       settings.sky_resolution)
+        self.lights = Lights(
+            gpu,
+            scene.lights,
+            scene.environment,
+            settings.shadow_resolution,
+            settings.lamp_resolution,
+        )
+        self.sky = Sky(
+            gpu, scene.environment, self.placement, settings.sky_lights, settings.sky_resolution
+        )
         self.blockers = Blockers(gpu, scene, meshes, self.placement, settings.surfels)
         self.textures = LatticeTextures(gpu, self.placement)
         self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
         self.lighting = Lighting(gpu)
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
-        self._packed = False
+        self.is_paper = False
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Everything that does not depend on the camera."""
-        low, high = scene.bounds
+        low, high = self._bounds(scene)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
         with commands.stage("blockers"):
@@ -102,11 +114,16 @@ class Direct:
         )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params,
-            lattice=self.placement.params(self.power_scale), **self.lights.bound,
+            lattice=self.placement.params(self.power_scale, is_paper=self.is_paper),
+            **self.lights.bound,
             depth=g.depth, albedo=g.albedo, normal=g.normal, emission=g.emission,
             sky_cube=self.sky.skylight.cube, **self.textures.bound,
             **self.blockers.bound, linear_clamp=self.linear,
         )  # fmt: skip
+
+    def _bounds(self, scene: Scene) -> tuple[Any, Any]:
+        """What lights must see, metres; from the instances, since a scene's own take a loop."""
+        return self.meshes.bounds if self.meshes.draws and not scene.volumes else scene.bounds
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -127,6 +144,9 @@ class Lpv(Direct):
     def __init__(self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings) -> None:
         super().__init__(gpu, scene, meshes, settings)
         self.lpv = settings
+        self.is_paper = settings.scheme == "paper"
+        # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
+        self._is_shaped = settings.occlusion and not self.is_paper
         suns, lamps = _by_kind(scene.lights)
         lamp_side = max(8, settings.map_resolution // 2)
         self.sun_maps = ReflectiveShadowMaps(gpu, "suns", settings.map_resolution, len(suns))
@@ -139,12 +159,15 @@ class Lpv(Direct):
         self.sky_lattice = Buffer(gpu, "sky's bounce", nbytes)
         self.injected = Buffer(gpu, "injected", nbytes)
         self.propagate = Propagate(
-            gpu, self.placement, settings.scheme, is_blocked=settings.occlusion  # type: ignore[arg-type]
+            gpu,
+            self.placement,
+            settings.scheme,
+            is_blocked=settings.occlusion,  # type: ignore[arg-type]
         )
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Shadow maps -> inject -> propagate -> textures."""
-        low, high = scene.bounds
+        low, high = self._bounds(scene)
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         with commands.stage("shadow maps"):
@@ -163,17 +186,21 @@ class Lpv(Direct):
             for maps in (self.sun_maps, self.lamp_maps):
                 if maps.layers:
                     self._inject(commands, maps, scale)
-            self.resolve.encode(commands, self.placement, self.sums, self.sky_lattice,
-                                self.injected, scale)
+            self.resolve.encode(
+                commands, self.placement, self.sums, self.sky_lattice, self.injected, scale
+            )
         with commands.stage("propagate"):
             total = self.propagate.encode(
                 commands, self.injected, self.blockers.openness, self.lpv.iterations
             )
         with commands.stage("pack"):
-            self.textures.encode(commands, self.injected, total, self.power_scale,
-                                 is_shaped=self.lpv.occlusion)
+            self.textures.encode(
+                commands, self.injected, total, self.power_scale, is_shaped=self._is_shaped
+            )
 
-    def _draw_maps(self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any) -> None:
+    def _draw_maps(
+        self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
+    ) -> None:
         for group, maps in zip(_by_kind(lights), (self.sun_maps, self.lamp_maps), strict=True):
             if group:
                 views = light_views(group, np.asarray(low), np.asarray(high), maps.resolution)
@@ -182,13 +209,14 @@ class Lpv(Direct):
     def _inject(self, commands: Commands, maps: ReflectiveShadowMaps, scale: float) -> None:
         self.inject.encode(
             commands, maps, self.placement, self.blockers.walls, self.sums, scale,
-            is_shaped=self.lpv.occlusion,
+            is_shaped=self._is_shaped,
         )  # fmt: skip
 
     def _inject_sky(self, commands: Commands, scale: float) -> None:
         self._inject(commands, self.sky.maps, scale)
-        self.resolve.encode(commands, self.placement, self.sums, self.black, self.sky_lattice,
-                            scale)
+        self.resolve.encode(
+            commands, self.placement, self.sums, self.black, self.sky_lattice, scale
+        )
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -198,8 +226,14 @@ class Lpv(Direct):
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for part in (self.sun_maps, self.lamp_maps, self.sums, self.sky_lattice, self.injected,
-                     self.propagate):
+        for part in (
+            self.sun_maps,
+            self.lamp_maps,
+            self.sums,
+            self.sky_lattice,
+            self.injected,
+            self.propagate,
+        ):
             part.release()
 
 

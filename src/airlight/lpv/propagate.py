@@ -144,9 +144,7 @@ def hop_functions(scheme: Scheme) -> str:
     Weights are literals: the software driver reads a table ten times slower.
     """
     is_clamped = scheme == "paper"
-    text = (
-        _clamped_hop if is_clamped else _linear_hop
-    )
+    text = _clamped_hop if is_clamped else _linear_hop
     return "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
 
 

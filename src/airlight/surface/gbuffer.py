@@ -53,7 +53,10 @@ class GBuffer:
             "g-buffer", color_attachments=colors, depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(
-                commands, encoder, scene, scene.visible(clip_from_world),
+                commands,
+                encoder,
+                scene,
+                scene.visible(clip_from_world),
                 CameraParams(clip_from_world=clip_from_world),
             )
 

@@ -91,8 +91,15 @@ class GpuScene:
             mesh = scene.meshes[run[0]]
             start, base = offsets[id(mesh.geometry)]
             self.draws.append(
-                Draw(start, mesh.geometry.indices.size, base, first, len(run), mesh.material,
-                     self._bound_textures(mesh.material))
+                Draw(
+                    start,
+                    mesh.geometry.indices.size,
+                    base,
+                    first,
+                    len(run),
+                    mesh.material,
+                    self._bound_textures(mesh.material),
+                )
             )
             first += len(run)
         self.move(scene.meshes)
@@ -100,9 +107,11 @@ class GpuScene:
     def move(self, meshes: tuple[Mesh, ...]) -> None:
         """Place the instances as `meshes` (the same meshes, in the same order) stand."""
         rows = [
-            {"world_from_object": m.world_from_object,
-             "normal_from_object": _normal_matrix(m.world_from_object),
-             "material": self._material_index[id(m.material)]}
+            {
+                "world_from_object": m.world_from_object,
+                "normal_from_object": _normal_matrix(m.world_from_object),
+                "material": self._material_index[id(m.material)],
+            }
             for m in (meshes[i] for i in self.order)
         ]
         self.instances.write(pack_array(InstanceData, rows))
@@ -112,6 +121,11 @@ class GpuScene:
         self._draw_low = _reduce(np.minimum, corners, edges)
         self._draw_high = _reduce(np.maximum, corners, edges)
         self.version += 1
+
+    @property
+    def bounds(self) -> tuple[F64, F64]:
+        """Lower and upper corner, metres, of all instances; raises ValueError without any."""
+        return self._draw_low.min(axis=0), self._draw_high.max(axis=0)
 
     def visible(self, clip_from_world: F64) -> list[Draw]:
         """The draws whose boxes are not wholly outside one plane of the clip box.
@@ -167,9 +181,14 @@ class GpuScene:
 def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     """Mesh indices in runs that share geometry and material, opaque before cut-out."""
 
-    def key(index: int) -> tuple[bool, int, int]:
-        m = meshes[index]
-        return (m.material.alpha_cutoff > 0.0, id(m.material), id(m.geometry))
+    first_seen: dict[int, int] = {}
+    for mesh in meshes:
+        for part in (mesh.material, mesh.geometry):
+            first_seen.setdefault(id(part), len(first_seen))
+
+    def key(index: int) -> tuple[bool, bool, int, int]:
+        m, g = meshes[index].material, meshes[index].geometry
+        return (m.alpha_cutoff > 0.0, m.two_sided, first_seen[id(m)], first_seen[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
 

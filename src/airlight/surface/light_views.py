@@ -57,9 +57,7 @@ class LightView:
         }  # fmt: skip
 
 
-def light_views(
-    lights: Iterable[Light], low: F64, high: F64, resolution: int
-) -> list[LightView]:
+def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -> list[LightView]:
     """The views of all lights over the box low..high (metres), in the lights' order."""
     views: list[LightView] = []
     for index, light in enumerate(lights):
@@ -96,13 +94,12 @@ def _parallel(
 
 def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) -> LightView:
     fov = np.radians(2.0 * light.outer_deg) * 1.01
-    return _perspective(light.position, light.direction, (0, 1, 0), fov, index, low, high,
-                        resolution)
+    return _perspective(
+        light.position, light.direction, (0, 1, 0), fov, index, low, high, resolution
+    )
 
 
-def _cube(
-    light: PointLight, index: int, low: F64, high: F64, resolution: int
-) -> list[LightView]:
+def _cube(light: PointLight, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
     return [
         _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
         for forward, up in _CUBE

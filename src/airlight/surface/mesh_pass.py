@@ -72,7 +72,10 @@ class MeshPass:
                 pipeline.second.bind(commands, encoder, 1, draw.textures)
                 textures = draw.textures
             encoder.draw_indexed(
-                draw.index_count, draw.instance_count, draw.first_index, draw.base_vertex,
+                draw.index_count,
+                draw.instance_count,
+                draw.first_index,
+                draw.base_vertex,
                 draw.first_instance,
             )
 

@@ -52,9 +52,7 @@ class ReflectiveShadowMaps:
         size = (resolution, resolution, layers) if layers else (1, 1, 1)
 
         def map_of(name: str, format: str) -> Texture:
-            return Texture(
-                gpu, f"{label} {name}", size, format, dimension="2d-array", target=True
-            )
+            return Texture(gpu, f"{label} {name}", size, format, dimension="2d-array", target=True)
 
         self.depth = map_of("depth", "depth32float")
         self.normal = map_of("normal", "rgba16float")

@@ -62,7 +62,10 @@ class ShadowMaps:
             self.depth.label, color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(
-                commands, encoder, scene, scene.visible(view.clip_from_world),
+                commands,
+                encoder,
+                scene,
+                scene.visible(view.clip_from_world),
                 ShadowParams(clip_from_world=view.clip_from_world),
             )
 
@@ -80,5 +83,3 @@ def comparison_sampler(gpu: Gpu) -> Sampler:
 def parallel_and_local(views: list[LightView]) -> tuple[list[LightView], list[LightView]]:
     """The views of directional lights, and those of spots and points."""
     return [v for v in views if not v.is_perspective], [v for v in views if v.is_perspective]
-
-

@@ -68,9 +68,7 @@ def turned(directions: F64, rotation_deg: float) -> F64:
 
 def _shrunk(radiance: F64, factor: int) -> F64:
     height, width = radiance.shape[0] // factor * factor, radiance.shape[1] // factor * factor
-    blocks = radiance[:height, :width].reshape(
-        height // factor, factor, width // factor, factor, 3
-    )
+    blocks = radiance[:height, :width].reshape(height // factor, factor, width // factor, factor, 3)
     return np.asarray(blocks.mean(axis=(1, 3)))
 
 

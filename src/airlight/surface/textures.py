@@ -99,8 +99,11 @@ def _halved(level: NDArray[Any]) -> NDArray[Any]:
     if width > 1 and width % 2:
         level = level[:, :-1]
     rows = (level[0::2], level[1::2]) if level.shape[0] > 1 else (level, level)
-    quads = [q for row in rows for q in ((row[:, 0::2], row[:, 1::2])
-                                         if level.shape[1] > 1 else (row, row))]
+    quads = [
+        q
+        for row in rows
+        for q in ((row[:, 0::2], row[:, 1::2]) if level.shape[1] > 1 else (row, row))
+    ]
     alpha = sum(q[..., 3:] for q in quads)
     weighted = sum(q[..., :3] * q[..., 3:] for q in quads)
     plain = sum(q[..., :3] for q in quads) * 0.25

@@ -5,7 +5,7 @@
 // declares the struct LatticeParams.
 
 // Flux through a cell to irradiance on a surface in it; measured (see maths.lattice6).
-const LATTICE_LOOKUP_SCALE = 0.6666667;
+const LATTICE_LOOKUP_SCALE = 0.73;
 
 // How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
 // centre of the first cell wholly before the surface's plane, as blockers round it to cell faces.
@@ -44,17 +44,38 @@ fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
     return saturate(min(inside.x, min(inside.y, inside.z)) + 0.5);
 }
 
+// pi/s^2 times this is the irradiance on a surface of normal n in the cell: the light is read as a
+// non-negative lobe with the state's two moments, since two bands of light that streams one way
+// are negative behind (twin: maths.lattice6.surface_irradiance).
 fn facing_flux(state: vec4f, n: vec3f) -> f32 {
-    return max(0.0, state.x - (2.0 / 3.0) * dot(state.yzw, n));
+    let a = max(state.x, 0.0);
+    let b = length(state.yzw);
+    let along = dot(state.yzw, n) / max(b, 1e-20);
+    let r = min(b / max(3.0 * a, 1e-20), 1.0);
+    let p = 1.0 + 2.0 * r;
+    let alpha = (1.0 - r) / (1.0 + r);
+    let q = max(0.5 - 0.5 * along, 1e-6);
+    return LATTICE_LOOKUP_SCALE * a * (alpha + (1.0 - alpha) * (p + 1.0) * pow(q, p));
+}
+
+// The paper's rule: the intensity towards the surface from half a cell away.
+fn facing_flux_paper(state: vec4f, n: vec3f) -> f32 {
+    return 4.0 / 3.14159265 * max(0.0, state.x - dot(state.yzw, n));
+}
+
+fn facing(lattice: LatticeParams, state: vec4f, n: vec3f) -> f32 {
+    if (lattice.is_paper != 0u) {
+        return facing_flux_paper(state, n);
+    }
+    return facing_flux(state, n);
 }
 
 // Irradiance, W m^-2, on a surface of normal n at a place of the textures.
-// NOTES section 1: E = (l/s^2) pi max(0, a - 2/3 b.n).
 fn lattice_irradiance_at(lattice: LatticeParams, uvw: vec3f, n: vec3f) -> vec3f {
     let flux = vec3f(
-        facing_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), n),
-        facing_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), n),
-        facing_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), n));
-    let scale = LATTICE_LOOKUP_SCALE * 3.14159265 / (lattice.cell * lattice.cell);
-    return flux * scale / lattice.power_scale;
+        facing(lattice, textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), n),
+        facing(lattice, textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), n),
+        facing(lattice, textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), n));
+    let scale = 3.14159265 / (lattice.cell * lattice.cell * lattice.power_scale);
+    return flux * scale;
 }
