@@ -163,7 +163,7 @@ def _material(block: _Block, textures: TextureFiles) -> Material:
 
 
 def _base_texture(block: _Block, textures: TextureFiles) -> Texture | None:
-    name = block.image("map_kd", "map_ka") if "map_kd" in block.statements else None
+    name = block.image("map_kd")
     return None if name is None else name.placed(textures.color(name.file))
 
 
