@@ -1,0 +1,159 @@
+"""WGSL of what a cell gathers from its 26 neighbours, unrolled from maths.lattice26.hops().
+
+Weights are literals and neighbours are named values: the software driver reads a table ten times
+slower. Neighbour j of a cell stands at hops().offsets[j]; it is where the cell's own hop j goes,
+and its light arrives by the opposite hop.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from ..maths.lattice26 import RHO, hops
+from ..maths.lattice26_walls import REFLECTED_TRACK, SPLIT_FLOOR, face_numbers, returned_sharpness
+
+COUNT = 26
+CLASSES = 3
+_AXES = "yzw"  # of a state vec4f: Bx, By, Bz
+
+
+@cache
+def offsets() -> tuple[tuple[int, int, int], ...]:
+    """(dx, dy, dz) of each neighbour."""
+    return tuple((int(x), int(y), int(z)) for x, y, z in hops().offsets.tolist())
+
+
+def kind(j: int) -> int:
+    """0 across a face, 1 across an edge, 2 across a corner."""
+    return sum(abs(k) for k in offsets()[j]) - 1
+
+
+@cache
+def opposite(j: int) -> int:
+    """The number of the hop that goes the other way."""
+    x, y, z = offsets()[j]
+    return offsets().index((-x, -y, -z))
+
+
+def literal(value: float) -> str:
+    """A WGSL float with all of float32's digits."""
+    return f"{value:.9e}".replace("e+00", "")
+
+
+def signed_sum(value: str, j: int, sign: int = 1) -> str:
+    """The components of `value` along offset j, added: `v.y - v.w`."""
+    text = ""
+    for component, step in zip(_AXES, offsets()[j], strict=True):
+        if step:
+            text += f" {'+' if step * sign > 0 else '-'} {value}.{component}"
+    return text.removeprefix(" + ").strip()
+
+
+def offset_vector(j: int, sign: int = 1) -> str:
+    """`vec3f` of the offset, not normalised."""
+    return "vec3f({:.1f}, {:.1f}, {:.1f})".format(*(sign * k for k in offsets()[j]))
+
+
+def constants() -> str:
+    """Per kind of hop: weight, length in cells, and what the lobes are."""
+    table = hops()
+    lines = [
+        f"const RHO = {literal(RHO)};",
+        f"const RETURNED = {literal(returned_sharpness())};",
+        f"const REFLECTED_TRACK = {literal(REFLECTED_TRACK)};",
+    ]
+    for k, j in enumerate((0, 6, 18)):
+        lines.append(f"const WEIGHT_{k} = {literal(float(table.weights[j]))};")
+        lines.append(f"const LENGTH_{k} = {literal(float(table.lengths[j]))};")
+    return "\n".join(lines)
+
+
+def opened(pack: str, j: int) -> str:
+    """The open share of hop j in a pack of two vec4u."""
+    word, byte = divmod(j, 4)
+    half, component = divmod(word, 4)
+    return f"unpack4x8unorm({pack}{half}.{'xyzw'[component]}).{'xyzw'[byte]}"
+
+
+def gathered() -> str:
+    """`gathered(own, n0, ..., n25, ...)`: one step of a homogeneous medium, free of walls."""
+    states = ", ".join(f"n{j}: vec4f" for j in range(COUNT))
+    lines = [f"fn gathered(c: StepCoefficients, own: vec4f, {states}) -> vec4f {{"]
+    lines += _arriving(is_blocked=False)
+    lines += ["    return vec4f(even + c.even.w * own.x, direct + c.direct.w * own.yzw);", "}"]
+    return "\n".join(lines)
+
+
+def gathered_blocked() -> str:
+    """The same among walls: openness packs of incoming and outgoing hops, and reflectance."""
+    states = ", ".join(f"n{j}: vec4f" for j in range(COUNT))
+    lines = [
+        f"fn gathered_blocked(c: StepCoefficients, own: vec4f, {states}, in0: vec4u, in1: vec4u, "
+        "out0: vec4u, out1: vec4u, channel: u32) -> vec4f {"
+    ]
+    lines += _arriving(is_blocked=True)
+    lines += ["    let white = unpack4x8unorm(out1.w)[channel];"]
+    lines += leaving_shares()
+    for j in range(COUNT):
+        k = kind(j)
+        scale = literal(RHO / float(hops().lengths[j]))
+        lines += [
+            f"    let q{j} = own.x + {scale} * ({signed_sum('own', j)});",
+            f"    let shut{j} = q{j} * (1.0 - o{j});",
+            f"    let back{j} = shut{j} * select(white, max(white, c.kept_even.w), "
+            f"q{j} < 0.0);",
+            f"    even += c.kept_even[{k}] * q{j} * o{j} + c.stopped_even[{k}] * shut{j}"
+            f" + c.returned_even[{k}] * back{j};",
+            f"    direct += (c.kept_direct[{k}] * q{j} * o{j} + c.stopped_direct[{k}] * shut{j})"
+            f" * {offset_vector(j)} + c.returned_direct[{k}] * back{j} * {normal(j)};",
+        ]
+    lines += ["    return vec4f(even, direct);", "}"]
+    return "\n".join(lines)
+
+
+def leaving_shares() -> list[str]:
+    """`o0` .. `o25`: openness of the cell's own hops; `s0` .. `s5`: how closed its faces are."""
+    lines = [f"    let o{j} = {opened('out', j)};" for j in range(COUNT)]
+    floor = literal(SPLIT_FLOOR)
+    return lines + [f"    let s{j} = 1.0 - o{j} + {floor};" for j in range(6)]
+
+
+def normal(j: int) -> str:
+    """The mean normal of what stops the cell's own hop j, from the shares s0 .. s5."""
+    numbers = face_numbers()[j]
+    parts = [
+        "0.0" if n < 0 else f"{-step:.1f} * s{n}"
+        for n, step in zip(numbers, offsets()[j], strict=True)
+    ]
+    total = " + ".join(f"s{n}" for n in numbers if n >= 0)
+    return f"(vec3f({', '.join(parts)}) / ({total}))"
+
+
+def _arriving(*, is_blocked: bool) -> list[str]:
+    """Sums by kind of hop: `even`, `direct` of what the neighbours hand over."""
+    lines = []
+    for j in range(COUNT):
+        # The neighbour's light travels against its offset.
+        scale = literal(RHO / float(hops().lengths[j]))
+        power = f"n{j}.x + {scale} * ({signed_sum(f'n{j}', j, -1)})"
+        share = f"{opened('in', j)} * " if is_blocked else ""
+        lines.append(f"    let p{j} = {share}({power});")
+    spans = [range(6), range(6, 18), range(18, COUNT)]
+    for k, span in enumerate(spans):
+        lines.append(f"    let even{k} = {' + '.join(f'p{j}' for j in span)};")
+        axes = [_signed_terms(span, axis) for axis in range(3)]
+        lines.append(f"    let direct{k} = vec3f({', '.join(axes)});")
+    return [
+        *lines,
+        "    var even = dot(c.even.xyz, vec3f(even0, even1, even2));",
+        "    var direct = c.direct.x * direct0 + c.direct.y * direct1 + c.direct.z * direct2;",
+    ]
+
+
+def _signed_terms(span: range, axis: int) -> str:
+    text = ""
+    for j in span:
+        step = -offsets()[j][axis]
+        if step:
+            text += f" {'+' if step > 0 else '-'} p{j}"
+    return text.removeprefix(" + ").strip()

@@ -1,0 +1,46 @@
+"""Lattices on the device, from and to NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.errors import DeviceError
+
+
+@pytest.fixture(scope="session")
+def gpu() -> Any:
+    """The device, or a skip with the reason."""
+    from airlight.gpu.device import open_gpu
+
+    try:
+        return open_gpu()
+    except DeviceError as error:
+        pytest.skip(f"no graphics device: {error}")
+
+
+@pytest.fixture
+def lattice(gpu: Any) -> Any:
+    """lattice(array) -> Buffer of float32 (or of the array's own integers)."""
+    from airlight.gpu.memory import buffer_of
+
+    made = []
+
+    def upload(values: np.ndarray) -> Any:
+        kept = values if values.dtype.kind in "ui" else values.astype(np.float32)
+        made.append(buffer_of(gpu, "test", np.ascontiguousarray(kept)))
+        return made[-1]
+
+    yield upload
+    for buffer in made:
+        buffer.release()
+
+
+@pytest.fixture
+def commands(gpu: Any) -> Any:
+    """An encoder; `submit` before reading."""
+    from airlight.gpu.commands import Commands
+
+    return Commands(gpu)
