@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ReferenceFailure, SettingsError, nearest
+from ..maths.tone import auto_exposure
 from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.scene import Scene
@@ -222,6 +223,11 @@ def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> J
     )
 
 
+def _exposure(radiance: F32, scene: Scene) -> float:
+    stops = scene.camera.exposure_stops
+    return float(auto_exposure(radiance)) if stops is None else stops
+
+
 def _picture(name: str, parts: list[_Part], scene: Scene) -> Image:
     """One layer, its channels from the parts that rendered them."""
 
@@ -245,6 +251,6 @@ def _picture(name: str, parts: list[_Part], scene: Scene) -> Image:
     return Image(
         radiance=radiance,
         layers={"variance": variance},
-        exposure_stops=scene.camera.exposure_stops,
+        exposure_stops=_exposure(radiance, scene),
         stats=stats,
     )

@@ -91,8 +91,8 @@ def add_bitmap(
         doubled = np.array([2.0 if mode == "mirror" else 1.0 for mode in texture.wrap])
         scale, offset = scale / doubled, offset / doubled
     if tuple(scale) != (1.0, 1.0) or tuple(offset) != (0.0, 0.0):
-        matrix = np.diag([scale[0], scale[1], 1.0])
-        matrix[:2, 2] = offset
+        matrix = np.diag([scale[0], scale[1], 1.0, 1.0])
+        matrix[:2, 3] = offset  # Mitsuba drops the offset of a 3x3 matrix
         add_matrix(node, "to_uv", matrix)
     parent.append(node)
 

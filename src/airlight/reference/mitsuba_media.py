@@ -171,13 +171,14 @@ def _grid_volume(
     if np.array_equal(own.albedo, around.albedo):
         add_rgb(medium, "albedo", _rgb(own.albedo))
     else:
-        _add_grid(medium, "albedo", sigma_s / np.maximum(sigma_t, 1e-30), volume, files)
+        albedo = (sigma_s / np.maximum(sigma_t, np.float32(1e-30))).astype(np.float32)
+        _add_grid(medium, "albedo", albedo, volume, files)
         notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
     if own.g == around.g:
         medium.append(_phase(own.g))
         return medium
     medium.append(blend := plugin("phase", "blendphase"))
-    weight = (own_s / np.maximum(sigma_s, 1e-30)).mean(axis=-1)
+    weight = (own_s / np.maximum(sigma_s, np.float32(1e-30))).mean(axis=-1, dtype=np.float32)
     _add_grid(blend, "weight", weight, volume, files)
     blend.extend([_phase(around.g, "phase_0"), _phase(own.g, "phase_1")])
     notes.append(f"{name} in air of another g: their phase functions are mixed by voxel")

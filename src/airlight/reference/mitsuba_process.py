@@ -75,7 +75,9 @@ def main(job_file: str) -> None:
     sums.run()
     result = Path(job.result)
     partial = result.with_suffix(".part.npz")
-    np.savez(partial, seconds=time.perf_counter() - start, spp=sums.spp, **sums.results())
+    arrays: dict[str, Any] = {"spp": sums.spp, "seconds": time.perf_counter() - start}
+    arrays.update(sums.results())
+    np.savez(partial, **arrays)
     partial.replace(result)
 
 

@@ -58,7 +58,7 @@ def add_vector(parent: Element, name: str, value: Vec3) -> None:
 
 
 def add_matrix(parent: Element, name: str, matrix: NDArray[np.float64]) -> None:
-    """A row-major 4x4 (or 3x3, for uv) transform."""
+    """A row-major 4x4 transform."""
     transform = SubElement(parent, "transform", {"name": name})
     values = " ".join(f"{v:.12g}" for v in np.asarray(matrix, dtype=np.float64).ravel())
     SubElement(transform, "matrix", {"value": values})
