@@ -30,7 +30,10 @@ _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['
 @adapter_option()
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 def command(adapter: str, as_json: bool) -> None:
-    """List graphics adapters, say which is used and why, what is missing and how to get it."""
+    """Say which adapter is used, and what is missing.
+
+    Lists the graphics adapters, why one is used, the extras, and how to get what is missing.
+    """
     graphics, problem = graphics_facts(adapter)
     facts = {
         "airlight": __version__,

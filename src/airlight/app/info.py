@@ -22,7 +22,10 @@ _GRID_ENDINGS = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 def command(file: str, as_json: bool) -> None:
-    """Say what FILE holds: a scene (or builtin:NAME), a picture or a density grid."""
+    """Say what a FILE holds.
+
+    A scene (or builtin:NAME), a picture or a density grid.
+    """
     from ..scene.io.images import PICTURE_SUFFIXES
 
     ending = Path(file).suffix.lower()
