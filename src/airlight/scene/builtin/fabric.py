@@ -73,7 +73,7 @@ def drape(
     shape += 0.35 * np.sin(0.5 * phase + 2.0) * t
     z = depth * shape
     x = width_m * (s - 0.5) * (1.0 - 0.05 * np.sin(np.pi * np.minimum(1.6 * t, 1.0)))
-    x = x + 0.35 * depth * np.cos(phase)
+    x = x + 0.18 * depth * np.cos(phase)
     hem = 0.09 * fold_m * t * (np.sin(phase * 0.5) + np.sin(2.0 * np.pi * s))
     y = -height_m * t + hem
     positions = np.stack(np.broadcast_arrays(x, y, z), axis=-1)

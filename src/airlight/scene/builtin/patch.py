@@ -86,6 +86,7 @@ def patch(
 def facing(positions: F64, triangles: NDArray[np.intp], normals: F64, uvs: F64) -> Geometry:
     """Triangles (T, 3), wound so that they face along their vertex normals; slivers dropped."""
     unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    positions = f32(positions).astype(np.float64)
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)
     agrees = np.einsum("ij,ij->i", face, unit[triangles].sum(axis=1)) >= 0.0

@@ -41,8 +41,18 @@ def _mask(x: F64, y: F64, rho: F64, angle: F64) -> F64:
         return np.exp(-(((np.abs(x) - cx) / wx) ** 2) - ((y - cy) / wy) ** 2)
 
     locks = np.sin(17.0 * angle + 2.2 * np.sin(3.0 * angle) + 9.0 * rho)
-    mane = 0.10 * np.exp(-(((rho - 0.60) / 0.20) ** 2)) * (1.0 + 0.40 * locks)
-    inner = np.exp(-(((rho - 0.45) / 0.08) ** 2)) * 0.03 * np.sin(23.0 * angle - 12.0 * rho)
+    mane = (
+        0.10
+        * np.minimum(rho / 0.2, 1.0)
+        * np.exp(-(((rho - 0.60) / 0.20) ** 2))
+        * (1.0 + 0.40 * locks)
+    )
+    inner = (
+        np.minimum(rho / 0.2, 1.0)
+        * np.exp(-(((rho - 0.45) / 0.08) ** 2))
+        * 0.03
+        * np.sin(23.0 * angle - 12.0 * rho)
+    )
     skull = 0.20 * np.exp(-((np.hypot(x, y * 0.85) / 0.42) ** 4))
     brow = 0.055 * bump(0.14, 0.16, 0.11, 0.045)
     eyes = -0.075 * bump(0.15, 0.07, 0.065, 0.045) + 0.045 * bump(0.15, 0.07, 0.035, 0.025)

@@ -90,7 +90,7 @@ def plume_density(time: float, seed: int) -> F32:
     density = smoothstep(1.10, 0.40, rho.astype(np.float32) + 0.14 * puff)
     density *= (SOURCE_RADIUS_M / radius) ** 0.9 * (1.0 + 0.35 * puff)
     density *= smoothstep(0.0, 0.10, height) * smoothstep(4.8, 3.9, height)
-    density *= smoothstep(0.0, 0.25, np.float32(BOUNDS[1][0]) - np.abs(points[:, ::2]).max(axis=1))
+    density *= smoothstep(0.05, 0.30, np.float32(BOUNDS[1][0]) - np.abs(points[:, ::2]).max(axis=1))
     grid = np.zeros(int(np.prod(SHAPE)), np.float32)
     grid[smoky] = np.clip(density, 0.0, 1.0)
     return _diffused(grid.reshape(SHAPE))
@@ -99,7 +99,8 @@ def plume_density(time: float, seed: int) -> F32:
 def _diffused(density: F32) -> F32:
     """Mixed with its neighbours by (1 2 1)/4 on each axis: what eddies below a cell do."""
     for axis in range(3):
-        before, after = np.roll(density, 1, axis), np.roll(density, -1, axis)
+        wide = np.pad(density, [(1, 1) if k == axis else (0, 0) for k in range(3)])
+        before, after = (np.take(wide, range(s, s + SHAPE[axis]), axis) for s in (0, 2))
         density = (before + 2.0 * density + after) / np.float32(4.0)
     return density
 

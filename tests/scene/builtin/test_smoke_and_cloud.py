@@ -1,0 +1,55 @@
+"""Densities: inside their boxes, moving smoothly, shaped as smoke and as a cloud."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.scene.builtin.cloud import cloud, cumulus_density
+from airlight.scene.builtin.smoke import SHAPE, plume_density, smoke
+
+
+def test_smoke_has_the_optics_it_says() -> None:
+    (volume,) = smoke(time=1.0).volumes
+    assert volume.sigma_t == (8.0, 8.0, 8.0) and volume.albedo[0] == 0.95 and volume.g[0] == 0.6
+    assert volume.density.shape == SHAPE == (48, 96, 48)
+    assert volume.density.min() >= 0.0 and 0.5 < volume.density.max() <= 1.0
+    with pytest.raises(SceneError, match="time must be a number, not 'now'"):
+        smoke(time="now")
+
+
+def test_plume_widens_and_thins_as_it_rises_and_stays_in_its_box() -> None:
+    density = plume_density(0.0, 11)
+    z, _, x = np.meshgrid(*(np.arange(n) - (n - 1) / 2 for n in SHAPE), indexing="ij")
+    away = np.hypot(x, z)
+    width = (density * away).sum(axis=(0, 2)) / np.maximum(density.sum(axis=(0, 2)), 1e-9)
+    assert width[60:80].mean() > 2.0 * width[4:12].mean()
+    assert density[:, 60:80].max() < density[:, 4:12].max()
+    for side in (density[0], density[-1], density[..., 0], density[..., -1], density[:, -1]):
+        assert side.max() < 0.02
+
+
+def test_plume_moves_smoothly_upwards() -> None:
+    now, soon, later = (plume_density(t, 11) for t in (2.0, 2.02, 3.0))
+    change = np.abs(soon - now).sum() / now.sum()
+    assert 0.0 < change < 0.25
+    assert np.abs(later - now).sum() / now.sum() > 2.0 * change
+    # Over 0.11 s the mean flow carries smoke up by two cells of 5 cm.
+    moved, middle = plume_density(2.11, 11), slice(20, 70)
+    lifted = np.roll(now, 2, axis=1)
+    assert np.abs(moved - lifted)[:, middle].sum() < np.abs(moved - now)[:, middle].sum()
+
+
+def test_cloud_is_a_heap_with_a_flat_base_inside_its_box() -> None:
+    (volume,) = cloud().volumes
+    density = volume.density
+    assert density.shape == (64, 40, 64) and volume.g[0] == 0.85
+    assert density.max() == pytest.approx(1.0, abs=1e-3) and 0.05 < density.mean() < 0.3
+    for axis in range(3):
+        borders = np.take(density, [0, -1], axis)
+        assert borders.max() < 0.05
+    covered = (density > 0.3).sum(axis=(0, 2))
+    base = int(np.argmax(covered > 50))
+    assert covered[base + 4] > 0.6 * covered.max()
+    assert not np.array_equal(density, cumulus_density(6))
