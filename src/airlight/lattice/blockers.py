@@ -22,6 +22,7 @@ from ..surface.geometry import GpuScene, InstanceData
 from .placement import Placement
 from .surfels import SurfelData, surfels
 
+_CORNER_VALUES = 30  # as in wgsl/blocker_sums.wgsl
 _UNITS = 2.0**16  # fixed-point units per fully covered cell face
 
 
@@ -50,6 +51,7 @@ class _Openness(ComputePass):
     slots = (
         uniform("params", BlockerParams),
         storage("sums", "i32", "read"),
+        storage("faces", "vec4u", "read_write"),
         storage("openness", "vec2u", "read_write"),
         image("open_a", "rgba8unorm", "3d"),
         image("open_b", "rgba8unorm", "3d"),
@@ -60,12 +62,13 @@ class _Openness(ComputePass):
 
 
 class Blockers:
-    """Openness of all cell faces, made anew only where the geometry moved.
+    """Openness and reflectance of all cell faces, made anew only where the geometry moved.
 
-    `openness` holds, per cell, the open shares of its six incoming hops as unorm8 in two u32;
-    `open_a`, `open_b` the same as textures. `walls` says how far (in cells) the walls that were
-    counted on a cell's three low faces really lie from them: readers bend space by it, so that a
-    point before a wall is never looked up behind it.
+    `faces` holds eight u32 per cell, all unorm8: for the six outgoing hops the reflected share
+    (rgb) and the closed share (a), then the open shares of the six incoming hops. `openness` is
+    the last two alone; `open_a`, `open_b` the same as textures. `walls` says how far (in cells)
+    the walls that were counted on a cell's three low faces really lie from them: readers bend
+    space by it, so that a point before a wall is never looked up behind it.
     """
 
     def __init__(
@@ -76,7 +79,8 @@ class Blockers:
         self.count = len(samples)
         self._surfels = buffer_of(gpu, "surfels", samples)
         corners = int(np.prod([n + 1 for n in placement.count]))
-        self._sums = Buffer(gpu, "blocker sums", corners * 12 * 4)
+        self._sums = Buffer(gpu, "blocker sums", corners * _CORNER_VALUES * 4)
+        self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
         self.openness = Buffer(gpu, "openness", placement.cells * 8)
 
         def texture(name: str, format: str) -> Texture:
@@ -103,7 +107,7 @@ class Blockers:
             instances=self.meshes.instances, sums=self._sums,
         )  # fmt: skip
         self._open.dispatch(
-            commands, self.placement.count, params=params, sums=self._sums, openness=self.openness,
+            commands, self.placement.count, params=params, sums=self._sums, faces=self.faces, openness=self.openness,
             open_a=self.open_a, open_b=self.open_b, walls=self.walls,
         )  # fmt: skip
         return True

@@ -1,6 +1,12 @@
-// Sums of one corner: covered share by side (+x -x +y -y +z -z), then per axis the covered share
-// and its first moment about the face plane, all in fixed point.
-const VALUES = 12u;
+//! use blocker_sums
+
+fn add_side(first: u32, side: u32, units: i32, reflectance: vec3f) {
+    atomicAdd(&sums[first + side], units);
+    let reflected = vec3i(round(f32(units) * reflectance));
+    for (var channel = 0u; channel < 3u; channel++) {
+        atomicAdd(&sums[first + SIDE_REFLECTED + 3u * side + channel], reflected[channel]);
+    }
+}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
@@ -19,19 +25,19 @@ const VALUES = 12u;
     let offset = place - vec3f(corner);
     let c = vec3u(corner);
     let n = params.count + 1u;
-    let first = VALUES * ((c.z * n.y + c.y) * n.x + c.x);
+    let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
     let covered = area * (params.units / (params.cell * params.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));
         if (units == 0) {
             continue;
         }
-        let side = select(1u, 0u, covered[axis] > 0.0);
-        atomicAdd(&sums[first + 2u * axis + side], units);
+        let side = 2u * axis + select(1u, 0u, covered[axis] > 0.0);
+        add_side(first, side, units, surfel.reflectance);
         if (surfel.is_two_sided != 0u) {
-            atomicAdd(&sums[first + 2u * axis + 1u - side], units);
+            add_side(first, side ^ 1u, units, surfel.reflectance);
         }
-        atomicAdd(&sums[first + 6u + axis], units);
-        atomicAdd(&sums[first + 9u + axis], i32(round(f32(units) * offset[axis])));
+        atomicAdd(&sums[first + AXIS_COVER + axis], units);
+        atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset[axis])));
     }
 }

@@ -1,30 +1,62 @@
-// The open shares of a cell's six incoming hops (+x -x +y -y +z -z), and where the walls on its
-// three low faces really are.
+//! use blocker_sums
 
-const VALUES = 12u;     // per corner, see blockers.wgsl
+// What propagation knows of a cell's six faces, eight u32 a cell: for each outgoing hop
+// (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
+// shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
+
 const CLOSING = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
 
-fn value(corner: vec3u, index: u32) -> f32 {
-    let n = params.count + 1u;
-    return f32(sums[VALUES * ((corner.z * n.y + corner.y) * n.x + corner.x) + index]);
+struct CellFace {
+    corner: vec3u,
+    across: vec3u,
+    up: vec3u,
 }
 
-// The mean over the four corners of the face at `first` spanned by two axes.
-fn on_face(first: vec3u, across: vec3u, up: vec3u, index: u32) -> f32 {
-    return 0.25 / params.units * (value(first, index) + value(first + across, index)
-        + value(first + up, index) + value(first + across + up, index));
+fn value(corner: vec3u, index: u32) -> f32 {
+    let n = params.count + 1u;
+    return f32(sums[CORNER_VALUES * ((corner.z * n.y + corner.y) * n.x + corner.x) + index]);
+}
+
+// The mean over the face's four corners.
+fn on_face(f: CellFace, index: u32) -> f32 {
+    return 0.25 / params.units * (value(f.corner, index) + value(f.corner + f.across, index)
+        + value(f.corner + f.up, index) + value(f.corner + f.across + f.up, index));
+}
+
+// The face through which a cell's light leaves on a hop.
+fn face_of(cell: vec3u, hop: u32) -> CellFace {
+    let x = vec3u(1u, 0u, 0u);
+    let y = vec3u(0u, 1u, 0u);
+    let z = vec3u(0u, 0u, 1u);
+    switch (hop) {
+        case 0u: { return CellFace(cell + x, y, z); }
+        case 1u: { return CellFace(cell, y, z); }
+        case 2u: { return CellFace(cell + y, x, z); }
+        case 3u: { return CellFace(cell, x, z); }
+        case 4u: { return CellFace(cell + z, x, y); }
+        default: { return CellFace(cell, x, y); }
+    }
 }
 
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
-fn open_share(first: vec3u, across: vec3u, up: vec3u, hop: u32) -> f32 {
-    return 1.0 - saturate(CLOSING * on_face(first, across, up, hop ^ 1u));
+fn closed_share(f: CellFace, hop: u32) -> f32 {
+    return saturate(CLOSING * on_face(f, hop ^ 1u));
+}
+
+fn reflected_share(f: CellFace, hop: u32) -> vec4f {
+    let side = hop ^ 1u;
+    let covered = max(on_face(f, side), 1e-6);
+    let rgb = vec3f(on_face(f, SIDE_REFLECTED + 3u * side),
+        on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
+    let closed = closed_share(f, hop);
+    return vec4f(rgb / covered * closed, closed);
 }
 
 // How far, in cells, the surface counted on a face lies from it; 0 where little is there.
-fn wall_shift(first: vec3u, across: vec3u, up: vec3u, axis: u32) -> f32 {
-    let cover = on_face(first, across, up, 6u + axis);
-    let moment = on_face(first, across, up, 9u + axis);
+fn wall_shift(f: CellFace, axis: u32) -> f32 {
+    let cover = on_face(f, AXIS_COVER + axis);
+    let moment = on_face(f, AXIS_MOMENT + axis);
     let shift = moment / max(cover, 1e-6) * smoothstep(0.25, 0.6, cover);
     return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT);
 }
@@ -33,17 +65,21 @@ fn wall_shift(first: vec3u, across: vec3u, up: vec3u, axis: u32) -> f32 {
     if (any(id >= params.count)) {
         return;
     }
-    let x = vec3u(1u, 0u, 0u);
-    let y = vec3u(0u, 1u, 0u);
-    let z = vec3u(0u, 0u, 1u);
-    // A hop along +x enters through the cell's low x face, one along -x through its high face.
-    let xy = vec4f(open_share(id, y, z, 0u), open_share(id + x, y, z, 1u),
-        open_share(id, x, z, 2u), open_share(id + y, x, z, 3u));
-    let zz = vec4f(open_share(id, x, y, 4u), open_share(id + z, x, y, 5u), 1.0, 1.0);
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    var leaving = array<u32, 6>();
+    var entering = array<f32, 6>();
+    for (var hop = 0u; hop < 6u; hop++) {
+        leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
+        // A hop enters through the face that the opposite hop leaves by.
+        entering[hop] = 1.0 - closed_share(face_of(id, hop ^ 1u), hop);
+    }
+    let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);
+    let zz = vec4f(entering[4], entering[5], 1.0, 1.0);
+    faces[2u * cell] = vec4u(leaving[0], leaving[1], leaving[2], leaving[3]);
+    faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], pack4x8unorm(xy), pack4x8unorm(zz));
     openness[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
     textureStore(open_a, id, xy);
     textureStore(open_b, id, zz);
-    textureStore(walls, id, vec4f(wall_shift(id, y, z, 0u), wall_shift(id, x, z, 1u),
-        wall_shift(id, x, y, 2u), 0.0));
+    textureStore(walls, id, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
+        wall_shift(face_of(id, 5u), 2u), 0.0));
 }

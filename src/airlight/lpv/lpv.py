@@ -56,11 +56,12 @@ class LpvSettings(SurfaceSettings):
     """What light propagation volumes can be told."""
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
-    iterations: int = setting(32, "propagation steps", low=0, high=1024)
+    iterations: int = setting(64, "propagation steps", low=0, high=1024)
     map_resolution: int = setting(
         256, "side of reflective shadow maps", unit="px", low=8, high=4096
     )
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
+    bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
 
 
 class Direct:
@@ -163,6 +164,7 @@ class Lpv(Direct):
             self.placement,
             settings.scheme,
             is_blocked=settings.occlusion,  # type: ignore[arg-type]
+            is_reflecting=settings.bounces,
         )
 
     def solve(self, commands: Commands, scene: Scene) -> None:
@@ -191,7 +193,7 @@ class Lpv(Direct):
             )
         with commands.stage("propagate"):
             total = self.propagate.encode(
-                commands, self.injected, self.blockers.openness, self.lpv.iterations
+                commands, self.injected, self.blockers.faces, self.lpv.iterations
             )
         with commands.stage("pack"):
             self.textures.encode(

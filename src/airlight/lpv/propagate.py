@@ -44,7 +44,7 @@ class _Step(ComputePass):
         storage("before", "vec4f"),
         storage("source", "vec4f"),
         storage("after", "vec4f", "read_write"),
-        storage("openness", "vec2u"),
+        storage("faces", "vec4u"),
     )
     workgroup = (8, 8, 4)
     file = "propagate.wgsl"
@@ -70,49 +70,59 @@ class _Accumulate(ComputePass):
 class Propagate:
     """Iterates steps between lattices of its own.
 
-    `scheme` is "centroid" or "paper"; with `is_blocked` each hop loses its blocked share.
+    `scheme` is "centroid" or "paper"; with `is_blocked` each hop loses its blocked share, and
+    with `is_reflecting` that share bounces into its own cell (Kaplanyan2010 section 7), coloured
+    by the face's reflectance.
+    differs: the paper injects the bounce one cell further, beyond the blocker's plane.
     """
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool
+        self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool,
+        is_reflecting: bool = False,
     ) -> None:
         self.scheme, self.placement = scheme, placement
         text = hop_functions(scheme)
-        self._free = _Step(gpu, generated=text, constants={"IS_BLOCKED": 0})
-        blocked = {"IS_BLOCKED": 1}
-        self._blocked = _Step(gpu, generated=text, constants=blocked) if is_blocked else self._free
+
+        def step(blocked: bool, first: bool) -> _Step:
+            flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting,
+                     "IS_FIRST": first}  # fmt: skip
+            return _Step(gpu, generated=text, constants={k: int(v) for k, v in flags.items()})
+
+        # The paper's first step ignores blockers; ours drops what shaped lobes send backwards.
+        self._first = step(is_blocked and scheme != "paper", True)
+        self._later = step(is_blocked, False)
         nbytes = CHANNELS * placement.cells * 16
         self._lattices = [Buffer(gpu, f"propagation {k}", nbytes) for k in range(3)]
         self._zero = Buffer(gpu, "no light", nbytes)
         self._accumulate = _Accumulate(gpu)
 
     def encode(
-        self, commands: Commands, injected: Buffer, openness: Buffer, iterations: int
+        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int
     ) -> Buffer:
         """The sum of the states after 1 to `iterations` steps from `injected`, without itself."""
         if iterations < 1:
             return self._zero
         if self.scheme == "paper":
-            return self._encode_states(commands, injected, openness, iterations)
+            return self._encode_states(commands, injected, faces, iterations)
         first, ping, pong = self._lattices
-        self._step(commands, self._blocked, injected, self._zero, first, openness)
+        self._step(commands, self._first, injected, self._zero, first, faces)
         total = first
         for _ in range(1, iterations):
             target = pong if total is ping else ping
-            self._step(commands, self._blocked, total, first, target, openness)
+            self._step(commands, self._later, total, first, target, faces)
             total = target
         return total
 
     def _encode_states(
-        self, commands: Commands, injected: Buffer, openness: Buffer, iterations: int
+        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int
     ) -> Buffer:
         total, ping, pong = self._lattices
         values = CHANNELS * self.placement.cells
         state = injected
         for index in range(iterations):
             target = pong if state is ping else ping
-            step = self._blocked if index else self._free
-            self._step(commands, step, state, self._zero, target, openness)
+            step = self._later if index else self._first
+            self._step(commands, step, state, self._zero, target, faces)
             self._accumulate.dispatch(
                 commands, (values,), state=target, total=total,
                 params=AccumulateParams(values=values, is_first=int(index == 0)),
@@ -122,14 +132,14 @@ class Propagate:
 
     def _step(
         self, commands: Commands, step: _Step, before: Buffer, source: Buffer, after: Buffer,
-        openness: Buffer,
+        faces: Buffer,
     ) -> None:  # fmt: skip
         nx, ny, nz = self.placement.count
         slabs = -(-nz // _SLAB)
         step.dispatch(
             commands, (-(-nx // _TILE), -(-ny // _TILE), CHANNELS * slabs),
             params=StepParams(count=self.placement.count, slabs=slabs),
-            before=before, source=source, after=after, openness=openness,
+            before=before, source=source, after=after, faces=faces,
         )  # fmt: skip
 
     def release(self) -> None:
@@ -145,7 +155,9 @@ def hop_functions(scheme: Scheme) -> str:
     """
     is_clamped = scheme == "paper"
     text = _clamped_hop if is_clamped else _linear_hop
-    return "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
+    even, direct = hops(scheme)[0].matrix[0, :2]
+    shares = f"const HOP_EVEN = {_literal(even)};\nconst HOP_DIRECT = {_literal(direct)};\n"
+    return shares + "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
 
 
 def _linear_hop(index: int, hop: Hop) -> str:

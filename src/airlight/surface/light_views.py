@@ -28,6 +28,9 @@ _CUBE = (  # forward, up: faces +x -x +y -y +z -z
 )  # fmt: skip
 
 
+_WIDE_DEG = 50.0  # a single perspective would waste its texels on the axis
+
+
 class LightViewData(Struct):
     """One view of a light, as shaders see it."""
 
@@ -64,16 +67,17 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
         match light:
             case DirectionalLight():
                 views.append(_parallel(light, index, low, high, resolution))
-            case SpotLight():
+            case SpotLight() if view_count(light) == 1:
                 views.append(_spot(light, index, low, high, resolution))
-            case PointLight():
+            case PointLight() | SpotLight():
                 views += _cube(light, index, low, high, resolution)
     return views
 
 
 def view_count(light: Light) -> int:
-    """How many views `light_views` makes of a light."""
-    return 6 if isinstance(light, PointLight) else 1
+    """How many views `light_views` makes of a light: wide spots see as points do."""
+    is_wide = isinstance(light, SpotLight) and light.outer_deg > _WIDE_DEG
+    return 6 if is_wide or isinstance(light, PointLight) else 1
 
 
 def _parallel(
@@ -99,7 +103,7 @@ def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) ->
     )
 
 
-def _cube(light: PointLight, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
+def _cube(light: PointLight | SpotLight, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
     return [
         _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
         for forward, up in _CUBE
