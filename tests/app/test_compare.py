@@ -6,7 +6,9 @@ import dataclasses
 import json
 import re
 import sys
+from html.parser import HTMLParser
 from types import ModuleType
+from typing import ClassVar
 
 import numpy as np
 import PIL.Image
@@ -111,8 +113,9 @@ def test_the_folder_holds_page_sheet_and_numbers(truth, techniques, tmp_path):
     # 0.04 / N at half a second a sample.
     equal = dim["equal_time"]
     assert equal["error_at_time"] == pytest.approx(0.04 * 0.5 / dim["seconds"], rel=0.1)
-    own = dim["metrics"]["relmse"] - 0.04 / 64
-    assert equal["seconds_to_match"] == pytest.approx(0.04 / own * 0.5, rel=0.1)
+    for name, error in (("equal_time", "relmse"), ("equal_time_l2", "relative_l2")):
+        own = dim["metrics"][error] ** (2 if error == "relative_l2" else 1) - 0.04 / 64
+        assert dim[name]["seconds_to_match"] == pytest.approx(0.04 / own * 0.5, rel=0.1)
     sheet = PIL.Image.open(tmp_path / "contact_sheet.png")
     assert sheet.width > 1600
     page = (tmp_path / "index.html").read_text("utf-8")
@@ -120,6 +123,22 @@ def test_the_folder_holds_page_sheet_and_numbers(truth, techniques, tmp_path):
     assert not re.search(r"https?://", page)
     assert page.count("<img ") == 4 + 2 * 4 * 3  # whole, direct, indirect twice
     assert "airlight compare &#x27;a scene.toml&#x27; --technique dim exact" in page
+
+
+def test_every_tag_of_the_page_is_closed(truth, techniques, tmp_path):
+    class Balance(HTMLParser):
+        open: ClassVar[list[str]] = []
+
+        def handle_starttag(self, tag, attributes):
+            if tag not in ("meta", "img"):
+                self.open.append(tag)
+
+        def handle_endtag(self, tag):
+            assert self.open.pop() == tag
+
+    balance = Balance()
+    balance.feed(compare_page.page(compared(("dim", "nope"), tmp_path)))
+    assert balance.open == []
 
 
 def test_a_failed_technique_is_told_on_the_page_and_the_others_stand(truth, techniques, tmp_path):

@@ -32,6 +32,7 @@ def test_relmse_and_energy_of_flat_pictures_have_closed_forms():
     assert m.relmse_fixed == pytest.approx(0.01 / 0.26, rel=1e-5)
     assert (m.epsilon_fixed, m["energy_ratio"]) == (0.01, pytest.approx(1.2))
     assert m.signed_error == pytest.approx(0.1)
+    assert m.relative_l2 == pytest.approx(0.2)
     assert m.black is not None
     assert m.black.relmse == pytest.approx(1 / (1 + 1e-4))
     assert m.black.signed_error == pytest.approx(-0.5)
@@ -55,6 +56,7 @@ def test_the_noise_floor_is_the_relmse_of_an_independent_noisy_estimate():
     near = metrics.compare(Image((TEXTURE + noise[0]).astype(np.float32)), noisy, perceptual=False)
     far = metrics.compare(Image(TEXTURE * 0.0), noisy, perceptual=False)
     assert near.within_noise
+    assert near.relative_l2 == pytest.approx(near.noise_floor_l2, rel=0.05)
     assert not far.within_noise
 
 

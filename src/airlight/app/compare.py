@@ -19,6 +19,7 @@ from .progress import progress
 from .scene_argument import load_scene, show_warnings
 
 if TYPE_CHECKING:
+    from ..reference.metrics import EqualTime
     from ..scene.image import Image
     from ..scene.scene import Scene
     from .compare_reference import Reference
@@ -161,7 +162,7 @@ def _outcome(
     reference: Reference,
 ) -> Outcome:  # fmt: skip
     """One technique rendered and scored; whatever goes wrong with it is its own affair."""
-    from ..reference.metrics import compare, equal_time
+    from ..reference.metrics import compare
     from .compare_result import Outcome
 
     made = f"airlight render {shlex.quote(label)} -o {name}.exr --layers --technique {name} "
@@ -173,14 +174,28 @@ def _outcome(
         return Outcome(name, made, error=str(error))
     except Exception as error:  # one broken technique must not cost the others their page
         return Outcome(name, made, error=f"internal error: {type(error).__name__}: {error}")
-    against = equal_time(
-        metrics.relmse,
+    l2, floor_l2 = metrics.relative_l2 or 0.0, metrics.noise_floor_l2 or 0.0
+    return Outcome(
+        name,
+        made,
+        image,
+        metrics,
+        equal_time=_in_equal_time(metrics.relmse, reference.floor, taken_s, reference),
+        equal_time_l2=_in_equal_time(l2**2, floor_l2**2, taken_s, reference),
+        seconds=taken_s,
+    )
+
+
+def _in_equal_time(error: float, floor: float, taken_s: float, reference: Reference) -> EqualTime:
+    from ..reference.metrics import equal_time
+
+    return equal_time(
+        error,
         taken_s,
-        floor=reference.floor,
+        floor=floor,
         samples=reference.spp,
         reference_seconds=reference.seconds,
     )
-    return Outcome(name, made, image, metrics, against, taken_s)
 
 
 def _picture(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from html import escape
 
@@ -14,6 +15,7 @@ SCORES = (
     ("relMSE", "relmse"),
     ("black picture", "black"),
     ("noise floor", "noise_floor"),
+    ("relative L2", "relative_l2"),
     ("energy ratio", "energy_ratio"),
     ("signed error", "signed_error"),
     ("PSNR dB", "psnr_db"),
@@ -126,35 +128,51 @@ def _table(head: Iterable[str], rows: Iterable[tuple[str, Iterable[str]]]) -> st
 
 
 def _summary(c: Comparison) -> str:
-    done = [(o, o.metrics, o.equal_time) for o in c.outcomes if o.metrics and o.equal_time]
+    done = [o for o in c.outcomes if o.metrics]
     if not done:
         return ""
-    head = (
-        *("", "relMSE", "black picture", "direct only", "energy ratio", "FLIP", "time"),
-        *("Mitsuba's time to this error", "Mitsuba's error in this time"),
-    )
-    rows = [
-        (
-            o.technique,
-            (
-                _relmse(m),
-                number(m.black.relmse if m.black else None),
-                number(m.direct_only.relmse if m.direct_only else None),
-                number(m.energy_ratio),
-                number(m.flip),
-                seconds(o.seconds),
-                seconds(e.seconds_to_match),
-                number(e.error_at_time),
-            ),
-        )
-        for o, m, e in done
-    ]
+    scores = ("relMSE", "black picture", "direct only", "relative L2", "energy ratio", "FLIP")
     return (
-        f"<h2>Summary</h2>{_table(head, rows)}"
+        f"<h2>Summary</h2>{_table(('', *scores), [(o.technique, _summary_row(o)) for o in done])}"
+        f"<h2>In equal time</h2>{_table(_TIME_HEAD, [(o.technique, _time_row(o)) for o in done])}"
         '<p class="faint">Mitsuba\'s columns follow from the 1/N law of its measured variance at '
         f"{c.reference.spp} samples, without its loading and compiling; a dash where the error is "
         f"within the reference's noise. A technique's time is that of all its {c.samples} jittered "
         "samples a pixel, on a warm device.</p>"
+    )
+
+
+_TIME_HEAD = (
+    "",
+    "time",
+    "Mitsuba to this relMSE",
+    "its relMSE in this time",
+    "Mitsuba to this L2",
+    "its L2 in this time",
+)
+
+
+def _summary_row(outcome: Outcome) -> tuple[str, ...]:
+    m = outcome.metrics
+    assert m is not None
+    beside = (number(other.relmse if other else None) for other in (m.black, m.direct_only))
+    return (
+        _relmse(m),
+        *beside,
+        *(number(m[key]) for key in ("relative_l2", "energy_ratio", "flip")),
+    )
+
+
+def _time_row(outcome: Outcome) -> tuple[str, ...]:
+    by_relmse, by_l2 = outcome.equal_time, outcome.equal_time_l2
+    assert by_relmse is not None
+    assert by_l2 is not None
+    return (
+        seconds(outcome.seconds),
+        seconds(by_relmse.seconds_to_match),
+        number(by_relmse.error_at_time),
+        seconds(by_l2.seconds_to_match),
+        number(math.sqrt(by_l2.error_at_time)),
     )
 
 
@@ -172,7 +190,9 @@ def _legend(c: Comparison) -> str:
         f"{FULL_DIFFERENCE:g} of the displayed range. All pictures share one exposure.</p>"
         '<p class="faint">relMSE is the mean of (I \N{MINUS SIGN} R)\N{SUPERSCRIPT TWO} / '
         f"(R\N{SUPERSCRIPT TWO} + {number(epsilon)}); the constant is 1e-4 of the squared mean "
-        "luminance of the whole reference, for layers too. An error below twice the noise floor "
+        "luminance of the whole reference, for layers too. Pixels black in the reference and lit "
+        "in the picture weigh most in it; in relative L2, the root of the mean squared error over "
+        "the mean square of the reference, bright pixels do. An error below twice the noise floor "
         "says nothing. PSNR, SSIM and FLIP see the exposed, clamped sRGB picture.</p>"
     )
 
@@ -183,7 +203,8 @@ def _layer(view: LayerView) -> str:
     table = _table(("", *(name for name, _ in SCORES)), rows) if rows else ""
     panels = "".join(_panel(p, truth) for p in view.panels)
     reference = _figure(view.reference, "<b>reference</b>", "reference", f'id="{truth}"')
-    return f'<h2>{escape(view.title)}</h2>{table}<div class="row">{reference}</div>{panels}'
+    lead = f'<div class="lead">{reference}{table}</div>'
+    return f"<h2>{escape(view.title)}</h2>{lead}{panels}"
 
 
 def _score(metrics: Metrics, key: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -94,7 +95,7 @@ def contact_sheet(title: str, rows: Sequence[Row], *, cell_width_px: int = 400) 
     for r, (name, cells) in enumerate(rows):
         for c, (label, pixels) in enumerate(cells):
             x, y = margin + c * (cell_width_px + margin), head + r * band
-            text = f"{name} · {label}"
+            text = _fitted(f"{name} · {label}", cell_width_px, font)
             draw.text((x, y + 4), text, FAINT if pixels is None else INK, font=font)
             if pixels is not None:
                 small = PIL.Image.fromarray(pixels)
@@ -103,3 +104,11 @@ def contact_sheet(title: str, rows: Sequence[Row], *, cell_width_px: int = 400) 
                     small = small.resize(size, PIL.Image.Resampling.LANCZOS)
                 sheet.paste(small, (x, y + caption))
     return np.asarray(sheet, dtype=np.uint8)
+
+
+def _fitted(text: str, width_px: int, font: Any) -> str:
+    """The text, shortened with an ellipsis to what fits."""
+    if font.getlength(text) <= width_px:
+        return text
+    fits = (text[:n] for n in range(len(text), 0, -1))
+    return next((t + "…" for t in fits if font.getlength(t + "…") <= width_px), "…")

@@ -18,8 +18,8 @@ WHOLE = "whole"
 TITLES = {
     WHOLE: "The whole picture",
     "direct": "Direct light",
-    "indirect": "Indirect light, against all bounces",
-    "one_bounce": "Indirect light, against one bounce",
+    "indirect": "Indirect light (all bounces)",
+    "one_bounce": "Indirect light (one bounce)",
     "single_scatter": "Single scattering",
     "multiple_scatter": "Multiple scattering",
 }
@@ -29,7 +29,8 @@ TITLES = {
 class Outcome:
     """One technique: its picture and scores, or the `error` that kept it from making one.
 
-    `seconds` is the rendering of the compared picture, all its samples, on a warm device.
+    `seconds` is the rendering of the compared picture, all its samples, on a warm device;
+    `equal_time` is by relmse, `equal_time_l2` by the square of relative_l2.
     """
 
     technique: str
@@ -37,6 +38,7 @@ class Outcome:
     image: Image | None = None
     metrics: Metrics | None = None
     equal_time: EqualTime | None = None
+    equal_time_l2: EqualTime | None = None
     seconds: float = 0.0
     error: str = ""
 
@@ -48,6 +50,7 @@ class Outcome:
             "seconds": self.seconds,
             "metrics": None if self.metrics is None else self.metrics.to_json(),
             "equal_time": None if self.equal_time is None else self.equal_time.to_json(),
+            "equal_time_l2": None if self.equal_time_l2 is None else self.equal_time_l2.to_json(),
             "stats": {} if self.image is None else dict(self.image.stats),
         }
 

@@ -25,8 +25,12 @@ tbody tr + tr > * { border-top: 1px solid #29292d; }
 th:first-child, td:first-child { text-align: left; position: sticky; left: 0;
   background: var(--ground); }
 tbody th { color: var(--ink); }
-.row { display: grid; gap: 1rem; margin: 0 0 1rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 300px), 1fr)); }
+.row, .lead { display: grid; gap: 1rem; margin: 1rem 0; grid-template-columns: minmax(0, 1fr); }
+.lead .scroll { margin: 0; align-self: start; }
+@media (min-width: 760px) {
+  .row { grid-template-columns: repeat(3, minmax(0, 1fr)); }
+  .lead { grid-template-columns: minmax(0, 1fr) minmax(0, 2fr); }
+}
 figure { margin: 0; min-width: 0; }
 figure img { display: block; width: 100%; height: auto; border-radius: 4px; background: #000; }
 figure img[data-truth] { cursor: pointer; touch-action: manipulation; user-select: none;

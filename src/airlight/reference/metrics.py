@@ -42,11 +42,14 @@ class Metrics(Mapping[str, Any]):
 
     `relmse`: mean of (I - R)^2/(R^2 + epsilon) over pixels and channels, with `epsilon` = 1e-4
     of the squared mean luminance of the whole reference picture, for its layers too;
-    `relmse_fixed` with `epsilon_fixed` = 1e-2. `signed_error`: mean of I - R, W m^-2 sr^-1.
+    `relmse_fixed` with `epsilon_fixed` = 1e-2. A few pixels that are black in the reference and
+    lit in the picture can rule it; `relative_l2`, the root of sum (I - R)^2 over sum R^2, has the
+    bright ones rule. `signed_error`: mean of I - R, W m^-2 sr^-1.
     `energy_ratio`: sum of I over sum of R. `psnr_db`, `ssim`, `flip`, `hdr_flip`: of the
-    picture on a display at `exposure_stops`, see metrics_display. `noise_floor`: the relmse
-    that a perfect picture would score because the reference is noisy; what is `within_noise`
-    says nothing about the technique. None is a score that could not be taken: `omitted` says why.
+    picture on a display at `exposure_stops`, see metrics_display. `noise_floor`, `noise_floor_l2`:
+    the relmse and relative_l2 that a perfect picture would score because the reference is noisy;
+    what is `within_noise` says nothing about the technique. None is a score that could not be
+    taken: `omitted` says why.
     `black` and `direct_only` are the scores of a black picture and of direct light alone.
     """
 
@@ -54,6 +57,7 @@ class Metrics(Mapping[str, Any]):
     epsilon: float
     relmse_fixed: float
     epsilon_fixed: float
+    relative_l2: float | None
     signed_error: float
     energy_ratio: float | None
     psnr_db: float
@@ -62,6 +66,7 @@ class Metrics(Mapping[str, Any]):
     hdr_flip: float | None
     exposure_stops: float
     noise_floor: float | None
+    noise_floor_l2: float | None
     omitted: Mapping[str, str] = field(default_factory=dict)
     black: Metrics | None = None
     direct_only: Metrics | None = None
@@ -95,8 +100,8 @@ class EqualTime:
 
     Its error falls as `unit_error`/samples: `error_at_time` is what it has after the technique's
     `seconds`; `seconds_to_match` and `samples_to_match` what it needs for the technique's
-    `error`. Loading and compiling are left out on both sides. No match is claimed
-    (`seconds_to_match` None) for an error within the reference's noise.
+    `error`. Errors are relmse, or squares of relative_l2. Loading and compiling are left out on
+    both sides. No match is claimed (`seconds_to_match` None) for an error within the noise.
     """
 
     error: float
@@ -166,9 +171,10 @@ def equal_time(
     samples: int,
     reference_seconds: float,
 ) -> EqualTime:
-    """The path tracer's time for a technique's relmse `error`, its error in `seconds`.
+    """The path tracer's time for a technique's `error`, and its error in `seconds`.
 
-    Its noise floor `floor` at `samples` per pixel, taken in `reference_seconds`, sets a 1/N law:
+    `error` is anything that noise makes fall as 1/N: relmse, the square of relative_l2. The noise
+    `floor` of `samples` per pixel, taken in `reference_seconds`, sets a 1/N law:
     the variance of a mean of independent samples, no fit to several runs. The technique's error
     is taken less the floor, which is the reference's. Raises ReferenceFailure for no samples.
     """
@@ -225,11 +231,13 @@ class _Judge:
         if variance is None:
             omitted["noise_floor"] = "the reference has no variance"
         flips = self._flips(image, reference, omitted)
+        square = float(np.sum(np.square(reference, dtype=np.float64)))
         return Metrics(
             relmse=relmse(image, reference, self.epsilon),
             epsilon=self.epsilon,
             relmse_fixed=relmse(image, reference, FIXED_EPSILON),
             epsilon_fixed=FIXED_EPSILON,
+            relative_l2=_root_share(_difference(image, reference) ** 2, square),
             signed_error=float(np.mean(_difference(image, reference))),
             energy_ratio=float(np.sum(image, dtype=np.float64)) / total if total > 0.0 else None,
             psnr_db=display.psnr_db(reference, image, self.stops),
@@ -240,6 +248,7 @@ class _Judge:
             noise_floor=(
                 None if variance is None else noise_floor(variance, reference, self.epsilon)
             ),
+            noise_floor_l2=None if variance is None else _root_share(variance, square),
             omitted=omitted,
         )
 
@@ -258,6 +267,12 @@ class _Judge:
                 why = "flip-evaluator is not installed: pip install 'airlight[reference]'"
         omitted.update(flip=why, hdr_flip=why)
         return None, None
+
+
+def _root_share(squares: F32 | F64, of: float) -> float | None:
+    """The root of sum squares / of, as broadcast to three channels; None of nothing."""
+    total = float(np.sum(squares, dtype=np.float64)) * (3.0 if squares.ndim == 2 else 1.0)
+    return math.sqrt(total / of) if of > 0.0 else None
 
 
 def _refuse_non_finite(radiance: F32, name: str) -> None:
