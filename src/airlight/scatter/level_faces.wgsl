@@ -1,0 +1,60 @@
+// Openness of a coarse cell's incoming face hops: walls on the face, and whole those half a coarse
+// cell before or behind it. A wall through the middle of a coarse cell closes both its faces: a
+// correction may be too small, but is never handed through a wall.
+
+// How closed fine plane `plane` (the low faces of cells there) is for hop 2 axis + side, averaged
+// over the 2 x 2 fine faces of the coarse cell at `first` (fine cells).
+fn closed(first: vec3u, axis: u32, plane: i32, side: u32) -> f32 {
+    let f = params.fine;
+    // A hop the other way enters the cell below the plane.
+    let layer = plane - i32(side);
+    if (layer < 0 || layer >= i32(f[axis])) {
+        return 0.0;
+    }
+    let across = (axis + 1u) % 3u;
+    let up = (axis + 2u) % 3u;
+    var total = vec2f(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        var p = first;
+        p[axis] = u32(layer);
+        p[across] += k & 1u;
+        p[up] += k >> 1u;
+        if (all(p < f)) {
+            let packed = openness[(p.z * f.y + p.y) * f.x + p.x];
+            let hop = 2u * axis + side;
+            let open = select(unpack4x8unorm(packed.y)[hop & 3u], unpack4x8unorm(packed.x)[hop],
+                hop < 4u);
+            total += vec2f(1.0 - open, 1.0);
+        }
+    }
+    return total.x / max(total.y, 1.0);
+}
+
+fn open_face(at: vec3u, axis: u32, side: u32) -> f32 {
+    let plane = 2 * i32(at[axis] + side);
+    let first = 2u * at;
+    return 1.0 - saturate(closed(first, axis, plane, side) + closed(first, axis, plane - 1, side)
+        + closed(first, axis, plane + 1, side));
+}
+
+fn mean_reflectance(at: vec3u) -> vec4f {
+    let f = params.fine;
+    var total = vec4f(0.0);
+    for (var k = 0u; k < 8u; k++) {
+        let p = min(2u * at + vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u), f - 1u);
+        total += unpack4x8unorm(reflectance[(p.z * f.y + p.y) * f.x + p.x]);
+    }
+    return 0.125 * total;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.coarse)) {
+        return;
+    }
+    let cell = (id.z * params.coarse.y + id.y) * params.coarse.x + id.x;
+    coarse_openness[cell] = vec2u(
+        pack4x8unorm(vec4f(open_face(id, 0u, 0u), open_face(id, 0u, 1u), open_face(id, 1u, 0u),
+            open_face(id, 1u, 1u))),
+        pack4x8unorm(vec4f(open_face(id, 2u, 0u), open_face(id, 2u, 1u), 1.0, 1.0)));
+    coarse_reflectance[cell] = pack4x8unorm(mean_reflectance(id));
+}

@@ -1,0 +1,248 @@
+"""The sum of all states on a lattice, hurried along by coarser ones.
+
+Q = I + M Q is stepped; what is missing after that is solved for where hops are twice as long and
+cells an eighth as many, and handed back as a correction (maths.lattice26_levels is the NumPy
+truth). `Schedule` says how often: a fixed number of dispatches, so a frame never waits for a
+residual to come back from the device.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, pack_array, u32, vec3f, vec3u
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, uniform
+from ..maths.lattice26_levels import mean_track
+from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
+from .hop_wgsl import constants
+from .propagate import MOVE, TRACK, Count, Step
+from .propagate_varied import VariedStep
+from .schedule import Schedule
+from .walls import Walls, new_packs
+
+
+class LevelParams(Struct):
+    """Two lattices, one half as fine as the other."""
+
+    fine = vec3u("cells")
+    cell = f32("m, of the finer")
+    coarse = vec3u("cells")
+    flags = u32("1: there are walls; 2: the air varies")
+    way = vec3f("m of track per hop of isotropic light, by channel, where the air is even")
+
+
+_PAIR = uniform("params", LevelParams)
+
+
+class _Restrict(ComputePass):
+    slots = (_PAIR, storage("stepped", "vec4f"), storage("sum", "vec4f"),
+             storage("residual", "vec4f", "read_write"))  # fmt: skip
+    workgroup = (32, 4, 2)
+    file = "level_restrict.wgsl"
+
+
+class _Prolong(ComputePass):
+    slots = (_PAIR, storage("track", "vec4f"), storage("medium", "vec2f"),
+             storage("openness", "vec2u"), storage("sum", "vec4f"),
+             storage("corrected", "vec4f", "read_write"))  # fmt: skip
+    workgroup = (32, 4, 2)
+    file = "level_prolong.wgsl"
+
+
+class _RestrictAir(ComputePass):
+    slots = (_PAIR, storage("medium", "vec2f"), storage("coarse_medium", "vec2f", "read_write"))
+    workgroup = (32, 4, 2)
+    file = "level_air.wgsl"
+
+
+class _RestrictFaces(ComputePass):
+    slots = (_PAIR, storage("openness", "vec2u"), storage("reflectance", "u32"),
+             storage("coarse_openness", "vec2u", "read_write"),
+             storage("coarse_reflectance", "u32", "read_write"))  # fmt: skip
+    workgroup = (32, 8, 1)
+    file = "level_faces.wgsl"
+
+
+class Level:
+    """One lattice of the stack and its buffers."""
+
+    def __init__(
+        self, gpu: Gpu, count: Count, cell_size_m: float, *, is_blocked: bool, is_varied: bool,
+        is_coarse: bool,
+    ) -> None:  # fmt: skip
+        cells = count[0] * count[1] * count[2]
+        nbytes = CHANNELS * cells * 16
+        self.count, self.cell, self.cells = count, cell_size_m, cells
+        self.sum, self.spare, self.track = (
+            Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track")
+        )
+        self.packs = new_packs(gpu, cells if is_blocked else 1)
+        # Level 0's source, air and openness are its owner's.
+        self.source = Buffer(gpu, f"residual {count}", nbytes if is_coarse else 16)
+        self.medium = Buffer(gpu, "air", CHANNELS * cells * 8 if is_coarse and is_varied else 16)
+        walls = cells if is_coarse and is_blocked else 1
+        self.openness = Buffer(gpu, "openness", walls * 8)
+        self.reflectance = Buffer(gpu, "reflectance", walls * 4)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.sum, self.spare, self.track, self.packs, self.source, self.medium,
+                     self.openness, self.reflectance):
+            part.release()
+
+
+class Levels:
+    """Solves Q = I + M Q and hands on its track T Q."""
+
+    def __init__(
+        self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, *,
+        is_blocked: bool, is_varied: bool, scheme: str = "deposit",
+    ) -> None:  # fmt: skip
+        self.schedule, self.scheme = schedule, scheme
+        self.is_blocked, self.is_varied = is_blocked, is_varied
+        self.levels = [
+            Level(gpu, size, cell_size_m * 2**k, is_blocked=is_blocked, is_varied=is_varied,
+                  is_coarse=k > 0)
+            for k, size in enumerate(schedule.counts(count))
+        ]  # fmt: skip
+        self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
+        rows = 2 * CHANNELS * len(self.levels)
+        self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
+        self._step = VariedStep(gpu, is_blocked=is_blocked) if is_varied else Step(
+            gpu, is_blocked=is_blocked
+        )  # fmt: skip
+        self._walls = Walls(gpu) if is_blocked else None
+        self._restrict, self._prolong = _Restrict(gpu), _Prolong(gpu, generated=constants())
+        self._restrict_air = _RestrictAir(gpu) if is_varied else None
+        self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
+        self._ways = [[1.0, 1.0, 1.0] for _ in self.levels]
+        self._source, self._medium = self._zero, self.levels[0].medium
+        self._openness = self.levels[0].openness
+
+    def set_air(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
+        """Take on a homogeneous medium, (3,) m^-1 each. Raises SettingsError (scheme paper)."""
+        rows = []
+        for k, level in enumerate(self.levels):
+            if self.scheme == "deposit":
+                rows += step_rows(sigma_s, sigma_t, level.cell, level=k)
+            else:
+                fixed = self.scheme == "paper-gamma"
+                rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
+        self._coefficients.write(pack_array(StepCoefficients, rows))
+        self._ways = [mean_track(sigma_t, level.cell).tolist() for level in self.levels]
+
+    def set_medium(self, commands: Commands, medium: Buffer) -> None:
+        """Take on varying air, (sigma_s, sigma_t) m^-1 per channel and cell, and its means."""
+        self._medium = medium
+        for k in range(1, len(self.levels)):
+            assert self._restrict_air
+            coarse = self.levels[k]
+            self._restrict_air.dispatch(
+                commands, (*coarse.count[:2], CHANNELS * coarse.count[2]), params=self._pair(k),
+                medium=self._air(k - 1), coarse_medium=coarse.medium,
+            )  # fmt: skip
+
+    def set_walls(self, commands: Commands, openness: Buffer, reflectance: Buffer) -> None:
+        """Take on walls: `openness` as lattice.blockers, `reflectance` u32 rgb unorm8 per cell."""
+        if self._walls is None or self._restrict_faces is None:
+            return
+        self._openness, white = openness, reflectance
+        for k, level in enumerate(self.levels):
+            if k:
+                self._restrict_faces.dispatch(
+                    commands, level.count, params=self._pair(k), openness=openness,
+                    reflectance=white, coarse_openness=level.openness,
+                    coarse_reflectance=level.reflectance,
+                )  # fmt: skip
+                openness, white = level.openness, level.reflectance
+            self._walls.encode(commands, level.count, openness, white, level.packs)
+
+    def encode(self, commands: Commands, source: Buffer) -> Buffer:
+        """Solve from `source` (W per cell); returns the track (A, B), W m, of all states."""
+        self._source = source
+        level = self.levels[0]
+        if self.schedule.is_empty:
+            return self._zero
+        current = source
+        for _ in range(self.schedule.cycles):
+            current = self._cycle(commands, 0, current)
+        self._apply(commands, 0, TRACK, current, self._zero, level.track)
+        return level.track
+
+    def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        """Smooth, correct by the next level, smooth; returns where the sum now is."""
+        plan = self.schedule
+        for _ in range(plan.before[k]):
+            current = self._smoothed(commands, k, current)
+        if k + 1 < len(self.levels):
+            current = self._corrected(commands, k, current)
+        for _ in range(plan.after[k]):
+            current = self._smoothed(commands, k, current)
+        return current
+
+    def _corrected(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        level, coarse = self.levels[k], self.levels[k + 1]
+        stepped = self._other(k, current)
+        self._apply(commands, k, MOVE, current, self._source_of(k), stepped)
+        nx, ny, nz = coarse.count
+        self._restrict.dispatch(
+            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), stepped=stepped,
+            sum=current, residual=coarse.source,
+        )  # fmt: skip
+        found = coarse.source
+        for _ in range(self.schedule.visits):
+            found = self._cycle(commands, k + 1, found)
+        self._apply(commands, k + 1, TRACK, found, self._zero, coarse.track)
+        nx, ny, nz = level.count
+        self._prolong.dispatch(
+            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), track=coarse.track,
+            medium=self._air(k), openness=self._openness if k == 0 else level.openness,
+            sum=current, corrected=stepped,
+        )  # fmt: skip
+        return stepped
+
+    def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        target = self._other(k, current)
+        self._apply(commands, k, MOVE, current, self._source_of(k), target)
+        return target
+
+    def _apply(
+        self, commands: Commands, k: int, row: int, before: Buffer, source: Buffer, after: Buffer
+    ) -> None:
+        level = self.levels[k]
+        buffers = {"before": before, "source": source, "after": after, "packs": level.packs}
+        if isinstance(self._step, VariedStep):
+            self._step.encode(
+                commands, level.count, level.cell, self._air(k), is_track=row == TRACK,
+                keeps_deficits=k == 0, **buffers,
+            )  # fmt: skip
+        else:
+            first = 2 * CHANNELS * k + row
+            self._step.encode(commands, level.count, self._coefficients, first, **buffers)
+
+    def _other(self, k: int, current: Buffer) -> Buffer:
+        level = self.levels[k]
+        return level.spare if current is level.sum else level.sum
+
+    def _source_of(self, k: int) -> Buffer:
+        return self.levels[k].source if k else self._source
+
+    def _air(self, k: int) -> Buffer:
+        return self.levels[k].medium if k else self._medium
+
+    def _pair(self, k: int) -> LevelParams:
+        """Parameters for level k and the finer one before it."""
+        return LevelParams(
+            fine=self.levels[k - 1].count, cell=self.levels[k - 1].cell,
+            coarse=self.levels[k].count, way=self._ways[k - 1],
+            flags=int(self.is_blocked) + 2 * int(self.is_varied),
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (*self.levels, self._zero, self._coefficients):
+            part.release()

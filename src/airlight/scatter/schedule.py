@@ -1,0 +1,94 @@
+"""How many steps on which lattice: counted before the frame, never asked of the device.
+
+none     the given number of iterations on the fine lattice
+finish   those, then 8 at half and 16 at a quarter of the resolution for what is still under way
+cycle    two W(1, 1) multigrid cycles: about 8 iterations' cost, close to the converged field
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingsError, nearest
+from ..maths.lattice26 import hops, mean_hop_length
+
+Count = tuple[int, int, int]
+ACCELERATIONS = ("none", "finish", "cycle")
+_SMALLEST = 4  # cells along the longest side of the coarsest lattice
+_MOST = 512
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Steps `before` and `after` the correction by the next coarser level, per level.
+
+    `visits` of the coarser level per correction (2 makes W cycles), `cycles` in all.
+    """
+
+    before: tuple[int, ...]
+    after: tuple[int, ...]
+    visits: int = 1
+    cycles: int = 1
+    is_empty: bool = False
+
+    def counts(self, count: Count) -> list[Count]:
+        """The cells of each level's lattice."""
+        counts = [count]
+        for _ in self.before[1:]:
+            x, y, z = counts[-1]
+            counts.append((-(-x // 2), -(-y // 2), -(-z // 2)))
+        return counts
+
+
+def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
+    """The plan for a lattice of `count` cells. Raises SettingsError for an unknown acceleration.
+
+    With n iterations the light of the states 0 .. n - 1 is counted.
+    """
+    if acceleration not in ACCELERATIONS:
+        raise SettingsError(
+            f"acceleration = '{acceleration}' is unknown",
+            remedy=nearest(acceleration, ACCELERATIONS),
+        )
+    if iterations < 1:
+        return Schedule((0,), (0,), is_empty=True)
+    coarser = 0
+    while max(count) / 2**coarser > _SMALLEST:
+        coarser += 1
+    if acceleration == "none" or coarser == 0:
+        return Schedule((iterations - 1,), (0,))
+    if acceleration == "finish":
+        depth = min(coarser, 2)
+        return Schedule((iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1])
+    ones = (1,) * coarser
+    return Schedule((*ones, 8), (*ones, 0), visits=2, cycles=2)
+
+
+def iterations_to(
+    residual: float, sigma_s: Sequence[float], sigma_t: Sequence[float], cell_size_m: float,
+    count: Count,
+) -> int:  # fmt: skip
+    """Iterations after which about `residual` of the light is still under way, without walls.
+
+    The slowest mode of a random walk with absorption out of the box, by the channel that takes
+    longest, after the light has crossed the lattice once. Between 1 and 512.
+    """
+    table = hops()
+    crossing = max(count) / mean_hop_length()
+    rate = math.inf
+    for s, t in zip(sigma_s, sigma_t, strict=True):
+        x = np.asarray(t * cell_size_m * table.lengths)
+        passed = np.exp(-x)
+        albedo = s / t if t > 0.0 else 0.0
+        kept = float(table.weights @ (passed + albedo * (1.0 - passed)))
+        # Mean squared way of a hop, cells: whole if passed, about a free path if scattered.
+        short = np.minimum(table.lengths, 1.0 / max(t * cell_size_m, 1e-9)) ** 2
+        moved = float(table.weights @ (passed * table.lengths**2 + (1.0 - passed) * short))
+        escape = moved / 6.0 * sum((math.pi / (n + 1.42)) ** 2 for n in count)
+        rate = min(rate, escape - math.log(max(kept, 1e-12)))
+    needed = crossing + math.log(1.0 / max(residual, 1e-6)) / max(rate, 1e-9)
+    return int(min(max(math.ceil(needed), 1), _MOST))

@@ -1,0 +1,84 @@
+"""Sums over iterations, coarse corrections, and what energy may do."""
+
+import numpy as np
+import pytest
+
+from airlight.maths import lattice26
+from airlight.scatter.levels import Levels
+from airlight.scatter.schedule import Schedule, schedule
+
+COUNT = (10, 6, 8)
+SHAPE = COUNT[::-1]
+SIGMA_T = np.array([0.1, 0.6, 2.5])
+ALBEDO = np.array([1.0, 0.9, 0.5])
+
+
+def solved(gpu, commands, lattice, source, plan, sigma_s, sigma_t, **kind):
+    count = source.shape[1:4][::-1]
+    levels = Levels(gpu, count, 1.0, plan, is_blocked=False, is_varied=sigma_s.ndim > 1, **kind)
+    if sigma_s.ndim > 1:
+        levels.set_medium(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
+    else:
+        levels.set_air(sigma_s, sigma_t)
+    track = levels.encode(commands, lattice(source))
+    commands.submit()
+    result = track.read().reshape(source.shape)
+    levels.release()
+    return result
+
+
+def sparks(shape=SHAPE):
+    source = np.zeros((3, *shape, 4))
+    source[..., 0] = np.random.default_rng(4).random((3, *shape)) ** 8
+    return source
+
+
+def summed(source, sigma_s, sigma_t, iterations):
+    s, t = (np.broadcast_to(v.reshape(3, 1, 1, 1), source.shape[:-1]) for v in (sigma_s, sigma_t))
+    total, state = np.zeros_like(source), source
+    for _ in range(iterations):
+        state, _, track = lattice26.half_linear_step(state, s, t, 1.0)
+        total += track
+    return total
+
+
+@pytest.mark.parametrize("iterations", [1, 2, 7])
+def test_the_track_of_the_sum_is_the_sum_of_tracks(gpu, commands, lattice, iterations):
+    source = sparks()
+    plan = schedule("none", iterations, COUNT)
+    got = solved(gpu, commands, lattice, source, plan, ALBEDO * SIGMA_T, SIGMA_T)
+    want = summed(source, ALBEDO * SIGMA_T, SIGMA_T, iterations)
+    np.testing.assert_allclose(got, want, atol=2e-5 * want.max())
+
+
+def test_no_iterations_are_no_light(gpu, commands, lattice):
+    plan = schedule("none", 0, COUNT)
+    assert not solved(gpu, commands, lattice, sparks(), plan, SIGMA_T, SIGMA_T).any()
+
+
+@pytest.mark.parametrize("acceleration", ["finish", "cycle"])
+@pytest.mark.parametrize("is_varied", [False, True])
+def test_corrections_lead_to_the_same_field_faster(
+    gpu, commands, lattice, acceleration, is_varied
+):
+    source = sparks()
+    want = summed(source, ALBEDO * SIGMA_T, SIGMA_T, 300)[..., 0]
+    plain = summed(source, ALBEDO * SIGMA_T, SIGMA_T, 9)[..., 0]
+    air = [np.broadcast_to(v.reshape(3, 1, 1, 1), source.shape[:-1]) if is_varied else v
+           for v in (ALBEDO * SIGMA_T, SIGMA_T)]  # fmt: skip
+    plan = schedule(acceleration, 8, COUNT)
+    got = solved(gpu, commands, lattice, source, plan, *air)[..., 0]
+    error, before = (
+        np.linalg.norm((v - want).reshape(3, -1), axis=1)
+        / np.linalg.norm(want.reshape(3, -1), axis=1) for v in (got, plain)
+    )  # fmt: skip
+    print(acceleration, is_varied, error, before)
+    assert np.all(error < np.maximum(0.55 * before, 0.02)), (error, before)
+
+
+def test_cycles_converge_to_the_fine_field(gpu, commands, lattice):
+    source = sparks()
+    want = summed(source, ALBEDO * SIGMA_T, SIGMA_T, 300)
+    plan = Schedule((1, 1, 8), (1, 1, 0), visits=2, cycles=12)
+    got = solved(gpu, commands, lattice, source, plan, ALBEDO * SIGMA_T, SIGMA_T)
+    np.testing.assert_allclose(got, want, atol=2e-3 * want.max())
