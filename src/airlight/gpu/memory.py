@@ -37,6 +37,8 @@ class Texture:
         is_3d = dimension == "3d"
         limit = "max-texture-dimension-3d" if is_3d else "max-texture-dimension-2d"
         gpu.require(limit, max(width, height, depth if is_3d else 1), f"texture '{label}'")
+        if not is_3d:
+            gpu.require("max-texture-array-layers", depth, f"texture '{label}'")
         usage = _TEXTURE_USAGE
         usage |= wgpu.TextureUsage.RENDER_ATTACHMENT if target else 0
         usage |= wgpu.TextureUsage.STORAGE_BINDING if written else 0
