@@ -1,0 +1,189 @@
+"""The air of a scene on the device: any number (up to 8) of media, overlapping freely.
+
+A pass reads it with `//! use air`, the slots `Air.slots`, the generated text `Air.wgsl` and the
+resources `Air.bound`. Extinctions add up; each medium keeps its own albedo and phase function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import SceneError
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import pack_array
+from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..maths.transforms import F64
+from ..scene.medium import Medium
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .air_slots import MediumData, column_slots, column_wgsl, medium_slots, medium_wgsl
+from .light_columns import LightColumns
+
+MAX_MEDIA = 8
+MAX_GRIDS = 4
+BOX, ELLIPSOID, GRID = 0, 1, 2
+# A medium without bounds reaches a little past the surfaces, so that none lies on its border.
+_FILL_MARGIN = 1e-3
+_DENSITY_MAX = 65504.0
+
+
+class Air:
+    """All media of a scene. Their number, kinds and grids are fixed; the rest may change.
+
+    `slots`, `wgsl` and `bound` go to every pass that asks the air. Raises SceneError for more
+    media or grids than the device is given.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, *, light_count: int, column_resolution: int = 48,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`solved` volumes bring their single scattering with their source: no shafts in them."""
+        self.gpu = gpu
+        self._solved = {id(volume) for volume in solved}
+        self._kinds = _kinds(scene)
+        self.count, grids = len(self._kinds), self._kinds.count(GRID)
+        if self.count > MAX_MEDIA or grids > MAX_GRIDS:
+            raise SceneError(
+                f"the scene has {self.count} media, {grids} of them grids",
+                remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
+            )
+        self.table = Buffer(gpu, "air", MediumData.dtype.itemsize * max(1, self.count))
+        self.grids = [_density_texture(gpu, v) for v in scene.volumes if v.density is not None]
+        self._linear = linear_sampler(gpu, "air")
+        self.rows: list[dict[str, Any]] = []
+        self._written = b""
+        self.medium_slots, self.medium_wgsl = medium_slots(grids), medium_wgsl(self.count, grids)
+        self.slots = self.medium_slots + column_slots(grids)
+        self.wgsl = self.medium_wgsl + column_wgsl(grids, light_count)
+        self.columns = self._columns(scene, light_count, column_resolution) if grids else None
+
+    @property
+    def has_grids(self) -> bool:
+        """Whether any medium is heterogeneous."""
+        return bool(self.grids)
+
+    @property
+    def finest_voxel_m(self) -> float:
+        """The shortest cell side of all grids, metres; infinite without grids."""
+        return min((r["voxel"] for r in self.rows if r["kind"] == GRID), default=float("inf"))
+
+    def update(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+        """Bring media and the depth towards lights up to date.
+
+        low..high, metres: what a medium without bounds fills, with the camera. Raises SceneError
+        where the media are of other kinds than at creation.
+        """
+        if _kinds(scene) != self._kinds:
+            raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
+        self.rows = self._rows(scene, low, high)
+        packed = pack_array(MediumData, self.rows)
+        changed = packed.tobytes() != self._written
+        if changed:
+            self._written = packed.tobytes()
+            self.table.write(packed)
+        if self.columns is not None:
+            self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+
+    @property
+    def medium_bound(self) -> dict[str, Any]:
+        """The resources of `wgsl/air.wgsl` alone."""
+        bound: dict[str, Any] = {"air": self.table}
+        if self.grids:
+            bound["air_linear"] = self._linear
+            bound |= {f"air_grid{i}": grid for i, grid in enumerate(self.grids)}
+        return bound
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name, for passes made with `slots`."""
+        return self.medium_bound | (self.columns.bound if self.columns else {})
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.table.release()
+        for grid in self.grids:
+            grid.release()
+        if self.columns:
+            self.columns.release()
+
+    def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
+        media = [i for i, kind in enumerate(self._kinds) if kind == GRID]
+        shapes = [grid.size for grid in self.grids]
+        return LightColumns(
+            self.gpu, self.medium_slots, self.medium_wgsl, media, shapes, light_count, resolution
+        )
+
+    def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
+        rows = []
+        if scene.medium is not None:
+            box = medium_box(scene.medium, low, high, scene.camera.position)
+            rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
+        grid = 0
+        for volume in scene.volumes:
+            kind = _kind(volume)
+            to_world = np.asarray(volume.world_from_volume)
+            matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
+            has_shafts = id(volume) not in self._solved
+            row = _fields(volume, kind, matrix, has_shafts=has_shafts)
+            if kind == GRID:
+                row |= {"grid": grid, "voxel": voxel_m(volume)}
+                grid += 1
+            rows.append(row)
+        return rows
+
+
+def medium_box(medium: Medium, low: F64, high: F64, eye: Sequence[float]) -> tuple[F64, F64]:
+    """What a homogeneous medium fills, metres: its bounds, else low..high with the camera."""
+    if medium.bounds is not None:
+        return np.array(medium.bounds[0]), np.array(medium.bounds[1])
+    low, high = np.minimum(low, eye), np.maximum(high, eye)
+    margin = _FILL_MARGIN * float(np.linalg.norm(high - low)) + 1e-6
+    return low - margin, high + margin
+
+
+def voxel_m(volume: Volume) -> float:
+    """The shortest side of a grid's cells in the world, metres."""
+    assert volume.density is not None
+    extent = np.subtract(volume.bounds[1], volume.bounds[0])
+    sides = np.linalg.norm(np.asarray(volume.world_from_volume)[:3, :3], axis=0) * extent
+    return float((sides / np.array(volume.density.shape[::-1])).min())
+
+
+def _kind(volume: Volume) -> int:
+    return {"grid": GRID, "box": BOX, "sphere": ELLIPSOID}[volume.shape]
+
+
+def _kinds(scene: Scene) -> tuple[int, ...]:
+    own = () if scene.medium is None else (BOX,)
+    return (*own, *(_kind(volume) for volume in scene.volumes))
+
+
+def _unit_from_box(low: F64, high: F64) -> F64:
+    """(4, 4): the box low..high to 0..1; a flat side is given a hair of thickness."""
+    size = np.maximum(np.subtract(high, low), 1e-9)
+    matrix = np.diag([*(1.0 / size), 1.0])
+    matrix[:3, 3] = -np.asarray(low) / size
+    return matrix
+
+
+def _fields(
+    of: Medium | Volume, kind: int, volume_from_world: F64, *, has_shafts: bool
+) -> dict[str, Any]:
+    return {
+        "volume_from_world": volume_from_world, "sigma_t": of.sigma_t, "kind": kind,
+        "albedo": of.albedo, "grid": 0, "g": of.g, "has_shafts": int(has_shafts), "voxel": 0.0,
+    }  # fmt: skip
+
+
+def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
+    density = volume.density
+    assert density is not None
+    depth, height, width = density.shape
+    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
+    made.write(np.minimum(density, _DENSITY_MAX).astype(np.float16))
+    return made

@@ -1,0 +1,72 @@
+"""What a pass that asks the air binds, and the WGSL that depends on how much air there is."""
+
+from __future__ import annotations
+
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
+from ..gpu.slots import Slot, sampler, storage, texture
+
+
+class MediumData(Struct):
+    """One medium, as shaders see it; its box is 0..1 on each axis of its own space."""
+
+    volume_from_world = mat4x4f()
+    sigma_t = vec3f("m^-1 at density 1")
+    kind = u32("0 box, 1 ellipsoid, 2 grid")
+    albedo = vec3f()
+    grid = u32("which density texture")
+    g = vec3f("mean cosine")
+    has_shafts = u32("1: its single scattering is drawn by shafts")
+    voxel = f32("m, the grid's shortest cell side; 0 without a grid")
+
+
+def medium_slots(grids: int) -> tuple[Slot, ...]:
+    """The table of media, then the density grids."""
+    slots: list[Slot] = [storage("air", MediumData)]
+    if grids:
+        slots.append(sampler("air_linear"))
+        slots += [texture(f"air_grid{i}", "3d") for i in range(grids)]
+    return tuple(slots)
+
+
+def column_slots(grids: int) -> tuple[Slot, ...]:
+    """Each grid's columns towards the lights."""
+    return tuple(texture(f"air_column{i}", "3d") for i in range(grids))
+
+
+def medium_wgsl(count: int, grids: int) -> str:
+    """The constants, and `air_grid`: a grid's density in its x."""
+    return (
+        f"const AIR_COUNT = {max(1, count)}u;\nconst AIR_GRIDS = {grids}u;\n"
+        + _chosen("air_grid", "uvw: vec3f", "vec4f", "vec4f(0.0)",
+                  [_sample(f"air_grid{i}") for i in range(grids)])
+    )  # fmt: skip
+
+
+def column_wgsl(grids: int, light_count: int) -> str:
+    """`air_columns`: four lights' columns at a place of their texture; and its size."""
+    return (
+        f"const AIR_LIGHT_GROUPS = {light_groups(light_count)}u;\n"
+        + _chosen("air_columns", "uvw: vec3f", "vec4f", "vec4f(0.0)",
+                  [_sample(f"air_column{i}") for i in range(grids)])
+        + _chosen("air_column_size", "", "vec3u", "vec3u(1u)",
+                  [f"textureDimensions(air_column{i})" for i in range(grids)])
+    )  # fmt: skip
+
+
+def light_groups(light_count: int) -> int:
+    """Slabs of four lights."""
+    return max(1, -(-light_count // 4))
+
+
+def _sample(name: str) -> str:
+    return f"textureSampleLevel({name}, air_linear, uvw, 0.0)"
+
+
+def _chosen(name: str, argument: str, result: str, default: str, choices: list[str]) -> str:
+    """A function that picks by grid: textures cannot be indexed."""
+    arguments = f"grid: u32, {argument}" if argument else "grid: u32"
+    cases = "".join(f"        case {i}u: {{ return {c}; }}\n" for i, c in enumerate(choices))
+    return (
+        f"fn {name}({arguments}) -> {result} {{\n    switch grid {{\n{cases}"
+        f"        default: {{ return {default}; }}\n    }}\n}}\n"
+    )

@@ -1,0 +1,43 @@
+//! use air
+//! use lights
+
+fn column_towards(light: LightData, p: vec3f) -> f32 {
+    var way = -light.direction;
+    var reach = MEDIUM_FAR;
+    if (light.kind != LIGHT_DIRECTIONAL) {
+        let delta = light.position - p;
+        reach = length(delta);
+        way = delta / max(reach, 1e-12);
+    }
+    let end = min(air_span(params.medium, p, way).y, reach);
+    return select(0.0, air_column(params.medium, p, way, 0.0, end), end > 0.0);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let size = textureDimensions(columns);
+    if (any(id >= size)) {
+        return;
+    }
+    let place = vec3f(vec3u(id.xy, id.z % params.count.z)) / vec3f(params.count - 1u);
+    // The columns' box is the unit cube of the volume's own space.
+    let world = world_from_place(place);
+    let first = 4u * (id.z / params.count.z);
+    var sums = vec4f(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        if (first + k < params.light_count) {
+            sums[k] = column_towards(lights[first + k], world);
+        }
+    }
+    textureStore(columns, id, sums);
+}
+
+// The inverse of the affine volume_from_world, by cofactors.
+fn world_from_place(place: vec3f) -> vec3f {
+    let m = air[params.medium].volume_from_world;
+    let a = m[0].xyz;
+    let b = m[1].xyz;
+    let c = m[2].xyz;
+    let q = place - m[3].xyz;
+    return vec3f(dot(q, cross(b, c)), dot(q, cross(c, a)), dot(q, cross(a, b)))
+        / dot(a, cross(b, c));
+}

@@ -1,0 +1,187 @@
+"""March eye rays through solved in-scattered radiance, front to back.
+
+Source and extinction are constant within a step, the integral over it is exact (Billeter2012
+section 4.3; the volume rendering equation of Max 1995). Steps end at the borders of media and
+are no longer than the voxels of a grid inside it.
+
+Sources come in two forms: a texture of emission J (W m^-3 sr^-1; or, times the scattering
+coefficient of one or all media, of mean radiance), and a solved lattice of two-band states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, i32, mat4x4f, pack_array, u32
+from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..maths.transforms import F64
+from .air import Air
+from .rays import RayParams, Rays
+
+ABSOLUTE, ALL_MEDIA = -1, -2
+MAX_SOURCES = 4
+
+
+class MarchParams(Struct):
+    """How rays are cut into steps, and how the lattice is read."""
+
+    step = f32("m")
+    max_steps = u32()
+    cutoff = f32("transmittance below which a ray ends")
+    lattice_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    lattice_direct = f32("share of b that the phase function keeps, per g")
+
+
+class SourceData(Struct):
+    """One source texture; its box is 0..1 on each axis of its own space."""
+
+    uvw_from_world = mat4x4f()
+    scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
+    medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Emission on a grid: rgb of an rgba16float (or wider, filterable) 3D texture.
+
+    With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
+    W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
+    of one (its row: the scene's medium first, then the volumes), at the density's own resolution.
+    """
+
+    texture: Texture
+    uvw_from_world: F64
+    scale: float = 1.0
+    medium: int = ABSOLUTE
+
+    @property
+    def cell_m(self) -> float:
+        """The shortest side of its cells, metres."""
+        lengths = np.linalg.norm(np.linalg.inv(self.uvw_from_world)[:3, :3], axis=0)
+        return float((lengths / np.array(self.texture.size)).min())
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeSource:
+    """A solved lattice of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
+
+    `bound`: lattice_red/green/blue and the blockers' lattice_open_a/b and lattice_walls. For the
+    lookup's normalisation (NOTES section 1) scale = (2/3)/(s^2 power_scale), direct = 1; for
+    accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
+    """
+
+    placement: Placement
+    bound: dict[str, Any]
+    scale: float
+    direct: float = 1.0
+
+    @property
+    def cell_m(self) -> float:
+        """The side of its cells, metres."""
+        return self.placement.cell
+
+
+def placed(placement: Placement) -> F64:
+    """(4, 4): the world to a lattice's texture coordinates."""
+    extent = placement.cell * np.array(placement.count, np.float64)
+    matrix = np.diag([*(1.0 / extent), 1.0])
+    matrix[:3, 3] = -np.array(placement.origin) / extent
+    return matrix
+
+
+class March(ComputePass):
+    """Scattered radiance and transmittance of every picked ray."""
+
+    workgroup = (8, 8, 1)
+
+    def __init__(self, gpu: Gpu, air: Air, *, sources: int = 0, has_lattice: bool = False) -> None:
+        self.slots = _slots(air, sources, has_lattice)  # type: ignore[misc]
+        generated = air.medium_wgsl + _sources_wgsl(sources, has_lattice)
+        super().__init__(gpu, generated=generated)
+        self._air, self._linear = air, linear_sampler(gpu)
+        self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
+        self._written = b""
+
+    def encode(
+        self, commands: Commands, params: RayParams, rays: Rays, *,
+        sources: Sequence[Source] = (), lattice: LatticeSource | None = None,
+        scattered: Texture, transmittance: Texture, steps_per_cell: float = 1.0,
+        max_steps: int = 128, cutoff: float = 1e-3,
+    ) -> None:  # fmt: skip
+        """Fill `scattered` and `transmittance`, of the size of `rays.reduced`."""
+        values: dict[str, Any] = {}
+        if sources:
+            self._write(sources)
+            values |= {"sources": self._table, "source_linear": self._linear}
+            values |= {f"source{i}": s.texture for i, s in enumerate(sources)}
+        if lattice is not None:
+            values |= {"lattice": lattice.placement.params(), "linear_clamp": self._linear}
+            values |= lattice.bound
+        cells = [s.cell_m for s in (*sources, *((lattice,) if lattice else ()))]
+        march = MarchParams(
+            step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
+            max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
+            lattice_direct=lattice.direct if lattice else 0.0,
+        )  # fmt: skip
+        self.dispatch(
+            commands, rays.reduced, rays=params, march=march, picked=rays.picked,
+            **self._air.medium_bound, **values, scattered=scattered, passed=transmittance,
+        )  # fmt: skip
+
+    def _write(self, sources: Sequence[Source]) -> None:
+        packed = pack_array(SourceData, [
+            {"uvw_from_world": s.uvw_from_world, "scale": s.scale, "medium": s.medium}
+            for s in sources
+        ])  # fmt: skip
+        if packed.tobytes() != self._written:
+            self._written = packed.tobytes()
+            self._table.write(packed)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._table.release()
+
+
+def _slots(air: Air, sources: int, has_lattice: bool) -> tuple[Slot, ...]:
+    slots = [uniform("rays", RayParams), uniform("march", MarchParams),
+             texture("picked", "2d", "unfilterable-float"), *air.medium_slots]  # fmt: skip
+    if sources:
+        slots += [storage("sources", SourceData), sampler("source_linear")]
+        slots += [texture(f"source{i}", "3d") for i in range(sources)]
+    if has_lattice:
+        slots += [uniform("lattice", LatticeParams), sampler("linear_clamp")]
+        slots += [
+            texture(f"lattice_{name}", "3d")
+            for name in ("red", "green", "blue", "open_a", "open_b", "walls")
+        ]
+    slots += [image("scattered", "rgba32float"), image("passed", "rgba32float")]
+    return tuple(slots)
+
+
+def _sources_wgsl(sources: int, has_lattice: bool) -> str:
+    """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed."""
+    parts = [
+        f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
+        f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
+        f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
+        f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
+        for i in range(sources)
+    ]
+    if has_lattice:
+        parts.append("    sum += lattice_emission(p, travel);\n")
+    uses = "//! use march_lattice\n" if has_lattice else ""
+    return (
+        f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
+        + "".join(parts)
+        + "    return sum;\n}\n"
+    )

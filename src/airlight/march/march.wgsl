@@ -1,0 +1,41 @@
+//! use air
+//! use eye_ray
+
+// The scattering coefficient that a source leaves out; 1 where it is whole.
+fn source_weight(medium: i32, p: vec3f) -> vec3f {
+    if (medium == -1) {
+        return vec3f(1.0);
+    }
+    if (medium == -2) {
+        return air_scattering(p);
+    }
+    let m = u32(medium);
+    return air_density(m, p) * air[m].sigma_t * air[m].albedo;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= rays.reduced)) {
+        return;
+    }
+    let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
+    let hull = air_enter(rays.eye, ray.direction, ray.distance);
+    var T = vec3f(1.0);
+    var L = vec3f(0.0);
+    var t = hull.x;
+    let longest = max(march.step, (hull.y - hull.x) / f32(march.max_steps));
+    // Borders of media cut steps short and grids want steps of their own.
+    let most = 2u * march.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
+    for (var i = 0u; i < most && t < hull.y; i++) {
+        let dt = min(air_step_limit(t, longest), hull.y - t);
+        let p = rays.eye + (t + 0.5 * dt) * ray.direction;
+        let depth = air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
+        L += T * emission_at(p, -ray.direction) * dt * mean_transmittance_rgb(depth);
+        T *= exp(-depth);
+        t += dt;
+        if (max(T.r, max(T.g, T.b)) < march.cutoff) {
+            break;
+        }
+    }
+    textureStore(scattered, id.xy, vec4f(L, 1.0));
+    textureStore(passed, id.xy, vec4f(T, 1.0));
+}

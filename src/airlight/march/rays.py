@@ -1,0 +1,65 @@
+"""Which eye ray each texel of a full or reduced picture stands for, and how far it goes.
+
+A texel of a reduced picture takes one pixel of its block as it is. Where the block's depths
+differ, texels take the nearest and the farthest in turn (as on a chessboard), so that both sides
+of an edge are there for the upsampling.
+"""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f, u32, vec2u, vec3f
+from ..gpu.memory import Texture
+from ..gpu.slots import image, texture, uniform
+from ..lighting.view import View
+
+SCALES = (1, 2, 4)
+RESOLUTIONS = {"full": 1, "half": 2, "quarter": 4}
+
+
+class RayParams(Struct):
+    """The camera, and the sizes of the picture and of the reduced one."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    scale = u32("pixels along one side of a texel")
+    size = vec2u("px")
+    reduced = vec2u("px")
+    frame = u32("number of the picture, for noise")
+
+
+class _Rays(ComputePass):
+    slots = (
+        uniform("rays", RayParams),
+        texture("depth", "2d", "depth"),
+        image("picked", "rg32float"),
+    )
+    workgroup = (16, 8, 1)
+
+
+class Rays:
+    """`picked` holds, per texel, the distance (m) to the surface and the pixel in its block."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int) -> None:
+        self.size, self.scale = size, scale
+        self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
+        self.picked = Texture(gpu, "picked rays", self.reduced, "rg32float", written=True)
+        self._pass = _Rays(gpu)
+        self.params: RayParams | None = None
+
+    def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
+        """Pick the rays of `view`; returns the parameters that passes over them take."""
+        params = RayParams(
+            world_from_clip=view.world_from_clip, eye=view.eye, scale=self.scale,
+            size=self.size, reduced=self.reduced, frame=frame,
+        )  # fmt: skip
+        self._pass.dispatch(
+            commands, self.reduced, rays=params, depth=view.gbuffer.depth, picked=self.picked
+        )
+        return params
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.picked.release()

@@ -1,0 +1,35 @@
+//! use eye_ray
+
+// Depths that differ by less than this share count as one surface.
+const SAME_SURFACE = 0.1;
+
+fn distance_at(pixel: vec2u) -> f32 {
+    let direction = pixel_direction(rays.world_from_clip, vec2f(pixel) + 0.5, vec2f(rays.size));
+    let d = textureLoad(depth, vec2i(pixel), 0);
+    return pixel_distance(rays.world_from_clip, direction, d);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= rays.reduced)) {
+        return;
+    }
+    let first = id.xy * rays.scale;
+    let middle = rays.scale / 2u;
+    var nearest = vec2f(2.0 * EYE_RAY_FAR, 0.0);
+    var farthest = vec2f(-1.0, 0.0);
+    for (var index = 0u; index < rays.scale * rays.scale; index++) {
+        let pixel = first + vec2u(index % rays.scale, index / rays.scale);
+        if (all(pixel < rays.size)) {
+            let here = vec2f(distance_at(pixel), f32(index));
+            if (here.x < nearest.x) { nearest = here; }
+            if (here.x > farthest.x) { farthest = here; }
+        }
+    }
+    var chosen = nearest;
+    if (farthest.x - nearest.x > SAME_SURFACE * nearest.x) {
+        chosen = select(nearest, farthest, ((id.x + id.y) & 1u) == 1u);
+    } else if (all(first + middle < rays.size)) {
+        chosen = vec2f(distance_at(first + middle), f32(middle * rays.scale + middle));
+    }
+    textureStore(picked, id.xy, vec4f(chosen, 0.0, 0.0));
+}

@@ -1,0 +1,8 @@
+"""Single scattering with sharp volumetric shadows, and all that air does to a picture.
+
+bounds     the nearest and farthest depth of every square of shadow-map texels
+shafts     lit runs of eye rays through shadow maps, each integrated at once
+jitter     the cheap way, and the one for density grids: jittered steps
+blur       takes the jitter's pattern out again
+air_light  the facade: single scattering, marched sources, transmittance
+"""

@@ -1,0 +1,182 @@
+"""All that air does to a picture: light scattered once, marched sources, transmittance.
+
+air = AirLight(gpu, scene, size, lights)
+air.solve(commands, scene, low, high)                    # whatever the camera
+air.encode(commands, view, lights, sources=[...])        # every picture
+air.single_scatter, air.multiple_scatter, air.transmittance
+air.compose(commands, view)                              # air.composed.radiance
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.lights import Lights
+from ..lighting.view import View
+from ..march.air import Air
+from ..march.compose import Compose
+from ..march.march import LatticeSource, March, Source
+from ..march.rays import RESOLUTIONS, RayParams, Rays
+from ..march.transmittance import Transmittance
+from ..march.upsample import Upsample
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from ..scene.settings import setting
+from ..scene.volume import Volume
+from .jitter import Jitter
+from .shafts import Shafts
+
+
+@dataclass(frozen=True)
+class AirSettings:
+    """How single scattering and marching are done."""
+
+    shafts: str = setting(
+        "auto",
+        "how single scattering finds its shadows; auto: minmax, or "
+        "jitter where there are density grids",
+        choices=("auto", "minmax", "jitter", "off"),
+    )
+    shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
+    shaft_steps: int = setting(32, "steps of the jittered scheme", low=1, high=1024)
+    shaft_nodes: int = setting(
+        256, "squares of a shadow map that one ray may visit", low=16, high=65536
+    )
+    march_resolution: str = setting("half", "of marching", choices=tuple(RESOLUTIONS))
+    march_steps: int = setting(128, "most steps of a ray", low=1, high=4096)
+    steps_per_cell: float = setting(1.0, "steps per cell of the finest source", low=0.1, high=16)
+    column_resolution: int = setting(
+        48, "texels along a density grid's light columns", low=2, high=512
+    )
+
+
+class AirLight:
+    """Passes and textures of one picture size; media and lights may move from frame to frame."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, size: tuple[int, int], lights: Lights,
+        settings: AirSettings | None = None, *, sources: int = 0, has_lattice: bool = False,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`sources` textures and perhaps a lattice will be marched; see `Air` for `solved`."""
+        self.settings = s = settings or AirSettings()
+        self.air = Air(
+            gpu,
+            scene,
+            light_count=lights.count,
+            solved=solved,
+            column_resolution=s.column_resolution,
+        )
+        self.single_scatter, self.multiple_scatter, self.transmittance = (
+            Texture(gpu, name, size, "rgba32float", target=True, written=True)
+            for name in ("single scatter", "multiple scatter", "transmittance")
+        )
+        self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
+        self.shaft_rays = self.march_rays
+        if s.shaft_resolution != s.march_resolution:
+            self.shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
+        self.shafts = self._shafts(gpu, lights)
+        wanted = sources or has_lattice or self.air.has_grids
+        self.is_marched = bool(self.air.count and wanted)
+        self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice)
+        self._exact = Transmittance(gpu, self.air)
+        self._upsample = Upsample(gpu)
+        self._reduced = {
+            name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", written=True)
+            for name, rays in (("single", self.shaft_rays), ("multiple", self.march_rays),
+                               ("transmittance", self.march_rays))
+        }  # fmt: skip
+        self.composed = Compose(gpu, size)
+
+    def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | None:
+        scheme, s = self.settings.shafts, self.settings
+        if scheme == "off" or not lights.count or not self.air.count:
+            return None
+        if scheme == "jitter" or self.air.has_grids:
+            return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
+        return Shafts(gpu, self.air, lights, max_nodes=s.shaft_nodes)
+
+    def solve(
+        self, commands: Commands, scene: Scene, low: F64, high: F64, *,
+        shadows_changed: bool = True,
+    ) -> None:  # fmt: skip
+        """Media, depth towards lights, shadow hierarchies: after `lights.encode`.
+
+        low..high, metres: the scene's bounds, which a medium without its own fills.
+        """
+        with commands.stage("air"):
+            self.air.update(commands, scene, low, high)
+        if self.shafts and shadows_changed:
+            with commands.stage("shadow bounds"):
+                self.shafts.prepare(commands)
+
+    def encode(
+        self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
+        lattice: LatticeSource | None = None, *, frame: int = 0,
+    ) -> None:  # fmt: skip
+        """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter."""
+        with commands.stage("shafts"):
+            shaft_params = self.shaft_rays.encode(commands, view, frame)
+            if self.shafts:
+                target = self._target("single")
+                self.shafts.encode(commands, shaft_params, self.shaft_rays, lights, target)
+                self._finish(commands, shaft_params, self.shaft_rays, view, "single")
+        with commands.stage("march"):
+            is_shared = self.march_rays is self.shaft_rays
+            params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
+            self._march(commands, params, view, sources, lattice)
+
+    def _march(
+        self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
+        lattice: LatticeSource | None,
+    ) -> None:  # fmt: skip
+        if self.is_marched:
+            self.march.encode(
+                commands, params, self.march_rays, sources=sources, lattice=lattice,
+                scattered=self._target("multiple"), transmittance=self._target("transmittance"),
+                steps_per_cell=self.settings.steps_per_cell, max_steps=self.settings.march_steps,
+            )  # fmt: skip
+            self._finish(commands, params, self.march_rays, view, "multiple")
+        if self.air.has_grids:
+            self._finish(commands, params, self.march_rays, view, "transmittance")
+        else:
+            self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
+
+    def compose(self, commands: Commands, view: View) -> None:
+        """`composed`: the view's layers behind the air, and everything summed."""
+        with commands.stage("compose"):
+            self.composed.encode(
+                commands, direct=view.layers.direct, indirect=view.layers.indirect,
+                transmittance=self.transmittance, single=self.single_scatter,
+                multiple=self.multiple_scatter,
+            )  # fmt: skip
+
+    def _full(self, name: str) -> Texture:
+        return {"single": self.single_scatter, "multiple": self.multiple_scatter,
+                "transmittance": self.transmittance}[name]  # fmt: skip
+
+    def _target(self, name: str) -> Texture:
+        """Where a kernel writes: the reduced texture, or the full one where nothing is reduced."""
+        rays = self.shaft_rays if name == "single" else self.march_rays
+        return self._full(name) if rays.scale == 1 else self._reduced[name]
+
+    def _finish(
+        self, commands: Commands, params: RayParams, rays: Rays, view: View, name: str
+    ) -> None:
+        if rays.scale > 1:
+            self._upsample.encode(
+                commands, params, rays, view.gbuffer.depth, self._reduced[name], self._full(name)
+            )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        parts = [self.air, self.single_scatter, self.multiple_scatter, self.transmittance,
+                 self.march_rays, self.shaft_rays, self.march, self.composed, self.shafts,
+                 *self._reduced.values()]  # fmt: skip
+        for part in parts:
+            if part is not None:
+                part.release()

@@ -1,0 +1,113 @@
+//! use eye_ray
+//! use air_light
+
+// Sixteen places in a step, in the order of a 4 x 4 Bayer matrix.
+fn bayer(pixel: vec2u) -> f32 {
+    let p = pixel & vec2u(3u);
+    let q = (p.x ^ p.y);
+    let order = ((q & 1u) << 3u) | ((p.y & 1u) << 2u) | (q & 2u) | ((p.y & 2u) >> 1u);
+    return (f32(order) + 0.5) / 16.0;
+}
+
+fn is_lit_in(clip: vec4f) -> bool {
+    return clip.w > 0.0 && all(abs(clip.xy) < clip.ww);
+}
+
+// 1 where the light reaches p unshadowed by surfaces; bilinear at the shadow's edge.
+fn visibility(light: LightData, p: vec3f) -> f32 {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        let view = light.first_view;
+        let clip = parallel_views[view].clip_from_world * vec4f(p, 1.0);
+        let uv = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
+        let lit = textureSampleCompareLevel(
+            parallel_shadows, shadow_compare, uv, view, min(clip.z / clip.w, 1.0));
+        return select(1.0, lit, is_lit_in(clip));
+    }
+    let view = view_of(light, light.position - p);
+    let clip = local_views[view].clip_from_world * vec4f(p, 1.0);
+    let uv = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
+    let lit = textureSampleCompareLevel(
+        local_shadows, shadow_compare, uv, view, clamp(clip.z / clip.w, 0.0, 1.0));
+    return select(1.0, lit, is_lit_in(clip));
+}
+
+// Where in t0..t1 to sample a light: x the ray parameter, y the weight of its irradiance, which
+// for a lamp is the exact integral of 1/r^2.
+fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) -> vec2f {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        return vec2f(mix(t0, t1, u), t1 - t0);
+    }
+    let to_light = light.position - rays.eye;
+    let t_near = dot(to_light, direction);
+    let h = max(length(to_light - t_near * direction), 1e-4 * (abs(t_near) + t1) + 1e-9);
+    let x0 = atan((t0 - t_near) / h);
+    let x1 = atan((t1 - t_near) / h);
+    return vec2f(t_near + h * tan(mix(x0, x1, u)), (x1 - x0) / h);
+}
+
+// One light's share of the step t0..t1, scattered to the eye; without the way to the eye.
+fn step_radiance(
+    light: LightData, index: u32, direction: vec3f, place: vec2f,
+) -> vec3f {
+    let p = rays.eye + place.x * direction;
+    var way = light.direction;
+    var gain = place.y;
+    if (light.kind != LIGHT_DIRECTIONAL) {
+        way = normalize(p - light.position);
+        if (light.kind == LIGHT_SPOT) { gain *= spot_fade(light, way); }
+    }
+    if (gain <= 0.0) {
+        return vec3f(0.0);
+    }
+    gain *= visibility(light, p);
+    if (gain <= 0.0) {
+        return vec3f(0.0);
+    }
+    return gain * light.color * air_phase_scattering(p, -dot(way, direction))
+        * air_light_transmittance(light, index, p);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= rays.reduced)) {
+        return;
+    }
+    let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
+    let hull = air_enter(rays.eye, ray.direction, ray.distance);
+    let longest = max((hull.y - hull.x) / f32(params.steps), 1e-6);
+    let u = fract(bayer(id.xy) + f32(rays.frame) * 0.6180340);
+    var sum = vec3f(0.0);
+    var grid_depth = vec3f(0.0);
+    var t = hull.x;
+    let most = params.steps * (2u + 2u * AIR_COUNT);
+    for (var i = 0u; i < most && t < hull.y; i++) {
+        let dt = min(jitter_step(t, longest), hull.y - t);
+        let grids = air_grid_extinction(rays.eye + (t + u * dt) * ray.direction);
+        for (var k = 0u; k < params.light_count; k++) {
+            let light = lights[k];
+            let place = sample_place(light, ray.direction, t, t + dt, u);
+            let depth = air_even_depth(0.0, place.x) + grid_depth + grids * (place.x - t);
+            sum += exp(-depth) * step_radiance(light, k, ray.direction, place);
+        }
+        grid_depth += grids * dt;
+        t += dt;
+    }
+    textureStore(scattered, id.xy, vec4f(sum, 1.0));
+}
+
+// Borders of media end steps; a grid's stretch is cut into as many steps as the whole ray is, but
+// none finer than its voxels.
+fn jitter_step(t: f32, longest: f32) -> f32 {
+    var limit = longest;
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        let span = air_spans[m];
+        if (span.x <= t && t < span.y) {
+            limit = min(limit, span.y - t);
+            if (AIR_GRIDS > 0u && air[m].kind == AIR_GRID) {
+                limit = min(limit, max(air[m].voxel, (span.y - span.x) / f32(params.steps)));
+            }
+        } else if (span.x > t) {
+            limit = min(limit, span.x - t);
+        }
+    }
+    return max(limit, 2e-7 * t + 1e-7);
+}
