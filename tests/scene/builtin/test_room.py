@@ -1,4 +1,4 @@
-"""The room: closed but for its window, the sun on floor and red wall."""
+"""The room: closed but for its window, a patch of sun on its floor."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_rays_leave_only_through_the_window(room_scene: Scene) -> None:
     assert np.all(window[out])
 
 
-def test_the_sun_lies_on_the_floor_and_the_red_wall(room_scene: Scene) -> None:
+def test_the_sun_lies_on_the_floor(room_scene: Scene) -> None:
     cast = make_caster(world_triangles(room_scene, ("plant", "curtain")))
     to_sun = -np.array(SUN_TRAVEL) / np.linalg.norm(SUN_TRAVEL)
     x, z = np.meshgrid(np.linspace(-2.4, 2.4, 17), np.linspace(-1.9, 2.4, 15))

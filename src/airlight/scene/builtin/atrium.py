@@ -29,9 +29,9 @@ SUN_TRAVEL: Vec3 = (0.26, -0.88, 0.36)
 SUN_IRRADIANCE: Rgb = (30.0, 27.0, 22.0)
 
 CLOTH_COLORS: dict[str, Rgb] = {
-    "red": (0.60, 0.055, 0.04),
-    "green": (0.07, 0.34, 0.085),
-    "blue": (0.06, 0.13, 0.52),
+    "red": (0.54, 0.045, 0.035),
+    "green": (0.055, 0.27, 0.07),
+    "blue": (0.05, 0.11, 0.46),
 }
 
 BRONZE = Finish(Material(name="bronze", base_color=(0.45, 0.29, 0.13), roughness=0.4, metallic=1))

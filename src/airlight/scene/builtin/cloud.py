@@ -17,7 +17,7 @@ from .sky import clear_sky
 SHAPE = (64, 40, 64)
 """Cells of the density grid, (z, y, x), 1 m each."""
 
-BOUNDS: Bounds = ((-32.0, 12.0, -32.0), (32.0, 52.0, 32.0))
+BOUNDS: Bounds = ((-32.0, 30.0, -32.0), (32.0, 70.0, 32.0))
 
 SUN_TRAVEL: Vec3 = (-0.70, -0.62, -0.36)
 
@@ -40,7 +40,7 @@ def cloud(*, seed: int = 5) -> Scene:
         name="cloud",
         lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
         environment=clear_sky(SUN_TRAVEL),
-        camera=Camera((6.0, 8.0, 84.0), (0.0, 28.0, 0.0), fov_y_deg=42.0, exposure_stops=-1.5),
+        camera=Camera((6.0, 2.0, 84.0), (0.0, 46.0, 0.0), fov_y_deg=42.0, exposure_stops=-1.5),
         volumes=(volume,),
     )
 

@@ -1,4 +1,4 @@
-"""A furnished room with one window, the sun on its floor and its coloured wall."""
+"""A furnished room with one window, the sun on its floor before a coloured wall."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _shell(rng: np.random.Generator) -> tuple[Mesh, ...]:
     white = stone.plaster(rng, (0.74, 0.72, 0.68))
     red = stone.plaster(rng, WALL_COLOR)
     return (
-        *_put(wood.boards(rng), room_shell.floor_slab(), "floor"),
+        *_put(wood.boards(rng, (0.52, 0.34, 0.20)), room_shell.floor_slab(), "floor"),
         *_put(white, room_shell.plain_walls(), "walls"),
         *_put(red, room_shell.colored_wall(), "coloured wall"),
         *_put(_paint("white paint", (0.72, 0.71, 0.68)), room_shell.skirting(), "skirting"),

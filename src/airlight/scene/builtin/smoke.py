@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import cast
 
@@ -58,7 +59,7 @@ def smoke(*, time: float = 0.0, seed: int = 11) -> Scene:
         meshes=(*_court(seed), *_bowl()),
         lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
         environment=clear_sky(SUN_TRAVEL),
-        camera=Camera((0.6, 2.0, 7.2), (0.0, 2.45, 0.0), fov_y_deg=45.0, exposure_stops=-1.0),
+        camera=Camera((0.6, 2.0, 7.2), (0.0, 2.45, 0.0), fov_y_deg=45.0, exposure_stops=-1.6),
         volumes=(volume,),
     )
 
@@ -152,10 +153,12 @@ def _court(seed: int) -> tuple[Mesh, ...]:
     rng = np.random.default_rng(seed)
     slab = box((-7.0, -0.2, -4.0), (7.0, 0.0, 8.0))
     wall = box((-7.0, 0.0, -3.6), (7.0, 5.2, -3.2))
+    blocks = stone.limestone_blocks(rng, size_px=512)
+    sooty = replace(blocks, material=replace(blocks.material, base_color=(0.3, 0.3, 0.3)))
     here = [placed_at(0.0, 0.0, 0.0)]
     return (
         *stone.paving(rng, size_px=512).meshes(slab, here, "floor"),
-        *stone.limestone_blocks(rng, size_px=512).meshes(wall, here, "wall"),
+        *sooty.meshes(wall, here, "wall"),
     )
 
 
