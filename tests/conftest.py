@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+
+from airlight.errors import DeviceError
+from airlight.gpu.commands import Commands
+from airlight.gpu.compute import ComputePass
+from airlight.gpu.device import Gpu, open_gpu
+from airlight.gpu.slots import Slot
+from airlight.scene import Camera, Geometry, Material, Mesh
 
 REPOSITORY = Path(__file__).parents[1]
 
@@ -39,3 +49,78 @@ def _no_switches(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempP
         if name != "AIRLIGHT_ADAPTER":  # which adapter the tests run on is the caller's choice
             monkeypatch.delenv(name)
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path_factory.getbasetemp() / "airlight-cache"))
+
+
+@pytest.fixture(scope="session")
+def gpu() -> Gpu:
+    """The device, opened once, or a skip with the reason."""
+    try:
+        return open_gpu(os.environ.get("AIRLIGHT_ADAPTER", "auto"))
+    except DeviceError as error:
+        pytest.skip(f"no graphics device: {error}")
+
+
+@pytest.fixture
+def commands(gpu: Gpu) -> Commands:
+    """What encodes; `submit` before reading."""
+    return Commands(gpu)
+
+
+@pytest.fixture
+def owned() -> Iterator[Callable[[Any], Any]]:
+    """owned(thing) -> thing, whose `release` is called at the test's end."""
+    things: list[Any] = []
+
+    def keep(thing: Any) -> Any:
+        things.append(thing)
+        return thing
+
+    yield keep
+    for thing in reversed(things):
+        thing.release()
+
+
+@pytest.fixture
+def kernel(gpu: Gpu, tmp_path: Path) -> Callable[..., ComputePass]:
+    """kernel(wgsl, slots) -> ComputePass made of a file `kernel.wgsl` of its own."""
+
+    def make(wgsl: str, slots: tuple[Slot, ...], **named: Any) -> ComputePass:
+        path = tmp_path / "kernel.wgsl"
+        path.write_text(wgsl)
+        members = {"slots": slots, "workgroup": (64, 1, 1), "file": str(path), **named}
+        return type("Kernel", (ComputePass,), {"__module__": __name__, **members})(gpu)
+
+    return make
+
+
+def _square(centre: Any, u: Any, v: Any, material: Material | None = None, **geometry: Any) -> Mesh:
+    c, u, v = (np.asarray(a, dtype=np.float64) for a in (centre, u, v))
+    corners = np.array([c - u - v, c + u - v, c + u + v, c - u + v], np.float32)
+    made = Geometry(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), **geometry)
+    return Mesh(made, material or Material(specular=0.0))
+
+
+@pytest.fixture(scope="session")
+def square() -> Callable[..., Mesh]:
+    """square(centre, u, v, material): a parallelogram of half edges u and v, facing u x v."""
+    return _square
+
+
+def _camera_rays(camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    eye, target, up = (np.array(a) for a in (camera.position, camera.target, camera.up))
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
+    width, height = size
+    x = ((np.arange(width) + 0.5) / width * 2.0 - 1.0) * half * width / height
+    y = ((np.arange(height) + 0.5) / height * 2.0 - 1.0) * half
+    rays = forward + x[None, :, None] * right + y[:, None, None] * down
+    return np.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True))
+
+
+@pytest.fixture(scope="session")
+def camera_rays() -> Callable[[Camera, tuple[int, int]], np.ndarray]:
+    """camera_rays(camera, (width, height)) -> (H, W, 3) unit, through the pixels' centres."""
+    return _camera_rays

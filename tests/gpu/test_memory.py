@@ -1,0 +1,111 @@
+"""Textures and buffers: what is written is read; what is released is given back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.gpu.memory import Buffer, Texture, buffer_of
+
+FORMATS = {
+    "r8unorm": (np.uint8, 1),
+    "rgba8unorm": (np.uint8, 4),
+    "rgba8unorm-srgb": (np.uint8, 4),
+    "rgba8snorm": (np.int8, 4),
+    "r16float": (np.float16, 1),
+    "rg16float": (np.float16, 2),
+    "rgba16float": (np.float16, 4),
+    "r32float": (np.float32, 1),
+    "rg32float": (np.float32, 2),
+    "rgba32float": (np.float32, 4),
+    "r32uint": (np.uint32, 1),
+}
+
+
+def texels(format: str, shape: tuple[int, ...], seed: int = 0) -> np.ndarray:
+    dtype, channels = FORMATS[format]
+    rng = np.random.default_rng(seed)
+    whole = (*shape, channels) if channels > 1 else shape
+    if np.issubdtype(dtype, np.floating):
+        return rng.normal(size=whole).astype(dtype)
+    # -128 and -127 are the same snorm
+    low = max(-127, int(np.iinfo(dtype).min))
+    return rng.integers(low, np.iinfo(dtype).max, size=whole, endpoint=True, dtype=dtype)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_picture_comes_back(gpu, owned, format):
+    given = texels(format, (3, 5))
+    made = owned(Texture(gpu, "picture", (5, 3), format))
+    made.write(given)
+    np.testing.assert_array_equal(made.read(), given)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_volume_comes_back(gpu, owned, format):
+    given = texels(format, (2, 3, 5))
+    made = owned(Texture(gpu, "volume", (5, 3, 2), format, dimension="3d"))
+    made.write(given)
+    np.testing.assert_array_equal(made.read(), given)
+
+
+@pytest.mark.parametrize("format", ["rgba8unorm", "r32float", "rgba16float"])
+def test_array_layers_come_back_one_by_one_and_together(gpu, owned, format):
+    made = owned(Texture(gpu, "layers", (5, 3, 4), format, dimension="2d-array"))
+    layers = [texels(format, (3, 5), seed) for seed in range(4)]
+    for index in (2, 0, 3, 1):
+        made.write(layers[index], layer=index)
+    np.testing.assert_array_equal(made.read(2), layers[2])
+    np.testing.assert_array_equal(made.read(), np.stack(layers))
+
+
+def test_an_array_may_be_written_whole(gpu, owned):
+    made = owned(Texture(gpu, "layers", (5, 3, 2), "r32float", dimension="2d-array"))
+    given = texels("r32float", (2, 3, 5))
+    made.write(given)
+    np.testing.assert_array_equal(made.read(), given)
+
+
+def test_the_wrong_type_is_refused(gpu, owned):
+    made = owned(Texture(gpu, "albedo", (5, 3), "rgba8unorm"))
+    with pytest.raises(TypeError, match=r"^albedo: rgba8unorm takes uint8, not float32$"):
+        made.write(np.zeros((3, 5, 4), np.float32))
+
+
+def test_views_of_layers_are_made_once(gpu, owned):
+    made = owned(Texture(gpu, "maps", (4, 4, 3), "rgba8unorm", dimension="2d-array", target=True))
+    assert made.layer(1) is made.layer(1)
+    assert made.layer(1) is not made.layer(2)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.int32, np.uint8])
+def test_a_buffer_comes_back(gpu, owned, dtype):
+    given = np.arange(32).astype(dtype)
+    np.testing.assert_array_equal(owned(buffer_of(gpu, "b", given)).read(dtype)[:32], given)
+
+
+def test_part_of_a_buffer_is_written(gpu, owned):
+    made = owned(buffer_of(gpu, "b", np.zeros(8, np.float32)))
+    made.write(np.array([5.0, 6.0], np.float32), offset=12)
+    np.testing.assert_array_equal(made.read(), [0, 0, 0, 5, 6, 0, 0, 0])
+
+
+def test_an_empty_buffer_can_be_bound(gpu, owned):
+    assert owned(buffer_of(gpu, "b", np.zeros(0, np.float32))).nbytes == 16
+
+
+def test_released_memory_is_given_back(gpu):
+    before = gpu.allocated_bytes
+    made = [
+        Buffer(gpu, "b", 1000),
+        Texture(gpu, "t", (16, 8), "rgba32float"),
+        Texture(gpu, "v", (4, 4, 4), "rgba16float", dimension="3d"),
+        Texture(gpu, "m", (16, 16), "rgba8unorm", mips=5),
+    ]
+    expected = 1000 + 16 * 8 * 16 + 64 * 8 + 16 * 16 * 4 * 4 // 3
+    assert gpu.allocated_bytes == before + expected
+    assert gpu.peak_bytes >= gpu.allocated_bytes
+    for part in made:
+        part.release()
+        part.release()  # twice does no harm
+    assert gpu.allocated_bytes == before
