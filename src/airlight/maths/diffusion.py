@@ -1,0 +1,177 @@
+"""Diffuse light in a box of air: one linear solve per colour.
+
+div J + sigma_a Phi = P/V with J = -D grad Phi + 3 D B/V: B is the net power along each axis that
+a deposit P still carries (W).
+Faces of the box are open: what comes back through them is 0 (Marshak's condition).
+Arrays are (z, y, x, channel); vectors have their components x, y, z first: (3, z, y, x, channel).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+F64 = NDArray[np.float64]
+
+
+def largest_diffusivity(density: F64, cell: F64) -> float:
+    """A third of the medium's effective radius, m: D is capped there.
+
+    The radius is sqrt(5/3) times the density-weighted rms distance from the centre of mass: a
+    homogeneous ball's own. In thin air 1/(3 sigma) is longer than the medium is wide.
+    """
+    total = float(density.sum())
+    if total <= 0.0:
+        return float(np.linalg.norm(cell * np.array(density.shape[::-1]))) / 6.0
+    variance = 0.0
+    for axis in range(3):
+        n = density.shape[2 - axis]
+        weight = density.sum(axis=tuple(a for a in range(3) if a != 2 - axis)) / total
+        at = (np.arange(n) + 0.5) * cell[axis]
+        mean = float(weight @ at)
+        # cell^2/12: a cell is not a point
+        variance += float(weight @ (at - mean) ** 2) + float(cell[axis]) ** 2 / 12.0
+    return float(np.sqrt(5.0 / 3.0 * variance)) / 3.0
+
+
+def diffusivity(density: F64, sigma_tr: ArrayLike, sigma_a: ArrayLike, largest: float) -> F64:
+    """D (z, y, x, channel), m: 1/(3 (sigma_tr + sigma_a)), capped."""
+    sigma = density[..., None] * (np.asarray(sigma_tr) + np.asarray(sigma_a))
+    return np.asarray(1.0 / np.maximum(3.0 * sigma, 1.0 / largest))
+
+
+@dataclass(frozen=True, eq=False)
+class Diffusion:
+    """The operator div(-D grad Phi) + sigma_a Phi on cells of size `cell` (3,), m.
+
+    `d` (z, y, x, channel), m; `sigma_a` (z, y, x, channel), m^-1.
+    """
+
+    cell: F64
+    d: F64
+    sigma_a: F64
+
+    def between(self, axis: int) -> F64:
+        """Harmonic means of D on the inner faces across `axis` (0 is x)."""
+        low, high = _sides(self.d, axis)
+        return np.asarray(2.0 * low * high / (low + high))
+
+    def outflow(self, axis: int, side: int) -> F64:
+        """J_n/Phi on an outer face without a source: 1/(h/(2 D) + 2)."""
+        return np.asarray(1.0 / (0.5 * self.cell[axis] / _edge(self.d, axis, side) + 2.0))
+
+    def apply(self, phi: F64) -> F64:
+        """A phi, W m^-3 for phi in W m^-2."""
+        return self._divergence(phi, None) + self.sigma_a * phi
+
+    def diagonal(self) -> F64:
+        """Of A, m^-1."""
+        total = self.sigma_a.copy()
+        for axis in range(3):
+            h = float(self.cell[axis])
+            low, high = _sides(total, axis)
+            between = self.between(axis) / h**2
+            low += between
+            high += between
+            for side in (0, 1):
+                edge = _edge(total, axis, side)
+                edge += self.outflow(axis, side) / h
+        return total
+
+    def source(self, power: F64, forward: F64) -> F64:
+        """Right-hand side, W m^-3: P/V less the divergence of the deposits' own flux."""
+        volume = float(np.prod(self.cell))
+        return power / volume - self._divergence(np.zeros_like(power), forward / volume)
+
+    def flux(self, phi: F64, forward: F64) -> F64:
+        """J (3, z, y, x, channel), W m^-2, at cell centres: the mean of both faces'."""
+        carried = forward / float(np.prod(self.cell))
+        sides = (_sides(self._faces(phi, carried, axis), axis) for axis in range(3))
+        return np.stack([0.5 * (low + high) for low, high in sides])
+
+    def exits(self, phi: F64, forward: F64) -> F64:
+        """Power (6, channel), W, out through the faces -x, +x, -y, +y, -z, +z."""
+        carried = forward / float(np.prod(self.cell))
+        out = []
+        for axis in range(3):
+            area = float(np.prod(self.cell) / self.cell[axis])
+            for side, sign in ((0, -1.0), (1, 1.0)):
+                face = self._outer(phi, carried, axis, side)
+                out.append(sign * area * face.sum(axis=(0, 1, 2)))
+        return np.stack(out)
+
+    def _divergence(self, phi: F64, source: F64 | None) -> F64:
+        total = np.zeros_like(phi)
+        for axis in range(3):
+            low, high = _sides(self._faces(phi, source, axis), axis)
+            total += (high - low) / self.cell[axis]
+        return total
+
+    def _faces(self, phi: F64, source: F64 | None, axis: int) -> F64:
+        """J along `axis` on all n + 1 faces."""
+        h = float(self.cell[axis])
+        low, high = _sides(phi, axis)
+        between = self.between(axis)
+        inner = between * (low - high) / h
+        if source is not None:
+            b0, b1 = _sides(source[axis], axis)
+            inner = inner + 1.5 * between * (b0 + b1)
+        outer = [self._outer(phi, source, axis, side) for side in (0, 1)]
+        return np.concatenate([outer[0], inner, outer[1]], axis=2 - axis)
+
+    def _outer(self, phi: F64, source: F64 | None, axis: int, side: int) -> F64:
+        """J along `axis` on one outer face: (Phi + (h/2D) J_src,n)/(h/(2D) + 2) outwards."""
+        sign = -1.0 if side == 0 else 1.0
+        edge = _edge(self.d, axis, side)
+        half = 0.5 * float(self.cell[axis]) / edge
+        value = _edge(phi, axis, side)
+        if source is not None:
+            value = value + half * sign * 3.0 * edge * _edge(source[axis], axis, side)
+        return np.asarray(sign * value / (half + 2.0))
+
+
+def _sides(array: F64, axis: int) -> tuple[F64, F64]:
+    """Views of the cells below and above each inner face across `axis`."""
+    at = [slice(None)] * array.ndim
+    at[2 - axis] = slice(None, -1)
+    low = array[tuple(at)]
+    at[2 - axis] = slice(1, None)
+    return low, array[tuple(at)]
+
+
+def _edge(array: F64, axis: int, side: int) -> F64:
+    """A view of the first or last layer across `axis`, kept as an axis of length 1."""
+    at = [slice(None)] * array.ndim
+    at[2 - axis] = slice(0, 1) if side == 0 else slice(-1, None)
+    return array[tuple(at)]
+
+
+def solve(system: Diffusion, rhs: F64, steps: int) -> tuple[F64, F64]:
+    """(Phi, residual): `steps` of conjugate gradients, preconditioned by the diagonal.
+
+    The residual (channel,) is |b - A Phi|/|b|, 0 where b is 0. Source: Hestenes and Stiefel 1952.
+    """
+    inverse = 1.0 / system.diagonal()
+    phi, r = np.zeros_like(rhs), rhs.copy()
+    z = inverse * r
+    p, rz = z, _dot(r, z)
+    for _ in range(steps):
+        ap = system.apply(p)
+        alpha = _quotient(rz, _dot(p, ap))
+        phi += alpha * p
+        r -= alpha * ap
+        z = inverse * r
+        before, rz = rz, _dot(r, z)
+        p = z + _quotient(rz, before) * p
+    return phi, np.sqrt(_quotient(_dot(r, r), _dot(rhs, rhs)))
+
+
+def _dot(a: F64, b: F64) -> F64:
+    return np.asarray((a * b).sum(axis=(0, 1, 2)))
+
+
+def _quotient(a: F64, b: F64) -> F64:
+    """a/b, 0 where b is 0: a channel without light stays 0."""
+    return np.asarray(np.where(b > 0.0, a / np.where(b > 0.0, b, 1.0), 0.0))

@@ -1,0 +1,43 @@
+//! use diffusion
+//! use partial_sums
+
+// Right-hand side: P/V less the divergence of the flux that the deposits carry.
+fn source(index: u32) -> vec3f {
+    let cell = cell_of(index);
+    let volume = params.cell.x * params.cell.y * params.cell.z;
+    let d = diffusivity(density[index]);
+    var total = deposits[index].xyz;
+    for (var face = 0u; face < 6u; face++) {
+        let axis = face / 2u;
+        let side = face & 1u;
+        let outwards = select(-1.0, 1.0, side == 1u);
+        let h = params.cell[axis];
+        let section = (1u + axis) * params.cells;
+        let own = outwards * deposits[section + index].xyz;
+        if (is_outer(cell, axis, side)) {
+            total -= outer_flux(d, vec3f(0.0), own, h) / h;
+        } else {
+            let other = beside(index, axis, side);
+            let carried = 0.5 * (own + outwards * deposits[section + other].xyz);
+            total -= inner_flux(d, diffusivity(density[other]), vec3f(0.0), carried, h) / h;
+        }
+    }
+    return total / volume;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3u,
+) {
+    var product = vec3f(0.0);
+    if (id.x < params.cells) {
+        let b = source(id.x);
+        let scaled = b / diffusion_diagonal(id.x);
+        residual[id.x] = vec4f(b, 0.0);
+        z[id.x] = vec4f(scaled, 0.0);
+        before[id.x] = vec4f(0.0);
+        phi[id.x] = vec4f(0.0);
+        product = b * scaled;
+    }
+    leave_sum(RZ, group.x, lane, product);
+}

@@ -1,0 +1,29 @@
+//! use diffusion
+
+// J outwards through a face of a cell, W m^-2.
+fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
+    let volume = params.cell.x * params.cell.y * params.cell.z;
+    let outwards = select(-1.0, 1.0, side == 1u) / volume;
+    let h = params.cell[axis];
+    let section = (1u + axis) * params.cells;
+    let own = outwards * deposits[section + index].xyz;
+    let d = diffusivity(density[index]);
+    if (is_outer(cell_of(index), axis, side)) {
+        return outer_flux(d, phi[index].xyz, own, h);
+    }
+    let other = beside(index, axis, side);
+    let carried = 0.5 * (own + outwards * deposits[section + other].xyz);
+    let step = phi[index].xyz - phi[other].xyz;
+    return inner_flux(d, diffusivity(density[other]), step, carried, h);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    diffuse[id.x] = vec4f(max(phi[id.x].xyz, vec3f(0.0)), 0.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        let j = 0.5 * (flux_outwards(id.x, axis, 1u) - flux_outwards(id.x, axis, 0u));
+        diffuse[(1u + axis) * params.cells + id.x] = vec4f(j, 0.0);
+    }
+}

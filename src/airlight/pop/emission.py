@@ -1,0 +1,87 @@
+"""What every cell scatters towards the eye: beams, quasi-forward light and diffuse light."""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, vec3f
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import image, storage, uniform
+from ..maths.transforms import F64
+from .ordinates import OrdinateData, OrdinateTable
+from .placement import MediumParams, MediumPlacement
+
+
+class ViewParams(Struct):
+    """The eye in the medium's frame."""
+
+    eye = vec3f("m")
+    correction = f32("exponent of the furnace correction; 0 for none")
+
+
+class _Emission(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        uniform("view", ViewParams),
+        storage("ordinates", OrdinateData),
+        storage("phase", "vec4f"),
+        storage("passed", "f32"),
+        storage("diffuse", "vec4f"),
+        storage("corrections", "vec4f"),
+        image("emission", "rgba16float", "3d"),
+    )
+    workgroup = (64, 1, 1)
+    file = "emission.wgsl"
+
+
+class _Furnace(ComputePass):
+    slots = (
+        *_Emission.slots[:6],
+        storage("corrections", "vec4f", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "emission_furnace.wgsl"
+
+
+class Emission:
+    """Fills `texture`: in-scattered radiance per unit scattering coefficient.
+
+    In units of the ordinates' scale: times `OrdinateTable.scale`, W m^-2 sr^-1.
+    """
+
+    def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
+        self.cells = placement.cells
+        self.texture = Texture(
+            gpu, "emission", placement.count, "rgba16float", dimension="3d", written=True
+        )
+        self.corrections = Buffer(gpu, "furnace corrections", 16 * placement.cells)
+        self._emission, self._furnace = _Emission(gpu), _Furnace(gpu)
+
+    def encode(
+        self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
+        passed: Buffer, diffuse: Buffer, correction: float,
+    ) -> None:  # fmt: skip
+        """For an eye at `eye` (3,), m in the medium's frame."""
+        self._emission.dispatch(
+            commands, (self.cells,), params=params,
+            view=ViewParams(eye=eye, correction=correction), ordinates=table.rows,
+            phase=table.phase, passed=passed, diffuse=diffuse, corrections=self.corrections,
+            emission=self.texture,
+        )  # fmt: skip
+
+    def encode_furnace(
+        self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
+        passed: Buffer, diffuse: Buffer,
+    ) -> None:  # fmt: skip
+        """Fill `corrections` from the same medium without absorption under an even sky of 1."""
+        self._furnace.dispatch(
+            commands, (self.cells,), params=params, view=ViewParams(eye=eye, correction=0.0),
+            ordinates=table.rows, phase=table.phase, passed=passed, diffuse=diffuse,
+            corrections=self.corrections,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.texture.release()
+        self.corrections.release()

@@ -1,0 +1,18 @@
+//! use beam_emission
+
+const HALF_MAX = 65504.0;
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    let point = cell_centre(cell);
+    let travel = normalize(view.eye - point + vec3f(1e-12));
+    let light = beam_emission(point, travel);
+    var scattered = light.quasi_forward + diffuse_emission(id.x, travel);
+    if (view.correction > 0.0) {
+        scattered *= pow(corrections[id.x].rgb, vec3f(view.correction));
+    }
+    textureStore(emission, cell, vec4f(min(light.beams + scattered, vec3f(HALF_MAX)), 1.0));
+}

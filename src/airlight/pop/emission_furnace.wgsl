@@ -1,0 +1,15 @@
+//! use beam_emission
+
+// Under an even sky of radiance 1 a medium that does not absorb scatters exactly 1 everywhere: what
+// multiple scattering has to be multiplied by for that.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let point = cell_centre(cell_of(id.x));
+    let travel = normalize(view.eye - point + vec3f(1e-12));
+    let light = beam_emission(point, travel);
+    let multiple = light.quasi_forward + diffuse_emission(id.x, travel);
+    let c = (1.0 - light.beams) / max(multiple, vec3f(1e-6));
+    corrections[id.x] = vec4f(clamp(c, vec3f(0.5), vec3f(2.0)), 0.0);
+}

@@ -1,0 +1,226 @@
+"""One scattering medium under the sun and the sky: the technique, top to bottom (Elek2014).
+
+Light is cut into ordinates; along each a beam is swept through the medium, what leaves the beams
+spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing is
+precomputed; what did not change since the last frame is not done again.
+
+Several media of a scene have a solver each: they see each other only by the transmittance that the
+marching knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import SceneError
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..march.march import Source
+from ..maths.ordinates import Ordinates, even_sky
+from ..maths.transforms import F64
+from ..scene.environment import Environment
+from ..scene.lights import DirectionalLight, Light
+from ..scene.settings import setting
+from ..scene.volume import Volume
+from .density import Density
+from .deposit import Deposit
+from .diffuse import GROUP, Diffuse
+from .emission import Emission
+from .ordinates import OrdinateTable, SceneOrdinates
+from .placement import MediumParams, diffusivity_limit, medium_fields, placed, shape_density
+from .sweep import Sweep
+
+_SPHERE_SIDE = 64  # voxels across a sphere
+_DENSITY_MAX = 65504.0
+
+
+@dataclass(frozen=True)
+class PopSettings:
+    """What principal-ordinates propagation can be told."""
+
+    scheme: str = setting("delta-beam", "how light spreads", choices=("delta-beam",))
+    ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
+    grid: int = setting(20, "cells along a side of an ordinate's grid, and of a cube-shaped medium",
+                        low=4, high=64)
+    solver_steps: int = setting(48, "steps of the diffusion solve", low=1, high=512)
+    prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
+    furnace_correction: float = setting(
+        0.5, "share of the error under an even sky that is taken off multiple scattering; 0: none",
+        low=0.0, high=1.0,
+    )  # fmt: skip
+
+
+class _Beams:
+    """Ordinates of one sky in one medium, swept and solved."""
+
+    def __init__(self, gpu: Gpu, solver: PopSolver, capacity: int) -> None:
+        self.table = OrdinateTable(gpu, capacity)
+        self.sweep = Sweep(gpu, self.table.capacity, solver.settings.grid)
+        self.diffuse = Diffuse(gpu, solver.placement)
+        self._deposit = Deposit(gpu)
+        self._solver = solver
+
+    def write(self, ordinates: Ordinates, volume: Volume, scale: float = 0.0) -> None:
+        """Upload the ordinates; `scale` as in `OrdinateTable.write`."""
+        s = self._solver
+        self.table.write(ordinates, s.placement, s.settings.grid, volume.g,
+                         prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
+
+    def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
+        """Sweep, deposit, solve."""
+        with commands.stage("pop sweep"):
+            self.sweep.encode(commands, params, self.table.rows, self.table.count, density)
+        with commands.stage("pop deposit"):
+            self._deposit.encode(commands, params, self._solver.placement.cells, self.table.rows,
+                                 self.sweep.passed, self.diffuse.deposits)  # fmt: skip
+        with commands.stage("pop diffuse"):
+            self.diffuse.encode(commands, params, density.cells,
+                                self._solver.settings.solver_steps)  # fmt: skip
+
+    def release(self) -> None:
+        for part in (self.table, self.sweep, self.diffuse):
+            part.release()
+
+
+class PopSolver:
+    """The light that one volume scatters. The number of sun lights and the grid's size are fixed.
+
+    `voxels`: the volume's density as a filterable 3D texture, where there is one already.
+    """
+
+    Settings = PopSettings
+
+    def __init__(
+        self, gpu: Gpu, volume: Volume, settings: PopSettings, *, suns: int = 0,
+        voxels: Texture | None = None,
+    ) -> None:  # fmt: skip
+        self.gpu, self.settings, self.volume = gpu, settings, volume
+        self.placement = placed(volume, settings.grid)
+        self.density = Density(gpu, self.placement)
+        self.emission = Emission(gpu, self.placement)
+        self.beams = _Beams(gpu, self, settings.ordinates + suns)
+        self.furnace = _Beams(gpu, self, settings.ordinates) if settings.furnace_correction else None
+        self._scene_ordinates = SceneOrdinates(settings.ordinates)
+        self._even = even_sky(settings.ordinates) if self.furnace else None
+        self._own_voxels = voxels is None
+        self.voxels = _density_texture(gpu, volume) if voxels is None else voxels
+        self._medium_key: tuple[Any, ...] = ()
+        self._light_key: tuple[Any, ...] = ()
+        self._view_key: tuple[Any, ...] = ()
+        self._limit = diffusivity_limit(volume, self.placement)
+        self._density_key: Any = None
+
+    def encode(
+        self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
+        eye: F64, volume: Volume | None = None,
+    ) -> Texture:  # fmt: skip
+        """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
+
+        `volume`: the medium as it is now; of the same box and grid size as at the start.
+        """
+        if volume is not None and volume is not self.volume:
+            self._take(volume)
+        ordinates = self._scene_ordinates.of(lights, environment)
+        params = self._params(ordinates.count, self.volume.albedo)
+        new_medium = self._encode_density(commands, params)
+        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes())
+        new_light = new_medium or light_key != self._light_key
+        if new_light:
+            self._light_key = light_key
+            self.beams.write(ordinates, self.volume)
+            self.beams.encode(commands, params, self.density)
+        self._encode_view(commands, params, np.asarray(eye, np.float64), new_medium, new_light)
+        return self.emission.texture
+
+    def source(self, medium: int) -> Source:
+        """The last emission for `march`; `medium` is the volume's row in `march.air`."""
+        return Source(self.emission.texture, self.placement.uvw_from_world,
+                      scale=self.beams.table.scale, medium=medium)  # fmt: skip
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """What was solved, for --stats."""
+        return {"ordinates": self.beams.table.count, "grid": list(self.placement.count),
+                "iterations": self.settings.solver_steps}  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.density, self.emission, self.beams, self.furnace):
+            if part is not None:
+                part.release()
+        if self._own_voxels:
+            self.voxels.release()
+
+    def _encode_density(self, commands: Commands, params: MediumParams) -> bool:
+        """Whether the medium changed; its cells are made anew where its density did."""
+        v = self.volume
+        key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
+        if key == self._medium_key:
+            return False
+        self._medium_key = key
+        with commands.stage("pop density"):
+            self.density.encode(commands, params, self.voxels)
+        if self.furnace is not None and self._even is not None:
+            white = self._params(self._even.count, (1.0, 1.0, 1.0))
+            self.furnace.write(self._even, v, 1.0)
+            self.furnace.encode(commands, white, self.density)
+        return True
+
+    def _encode_view(
+        self, commands: Commands, params: MediumParams, eye: F64, new_medium: bool, new_light: bool
+    ) -> None:
+        view_key = (eye.tobytes(),)
+        new_view = new_medium or view_key != self._view_key
+        if not (new_view or new_light):
+            return
+        self._view_key = view_key
+        local = self.placement.point(eye)
+        with commands.stage("pop emission"):
+            if new_view and self.furnace is not None:
+                white = self._params(self.furnace.table.count, (1.0, 1.0, 1.0))
+                self.emission.encode_furnace(
+                    commands, white, local, self.furnace.table, self.furnace.sweep.passed,
+                    self.furnace.diffuse.diffuse,
+                )  # fmt: skip
+            self.emission.encode(
+                commands, params, local, self.beams.table, self.beams.sweep.passed,
+                self.beams.diffuse.diffuse, self.settings.furnace_correction,
+            )  # fmt: skip
+
+    def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
+        fields = medium_fields(
+            self.volume, self.placement, self.settings.grid, ordinates, self._limit, GROUP
+        )
+        return MediumParams(**(fields | {"albedo": albedo}))
+
+    def _take(self, volume: Volume) -> None:
+        """Go on with a changed volume. Raises SceneError where its grid's size changed."""
+        new = placed(volume, self.settings.grid)
+        same_voxels = np.shape(volume.density) == np.shape(self.volume.density)
+        if new.count != self.placement.count or not same_voxels or volume.shape != self.volume.shape:
+            raise SceneError("the volume changed in size", remedy="Make a new Renderer")
+        if self._own_voxels and volume.density is not self.volume.density:
+            self.voxels.write(_half(shape_density(volume, _SPHERE_SIDE)))
+        self.placement, self.volume = new, volume
+        self._limit = diffusivity_limit(volume, new)
+
+
+def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
+    density = shape_density(volume, _SPHERE_SIDE)
+    depth, height, width = density.shape
+    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
+    made.write(_half(density))
+    return made
+
+
+def _half(density: Any) -> Any:
+    return np.minimum(density, _DENSITY_MAX).astype(np.float16)
+
+
+def sun_count(lights: tuple[Light, ...]) -> int:
+    """How many of `lights` are ordinates of their own."""
+    return sum(isinstance(light, DirectionalLight) for light in lights)

@@ -1,0 +1,57 @@
+//! use medium_grid
+//! use ordinate_grid
+//! use delta_beam
+//! use phase
+
+// Light that a medium scatters; see maths/delta_beam.py, Solution.emission. The including pass
+// binds params, ordinates, passed, `phase` (tables of PHASE_TABLE entries) and `diffuse`
+// ([Phi, Jx, Jy, Jz] per cell).
+
+const PHASE_TABLE = 256u;
+const STRONGEST_FLUX = 0.95;
+
+struct BeamEmission {
+    beams: vec3f,
+    quasi_forward: vec3f,
+}
+
+fn beam_phase(n: u32, mu: f32) -> vec3f {
+    let at = sqrt(sqrt(saturate(0.5 - 0.5 * mu))) * f32(PHASE_TABLE - 1u);
+    let low = min(u32(at), PHASE_TABLE - 2u);
+    let first = n * PHASE_TABLE + low;
+    return mix(phase[first].rgb, phase[first + 1u].rgb, at - f32(low));
+}
+
+// Per unit scattering coefficient, of all ordinates, at a point and towards `travel`.
+fn beam_emission(point: vec3f, travel: vec3f) -> BeamEmission {
+    var sum = BeamEmission(vec3f(0.0), vec3f(0.0));
+    let loss = beam_loss(params.g, params.albedo);
+    for (var n = 0u; n < params.ordinate_count; n++) {
+        let o = ordinates[n];
+        if (all(o.irradiance.rgb <= vec3f(0.0))) {
+            continue;
+        }
+        let tau = passed_at(n, ordinate_place(n, point)) * params.sigma_t;
+        let mu = clamp(dot(o.direction.xyz, travel), -1.0, 1.0);
+        let direct = exp(-tau);
+        sum.beams += o.irradiance.rgb * direct * beam_phase(n, mu);
+        let quasi = exp(-loss * tau) - direct;
+        let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
+        sum.quasi_forward += o.irradiance.rgb * quasi
+            * henyey_greenstein_rgb(mu, params.g * a * o.cell.w);
+    }
+    return sum;
+}
+
+fn diffuse_emission(cell: u32, travel: vec3f) -> vec3f {
+    let phi = diffuse[cell].xyz;
+    let x = diffuse[cell + params.cells].xyz;
+    let y = diffuse[cell + 2u * params.cells].xyz;
+    let z = diffuse[cell + 3u * params.cells].xyz;
+    let size = sqrt(x * x + y * y + z * z);
+    let along = x * travel.x + y * travel.y + z * travel.z;
+    let mu = clamp(along / max(size, vec3f(1e-20)), vec3f(-1.0), vec3f(1.0));
+    let g = params.g * min(size / max(phi, vec3f(1e-20)), vec3f(STRONGEST_FLUX));
+    return phi * vec3f(henyey_greenstein(mu.r, g.r), henyey_greenstein(mu.g, g.g),
+        henyey_greenstein(mu.b, g.b));
+}

@@ -1,0 +1,25 @@
+// A beam that keeps part of what it scatters; see maths/delta_beam.py. One value per channel.
+
+fn forward_share(g: vec3f) -> vec3f {
+    let k = max(g, vec3f(0.0));
+    return k * sqrt(k);
+}
+
+fn deposited_anisotropy(g: vec3f) -> vec3f {
+    let f = forward_share(g);
+    return (g - f) / (1.0 - f);
+}
+
+fn beam_loss(g: vec3f, albedo: vec3f) -> vec3f {
+    return 1.0 - albedo * forward_share(g);
+}
+
+fn quasi_forward_anisotropy(g: vec3f, albedo: vec3f, tau: vec3f) -> vec3f {
+    let m = forward_share(g) * albedo * tau;
+    let kept = (1.0 + 2.0 * g) / 3.0;
+    let small = m < vec3f(0.01);
+    let safe = select(m, vec3f(1.0), small);
+    let none = exp(-safe);
+    let exact = (exp(-safe * (1.0 - kept)) - none) / (1.0 - none);
+    return select(exact, kept * (1.0 - 0.5 * m * (1.0 - kept)), small);
+}

@@ -1,0 +1,53 @@
+//! use medium_grid
+
+// Diffusion on a medium's cells; see maths/diffusion.py. The including pass binds `params`
+// (MediumParams) and `density` (array<f32>, cell means).
+
+fn diffusivity(rho: f32) -> vec3f {
+    let scattering = params.sigma_t * params.albedo;
+    let sigma = rho * (scattering * (1.0 - params.g) + params.sigma_t - scattering);
+    return 1.0 / max(3.0 * sigma, vec3f(1.0 / params.largest_diffusivity));
+}
+
+fn absorption(rho: f32) -> vec3f {
+    return rho * params.sigma_t * (1.0 - params.albedo);
+}
+
+// J outwards through an inner face. `carried`: half the sum of both cells' forward power per volume
+// along the outward normal.
+fn inner_flux(d0: vec3f, d1: vec3f, step: vec3f, carried: vec3f, h: f32) -> vec3f {
+    let between = 2.0 * d0 * d1 / (d0 + d1);
+    return between * (step / h + 3.0 * carried);
+}
+
+// J outwards through a face of the box, from which nothing comes back.
+fn outer_flux(d: vec3f, phi: vec3f, carried: vec3f, h: f32) -> vec3f {
+    let half = 0.5 * h / d;
+    return (phi + half * 3.0 * d * carried) / (half + 2.0);
+}
+
+fn is_outer(cell: vec3u, axis: u32, side: u32) -> bool {
+    return select(cell[axis] == 0u, cell[axis] + 1u == params.count[axis], side == 1u);
+}
+
+fn beside(index: u32, axis: u32, side: u32) -> u32 {
+    return select(index - cell_stride(axis), index + cell_stride(axis), side == 1u);
+}
+
+// A's diagonal, m^-1.
+fn diffusion_diagonal(index: u32) -> vec3f {
+    let cell = cell_of(index);
+    let d = diffusivity(density[index]);
+    var sum = absorption(density[index]);
+    for (var face = 0u; face < 6u; face++) {
+        let axis = face / 2u;
+        let h = params.cell[axis];
+        if (is_outer(cell, axis, face & 1u)) {
+            sum += outer_flux(d, vec3f(1.0), vec3f(0.0), h) / h;
+        } else {
+            let other = diffusivity(density[beside(index, axis, face & 1u)]);
+            sum += inner_flux(d, other, vec3f(1.0), vec3f(0.0), h) / h;
+        }
+    }
+    return sum;
+}

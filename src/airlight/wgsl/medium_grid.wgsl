@@ -1,0 +1,16 @@
+// Cells of a medium's own grid. The including pass binds `params` (MediumParams).
+
+fn cell_of(index: u32) -> vec3u {
+    let n = params.count;
+    return vec3u(index % n.x, (index / n.x) % n.y, index / (n.x * n.y));
+}
+
+// How far apart in memory neighbours along an axis are.
+fn cell_stride(axis: u32) -> u32 {
+    let n = params.count;
+    return select(select(n.x * n.y, n.x, axis == 1u), 1u, axis == 0u);
+}
+
+fn cell_centre(cell: vec3u) -> vec3f {
+    return (vec3f(cell) + 0.5) * params.cell;
+}
