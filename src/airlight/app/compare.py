@@ -78,7 +78,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
 )  # fmt: skip
 @size_option("640x360")
 @click.option(
-    "--spp", type=click.IntRange(4, 65536), default=128, show_default=True,
+    "--spp", type=click.IntRange(4, 65536), default=64, show_default=True,
     help="Samples a pixel of the reference, at least.",
 )  # fmt: skip
 @click.option(
@@ -123,7 +123,7 @@ def compare_scene(
     *,
     output: Path,
     size: tuple[int, int] = (640, 360),
-    spp: int = 128,
+    spp: int = 64,
     noise: float | None = None,
     timeout_s: float = 3600.0,
     samples: int = 16,

@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import json
 import math
+import time
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 FORMAT = 1  # raise it when what is kept, or what it means, changes
 SPP_LIMIT = 1 << 16
+SPP_AT_ONCE = 256  # each such part is kept: an interrupted comparison goes on where it was
 NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
 """Fields of a scene that no reference depends on."""
 
@@ -60,7 +62,7 @@ def reference_for(
     timeout_s: float = 3600.0,
     report: Report = lambda stage, fraction: None,
 ) -> Reference:
-    """At least `spp` samples a pixel, and more until the noise floor (relmse) is below `noise`.
+    """At least `spp` samples a pixel; more, up to 65536, until the floor (relmse) is below `noise`.
 
     Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
     and else refined with new samples. Raises ReferenceFailure.
@@ -68,8 +70,10 @@ def reference_for(
     path = env.cache_folder() / "references" / f"{scene_hash(scene, size)}.npz"
     kept = _read(path)
     have = kept
+    deadline_s = time.monotonic() + timeout_s
     while (missing := _samples_missing(have, spp, noise)) > 0:
-        fresh = _render(scene, size, missing, have.spp if have else 0, timeout_s, report)
+        left_s = max(deadline_s - time.monotonic(), 1.0)
+        fresh = _render(scene, size, missing, have.spp if have else 0, left_s, report)
         have = fresh if have is None else _merged(have, fresh)
         _keep(have, path)
     assert have is not None
@@ -77,13 +81,11 @@ def reference_for(
 
 
 def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> int:
-    if have is None:
-        return spp
-    wanted = spp
-    if noise is not None and have.floor > noise:
+    wanted, done = spp, 0 if have is None else have.spp
+    if noise is not None and have is not None and have.floor > noise:
         # Variance falls as 1/N; a tenth more, so that the estimate of it need not be exact.
-        wanted = max(spp, math.ceil(1.1 * have.spp * have.floor / noise))
-    return max(0, min(wanted, SPP_LIMIT) - have.spp)
+        wanted = max(spp, math.ceil(1.1 * done * have.floor / noise))
+    return max(0, min(wanted - done, SPP_LIMIT - done, SPP_AT_ONCE))
 
 
 def _render(
