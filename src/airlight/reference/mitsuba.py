@@ -28,7 +28,14 @@ from ..scene.image import Image
 from ..scene.scene import Scene
 from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
 from .mitsuba_process import SCALAR_VARIANT, Job
-from .mitsuba_scene import Exported, export, g_channels, with_grey_g, write_mitsuba
+from .mitsuba_scene import (
+    VISIBLE_ENVIRONMENT,
+    Exported,
+    export,
+    g_channels,
+    with_grey_g,
+    write_mitsuba,
+)
 
 __all__ = ["LAYERS", "MIN_SPP", "render", "render_layers", "write_mitsuba"]
 
@@ -186,8 +193,7 @@ def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> 
     for layer in missing:  # a scene without media
         arrays[layer] = np.full(shape, float(layer == "transmittance"), np.float32)
         arrays[f"{layer}.variance"] = np.zeros(shape, np.float32)
-    hidden = "the environment is visible: Mitsuba hides all emitters or none"
-    notes = tuple(note for note in exported.notes if note != hidden)
+    notes = tuple(note for note in exported.notes if note != VISIBLE_ENVIRONMENT)
     return _Part(arrays, job.variant, job.integrator, notes)
 
 

@@ -28,7 +28,7 @@ class FileStore:
         self.prefix = prefix
         self._names: dict[Hashable, str] = {}
         self._kept: list[object] = []
-        self.meshes: list[str] = []
+        self.meshes: list[str] = []  # names behind the numbers in ids
 
     def once(self, key: Hashable, stem: str, ending: str, write: Callable[[Path], None]) -> str:
         """The scene-relative name of the file for `key`, written on first request."""

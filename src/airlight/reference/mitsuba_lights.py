@@ -55,7 +55,10 @@ def _spot(light: SpotLight, files: FileStore, notes: list[str]) -> Element:
         return emitter
     pixels = spot_falloff_pixels(light.inner_deg, light.outer_deg)
     key = ("spot", light.inner_deg, light.outer_deg)
-    texture = plugin("texture", "bitmap", "texture")
+    # The id tells scene/io/mitsuba_emitters.py the inner angle again.
+    identity = f"airlight_inner_{light.inner_deg:.9g}_{len(files.meshes)}"
+    files.meshes.append(identity)
+    texture = plugin("texture", "bitmap", "texture", id=identity)
     name = files.once(key, "spot", "exr", lambda path: write_exr(path, pixels))
     add_text(texture, "filename", name)
     add_truth(texture, "raw", True)

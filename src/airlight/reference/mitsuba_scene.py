@@ -26,8 +26,11 @@ from .mitsuba_xml import (
     add_number,
     add_reference,
     add_text,
+    add_truth,
     plugin,
 )
+
+VISIBLE_ENVIRONMENT = "the environment is visible: Mitsuba hides all emitters or none"
 
 
 @dataclass(frozen=True)
@@ -165,8 +168,12 @@ def _integrator(media: Media, has_masks: bool) -> str:
 
 def _hiding(integrator: Element, scene: Scene, notes: list[str]) -> Element:
     add_integer(integrator, "max_depth", "$max_depth")
-    if scene.environment is not None and not scene.environment.visible:
-        notes.append("the environment is visible: Mitsuba hides all emitters or none")
+    if scene.environment is None or scene.environment.visible:
+        return integrator
+    if any(mesh.material.is_emissive for mesh in scene.meshes):
+        notes.append(VISIBLE_ENVIRONMENT)
+    else:
+        add_truth(integrator, "hide_emitters", True)
     return integrator
 
 

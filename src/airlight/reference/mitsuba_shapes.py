@@ -43,10 +43,12 @@ def mesh_shapes(mesh: Mesh, diagonal: float, files: FileStore, notes: list[str])
     shapes = []
     for part in _emission_parts(material, geometry, notes):
         kept = replace(geometry, indices=geometry.indices[part.triangles])
-        shapes.append(_shape(mesh, kept, part, files, notes))
-        if part.glows and material.two_sided:
+        has_back = part.glows and material.two_sided
+        side = "_front" if has_back else ""
+        shapes.append(_shape(mesh, kept, part, files, notes, side))
+        if has_back:
             back = _flipped(kept, BACK_OFFSET * diagonal)
-            shapes.append(_shape(mesh, back, part, files, notes))
+            shapes.append(_shape(mesh, back, part, files, notes, "_back"))
     return shapes
 
 
@@ -84,9 +86,10 @@ def _flipped(geometry: Geometry, offset: float) -> Geometry:
 
 
 def _shape(
-    mesh: Mesh, geometry: Geometry, part: _Part, files: FileStore, notes: list[str]
+    mesh: Mesh, geometry: Geometry, part: _Part, files: FileStore, notes: list[str], side: str
 ) -> Element:
-    shape = plugin("shape", "ply", id=f"mesh_{len(files.meshes)}")
+    # scene/io/mitsuba.py takes a front and a back for one two-sided sheet again.
+    shape = plugin("shape", "ply", id=f"mesh_{len(files.meshes)}{side}")
     files.meshes.append(mesh.name)
     add_text(shape, "filename", _ply(mesh.material, geometry, files))
     if part.glows and _is_smooth(geometry):

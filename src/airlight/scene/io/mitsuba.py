@@ -1,0 +1,212 @@
+"""A useful subset of Mitsuba 3's scenes. What is dropped or approximated is in `warnings`.
+
+Read: obj, ply, cube, rectangle, sphere, disk and cylinder; diffuse, (rough)conductor,
+(rough)plastic, principled, twosided, mask, normalmap and null; bitmap and checkerboard; point,
+spot, directional, area, constant and envmap; homogeneous and heterogeneous media of constants
+and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor; <default>,
+$parameters, <include>, <ref>.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import SceneError
+from ..camera import Camera
+from ..checks import Vec3
+from ..environment import Environment
+from ..lights import Light
+from ..material import Material
+from ..mesh import Mesh
+from ..scene import Scene
+from .mitsuba_emitters import emitter, with_emission
+from .mitsuba_materials import NoSurface, material
+from .mitsuba_media import Held, air_and_volumes, held_medium
+from .mitsuba_shapes import shape_geometries
+from .mitsuba_textures import Source
+from .mitsuba_xml import Node, read_tree, walk
+
+DEFAULT_FILM = (768, 576)
+DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
+
+# Values that say how to render, not what: leaving them out changes no picture.
+_HOW = frozenset(
+    (
+        "main_specular_sampling_rate", "clearcoat_sampling_rate", "sampling_weight", "accel",
+        "diffuse_reflectance_sampling_rate", "near_clip", "far_clip", "mis_compensation",
+        "format", "sample_emitters", "silhouette_sampling_weight", "max_value",
+    )
+)  # fmt: skip
+_HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
+
+
+@dataclass
+class _Found:
+    meshes: list[Mesh] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
+    environment: Environment | None = None
+    held: list[Held] = field(default_factory=list)
+
+
+def load_mitsuba(path: Path) -> Scene:
+    """Read a Mitsuba scene. What was dropped or approximated is in the scene's `warnings`.
+
+    Raises SceneError for broken or dangerous XML, files that are missing or lie outside the
+    scene's folder, and plugins that do not exist.
+    """
+    path = Path(path)
+    try:
+        tree, root = read_tree(path)
+        source = Source(path, root)
+        scene = _scene(tree, source)
+    except SceneError as error:
+        raise SceneError(error.problem, where=error.where or path, remedy=error.remedy) from None
+    return replace(scene, warnings=tuple(source.notes), name=path.stem)
+
+
+def _scene(tree: Node, source: Source) -> Scene:
+    found = _Found()
+    for node in tree.children:
+        if node.tag == "shape":
+            _read_shape(node, found, source)
+        elif node.tag == "emitter":
+            _read_emitter(node, found, source)
+    sensors = tree.all("sensor")
+    if len(sensors) > 1:
+        source.note(f"{len(sensors)} sensors: the first one is used")
+    camera = _camera(sensors[0], source) if sensors else None
+    around = next((c for c in sensors[0].children if c.tag == "medium"), None) if sensors else None
+    medium, volumes = air_and_volumes(found.held, around, source)
+    integrator = tree.first("integrator")
+    if integrator is not None and integrator.get("hide_emitters", False) and found.environment:
+        found.environment = replace(found.environment, visible=False)
+    _tell_unread(tree, source)
+    scene = Scene(
+        meshes=tuple(found.meshes),
+        lights=tuple(found.lights),
+        environment=found.environment,
+        camera=camera or Camera(),
+        medium=medium,
+        volumes=volumes,
+    )
+    if camera is None:
+        from .defaults import with_default_camera
+
+        source.note("there is no sensor: the camera frames the scene")
+        scene = with_default_camera(scene)
+    return scene
+
+
+def _read_shape(node: Node, found: _Found, source: Source) -> None:
+    interior = next((c for c in node.all("medium") if c.name == "interior"), None)
+    exterior = next((c for c in node.all("medium") if c.name == "exterior"), None)
+    if interior is not None:
+        found.held.append(held_medium(node, interior, exterior, source))
+    if re.fullmatch(r"mesh_\d+_back", node.id):
+        return  # the other side of a glowing sheet, as reference/mitsuba_shapes.py writes it
+    try:
+        made = material(node.first("bsdf"), source)
+    except NoSurface:
+        node.read.update(node.values)
+        return
+    made = _glowing(node, made, source)
+    for part in shape_geometries(node, source):
+        found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
+
+
+def _glowing(node: Node, made: Material, source: Source) -> Material:
+    light = node.first("emitter")
+    if light is None:
+        return made
+    made = with_emission(made, light, source)
+    if made.two_sided and not node.id.endswith("_front"):
+        # Reflecting on both sides and glowing on one cannot be said: the glow decides.
+        if max(made.base_color) > 0.0:
+            source.note(f"{node} glows: its back, which reflects in Mitsuba, is not drawn")
+        made = replace(made, two_sided=False)
+    return made
+
+
+def _read_emitter(node: Node, found: _Found, source: Source) -> None:
+    light = emitter(node, source)
+    if isinstance(light, Environment):
+        if found.environment is not None:
+            source.note(f"{node}: a second environment is left out")
+            return
+        found.environment = light
+    elif light is not None:
+        found.lights.append(light)
+
+
+def _camera(node: Node, source: Source) -> Camera:
+    if node.kind not in ("perspective", "thinlens"):
+        source.note(f"{node} is read as a perspective one")
+    if node.kind == "thinlens":
+        source.note(f"{node}: its lens is left out, all is in focus")
+        node.read.update(("aperture_radius", "focus_distance"))
+    matrix = node.get("to_world")
+    matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
+    forward = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    x, y, z = (float(v) for v in matrix[:3, 3])
+    target = matrix[:3, 3] + forward
+    if np.linalg.det(matrix[:3, :3]) < 0.0:
+        source.note(f"{node}: its transform mirrors the picture, which is left out")
+    up: Vec3 = tuple(float(v) for v in matrix[:3, 1])  # type: ignore[assignment]
+    return Camera(
+        position=(x, y, z),
+        target=(float(target[0]), float(target[1]), float(target[2])),
+        up=up,
+        fov_y_deg=_fov_y(node, source),
+    )
+
+
+def _fov_y(node: Node, source: Source) -> float:
+    """The vertical field of view, degrees, from whichever axis is given."""
+    film = node.first("film")
+    width, height = (
+        (int(film.get("width", DEFAULT_FILM[0])), int(film.get("height", DEFAULT_FILM[1])))
+        if film
+        else DEFAULT_FILM
+    )
+    if min(width, height) < 1:
+        raise SceneError(f"{film} has the impossible size {width} x {height}")
+    aspect = width / height
+    fov, axis = node.get("fov"), str(node.get("fov_axis", "x")).lower()
+    if fov is None:
+        focal = float(str(node.get("focal_length", f"{DEFAULT_FOCAL_MM}mm")).removesuffix("mm"))
+        tan, axis = FILM_DIAGONAL_MM / (2.0 * focal), "diagonal"
+    else:
+        tan = math.tan(math.radians(float(fov)) / 2.0)
+    if axis in ("smaller", "larger"):
+        axis = "y" if (aspect > 1.0) == (axis == "smaller") else "x"
+    if axis == "x":
+        tan /= aspect
+    elif axis == "diagonal":
+        tan /= math.hypot(1.0, aspect)
+    elif axis != "y":
+        raise SceneError(f"{node}: fov_axis '{axis}' is unknown", remedy="Use x or y.")
+    return 2.0 * math.degrees(math.atan(tan))
+
+
+def _tell_unread(tree: Node, source: Source) -> None:
+    """Every value that nobody asked for was left out of the scene: say so."""
+    used = _used(tree)
+    for node in used:
+        left = sorted(set(node.values) - node.read - _HOW)
+        if left and node.tag not in _HOW_TAGS:
+            source.note(f"{node}: left out: {', '.join(left)}")
+
+
+def _used(tree: Node) -> list[Node]:
+    """Nodes below shapes, emitters and the first sensor; definitions nobody uses do not count."""
+    roots = [c for c in tree.children if c.tag in ("shape", "emitter")] + tree.all("sensor")[:1]
+    seen: dict[int, Node] = {}
+    for root in roots:
+        for node in walk(root):
+            seen.setdefault(id(node.read), node)
+    return list(seen.values())

@@ -1,0 +1,144 @@
+"""Mitsuba's emitters as lights, an environment, and glowing surfaces."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+
+from ...errors import SceneError, nearest
+from ..checks import F32, F64, Vec3
+from ..environment import Environment
+from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..material import Material
+from .images import read_radiance
+from .mitsuba_textures import Source, color_input
+from .mitsuba_xml import Node
+
+MAX_HALF_ANGLE_DEG = 89.0
+_LEFT_OUT = ("projector", "directionalarea", "sunsky", "timed_sunsky", "sky", "sun", "collimated")
+_KINDS = ("point", "spot", "directional", "constant", "envmap", "area")
+
+
+def emitter(node: Node, source: Source) -> Light | Environment | None:
+    """The light of an emitter that stands alone; None, and a note, for one that is not read."""
+    readers = {"point": _point, "spot": _spot, "directional": _directional}
+    if node.kind in readers:
+        return readers[node.kind](node, source)
+    if node.kind == "constant":
+        return Environment(radiance=color_input(node, "radiance", 1.0, source)[0])
+    if node.kind == "envmap":
+        return _envmap(node, source)
+    if node.kind in _LEFT_OUT:
+        source.note(f"{node} is left out: emitters of this kind are not read")
+        node.read.update(node.values)
+        return None
+    raise SceneError(
+        f"{node} is no emitter of Mitsuba's",
+        where=source.path,
+        remedy=nearest(node.kind, (*_LEFT_OUT, *_KINDS)),
+    )
+
+
+def with_emission(material: Material, node: Node, source: Source) -> Material:
+    """`material` glowing as an area emitter does: on its front only."""
+    if node.kind != "area":
+        source.note(f"{node} on a shape is left out")
+        return material
+    radiance, texture = color_input(node, "radiance", 1.0, source)
+    return replace(material, emission=radiance, emission_texture=texture)
+
+
+def _point(node: Node, source: Source) -> Light:
+    matrix = node.get("to_world")
+    position = node.get("position") or (0.0, 0.0, 0.0)
+    if matrix is not None:
+        position = _vec(matrix[:3, 3])
+    return PointLight(position, color_input(node, "intensity", 1.0, source)[0])
+
+
+def _directional(node: Node, source: Source) -> Light:
+    matrix = node.get("to_world")
+    direction = node.get("direction") or (0.0, 0.0, 1.0)
+    if matrix is not None:
+        direction = _vec(matrix[:3, :3] @ (0.0, 0.0, 1.0))
+    return DirectionalLight(direction, color_input(node, "irradiance", 1.0, source)[0])
+
+
+def _spot(node: Node, source: Source) -> Light:
+    matrix = node.get("to_world")
+    matrix = np.eye(4) if matrix is None else matrix
+    outer = float(node.get("cutoff_angle", 20.0))
+    inner = float(node.get("beam_width", 0.75 * outer))
+    texture = node.child("texture")
+    ours = re.match(r"airlight_inner_([0-9.]+)", texture.id) if texture else None
+    if texture is not None:
+        texture.read.update(texture.values)
+    if ours:  # what reference/mitsuba_lights.py projects is our own fall-off
+        inner = float(ours.group(1))
+    elif texture is not None:
+        source.note(f"{node}: the texture it projects is left out")
+    if not ours and inner < outer:
+        source.note(f"{node}: its fall-off, linear in the angle, is read as our smooth one")
+    if outer > MAX_HALF_ANGLE_DEG:
+        source.note(f"{node}: its cone is cut to {MAX_HALF_ANGLE_DEG:g} degrees")
+        outer = MAX_HALF_ANGLE_DEG
+    return SpotLight(
+        _vec(matrix[:3, 3]),
+        _vec(matrix[:3, 2]),
+        color_input(node, "intensity", 1.0, source)[0],
+        inner_deg=min(inner, outer),
+        outer_deg=outer,
+    )
+
+
+def _envmap(node: Node, source: Source) -> Environment:
+    path = source.file(node)
+    pixels = read_radiance(path, source.notes)
+    matrix = node.get("to_world")
+    turn = np.eye(3) if matrix is None else np.asarray(matrix, dtype=np.float64)[:3, :3]
+    turn = turn / np.cbrt(abs(np.linalg.det(turn)) or 1.0)
+    angle = math.atan2(turn[0, 2], turn[2, 2])
+    about_y = np.array(
+        [
+            [math.cos(angle), 0.0, math.sin(angle)],
+            [0.0, 1.0, 0.0],
+            [-math.sin(angle), 0.0, math.cos(angle)],
+        ]
+    )
+    if not np.allclose(turn, about_y, atol=1e-6):
+        source.note(f"{node}: its map is resampled for its turn")
+        pixels, angle = _turned_map(pixels, turn), 0.0
+    return Environment(
+        map=pixels,
+        scale=float(node.get("scale", 1.0)),
+        rotation_deg=math.degrees(angle),
+        source=str(path),
+    )
+
+
+def _turned_map(pixels: F32, turn: F64) -> F32:
+    """The latitude-longitude map seen through `turn` (world from map), bilinear."""
+    height, width = pixels.shape[:2]
+    u, v = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
+    theta, phi = np.meshgrid(np.pi * v, 2 * np.pi * u, indexing="ij")
+    world = np.stack(
+        [np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], axis=-1
+    )
+    x, y, z = np.moveaxis(world @ np.linalg.inv(turn).T, -1, 0)
+    column = np.arctan2(x, -z) / (2 * np.pi) % 1.0 * width - 0.5
+    row = np.arccos(np.clip(y, -1, 1)) / np.pi * height - 0.5
+    i, j = np.floor(column).astype(np.int64), np.floor(row).astype(np.int64)
+    s, t = (column - i)[..., None], (row - j)[..., None]
+    low, high = (np.clip(j + k, 0, height - 1) for k in (0, 1))
+    left, right = i % width, (i + 1) % width
+    above = pixels[low, left] * (1 - s) + pixels[low, right] * s
+    below = pixels[high, left] * (1 - s) + pixels[high, right] * s
+    return cast(F32, (above * (1 - t) + below * t).astype(np.float32))
+
+
+def _vec(values: F64) -> Vec3:
+    return (float(values[0]), float(values[1]), float(values[2]))

@@ -1,0 +1,241 @@
+"""Mitsuba's BSDFs as Lambert plus GGX, as far as they go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from ..checks import Rgb
+from ..material import Material
+from .mitsuba_textures import Source, bitmap, color_input, scalar_input, triple
+from .mitsuba_xml import Node
+from .texture_mix import packed_roughness_metallic, with_alpha
+
+# Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
+# from their indices of refraction (refractiveindex.info), as tabled by Lagarde 2011.
+METALS: dict[str, Rgb] = {
+    "Ag": (0.972, 0.960, 0.915),
+    "Al": (0.913, 0.921, 0.925),
+    "Au": (1.000, 0.766, 0.336),
+    "Cu": (0.955, 0.637, 0.538),
+    "Cr": (0.550, 0.556, 0.554),
+    "W": (0.504, 0.498, 0.478),
+    "none": (1.0, 1.0, 1.0),
+}
+INDICES = {"air": 1.000277, "vacuum": 1.0, "water": 1.333, "bk7": 1.5046, "acrylic glass": 1.49}
+DEFAULT_INDEX = 1.5046
+DIELECTRIC_REFLECTANCE = 0.04
+
+GREY = Material(name="grey", base_color=(0.5, 0.5, 0.5), specular=0.0, two_sided=False)
+
+
+class NoSurface(Exception):
+    """The BSDF lets everything pass: there is nothing to see but what lies behind."""
+
+
+def material(node: Node | None, source: Source) -> Material:
+    """The material of a BSDF; GREY, which is Mitsuba's default, for none.
+
+    Raises NoSurface for null and for glass, which is said in the notes.
+    """
+    if node is None:
+        return GREY
+    reader = _READERS.get(node.kind)
+    if reader is None:
+        source.note(f"{node} is unknown, a mid grey stands in")
+        return replace(GREY, two_sided=True)
+    return replace(reader(node, source), name=node.id or node.kind)
+
+
+def _nested(node: Node, source: Source) -> Material:
+    inner = node.first("bsdf")
+    if inner is None:
+        source.note(f"{node} has no BSDF inside, a mid grey stands in")
+    return material(inner, source)
+
+
+def _diffuse(node: Node, source: Source) -> Material:
+    color, texture = color_input(node, "reflectance", 0.5, source)
+    return replace(GREY, base_color=_at_most_one(color), base_color_texture=texture)
+
+
+def _twosided(node: Node, source: Source) -> Material:
+    if len(node.all("bsdf")) > 1:
+        source.note(f"{node}: the BSDF of its back is left out, both sides look alike")
+    return replace(_nested(node, source), two_sided=True)
+
+
+def _mask(node: Node, source: Source) -> Material:
+    """Opacity becomes a cut at one half."""
+    inner = _nested(node, source)
+    child = node.child("opacity")
+    if child is None:
+        opacity = sum(triple(node.get("opacity", 0.5))) / 3.0
+        if opacity == 0.0:
+            raise NoSurface
+        if opacity < 1.0:
+            source.note(f"{node}: half transparent surfaces are cut: opaque from one half on")
+        return replace(inner, alpha=opacity, alpha_cutoff=0.5)
+    found = None
+    if child.kind == "bitmap":
+        found = bitmap(child, source, is_color=False, is_cut=True)
+    if found is None:
+        source.note(f"{node}: its opacity texture is left out")
+        return inner
+    cut = with_alpha(inner.base_color_texture, found[0])
+    if inner.base_color_texture is not None and (found[0].scale, found[0].offset) != (
+        inner.base_color_texture.scale,
+        inner.base_color_texture.offset,
+    ):
+        source.note(f"{node}: its opacity takes the uv transform of the colour texture")
+    return replace(inner, base_color_texture=cut, alpha_cutoff=0.5)
+
+
+def _normalmap(node: Node, source: Source) -> Material:
+    inner = _nested(node, source)
+    for flag in ("use_shadowing_function", "flip_invalid_normals"):
+        node.get(flag)
+    child = node.child("normalmap") or node.first("texture")
+    found = bitmap(child, source, is_color=False) if child and child.kind == "bitmap" else None
+    return replace(inner, normal_texture=found[0]) if found else inner
+
+
+def _bumpmap(node: Node, source: Source) -> Material:
+    source.note(f"{node}: bump maps are left out, the surface is smooth")
+    node.get("scale")
+    return _nested(node, source)
+
+
+def _blend(node: Node, source: Source) -> Material:
+    options = node.all("bsdf")
+    weight = scalar_input(node, "weight", 0.5, source)[0]
+    source.note(f"{node}: the BSDF of more weight stands for both")
+    return material(options[1 if weight > 0.5 and len(options) > 1 else 0], source)
+
+
+def _principled(node: Node, source: Source) -> Material:
+    source.note("principled: read as Lambert plus GGX; its diffuse part is Burley's in Mitsuba")
+    color, texture = color_input(node, "base_color", 0.5, source)
+    roughness, rough_texture = scalar_input(node, "roughness", 0.5, source)
+    metallic, metal_texture = scalar_input(node, "metallic", 0.0, source)
+    if "eta" in node.values:
+        specular = _specular(float(node.get("eta")), node, source)
+    else:
+        # Mitsuba's F0 is 0.08 times its specular, ours 0.04 times.
+        specular = _limited(2.0 * float(node.get("specular", 0.5)), node, source)
+    return Material(
+        base_color=_at_most_one(color),
+        base_color_texture=texture,
+        roughness=min(roughness, 1.0),
+        metallic=min(metallic, 1.0),
+        metallic_roughness_texture=packed_roughness_metallic(rough_texture, metal_texture),
+        specular=specular if specular > 4e-5 else 0.0,
+        two_sided=False,
+    )
+
+
+def _conductor(node: Node, source: Source) -> Material:
+    tint, texture = color_input(node, "specular_reflectance", 1.0, source)
+    if "eta" in node.values or "k" in node.values:
+        etas, ks = triple(node.get("eta", 0.0)), triple(node.get("k", 1.0))
+        base = [
+            ((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
+            for n, k in zip(etas, ks, strict=True)
+        ]
+    else:
+        name = str(node.get("material", "Cu"))
+        if name not in METALS:
+            source.note(f"{node}: the metal '{name}' is not known, a light grey one stands in")
+        base = list(METALS.get(name, (0.8, 0.8, 0.8)))
+    r, g, b = (x * t for x, t in zip(base, tint, strict=True))
+    return Material(
+        base_color=_at_most_one((r, g, b)),
+        base_color_texture=texture,
+        roughness=_roughness(node, source),
+        metallic=1.0,
+        two_sided=False,
+    )
+
+
+def _plastic(node: Node, source: Source) -> Material:
+    source.note(f"{node.kind}: read as Lambert plus GGX, without scattering inside its coat")
+    color, texture = color_input(node, "diffuse_reflectance", 0.5, source)
+    node.get("nonlinear")
+    index = _index(node, "int_ior", 1.49) / _index(node, "ext_ior", INDICES["air"])
+    tint = sum(color_input(node, "specular_reflectance", 1.0, source)[0]) / 3.0
+    return Material(
+        base_color=_at_most_one(color),
+        base_color_texture=texture,
+        roughness=_roughness(node, source),
+        specular=min(1.0, tint * _specular(index, node, source)),
+        two_sided=False,
+    )
+
+
+def _glass(node: Node, source: Source) -> Material:
+    source.note(f"{node}: glass is left out, one sees what is behind it unbent")
+    node.read.update(node.values)
+    raise NoSurface
+
+
+def _null(node: Node, source: Source) -> Material:
+    raise NoSurface
+
+
+def _roughness(node: Node, source: Source) -> float:
+    """Ours is the square root of Mitsuba's alpha; 0 for the smooth kinds."""
+    if not node.kind.startswith("rough"):
+        return 0.0
+    if node.get("distribution", "beckmann") != "ggx":
+        source.note(f"{node}: its Beckmann lobe is read as GGX of the same alpha")
+    if "alpha_u" in node.values or "alpha_v" in node.values:
+        source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
+        u, v = (float(node.get(key, 0.1)) for key in ("alpha_u", "alpha_v"))
+        return min(1.0, math.sqrt(math.sqrt(max(u * v, 0.0))))
+    alpha, texture = scalar_input(node, "alpha", 0.1, source)
+    if texture is not None:
+        source.note(f"{node}: its roughness texture is left out")
+        alpha = 0.1
+    return min(1.0, math.sqrt(max(alpha, 0.0)))
+
+
+def _index(node: Node, name: str, default: float) -> float:
+    value = node.get(name, default)
+    return float(INDICES.get(value, DEFAULT_INDEX)) if isinstance(value, str) else float(value)
+
+
+def _specular(index: float, node: Node, source: Source) -> float:
+    """Ours, from a relative index of refraction."""
+    f0 = ((index - 1.0) / (index + 1.0)) ** 2
+    return _limited(f0 / DIELECTRIC_REFLECTANCE, node, source)
+
+
+def _limited(specular: float, node: Node, source: Source) -> float:
+    if specular > 1.25:
+        source.note(f"{node}: it reflects more than 4% head on, which is cut to 4%")
+    return min(1.0, max(0.0, specular))
+
+
+def _at_most_one(color: Rgb) -> Rgb:
+    r, g, b = (min(1.0, max(0.0, c)) for c in color)
+    return (r, g, b)
+
+
+_READERS: dict[str, Callable[[Node, Source], Material]] = {
+    "diffuse": _diffuse,
+    "twosided": _twosided,
+    "mask": _mask,
+    "normalmap": _normalmap,
+    "bumpmap": _bumpmap,
+    "blendbsdf": _blend,
+    "principled": _principled,
+    "conductor": _conductor,
+    "roughconductor": _conductor,
+    "plastic": _plastic,
+    "roughplastic": _plastic,
+    "dielectric": _glass,
+    "roughdielectric": _glass,
+    "thindielectric": _glass,
+    "null": _null,
+}

@@ -1,0 +1,109 @@
+"""PLY as Mitsuba writes and reads it: normals, uv and float colours, vertices kept as they are.
+
+Little-endian binary of triangles only; other PLY files go through meshfile.py, which keeps
+less.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ..checks import F32
+from ..mesh import Geometry
+from .files import read_bytes
+
+_TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
+    "short": "<i2", "int16": "<i2", "ushort": "<u2", "uint16": "<u2",
+    "int": "<i4", "int32": "<i4", "uint": "<u4", "uint32": "<u4",
+    "float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8",
+}  # fmt: skip
+_LIST = "list "
+
+
+def read_ply(path: Path) -> Geometry:
+    """The mesh of a PLY file; uv as stored, colours linear where they are floats.
+
+    Raises SceneError.
+    """
+    raw = read_bytes(path)
+    parts = _header(raw)
+    if parts is None:
+        return _by_meshfile(path)
+    vertex_count, vertex_type, face_count, face_type, start = parts
+    needed = start + vertex_count * vertex_type.itemsize + face_count * face_type.itemsize
+    if len(raw) < needed:
+        raise SceneError(f"it ends after {len(raw):,} bytes of {needed:,}", where=path)
+    vertices = np.frombuffer(raw, vertex_type, vertex_count, start)
+    faces = np.frombuffer(raw, face_type, face_count, start + vertices.nbytes)
+    if face_count and (faces["count"] != 3).any():
+        return _by_meshfile(path)
+    try:
+        return _geometry(vertices, faces["index"])
+    except SceneError as error:
+        raise SceneError(error.problem, where=path, remedy=error.remedy) from None
+
+
+def _header(
+    raw: bytes,
+) -> tuple[int, np.dtype[np.void], int, np.dtype[np.void], int] | None:
+    """Counts, row types and the start of the data; None for a kind that is not read here."""
+    end = raw.find(b"end_header\n", 0, 1 << 16)
+    if not raw.startswith(b"ply\n") or end < 0:
+        return None
+    lines = raw[:end].decode("ascii", "replace").splitlines()
+    if "format binary_little_endian 1.0" not in lines:
+        return None
+    counts: dict[str, int] = {}
+    fields: dict[str, list[tuple[str, str]]] = {}
+    current = ""
+    for line in lines:
+        words = line.split()
+        if words[:1] == ["element"] and len(words) == 3 and words[2].isdigit():
+            current = words[1]
+            counts[current], fields[current] = int(words[2]), []
+        elif words[:1] == ["property"] and current and len(words) >= 3:
+            fields[current].append((words[-1], " ".join(words[1:-1])))
+    if list(counts) != ["vertex", "face"] or len(fields["face"]) != 1:
+        return None
+    kind = fields["face"][0][1]
+    index_type = _TYPES.get(kind.removeprefix("list uchar ").removeprefix("list uint8 "))
+    if not kind.startswith(_LIST) or index_type is None:
+        return None
+    if not all(kind in _TYPES for _, kind in fields["vertex"]):
+        return None
+    vertex = np.dtype([(name, _TYPES[kind]) for name, kind in fields["vertex"]])
+    face = np.dtype([("count", "u1"), ("index", index_type, (3,))])
+    return counts["vertex"], vertex, counts["face"], face, end + len(b"end_header\n")
+
+
+def _geometry(vertices: NDArray[np.void], faces: NDArray[Any]) -> Geometry:
+    def columns(*names: str) -> F32 | None:
+        if not set(names) <= set(vertices.dtype.names or ()):
+            return None
+        return np.stack([vertices[name].astype(np.float32) for name in names], axis=1)
+
+    positions = columns("x", "y", "z")
+    if positions is None:
+        raise SceneError("its vertices have no x, y, z")
+    uvs = columns("u", "v")
+    if uvs is None:
+        uvs = columns("s", "t")
+    colors = columns("r", "g", "b")
+    if colors is not None and vertices.dtype["r"].kind == "f":
+        colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
+    else:
+        colors = None
+    normals = columns("nx", "ny", "nz")
+    return Geometry(positions, np.asarray(faces), normals=normals, uvs=uvs, colors=colors)
+
+
+def _by_meshfile(path: Path) -> Geometry:
+    from .meshfile import load_mesh_file
+
+    return load_mesh_file(path).meshes[0].geometry

@@ -1,0 +1,166 @@
+"""Mitsuba's textures: bitmaps, checkerboards and constants, as colours and airlight textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ...maths.colour import srgb_encode
+from ..checks import F32, Rgb
+from ..material import Texture, Wrap
+from .images import read_radiance, read_texture
+from .mitsuba_values import Spectrum
+from .mitsuba_xml import Node, inside
+from .texture_files import missing_texture
+
+CHECKER_PX = 128
+FLOAT_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe", ".pfm")
+
+
+@dataclass
+class Source:
+    """Where a scene's files lie, and what there is to tell about it."""
+
+    path: Path
+    root: Path
+    notes: list[str] = field(default_factory=list)
+    textures: dict[Any, tuple[Texture, float] | None] = field(default_factory=dict)
+
+    def note(self, text: str) -> None:
+        if text not in self.notes:
+            self.notes.append(text)
+
+    def file(self, node: Node) -> Path:
+        """The file that `node` names. Raises SceneError."""
+        name = str(node.get("filename", ""))
+        if not name:
+            raise SceneError(f"{node} names no file", where=self.path)
+        return inside(self.root, name, self.path)
+
+
+def color_input(
+    node: Node, name: str, default: float, source: Source, *, is_color: bool = True
+) -> tuple[Rgb, Texture | None]:
+    """A colour parameter: (factor, texture). One is neutral where the other says all.
+
+    `is_color`: the texture is a colour, stored sRGB-encoded; else data, stored as it is.
+    """
+    child = node.child(name)
+    if child is None:
+        value = node.get(name, default)
+        if isinstance(value, Spectrum):
+            source.note(f"{node}: the spectrum of '{name}' is reduced to red, green and blue")
+        return triple(value), None
+    node.read.add(name)
+    if child.tag == "texture":
+        return _texture_input(child, source, is_color)
+    source.note(f"{node}: a {child.tag} as '{name}' is left out")
+    return (default,) * 3, None
+
+
+def triple(value: Any) -> Rgb:
+    """One number as grey; three as they are."""
+    if isinstance(value, (int, float)):
+        return (float(value),) * 3
+    r, g, b = value
+    return (float(r), float(g), float(b))
+
+
+def scalar_input(
+    node: Node, name: str, default: float, source: Source
+) -> tuple[float, Texture | None]:
+    """A parameter of one number, or a data texture with the factor of its channels."""
+    factor, texture = color_input(node, name, default, source, is_color=False)
+    r, g, b = factor
+    return (r if r == g == b else (r + g + b) / 3.0), texture
+
+
+def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Texture | None]:
+    if node.kind == "bitmap":
+        found = bitmap(node, source, is_color=is_color)
+        return ((found[1],) * 3, found[0]) if found else ((0.5,) * 3, None)
+    if node.kind == "checkerboard":
+        return (1.0, 1.0, 1.0), _checkerboard(node, source, is_color)
+    if node.kind == "mesh_attribute":
+        if node.get("name") == "vertex_color" and node.get("scale", 1.0) == 1.0:
+            return (1.0, 1.0, 1.0), None
+        source.note(f"{node}: only the attribute vertex_color is read")
+        return (0.5, 0.5, 0.5), None
+    source.note(f"{node} is unknown, a mid grey stands in")
+    return (0.5, 0.5, 0.5), None
+
+
+def bitmap(
+    node: Node, source: Source, *, is_color: bool, is_cut: bool = False
+) -> tuple[Texture, float] | None:
+    """An airlight texture and the factor that its 8 bits are to be multiplied with.
+
+    `is_cut`: only whether a value is above one half counts, so filtering hardly does.
+    """
+    path = source.file(node)
+    raw = bool(node.get("raw", False))
+    key = (path, raw, is_color)
+    if key not in source.textures:
+        try:
+            source.textures[key] = _read(path, raw, is_color)
+        except SceneError as error:
+            stands = "a magenta checker stands in" if is_color else "the surface goes without"
+            source.note(f"{str(error).rstrip('.')}; {stands}")
+            source.textures[key] = (missing_texture(path.name), 1.0) if is_color else None
+    found = source.textures[key]
+    if found is None:
+        return None
+    if node.get("filter_type", "bilinear") != "bilinear" and not is_cut:
+        source.note(f"{node}: {path.name} is filtered, though the scene says it should not be")
+    return _placed(found[0], node, source), found[1]
+
+
+def _read(path: Path, raw: bool, is_color: bool) -> tuple[Texture, float]:
+    """8 bits as they are; float pixels scaled to their largest value, then rounded to 8 bits."""
+    if path.suffix.lower() not in FLOAT_SUFFIXES:
+        # Mitsuba decodes sRGB unless `raw`; data read without `raw` would be decoded too.
+        return read_texture(path, is_srgb=is_color and not raw), 1.0
+    values = read_radiance(path)
+    top = max(1.0, float(values.max()))
+    return to_texture(values / np.float32(top), is_color=is_color, source=str(path)), top
+
+
+def to_texture(values: F32, *, is_color: bool, source: str) -> Texture:
+    """(H, W, 3) in [0, 1] as 8 bits: sRGB-encoded for colours."""
+    encoded = srgb_encode(values) if is_color else np.clip(values, 0.0, 1.0)
+    rgb = np.round(encoded * 255.0).astype(np.uint8)
+    opaque = np.full((*rgb.shape[:2], 1), 255, np.uint8)
+    pixels: NDArray[np.uint8] = np.concatenate([rgb, opaque], axis=2)
+    return Texture(pixels, is_srgb=is_color, source=source)
+
+
+def _placed(texture: Texture, node: Node, source: Source) -> Texture:
+    """With the node's wrapping and uv transform."""
+    mode = node.get("wrap_mode", "repeat")
+    if mode not in ("repeat", "mirror", "clamp"):
+        raise SceneError(f"{node}: wrap_mode '{mode}' is unknown", where=source.path)
+    wrap = cast(Wrap, mode)
+    to_uv = node.get("to_uv")
+    scale, offset = (1.0, 1.0), (0.0, 0.0)
+    if to_uv is not None:
+        scale = (float(to_uv[0, 0]), float(to_uv[1, 1]))
+        offset = (float(to_uv[0, 3]), float(to_uv[1, 3]))
+        if to_uv[0, 1] != 0.0 or to_uv[1, 0] != 0.0:
+            source.note(f"{node}: the turn in its to_uv is left out")
+    return replace(texture, wrap=(wrap, wrap), scale=scale, offset=offset)
+
+
+def _checkerboard(node: Node, source: Source, is_color: bool) -> Texture:
+    """Two by two fields, baked: color0 where both halves agree."""
+    colors = [
+        color_input(node, name, d, source)[0] for name, d in (("color0", 0.4), ("color1", 0.2))
+    ]
+    half = np.arange(CHECKER_PX) >= CHECKER_PX // 2
+    alike = half[:, None] == half[None, :]
+    values = np.where(alike[..., None], colors[0], colors[1]).astype(np.float32)
+    return _placed(to_texture(values, is_color=is_color, source="checkerboard"), node, source)

@@ -1,0 +1,269 @@
+"""Mitsuba's XML as a tree of plain nodes: includes, defaults, parameters and references solved.
+
+The file is not trusted: a document type (where entities would be declared) is refused, and so
+is every file outside the folder of the scene.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from ...errors import SceneError, nearest
+from .files import read_bytes
+from .mitsuba_values import VALUE_TAGS, parse_value
+
+MAX_DEPTH = 60
+MAX_INCLUDES = 64
+OBJECT_TAGS = frozenset(
+    (
+        "bsdf", "emitter", "film", "include", "integrator", "medium", "phase", "rfilter",
+        "sampler", "scene", "sensor", "shape", "texture", "volume",
+    )
+)  # fmt: skip
+
+
+@dataclass(eq=False)
+class Node:
+    """A plugin of the scene: what it is, its values and the plugins inside it, in order.
+
+    `name` is the role it plays for its parent. Reading a value marks it as read, so that what
+    was left out can be told in the end.
+    """
+
+    tag: str
+    kind: str
+    name: str = ""
+    id: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+    children: list[Node] = field(default_factory=list)
+    read: set[str] = field(default_factory=set)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The value called `name`."""
+        self.read.add(name)
+        return self.values.get(name, default)
+
+    def child(self, name: str) -> Node | None:
+        """The plugin that plays the role `name`."""
+        return next((c for c in self.children if c.name == name), None)
+
+    def all(self, tag: str) -> list[Node]:
+        """The plugins of one kind of thing."""
+        return [c for c in self.children if c.tag == tag]
+
+    def first(self, tag: str) -> Node | None:
+        return next(iter(self.all(tag)), None)
+
+    def __str__(self) -> str:
+        return f"{self.tag} '{self.id}' ({self.kind})" if self.id else f"{self.tag} ({self.kind})"
+
+
+@dataclass
+class _Reader:
+    """What holds for the whole scene while its files are read."""
+
+    root: Path
+    parameters: dict[str, str] = field(default_factory=dict)
+    nodes: dict[str, Node] = field(default_factory=dict)
+    references: list[tuple[Node, int, str, Path]] = field(default_factory=list)
+    includes: int = 0
+
+
+def read_tree(path: Path) -> tuple[Node, Path]:
+    """The scene's root node, and the folder that it may name files in.
+
+    Raises SceneError for XML that is broken, dangerous or refers to what is not there.
+    """
+    reader = _Reader(root=path.resolve().parent)
+    root = _parse(path)
+    if root.tag != "scene":
+        raise SceneError(f"this is XML, but its root is <{root.tag}>, not <scene>", where=path)
+    scene = Node("scene", "scene")
+    _fill(scene, root, reader, path, 0)
+    _solve_references(reader)
+    _refuse_cycles(scene)
+    return scene, reader.root
+
+
+def inside(root: Path, name: str, where: object) -> Path:
+    """The file `name` below `root`. Raises SceneError for one outside."""
+    path = (root / name.replace("\\", "/")).resolve()
+    if not path.is_relative_to(root):
+        raise SceneError(
+            f"it names '{name}', which is outside its folder",
+            where=where,
+            remedy="Copy the file beside the scene.",
+        )
+    return path
+
+
+class _Builder(ElementTree.TreeBuilder):
+    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
+        raise SceneError("a document type (<!DOCTYPE ...>) is refused", remedy="Remove it.")
+
+
+def _parse(path: Path) -> ElementTree.Element:
+    parser = ElementTree.XMLParser(target=_Builder())
+    try:
+        parser.feed(read_bytes(path))
+        root = parser.close()
+    except SceneError as error:
+        raise SceneError(error.problem, where=error.where or path, remedy=error.remedy) from None
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise SceneError(f"not readable XML ({error})", where=path) from None
+    assert isinstance(root, ElementTree.Element)
+    return root
+
+
+def _fill(
+    node: Node, element: ElementTree.Element, reader: _Reader, path: Path, depth: int
+) -> None:
+    """Read the children of `element` into `node`."""
+    if depth > MAX_DEPTH:
+        raise SceneError(f"elements are nested more than {MAX_DEPTH} deep", where=path)
+    for child in element:
+        _set_parameters(child, reader, path)
+        tag, attributes = child.tag, child.attrib
+        if tag == "default":
+            reader.parameters.setdefault(attributes.get("name", ""), attributes.get("value", ""))
+        elif tag == "include":
+            _include(node, attributes.get("filename", ""), reader, path, depth)
+        elif tag in ("ref", "alias"):
+            _refer(node, tag, attributes, reader, path)
+        elif tag in VALUE_TAGS:
+            name = _snake(attributes.get("name", ""))
+            node.values[name] = parse_value(child, path)
+        elif tag in OBJECT_TAGS:
+            node.children.append(_object(child, reader, path, depth))
+        elif tag == "path":
+            raise SceneError(
+                "search paths (<path>) are not read",
+                where=path,
+                remedy="Write each file's path relative to the scene.",
+            )
+        else:
+            known = [*OBJECT_TAGS, *VALUE_TAGS, "default", "include", "ref"]
+            raise SceneError(
+                f"<{tag}> is no element of a scene", where=path, remedy=nearest(str(tag), known)
+            )
+
+
+def _object(child: ElementTree.Element, reader: _Reader, path: Path, depth: int) -> Node:
+    attributes = child.attrib
+    made = Node(
+        tag=child.tag,
+        kind=attributes.get("type", ""),
+        name=_snake(attributes.get("name", "")),
+        id=attributes.get("id", ""),
+    )
+    if not made.kind:
+        raise SceneError(f"<{child.tag}> without a type", where=path)
+    _fill(made, child, reader, path, depth + 1)
+    if made.id:
+        if made.id in reader.nodes:
+            raise SceneError(f"two elements have the id '{made.id}'", where=path)
+        reader.nodes[made.id] = made
+    return made
+
+
+def _include(node: Node, name: str, reader: _Reader, path: Path, depth: int) -> None:
+    """The contents of another file's <scene>, or its one other element, put here."""
+    reader.includes += 1
+    if reader.includes > MAX_INCLUDES:
+        raise SceneError(f"more than {MAX_INCLUDES} files are included", where=path)
+    target = inside(reader.root, name, path)
+    root = _parse(target)
+    if root.tag != "scene":
+        holder = ElementTree.Element("scene")
+        holder.append(root)
+        root = holder
+    _fill(node, root, reader, target, depth + 1)
+
+
+def _refer(node: Node, tag: str, attributes: dict[str, str], reader: _Reader, path: Path) -> None:
+    target = attributes.get("id", "")
+    if tag == "alias":
+        if target not in reader.nodes:
+            raise SceneError(f"alias of '{target}', which is nowhere", where=path)
+        reader.nodes[attributes.get("as", "")] = reader.nodes[target]
+        return
+    # The place is kept; what stands there is known when all is read.
+    holder = Node("ref", target, name=_snake(attributes.get("name", "")))
+    node.children.append(holder)
+    reader.references.append((node, len(node.children) - 1, target, path))
+
+
+def _solve_references(reader: _Reader) -> None:
+    for node, place, target, path in reader.references:
+        found = reader.nodes.get(target)
+        if found is None:
+            raise SceneError(
+                f"it refers to '{target}', which is nowhere",
+                where=path,
+                remedy=nearest(target, reader.nodes),
+            )
+        name = node.children[place].name
+        if name and name != found.name:
+            # The same plugin in another role: it shares values, and what was read of them.
+            found = Node(
+                found.tag, found.kind, name, found.id, found.values, found.children, found.read
+            )
+        node.children[place] = found
+
+
+def _refuse_cycles(scene: Node) -> None:
+    def visit(node: Node, above: tuple[int, ...]) -> None:
+        # Nodes in another role share their list of children: that is what makes them the same.
+        if id(node.children) in above:
+            raise SceneError(f"{node} contains itself")
+        if len(above) > 2 * MAX_DEPTH:
+            raise SceneError("references are chained too deep")
+        key = id(node.children)
+        if key in done:
+            return
+        for child in node.children:
+            visit(child, (*above, key))
+        done.add(key)
+
+    done: set[int] = set()
+    visit(scene, ())
+
+
+def walk(node: Node) -> Iterator[Node]:
+    """Every node below `node`, each once."""
+    seen: set[int] = set()
+    stack = [node]
+    while stack:
+        here = stack.pop()
+        if id(here.read) not in seen:
+            seen.add(id(here.read))
+            yield here
+            stack.extend(here.children)
+
+
+def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -> None:
+    """Put the parameters' values in place of $name, the longest name that fits first."""
+    for inner in element.iter() if element.tag == "transform" else (element,):
+        for key, text in inner.attrib.items():
+            if "$" not in text:
+                continue
+            for name in sorted(reader.parameters, key=len, reverse=True):
+                text = text.replace(f"${name}", reader.parameters[name])
+            left = re.search(r"\$(\w+)", text)
+            if left:
+                raise SceneError(
+                    f"the parameter ${left.group(1)} has no value",
+                    where=path,
+                    remedy=f'Add <default name="{left.group(1)}" value="..."/> before it.',
+                )
+            inner.attrib[key] = text
+
+
+def _snake(name: str) -> str:
+    """toWorld -> to_world, as names were written before version 2."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()

@@ -1,0 +1,405 @@
+"""Reading Mitsuba scenes: what becomes of each part, what is told, what is refused."""
+
+from __future__ import annotations
+
+import math
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from airlight.errors import SceneError
+from airlight.scene import DirectionalLight, PointLight, Scene, SpotLight
+from airlight.scene.io import load
+from airlight.scene.io.mitsuba import load_mitsuba
+
+
+def scene(tmp_path: Path, body: str, name: str = "scene.xml") -> Scene:
+    path = tmp_path / name
+    path.write_text(f'<scene version="3.0.0">{body}</scene>')
+    return load_mitsuba(path)
+
+
+def refusal(tmp_path: Path, body: str) -> str:
+    with pytest.raises(SceneError) as caught:
+        scene(tmp_path, body)
+    return str(caught.value).replace(str(tmp_path) + "/", "")
+
+
+SENSOR = '<sensor type="perspective"><float name="fov" value="40"/>{}</sensor>'
+
+
+def test_camera_with_lookat_and_each_fov_axis(tmp_path: Path) -> None:
+    body = """<sensor type="perspective">
+      <float name="fov" value="60"/><string name="fov_axis" value="{axis}"/>
+      <transform name="to_world"><lookat origin="1, 2, 3" target="1, 2, -5"
+        up="0, 1, 0"/></transform>
+      <film type="hdrfilm"><integer name="width" value="200"/><integer name="height" value="100"/>
+      </film></sensor>"""
+    half = math.tan(math.radians(30))
+    tans = {"x": half / 2, "y": half, "smaller": half, "larger": half / 2}
+    tans["diagonal"] = half / math.sqrt(5)
+    for axis, tan in tans.items():
+        camera = scene(tmp_path, body.format(axis=axis)).camera
+        assert camera.fov_y_deg == pytest.approx(2 * math.degrees(math.atan(tan)))
+    assert camera.position == (1, 2, 3)
+    np.testing.assert_allclose(np.subtract(camera.target, camera.position), (0, 0, -1), atol=1e-9)
+    np.testing.assert_allclose(camera.up, (0, 1, 0), atol=1e-9)
+
+
+def test_focal_length_is_of_a_35_mm_film_diagonal(tmp_path: Path) -> None:
+    body = """<sensor type="perspective"><string name="focal_length" value="50mm"/>
+      <film type="hdrfilm"><integer name="width" value="150"/><integer name="height" value="100"/>
+      </film></sensor>"""
+    fov = scene(tmp_path, body).camera.fov_y_deg
+    assert fov == pytest.approx(2 * math.degrees(math.atan(12 / 50)), rel=1e-6)
+
+
+def test_transforms_compose_in_order(tmp_path: Path) -> None:
+    body = """<shape type="rectangle"><transform name="to_world">
+        <scale x="2" y="3"/><rotate x="1" angle="-90"/><translate value="1, 0, 0"/>
+      </transform></shape>"""
+    mesh = scene(tmp_path, body).meshes[0]
+    placed = mesh.world_from_object @ np.array([1.0, 1.0, 0.0, 1.0])
+    np.testing.assert_allclose(placed, [3.0, 0.0, -3.0, 1.0], atol=1e-12)
+    normal = mesh.world_from_object[:3, :3] @ mesh.geometry.normals[0]
+    np.testing.assert_allclose(normal, [0, 1, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["cube", "rectangle", "sphere", "cylinder", "disk"])
+def test_shapes_face_outwards_with_their_true_area(tmp_path: Path, kind: str) -> None:
+    geometry = scene(tmp_path, f'<shape type="{kind}"/>').meshes[0].geometry
+    p = geometry.positions.astype(np.float64)[geometry.indices]
+    cross = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    normals = geometry.normals[geometry.indices].mean(axis=1)
+    assert (np.einsum("ij,ij->i", cross, normals) > 0).all()
+    areas = {"cube": 24, "rectangle": 4, "sphere": 4 * math.pi, "cylinder": 2 * math.pi}
+    expected = areas.get(kind, math.pi)
+    assert np.linalg.norm(cross, axis=1).sum() / 2 == pytest.approx(expected, rel=3e-3)
+
+
+def test_spheres_and_cylinders_lie_where_their_points_say(tmp_path: Path) -> None:
+    body = """<shape type="sphere"><point name="center" x="1" y="2" z="3"/>
+        <float name="radius" value="0.5"/></shape>
+      <shape type="cylinder"><point name="p1" x="0" y="4" z="0"/>
+        <float name="radius" value="0.25"/></shape>"""
+    sphere, cylinder = scene(tmp_path, body).meshes
+    np.testing.assert_allclose(sphere.world_bounds, [[0.5, 1.5, 2.5], [1.5, 2.5, 3.5]], atol=2e-3)
+    np.testing.assert_allclose(cylinder.world_bounds[0], [-0.25, 0, -0.25], atol=2e-3)
+    np.testing.assert_allclose(cylinder.world_bounds[1], [0.25, 4, 0.25], atol=2e-3)
+
+
+def test_obj_and_ply_files_take_the_shapes_bsdf(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    )
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    )
+    bsdf = '<bsdf type="diffuse"><rgb name="reflectance" value="0.1, 0.2, 0.3"/></bsdf>'
+    body = "".join(
+        f'<shape type="{k}"><string name="filename" value="a.{k}"/>{bsdf}</shape>'
+        for k in ("obj", "ply")
+    )
+    read = scene(tmp_path, body)
+    assert [m.material.base_color for m in read.meshes] == [(0.1, 0.2, 0.3)] * 2
+    np.testing.assert_allclose(sorted(read.meshes[0].geometry.uvs[:, 1]), [0, 1, 1])
+    body = body.replace("/><bsdf", '/><boolean name="flip_tex_coords" value="false"/><bsdf', 1)
+    np.testing.assert_allclose(
+        sorted(scene(tmp_path, body).meshes[0].geometry.uvs[:, 1]), [0, 0, 1]
+    )
+
+
+def bsdf(tmp_path: Path, text: str):
+    read = scene(tmp_path, f'<shape type="cube">{text}</shape>' + SENSOR.format(""))
+    return read.meshes[0].material if read.meshes else None, read.warnings
+
+
+def test_materials(tmp_path: Path) -> None:
+    material, warnings = bsdf(tmp_path, "")
+    assert (material.base_color, material.specular, material.two_sided) == ((0.5,) * 3, 0.0, False)
+    assert warnings == ()
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.3"/></bsdf>'
+        "</bsdf>",
+    )
+    assert (material.base_color, material.two_sided, warnings) == ((0.3,) * 3, True, ())
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="principled"><rgb name="base_color" value="0.9 0.5 0.1"/>'
+        '<float name="roughness" value="0.3"/><float name="metallic" value="0.8"/>'
+        '<float name="specular" value="0.25"/><float name="clearcoat" value="1"/></bsdf>',
+    )
+    assert (material.roughness, material.metallic, material.specular) == (0.3, 0.8, 0.5)
+    assert any("left out: clearcoat" in w for w in warnings)
+    material, _ = bsdf(
+        tmp_path,
+        '<bsdf type="roughconductor"><string name="material" value="Au"/>'
+        '<string name="distribution" value="ggx"/><float name="alpha" value="0.25"/></bsdf>',
+    )
+    assert (material.metallic, material.roughness) == (1.0, 0.5)
+    assert material.base_color == (1.0, 0.766, 0.336)
+    material, _ = bsdf(
+        tmp_path,
+        '<bsdf type="conductor"><float name="eta" value="0.2"/><float name="k" value="3"/></bsdf>',
+    )
+    assert material.base_color[0] == pytest.approx((0.64 + 9) / (1.44 + 9))
+    assert material.roughness == 0.0
+    material, _ = bsdf(tmp_path, '<bsdf type="plastic"><float name="int_ior" value="1.5"/></bsdf>')
+    assert material.specular == pytest.approx(1.0, abs=0.01)
+
+
+def test_glass_is_left_out_and_told(tmp_path: Path) -> None:
+    material, warnings = bsdf(tmp_path, '<bsdf type="dielectric" id="g"/>')
+    assert material is None
+    assert warnings == (
+        "bsdf 'g' (dielectric): glass is left out, one sees what is behind it unbent",
+    )
+
+
+def test_unknown_bsdf_gets_a_stand_in(tmp_path: Path) -> None:
+    material, warnings = bsdf(tmp_path, '<bsdf type="velvet"/>')
+    assert material.base_color == (0.5,) * 3
+    assert warnings == ("bsdf (velvet) is unknown, a mid grey stands in",)
+
+
+def test_textures(tmp_path: Path) -> None:
+    pixels = np.zeros((2, 3, 3), np.uint8)
+    pixels[0, 1] = (255, 128, 0)
+    Image.fromarray(pixels).save(tmp_path / "t.png")
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="diffuse"><texture type="bitmap" name="reflectance">'
+        '<string name="filename" value="t.png"/><string name="wrap_mode" value="mirror"/>'
+        '<transform name="to_uv"><scale x="2" y="3"/><translate x="0.5" y="0.25"/></transform>'
+        "</texture></bsdf>",
+    )
+    texture = material.base_color_texture
+    assert warnings == () and material.base_color == (1.0, 1.0, 1.0)
+    np.testing.assert_array_equal(texture.pixels[..., :3], pixels)
+    assert (texture.is_srgb, texture.wrap) == (True, ("mirror", "mirror"))
+    assert (texture.scale, texture.offset) == ((2.0, 3.0), (0.5, 0.25))
+    material, _ = bsdf(
+        tmp_path,
+        '<bsdf type="mask"><texture type="bitmap" name="opacity">'
+        '<string name="filename" value="t.png"/></texture><bsdf type="diffuse"/></bsdf>',
+    )
+    assert material.alpha_cutoff == 0.5
+    alpha = material.base_color_texture.pixels[..., 3]
+    assert alpha[0, 1] == 128 and alpha[1, 1] == 0
+    material, _ = bsdf(
+        tmp_path,
+        '<bsdf type="diffuse"><texture type="checkerboard" name="reflectance">'
+        '<rgb name="color0" value="1"/><rgb name="color1" value="0"/></texture></bsdf>',
+    )
+    checker = material.base_color_texture.pixels[..., 0]
+    assert (checker[0, 0], checker[0, -1], checker[-1, -1]) == (255, 0, 255)
+
+
+def test_missing_textures_get_a_stand_in(tmp_path: Path) -> None:
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="diffuse"><texture type="bitmap" name="reflectance">'
+        '<string name="filename" value="no.png"/></texture></bsdf>',
+    )
+    assert "stand-in" in material.base_color_texture.source
+    assert len(warnings) == 1 and "no.png: file not found" in warnings[0]
+
+
+def test_lights(tmp_path: Path) -> None:
+    read = scene(
+        tmp_path,
+        SENSOR.format("")
+        + """<emitter type="point"><point name="position" x="1" y="2" z="3"/>
+            <rgb name="intensity" value="4, 5, 6"/></emitter>
+          <emitter type="directional"><vector name="direction" x="0" y="-2" z="0"/>
+            <float name="irradiance" value="3"/></emitter>
+          <emitter type="spot"><transform name="to_world">
+            <lookat origin="0, 2, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+            <float name="cutoff_angle" value="40"/></emitter>
+          <emitter type="constant"><rgb name="radiance" value="0.1 0.2 0.3"/></emitter>
+          <emitter type="projector"/>""",
+    )
+    point, sun, spot = read.lights
+    assert point == PointLight((1, 2, 3), (4, 5, 6))
+    assert sun == DirectionalLight((0, -1, 0), (3, 3, 3))
+    assert isinstance(spot, SpotLight)
+    np.testing.assert_allclose(spot.direction, (0, -1, 0), atol=1e-12)
+    assert (spot.position, spot.inner_deg, spot.outer_deg) == ((0, 2, 0), 30, 40)
+    assert read.environment.radiance == (0.1, 0.2, 0.3)
+    assert len(read.warnings) == 2
+    assert read.warnings[1] == "emitter (projector) is left out: emitters of this kind are not read"
+
+
+def test_area_lights_glow_on_their_front(tmp_path: Path) -> None:
+    read = scene(
+        tmp_path,
+        SENSOR.format("")
+        + '<shape type="rectangle"><emitter type="area"><rgb name="radiance" value="1 2 3"/>'
+        "</emitter></shape>",
+    )
+    material = read.meshes[0].material
+    assert (material.emission, material.two_sided) == ((1, 2, 3), False)
+
+
+def test_turned_environment_maps(tmp_path: Path) -> None:
+    pixels = np.zeros((8, 16, 3), np.uint8)
+    pixels[:, 3] = 255
+    Image.fromarray(pixels).save(tmp_path / "sky.png")
+    body = (
+        SENSOR.format("") + '<emitter type="envmap"><string name="filename" value="sky.png"/>'
+        '<transform name="to_world"><rotate {} angle="{}"/></transform></emitter>'
+    )
+    environment = scene(tmp_path, body.format('y="1"', 45)).environment
+    assert environment.rotation_deg == pytest.approx(45)
+    np.testing.assert_allclose(environment.map[0, 3], 1.0)
+    half_turn = scene(tmp_path, body.format('x="1"', 180))
+    assert "resampled" in half_turn.warnings[-1]
+    # About x by 180 degrees: u -> 1/2 - u, v -> 1 - v.
+    np.testing.assert_allclose(half_turn.environment.map[4, (8 - 4) % 16], 1.0, atol=1e-5)
+
+
+def test_media(tmp_path: Path) -> None:
+    grid = np.arange(24, dtype="<f4").reshape(2, 3, 4) / 24
+    header = b"VOL\x03" + struct.pack("<5i6f", 1, 4, 3, 2, 1, 0, 0, 0, 1, 1, 1)
+    (tmp_path / "smoke.vol").write_bytes(header + grid.tobytes())
+    read = scene(
+        tmp_path,
+        SENSOR.format("")
+        + """<medium type="homogeneous" id="fog"><rgb name="sigma_t" value="0.1 0.2 0.4"/>
+            <float name="scale" value="2"/><rgb name="albedo" value="0.9"/>
+            <phase type="hg"><float name="g" value="0.3"/></phase></medium>
+          <shape type="cube"><transform name="to_world"><scale value="2, 3, 4"/></transform>
+            <bsdf type="null"/><ref name="interior" id="fog"/></shape>
+          <shape type="cube"><transform name="to_world"><translate x="10"/></transform>
+            <bsdf type="null"/>
+            <medium type="heterogeneous" name="interior">
+              <volume type="gridvolume" name="sigma_t"><string name="filename" value="smoke.vol"/>
+                <transform name="to_world"><scale value="2"/><translate x="9" y="-1" z="-1"/>
+                </transform></volume>
+              <float name="scale" value="6"/><float name="albedo" value="0.7"/></medium></shape>""",
+    )
+    assert read.warnings == ()
+    assert read.medium.bounds == ((-2, -3, -4), (2, 3, 4))
+    np.testing.assert_allclose(read.medium.sigma_t, (0.2, 0.4, 0.8))
+    assert (read.medium.albedo, read.medium.g) == ((0.9,) * 3, (0.3,) * 3)
+    (volume,) = read.volumes
+    np.testing.assert_allclose(volume.density * volume.sigma_t[1], 6 * grid, rtol=1e-5)
+    low, high = (volume.world_from_volume @ [*corner, 1.0] for corner in volume.bounds)
+    np.testing.assert_allclose([low[:3], high[:3]], [[9, -1, -1], [11, 1, 1]])
+    assert (volume.albedo, volume.g) == ((0.7,) * 3, (0.0,) * 3)
+    assert read.meshes == ()
+
+
+def test_defaults_parameters_includes_and_references(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "materials.xml").write_text(
+        '<scene version="3.0.0"><bsdf type="diffuse" id="red">'
+        '<rgb name="reflectance" value="$tone, 0, 0"/></bsdf></scene>'
+    )
+    read = scene(
+        tmp_path,
+        SENSOR.format("")
+        + """<default name="to" value="9"/><default name="tone" value="0.25"/>
+          <default name="tone" value="0.75"/><include filename="parts/materials.xml"/>
+          <shape type="cube"><transform name="to_world"><translate x="$to"/></transform>
+            <ref id="red"/></shape><shape type="cube"><ref id="red"/></shape>""",
+    )
+    assert [m.material.base_color for m in read.meshes] == [(0.25, 0, 0)] * 2
+    assert read.meshes[0].world_from_object[0, 3] == 9
+    assert read.warnings == ()
+
+
+def test_old_names_are_understood(tmp_path: Path) -> None:
+    body = '<shape type="cube"><transform name="toWorld"><translate x="2"/></transform></shape>'
+    assert scene(tmp_path, body).meshes[0].world_from_object[0, 3] == 2
+
+
+def test_without_a_sensor_the_camera_frames_the_scene(tmp_path: Path) -> None:
+    read = scene(tmp_path, '<shape type="sphere"/>')
+    assert read.warnings == ("there is no sensor: the camera frames the scene",)
+    assert np.linalg.norm(read.camera.position) > 1.0
+
+
+BILLION_LAUGHS = """<!DOCTYPE lolz [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;">
+<!ENTITY c "&b;&b;&b;&b;&b;&b;">]><scene version="3.0.0"><string name="x" value="&c;"/></scene>"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [BILLION_LAUGHS, '<!DOCTYPE scene SYSTEM "http://127.0.0.1/x.dtd"><scene version="3.0.0"/>'],
+)
+def test_entity_bombs_are_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "bomb.xml"
+    path.write_text(text)
+    with pytest.raises(SceneError) as caught:
+        load(path)
+    assert str(caught.value) == f"{path}: a document type (<!DOCTYPE ...>) is refused. Remove it."
+
+
+def test_files_outside_are_refused(tmp_path: Path) -> None:
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (tmp_path / "secret.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    outside = "which is outside its folder. Copy the file beside the scene."
+    for name in ("../secret.obj", str(tmp_path / "secret.obj")):
+        body = f'<shape type="obj"><string name="filename" value="{name}"/></shape>'
+        with pytest.raises(SceneError, match=r"outside its folder"):
+            scene(inner, body)
+        assert outside in refusal(inner, f'<include filename="{name}"/>')
+    (inner / "link.obj").symlink_to(tmp_path / "secret.obj")
+    assert outside in refusal(
+        inner, '<shape type="obj"><string name="filename" value="link.obj"/></shape>'
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ('<shape type="cubee"/>', "scene.xml: shape (cubee) is no shape of Mitsuba's. "
+         "Did you mean 'cube'?"),
+        ('<emitter type="pont"/>', "scene.xml: emitter (pont) is no emitter of Mitsuba's. "
+         "Did you mean 'point'?"),
+        ("<shap/>", "scene.xml: <shap> is no element of a scene. Did you mean 'shape'?"),
+        ("<shape/>", "scene.xml: <shape> without a type"),
+        ('<ref id="x"/>', "scene.xml: it refers to 'x', which is nowhere"),
+        ('<include filename="scene.xml"/>', "scene.xml: elements are nested more than 60 deep"),
+        ('<float name="x" value="$y"/>', "scene.xml: the parameter $y has no value. "
+         'Add <default name="y" value="..."/> before it.'),
+        ('<float name="x" value="1e"/>', "scene.xml: <float name='x'> is '1e', not a number"),
+        ('<rgb name="x" value="1 2"/>', "scene.xml: <rgb name='x'> has 2 numbers, "
+         "it must have 1 or 3"),
+        ('<bsdf type="twosided" id="a"><ref id="a"/></bsdf>', 
+         "scene.xml: bsdf 'a' (twosided) contains itself"),
+        ('<shape type="obj"/>', "scene.xml: shape (obj) names no file"),
+        ("<b>", "scene.xml: not readable XML (mismatched tag: line 1, column 28)"),
+        ('<shape type="cube"><transform name="to_world"><skew/></transform></shape>',
+         "scene.xml: <skew> is no step of a transform"),
+    ],
+)  # fmt: skip
+def test_bad_scenes_get_one_message(tmp_path: Path, body: str, message: str) -> None:
+    assert refusal(tmp_path, body) == message
+
+
+def test_deep_nesting_is_refused(tmp_path: Path) -> None:
+    body = '<bsdf type="twosided">' * 500 + "</bsdf>" * 500
+    assert refusal(tmp_path, body) == "scene.xml: elements are nested more than 60 deep"
+
+
+def test_not_a_scene(tmp_path: Path) -> None:
+    path = tmp_path / "page.xml"
+    path.write_text("<html/>")
+    with pytest.raises(SceneError, match="its root is <html>, not <scene>"):
+        load_mitsuba(path)
+    with pytest.raises(SceneError, match="file not found"):
+        load_mitsuba(tmp_path / "no.xml")
+
+
+def test_unsupported_shapes_are_told(tmp_path: Path) -> None:
+    read = scene(tmp_path, SENSOR.format("") + '<shape type="sdfgrid"/>')
+    assert read.warnings == ("shape (sdfgrid) is left out: shapes of this kind are not read",)
