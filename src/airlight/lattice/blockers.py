@@ -77,7 +77,8 @@ class Blockers:
         self.placement, self.meshes = placement, meshes
         samples = surfels(scene.meshes, meshes.order, count)
         self.count = len(samples)
-        self._surfels = buffer_of(gpu, "surfels", samples)
+        self.is_emissive = bool(samples["emission"].any())
+        self.surfels = buffer_of(gpu, "surfels", samples)
         corners = int(np.prod([n + 1 for n in placement.count]))
         self._sums = Buffer(gpu, "blocker sums", corners * _CORNER_VALUES * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
@@ -103,7 +104,7 @@ class Blockers:
         )  # fmt: skip
         commands.encoder.clear_buffer(self._sums.handle)
         self._sum.dispatch(
-            commands, (self.count,), params=params, surfels=self._surfels,
+            commands, (self.count,), params=params, surfels=self.surfels,
             instances=self.meshes.instances, sums=self._sums,
         )  # fmt: skip
         self._open.dispatch(
@@ -121,7 +122,7 @@ class Blockers:
     def release(self) -> None:
         """Give the memory back."""
         for part in (
-            self._surfels,
+            self.surfels,
             self._sums,
             self.openness,
             self.open_a,

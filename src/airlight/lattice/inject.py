@@ -29,16 +29,21 @@ SHAPED_LOBE = 2.7
 measured on a floor beside a wall, both blocking (relative L2 error 0.05; 0.12 at 2, 0.17 at 5)."""
 
 
-class InjectParams(Struct):
+class LobeParams(Struct):
     """How flux becomes integers, and the shape of a virtual point light's lobe."""
 
     scale = f32("fixed-point units per W sr^-1")
     lobe = f32("b / (P n / 4pi)")
     hop_even = f32("share of an isotropic cell's power on one hop")
     hop_direct = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
+    is_shaped = u32("1: the surface blocks what goes backwards")
+
+
+class InjectParams(Struct):
+    """The size of the maps."""
+
     resolution = u32("texels")
     layers = u32()
-    is_shaped = u32("1: the surface blocks what goes backwards")
 
 
 class Inject(ComputePass):
@@ -46,6 +51,7 @@ class Inject(ComputePass):
 
     slots = (
         uniform("params", InjectParams),
+        uniform("lobes", LobeParams),
         uniform("lattice", LatticeParams),
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
@@ -64,17 +70,22 @@ class Inject(ComputePass):
 
         `is_shaped`: surfaces stop light from the first step on, so the lobe may be narrow.
         """
-        hop = hops("centroid")[0].matrix
-        params = InjectParams(
-            scale=scale, resolution=maps.resolution, layers=maps.layers,
-            lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=hop[0, 0],
-            hop_direct=hop[0, 1], is_shaped=int(is_shaped),
-        )  # fmt: skip
         self.dispatch(
-            commands, (maps.resolution, maps.resolution, maps.layers), params=params,
-            lattice=placement.params(), views=maps.views, depth=maps.depth, normal=maps.normal,
-            flux=maps.flux, lattice_walls=walls, sums=sums,
+            commands, (maps.resolution, maps.resolution, maps.layers),
+            params=InjectParams(resolution=maps.resolution, layers=maps.layers),
+            lobes=lobe_params(scale, is_shaped=is_shaped), lattice=placement.params(),
+            views=maps.views, depth=maps.depth, normal=maps.normal, flux=maps.flux,
+            lattice_walls=walls, sums=sums,
         )  # fmt: skip
+
+
+def lobe_params(scale: float, *, is_shaped: bool) -> LobeParams:
+    """The parameters of `wgsl/lobes.wgsl`."""
+    hop = hops("centroid")[0].matrix
+    return LobeParams(
+        scale=scale, lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=hop[0, 0],
+        hop_direct=hop[0, 1], is_shaped=int(is_shaped),
+    )  # fmt: skip
 
 
 class ResolveParams(Struct):

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from ..gpu.layout import Struct, u32, vec3f
 from ..maths.colour import srgb_decode
 from ..scene.material import Material, Texture
-from ..scene.mesh import Mesh
+from ..scene.mesh import Geometry, Mesh
 
 F64 = NDArray[np.float64]
+
+_OPEN_EDGES = 0.01  # share of edges without a partner up to which a body counts as closed
 
 
 class SurfelData(Struct):
@@ -27,6 +29,8 @@ class SurfelData(Struct):
     is_two_sided = u32()
     reflectance = vec3f("linear base colour")
     pad = u32()
+    emission = vec3f("W m^-2 sr^-1")
+    pad_end = u32()
 
 
 def surfels(meshes: tuple[Mesh, ...], order: list[int], count: int) -> NDArray[np.void]:
@@ -35,23 +39,25 @@ def surfels(meshes: tuple[Mesh, ...], order: list[int], count: int) -> NDArray[n
     `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an
     array of `SurfelData`. Cut-out materials contribute the share of the area that is there.
     """
-    areas = np.array([_triangle_areas(m).sum() for m in meshes])
+    areas = np.array([triangle_areas(m).sum() for m in meshes])
+    sides = {id(m.geometry): outer_side(m.geometry) for m in meshes}
     total = max(float(areas.sum()), 1e-30)
     parts = []
     for instance, index in enumerate(order):
         share = max(1, round(count * float(areas[index]) / total))
-        parts.append(_mesh_surfels(meshes[index], instance, share))
+        parts.append(_mesh_surfels(meshes[index], instance, share, sides))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
 
 
-def _triangle_areas(mesh: Mesh) -> F64:
+def triangle_areas(mesh: Mesh) -> F64:
+    """Area (T,), m^2, of each placed triangle."""
     linear = mesh.world_from_object[:3, :3]
     a, b, c = (mesh.geometry.positions[mesh.geometry.indices[:, k]] @ linear.T for k in range(3))
     return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
 
 
-def _mesh_surfels(mesh: Mesh, instance: int, count: int) -> NDArray[np.void]:
-    areas = _triangle_areas(mesh)
+def _mesh_surfels(mesh: Mesh, instance: int, count: int, sides: dict[int, int]) -> NDArray[np.void]:
+    areas = triangle_areas(mesh)
     made = np.zeros(count, SurfelData.dtype)
     made["instance"] = instance
     if areas.sum() <= 0.0:
@@ -73,10 +79,30 @@ def _mesh_surfels(mesh: Mesh, instance: int, count: int) -> NDArray[np.void]:
     stretch = areas[triangle][:, None] / np.maximum(0.5 * length, 1e-30)
     area_normal = normal / np.maximum(length, 1e-30) * world_area / np.maximum(stretch, 1e-30)
     colour, cover = _colour_and_cover(mesh.material, geometry.uvs, corners, weights)
-    made["area_normal"] = area_normal * cover[:, None]
+    # A closed body stops light with its outside; both sides of it would count every body twice.
+    side = sides[id(geometry)]
+    made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
     made["reflectance"] = colour
-    made["is_two_sided"] = int(mesh.material.two_sided)
+    made["emission"] = mesh.material.emission
+    made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
+
+
+def outer_side(geometry: Geometry) -> int:
+    """1 or -1 where the triangles close a body and face out or in; 0 for open sheets."""
+    _, welded = np.unique(geometry.positions, axis=0, return_inverse=True)
+    corners = welded.reshape(-1)[geometry.indices]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]].astype(np.int64)
+    n = np.int64(len(geometry.positions))
+    forward, backward = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
+    unmatched = len(edges) - np.isin(forward, backward).sum()
+    if len(edges) == 0 or unmatched > _OPEN_EDGES * len(edges):
+        return 0
+    a, b, c = (geometry.positions[geometry.indices[:, k]].astype(np.float64) for k in range(3))
+    centre = geometry.positions.mean(axis=0)
+    volume = np.einsum("nk,nk->", a - centre, np.cross(b - centre, c - centre))
+    return 1 if volume > 0.0 else -1
 
 
 def _triangle_points(count: int) -> tuple[F64, F64]:

@@ -12,6 +12,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, linear_sampler
 from ..lattice.blockers import Blockers
+from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
 from ..lattice.lookup import LatticeTextures, texture_scale
 from ..lattice.placement import Placement, fitted
@@ -154,10 +155,11 @@ class Lpv(Direct):
         self.lamp_maps = ReflectiveShadowMaps(
             gpu, "lamps", lamp_side, sum(view_count(lamp) for lamp in lamps)
         )
-        self.inject, self.resolve = Inject(gpu), Resolve(gpu)
+        self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
+        self._steady_scale, self._emitted = 0.0, emitted_flux(scene.meshes)
         self.sums = new_sums(gpu, self.placement)
         nbytes = 3 * self.placement.cells * 16
-        self.sky_lattice = Buffer(gpu, "sky's bounce", nbytes)
+        self.steady = Buffer(gpu, "steady light", nbytes)
         self.injected = Buffer(gpu, "injected", nbytes)
         self.propagate = Propagate(
             gpu,
@@ -170,12 +172,12 @@ class Lpv(Direct):
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Shadow maps -> inject -> propagate -> textures."""
         low, high = self._bounds(scene)
-        flux = flux_bound([*scene.lights, *self.sky.lights], low, high)
+        flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
         with commands.stage("blockers"):
-            self.blockers.encode(commands)
+            moved = self.blockers.encode(commands)
         with commands.stage("sky"):
             sky_changed = self.sky.encode(
                 commands, self.meshes, scene.environment, self.blockers.walls
@@ -183,13 +185,13 @@ class Lpv(Direct):
         with commands.stage("reflective shadow maps"):
             self._draw_maps(commands, scene.lights, low, high)
         with commands.stage("inject"):
-            if sky_changed:
-                self._inject_sky(commands, scale)
+            if sky_changed or moved or scale != self._steady_scale:
+                self._inject_steady(commands, scale)
             for maps in (self.sun_maps, self.lamp_maps):
                 if maps.layers:
                     self._inject(commands, maps, scale)
             self.resolve.encode(
-                commands, self.placement, self.sums, self.sky_lattice, self.injected, scale
+                commands, self.placement, self.sums, self.steady, self.injected, scale
             )
         with commands.stage("propagate"):
             total = self.propagate.encode(
@@ -214,11 +216,16 @@ class Lpv(Direct):
             is_shaped=self._is_shaped,
         )  # fmt: skip
 
-    def _inject_sky(self, commands: Commands, scale: float) -> None:
-        self._inject(commands, self.sky.maps, scale)
-        self.resolve.encode(
-            commands, self.placement, self.sums, self.black, self.sky_lattice, scale
-        )
+    def _inject_steady(self, commands: Commands, scale: float) -> None:
+        """What changes only with the environment or the geometry: the sky's bounce, emission."""
+        self._steady_scale = scale
+        if self.sky.maps.layers:
+            self._inject(commands, self.sky.maps, scale)
+        if self.blockers.is_emissive:
+            self.emission.encode(
+                commands, self.blockers, self.sums, scale, is_shaped=self._is_shaped
+            )
+        self.resolve.encode(commands, self.placement, self.sums, self.black, self.steady, scale)
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -232,7 +239,7 @@ class Lpv(Direct):
             self.sun_maps,
             self.lamp_maps,
             self.sums,
-            self.sky_lattice,
+            self.steady,
             self.injected,
             self.propagate,
         ):

@@ -77,7 +77,12 @@ class Propagate:
     """
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool,
+        self,
+        gpu: Gpu,
+        placement: Placement,
+        scheme: Scheme = "centroid",
+        *,
+        is_blocked: bool,
         is_reflecting: bool = False,
     ) -> None:
         self.scheme, self.placement = scheme, placement

@@ -103,7 +103,9 @@ def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) ->
     )
 
 
-def _cube(light: PointLight | SpotLight, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
+def _cube(
+    light: PointLight | SpotLight, index: int, low: F64, high: F64, resolution: int
+) -> list[LightView]:
     return [
         _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
         for forward, up in _CUBE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, pack_array

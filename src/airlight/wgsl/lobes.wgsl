@@ -1,0 +1,34 @@
+// Adding lobes to a lattice's fixed-point sums. The including pass binds the uniforms `lobes`
+// (LobeParams) and `lattice`, and `sums`.
+
+// The narrow lobe would send negative power backwards, where the surface itself closes the way;
+// what goes forward is scaled to the whole power.
+fn forward_gain(n: vec3f) -> f32 {
+    let along = lobes.hop_direct * lobes.lobe * n;
+    let base = vec3f(lobes.hop_even);
+    let forward = dot(max(base + along, vec3f(0.0)) + max(base - along, vec3f(0.0)), vec3f(1.0));
+    return select(1.0, 1.0 / forward, lobes.is_shaped != 0u);
+}
+
+fn add_coefficients(index: u32, value: vec4f) {
+    let units = vec4i(round(value * lobes.scale));
+    if (units.x != 0) { atomicAdd(&sums[index], units.x); }
+    if (units.y != 0) { atomicAdd(&sums[index + 1u], units.y); }
+    if (units.z != 0) { atomicAdd(&sums[index + 2u], units.z); }
+    if (units.w != 0) { atomicAdd(&sums[index + 3u], units.w); }
+}
+
+// A lobe of `power` (W, rgb) along n into the cell at a place (in cells from the origin).
+fn add_lobe(place: vec3f, n: vec3f, power: vec3f) {
+    let cell = vec3i(floor(place));
+    if (any(cell < vec3i(0)) || any(cell >= vec3i(lattice.count))) {
+        return;
+    }
+    let lobe = vec4f(1.0, lobes.lobe * n) * forward_gain(n) / 12.566370614;
+    let c = vec3u(cell);
+    for (var channel = 0u; channel < 3u; channel++) {
+        let index = ((channel * lattice.count.z + c.z) * lattice.count.y + c.y) * lattice.count.x
+            + c.x;
+        add_coefficients(4u * index, power[channel] * lobe);
+    }
+}
