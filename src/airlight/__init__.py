@@ -3,10 +3,93 @@
 >>> import airlight as al
 >>> image = al.render(al.scenes.cornell(), technique="lpv", size=(640, 360))
 >>> image.save("cornell.png")
+
+load, scenes      a scene: from a file, or one that ships
+render, Renderer  a picture of it; or many, with the scene kept on the device
+reference         the same scene by unbiased path tracing, and how far apart two pictures are
+Scene, Mesh, ...  what scenes are made of
 """
 
-from .errors import AirlightError
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from .errors import (
+    AirlightError,
+    DeviceError,
+    OutputError,
+    ReferenceFailure,
+    SceneError,
+    SettingsError,
+)
+from .scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Geometry,
+    Light,
+    Material,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    SpotLight,
+    Texture,
+    Volume,
+)
+from .scene.image import Image
+from .scene.io import load
+
+if TYPE_CHECKING:
+    from . import reference
+    from .render import Renderer, render
+    from .scene import builtin as scenes
 
 __version__ = "0.1.0"
 
-__all__ = ["AirlightError"]
+# Imported on first use: the graphics library and the path tracer take their time.
+_LATER = {
+    "render": ("airlight.rendering", "render"),
+    "Renderer": ("airlight.rendering", "Renderer"),
+    "scenes": ("airlight.scene.builtin", ""),
+    "reference": ("airlight.reference", ""),
+}
+
+__all__ = [
+    "AirlightError",
+    "Camera",
+    "DeviceError",
+    "DirectionalLight",
+    "Environment",
+    "Geometry",
+    "Image",
+    "Light",
+    "Material",
+    "Medium",
+    "Mesh",
+    "OutputError",
+    "PointLight",
+    "ReferenceFailure",
+    "Renderer",
+    "Scene",
+    "SceneError",
+    "SettingsError",
+    "SpotLight",
+    "Texture",
+    "Volume",
+    "load",
+    "reference",
+    "render",
+    "scenes",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATER:
+        raise AttributeError(f"module 'airlight' has no attribute '{name}'")
+    module, attribute = _LATER[name]
+    imported = importlib.import_module(module)
+    value = getattr(imported, attribute) if attribute else imported
+    globals()[name] = value
+    return value

@@ -14,7 +14,14 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from airlight.app import cli, compare, compare_page, compare_pictures
+from airlight.app import (
+    cli,
+    compare,
+    compare_page,
+    compare_pictures,
+    compare_result,
+    compare_style,
+)
 from airlight.app.compare_reference import reference_for, scene_hash
 from airlight.errors import ReferenceFailure, SettingsError
 from airlight.reference import mitsuba
@@ -80,9 +87,9 @@ def techniques(monkeypatch):
             total = layers["direct"] + layers["indirect"]
             return Image(total, layers, stats={"device": "a test"}) if read else None
 
-    module = ModuleType("airlight.render")
+    module = ModuleType("airlight.rendering")
     module.Renderer = Renderer
-    monkeypatch.setitem(sys.modules, "airlight.render", module)
+    monkeypatch.setitem(sys.modules, "airlight.rendering", module)
 
 
 def triangle_scene(**changes):
@@ -139,6 +146,25 @@ def test_every_tag_of_the_page_is_closed(truth, techniques, tmp_path):
     balance = Balance()
     balance.feed(compare_page.page(compared(("dim", "nope"), tmp_path)))
     assert balance.open == []
+
+
+def test_layers_without_light_are_left_out_and_the_whole_comes_first(truth, techniques, tmp_path):
+    views = compared(("dim",), tmp_path).views
+    assert [view.name for view in views] == [
+        compare_result.WHOLE,
+        "direct",
+        "indirect",
+        "one_bounce",
+    ]
+    assert views[2].title == "Indirect light (all bounces)"
+    assert views[2].panels[0].signed[..., 0].mean() > views[2].panels[0].signed[..., 1].mean()
+
+
+def test_every_class_that_the_page_uses_has_a_style(truth, techniques, tmp_path):
+    page = compare_page.page(compared(("dim", "nope"), tmp_path))
+    used = {name for names in re.findall(r'class="([^"]+)"', page) for name in names.split()}
+    assert used
+    assert not [name for name in used if f".{name}" not in compare_style.CSS]
 
 
 def test_a_failed_technique_is_told_on_the_page_and_the_others_stand(truth, techniques, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-import airlight.render
+import airlight.rendering
 from airlight.app import cli, render
 from airlight.scene import Scene
 from airlight.scene.image import Image
@@ -39,7 +39,7 @@ def calls(monkeypatch):
             stats={"device": "none", "lattice": np.int64(32)},
         )
 
-    monkeypatch.setattr(airlight.render, "render", grey)
+    monkeypatch.setattr(airlight.rendering, "render", grey)
     return asked
 
 
@@ -147,7 +147,7 @@ def test_a_failing_renderer_leaves_no_partial_file(scene_file, tmp_path, monkeyp
     def no_driver(scene, **options):
         raise DeviceError("no graphics driver was found", remedy="Install one")
 
-    monkeypatch.setattr(airlight.render, "render", no_driver)
+    monkeypatch.setattr(airlight.rendering, "render", no_driver)
     assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png")]) == 2
     assert "error: no graphics driver was found. Install one\n" in capsys.readouterr().err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["box.toml"]
@@ -157,7 +157,7 @@ def test_an_interrupted_render_leaves_no_partial_file(scene_file, tmp_path, monk
     def interrupted(scene, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(airlight.render, "render", interrupted)
+    monkeypatch.setattr(airlight.rendering, "render", interrupted)
     assert cli.run(["render", scene_file, "-o", str(tmp_path / "a.png")]) == 130
     assert sorted(path.name for path in tmp_path.iterdir()) == ["box.toml"]
 

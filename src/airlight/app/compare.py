@@ -202,7 +202,7 @@ def _picture(
     scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str
 ) -> tuple[Image, float]:
     """The picture and the seconds it took once shaders were compiled and textures loaded."""
-    from ..render import Renderer
+    from ..rendering import Renderer
 
     with Renderer(scene, technique, size, adapter=adapter) as renderer:
         renderer.frame(read=False)

@@ -120,7 +120,7 @@ def _stamped(report: Report, finished_s: list[float]) -> Report:
 
 
 def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
-    from ..render import render
+    from ..rendering import render
 
     image = render(
         scene,
