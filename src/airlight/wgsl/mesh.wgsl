@@ -41,11 +41,14 @@ fn placed_vertex(in: VertexIn, clip_from_world: mat4x4f) -> VertexOut {
     return out;
 }
 
+// Gradients come from the interpolated uv, and the material's scale goes on after: beside a
+// triangle's edge some drivers read 0 from buffers in the lanes that only serve differences.
 fn base_color_at(in: VertexOut) -> vec4f {
     let m = materials[in.material];
     let uv = in.uv * m.uv_base_color.xy + m.uv_base_color.zw;
-    return textureSample(base_color_map, base_color_sampler, uv) * in.color
-        * vec4f(m.base_color, m.alpha);
+    return textureSampleGrad(base_color_map, base_color_sampler, uv,
+        dpdx(in.uv) * m.uv_base_color.xy, dpdy(in.uv) * m.uv_base_color.xy)
+        * in.color * vec4f(m.base_color, m.alpha);
 }
 
 fn facing_normal(in: VertexOut, is_front: bool) -> vec3f {
@@ -54,11 +57,14 @@ fn facing_normal(in: VertexOut, is_front: bool) -> vec3f {
 }
 
 // The normal map's normal, its frame made of screen derivatives (Schueler 2013): no tangents.
-fn mapped_normal(n: vec3f, world: vec3f, uv: vec2f, tangent_space: vec3f) -> vec3f {
+// The screen's y runs down, so that its frame is left-handed: the second difference is turned over.
+fn mapped_normal(
+    n: vec3f, world: vec3f, uv_dx: vec2f, uv_dy: vec2f, tangent_space: vec3f,
+) -> vec3f {
     let dp1 = dpdx(world);
-    let dp2 = dpdy(world);
-    let duv1 = dpdx(uv);
-    let duv2 = dpdy(uv);
+    let dp2 = -dpdy(world);
+    let duv1 = uv_dx;
+    let duv2 = -uv_dy;
     let p2 = cross(dp2, n);
     let p1 = cross(n, dp1);
     let t = p2 * duv1.x + p1 * duv2.x;
@@ -79,14 +85,19 @@ fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
     let uv_mr = in.uv * m.uv_metallic_roughness.xy + m.uv_metallic_roughness.zw;
     let uv_n = in.uv * m.uv_normal.xy + m.uv_normal.zw;
     let uv_e = in.uv * m.uv_emission.xy + m.uv_emission.zw;
-    let mr = textureSample(metallic_roughness_map, metallic_roughness_sampler, uv_mr);
-    let bump = textureSample(normal_map, normal_sampler, uv_n).xyz * 2.0 - 1.0;
-    let glow = textureSample(emission_map, emission_sampler, uv_e).rgb;
+    let dx = dpdx(in.uv);
+    let dy = dpdy(in.uv);
+    let mr = textureSampleGrad(metallic_roughness_map, metallic_roughness_sampler, uv_mr,
+        dx * m.uv_metallic_roughness.xy, dy * m.uv_metallic_roughness.xy);
+    let bump = textureSampleGrad(normal_map, normal_sampler, uv_n, dx * m.uv_normal.xy,
+        dy * m.uv_normal.xy).xyz * 2.0 - 1.0;
+    let glow = textureSampleGrad(emission_map, emission_sampler, uv_e, dx * m.uv_emission.xy,
+        dy * m.uv_emission.xy).rgb;
     var point: SurfacePoint;
     point.base_color = base.rgb;
     point.alpha = base.a;
     let n = facing_normal(in, is_front);
-    let bent = mapped_normal(n, in.world, uv_n,
+    let bent = mapped_normal(n, in.world, dx * m.uv_normal.xy, dy * m.uv_normal.xy,
         vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
     point.normal = select(n, bent, m.has_normal_map != 0u);
     point.roughness = clamp(m.roughness * mr.g, 0.0, 1.0);
