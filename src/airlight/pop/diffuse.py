@@ -25,15 +25,25 @@ class StepParams(Struct):
     step = u32()
 
 
-_params = (uniform("params", MediumParams), storage("density", "f32"))
+_params = uniform("params", MediumParams)
+_density, _links = storage("density", "f32"), storage("links", "vec4f")
 _sums = storage("sums", "vec4f", "read_write")
+
+
+class _System(ComputePass):
+    """The operator: its diagonal, and the links to the next cells along x, y, z; m^-1."""
+
+    slots = (_params, _density, storage("links", "vec4f", "read_write"))
+    workgroup = (64, 1, 1)
+    file = "diffuse_system.wgsl"
 
 
 class _Begin(ComputePass):
     """r = b, z = b/diagonal, phi = 0, p = 0; sums r.z."""
 
     slots = (
-        *_params, storage("deposits", "vec4f"), storage("residual", "vec4f", "read_write"),
+        _params, _density, _links, storage("deposits", "vec4f"),
+        storage("residual", "vec4f", "read_write"),
         storage("z", "vec4f", "read_write"), storage("before", "vec4f", "read_write"),
         storage("phi", "vec4f", "read_write"), _sums,
     )  # fmt: skip
@@ -45,7 +55,7 @@ class _Search(ComputePass):
     """p = z + beta p, and A p; sums p.Ap."""
 
     slots = (
-        *_params, uniform("iteration", StepParams), storage("z", "vec4f"),
+        _params, _links, uniform("iteration", StepParams), storage("z", "vec4f"),
         storage("before", "vec4f"), storage("search", "vec4f", "read_write"),
         storage("product", "vec4f", "read_write"), _sums,
     )  # fmt: skip
@@ -57,7 +67,7 @@ class _Update(ComputePass):
     """phi += alpha p, r -= alpha A p, z = r/diagonal; sums r.z."""
 
     slots = (
-        *_params, uniform("iteration", StepParams), storage("search", "vec4f"),
+        _params, _links, uniform("iteration", StepParams), storage("search", "vec4f"),
         storage("product", "vec4f"), storage("phi", "vec4f", "read_write"),
         storage("residual", "vec4f", "read_write"), storage("z", "vec4f", "read_write"), _sums,
     )  # fmt: skip
@@ -69,7 +79,7 @@ class _Flux(ComputePass):
     """J at cell centres, from phi and what the deposits carry."""
 
     slots = (
-        *_params, storage("deposits", "vec4f"), storage("phi", "vec4f"),
+        _params, _density, storage("deposits", "vec4f"), storage("phi", "vec4f"),
         storage("diffuse", "vec4f", "read_write"),
     )  # fmt: skip
     workgroup = (64, 1, 1)
@@ -86,18 +96,25 @@ class Diffuse:
         self.diffuse = Buffer(gpu, "diffuse light", VECTORS * nbytes)
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
+        self._links = Buffer(gpu, "diffusion links", VECTORS * nbytes)
         self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // GROUP))
+        self._system, self._flux = _System(gpu), _Flux(gpu)
         self._begin, self._search, self._update = _Begin(gpu), _Search(gpu), _Update(gpu)
-        self._flux = _Flux(gpu)
+
+    def encode_medium(self, commands: Commands, params: MediumParams, density: Buffer) -> None:
+        """Make the operator of a medium; `params` count no ordinates."""
+        self._system.dispatch(
+            commands, (self.cells,), params=params, density=density, links=self._links
+        )
 
     def encode(
         self, commands: Commands, params: MediumParams, density: Buffer, steps: int
     ) -> None:
         """Solve for `deposits` by `steps` steps."""
         v, cells = self._vectors, (self.cells,)
-        common = {"params": params, "density": density, "sums": self._sums, "z": v["z"]}
+        common = {"params": params, "links": self._links, "sums": self._sums, "z": v["z"]}
         self._begin.dispatch(
-            commands, cells, **common, deposits=self.deposits, residual=v["residual"],
+            commands, cells, **common, density=density, deposits=self.deposits, residual=v["residual"],
             before=v["search 0"], phi=v["phi"],
         )  # fmt: skip
         for step in range(steps):
@@ -123,5 +140,5 @@ class Diffuse:
 
     def release(self) -> None:
         """Give the memory back."""
-        for buffer in (self.deposits, self.diffuse, self._sums, *self._vectors.values()):
+        for buffer in (self.deposits, self.diffuse, self._links, self._sums, *self._vectors.values()):
             buffer.release()

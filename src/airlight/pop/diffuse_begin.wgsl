@@ -32,7 +32,7 @@ fn source(index: u32) -> vec3f {
     var product = vec3f(0.0);
     if (id.x < params.cells) {
         let b = source(id.x);
-        let scaled = b / diffusion_diagonal(id.x);
+        let scaled = b / links[id.x].xyz;
         residual[id.x] = vec4f(b, 0.0);
         z[id.x] = vec4f(scaled, 0.0);
         before[id.x] = vec4f(0.0);

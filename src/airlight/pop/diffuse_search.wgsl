@@ -1,5 +1,18 @@
-//! use diffusion
+//! use medium_grid
 //! use partial_sums
+
+fn searched(index: u32, beta: vec3f) -> vec3f {
+    return z[index].xyz + beta * before[index].xyz;
+}
+
+// What the neighbours above and below along one axis take off A p; links are 0 across the border.
+fn neighbours(index: u32, section: u32, stride: u32, is_low: bool, beta: vec3f) -> vec3f {
+    let first = section * params.cells;
+    let up = min(index + stride, params.cells - 1u);
+    let down = select(index - stride, index, is_low);
+    let link_down = select(links[first + down].xyz, vec3f(0.0), is_low);
+    return links[first + index].xyz * searched(up, beta) + link_down * searched(down, beta);
+}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32,
@@ -12,22 +25,11 @@
     if (id.x < params.cells) {
         let index = id.x;
         let cell = cell_of(index);
-        let rho = density[index];
-        let d = diffusivity(rho);
-        let p = z[index].xyz + beta * before[index].xyz;
-        var ap = absorption(rho) * p;
-        for (var face = 0u; face < 6u; face++) {
-            let axis = face / 2u;
-            let side = face & 1u;
-            let h = params.cell[axis];
-            if (is_outer(cell, axis, side)) {
-                ap += outer_flux(d, p, vec3f(0.0), h) / h;
-            } else {
-                let other = beside(index, axis, side);
-                let step = p - (z[other].xyz + beta * before[other].xyz);
-                ap += inner_flux(d, diffusivity(density[other]), step, vec3f(0.0), h) / h;
-            }
-        }
+        let n = params.count;
+        let p = searched(index, beta);
+        let ap = links[index].xyz * p - neighbours(index, 1u, 1u, cell.x == 0u, beta)
+            - neighbours(index, 2u, n.x, cell.y == 0u, beta)
+            - neighbours(index, 3u, n.x * n.y, cell.z == 0u, beta);
         search[index] = vec4f(p, 0.0);
         product[index] = vec4f(ap, 0.0);
         product_sum = p * ap;

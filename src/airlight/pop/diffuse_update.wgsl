@@ -1,4 +1,3 @@
-//! use diffusion
 //! use partial_sums
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
@@ -11,7 +10,7 @@
     if (id.x < params.cells) {
         let index = id.x;
         let r = residual[index].xyz - alpha * product[index].xyz;
-        let scaled = r / diffusion_diagonal(index);
+        let scaled = r / links[index].xyz;
         phi[index] = vec4f(phi[index].xyz + alpha * search[index].xyz, 0.0);
         residual[index] = vec4f(r, 0.0);
         z[index] = vec4f(scaled, 0.0);

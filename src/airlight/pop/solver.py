@@ -46,7 +46,7 @@ class PopSettings:
     ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
     grid: int = setting(20, "cells along a side of an ordinate's grid, and of a cube-shaped medium",
                         low=4, high=64)
-    solver_steps: int = setting(48, "steps of the diffusion solve", low=1, high=512)
+    solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
     furnace_correction: float = setting(
         0.5, "share of the error under an even sky that is taken off multiple scattering; 0: none",
@@ -69,6 +69,10 @@ class _Beams:
         s = self._solver
         self.table.write(ordinates, s.placement, s.settings.grid, volume.g,
                          prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
+
+    def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
+        """Take a changed medium."""
+        self.diffuse.encode_medium(commands, params, density.cells)
 
     def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """Sweep, deposit, solve."""
@@ -164,9 +168,11 @@ class PopSolver:
         self._medium_key = key
         with commands.stage("pop density"):
             self.density.encode(commands, params, self.voxels)
+            self.beams.encode_medium(commands, params, self.density)
         if self.furnace is not None and self._even is not None:
             white = self._params(self._even.count, (1.0, 1.0, 1.0))
             self.furnace.write(self._even, v, 1.0)
+            self.furnace.encode_medium(commands, white, self.density)
             self.furnace.encode(commands, white, self.density)
         return True
 

@@ -1,42 +1,49 @@
 // Dot products over all cells, a partial sum per workgroup. The including pass binds `params`
-// (MediumParams), `sums` (array<vec4f>, sections of params.groups) and has WX invocations a group.
+// (MediumParams), `sums` (array<vec4f>, sections of params.groups) and has 256 invocations a group.
 
 const RZ = 0u;          // r.z of even steps; of odd ones in section 1
 const SEARCHED = 2u;    // p.Ap
+const ROW = 16u;        // 256 = ROW^2 values are added up in two rounds: barriers cost
 
-var<workgroup> sum_tree: array<vec4f, WX>;
+var<workgroup> sum_own: array<vec3f, 256>;
+var<workgroup> sum_rows: array<vec3f, ROW>;
 
-fn reduced(lane: u32) -> vec4f {
-    for (var width = WX / 2u; width > 0u; width /= 2u) {
-        workgroupBarrier();
-        if (lane < width) {
-            sum_tree[lane] += sum_tree[lane + width];
+// The sum of everybody's `value`, the same bits for all invocations.
+fn group_sum(lane: u32, value: vec3f) -> vec3f {
+    sum_own[lane] = value;
+    workgroupBarrier();
+    if (lane < ROW) {
+        var row = vec3f(0.0);
+        for (var i = 0u; i < ROW; i++) {
+            row += sum_own[ROW * lane + i];
         }
+        sum_rows[lane] = row;
     }
     workgroupBarrier();
-    return sum_tree[0];
+    var total = vec3f(0.0);
+    for (var i = 0u; i < ROW; i++) {
+        total += sum_rows[i];
+    }
+    return total;
 }
 
 // Leave this workgroup's sum of `value` in a section.
 fn leave_sum(section: u32, group: u32, lane: u32, value: vec3f) {
-    sum_tree[lane] = vec4f(value, 0.0);
-    let total = reduced(lane);
+    let total = group_sum(lane, value);
     if (lane == 0u) {
-        sums[section * params.groups + group] = total;
+        sums[section * params.groups + group] = vec4f(total, 0.0);
     }
-    workgroupBarrier();
 }
 
 // All partial sums of a section, added up the same way in every workgroup.
 fn whole_sum(section: u32, lane: u32) -> vec3f {
-    var own = vec4f(0.0);
+    var own = vec3f(0.0);
     for (var i = lane; i < params.groups; i += WX) {
-        own += sums[section * params.groups + i];
+        own += sums[section * params.groups + i].xyz;
     }
-    sum_tree[lane] = own;
-    let total = reduced(lane);
+    let total = group_sum(lane, own);
     workgroupBarrier();
-    return total.xyz;
+    return total;
 }
 
 // a/b, 0 where b is 0: a channel without light stays 0.

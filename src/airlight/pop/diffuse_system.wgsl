@@ -1,0 +1,22 @@
+//! use diffusion
+
+// J per difference of phi across an inner face, over h: m^-1; 0 on the box's upper faces.
+fn link_up(index: u32, cell: vec3u, axis: u32) -> vec3f {
+    if (is_outer(cell, axis, 1u)) {
+        return vec3f(0.0);
+    }
+    let h = params.cell[axis];
+    let other = diffusivity(density[beside(index, axis, 1u)]);
+    return inner_flux(diffusivity(density[index]), other, vec3f(1.0), vec3f(0.0), h) / h;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    links[id.x] = vec4f(diffusion_diagonal(id.x), 0.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        links[(1u + axis) * params.cells + id.x] = vec4f(link_up(id.x, cell, axis), 0.0);
+    }
+}
