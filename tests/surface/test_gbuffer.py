@@ -1,0 +1,140 @@
+"""What the camera sees of a square in front of it, exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.maths.transforms import clip_from_view_infinite, view_from_world
+from airlight.scene import Material, Texture
+from airlight.surface.gbuffer import GBuffer
+
+WIDTH, HEIGHT = 32, 24
+NEAR_M = 0.01
+UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
+
+
+def looked_at(gpu, commands, owned, scene, eye=(0, 0, 2.0), forward=(0, 0, -1)):
+    """The G-buffer of a camera of 90 degrees."""
+    made = owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    made.encode(commands, scene, clip @ view_from_world(eye, forward, (0, 1, 0)))
+    commands.submit()
+    return made
+
+
+def on_square(half_x, half_y, distance=2.0):
+    """Which pixels see a square of these half sides straight ahead."""
+    x = ((np.arange(WIDTH) + 0.5) / WIDTH * 2 - 1) * WIDTH / HEIGHT * distance
+    y = (1 - (np.arange(HEIGHT) + 0.5) / HEIGHT * 2) * distance
+    return (np.abs(x)[None, :] < half_x) & (np.abs(y)[:, None] < half_y)
+
+
+def test_a_frontal_square_is_exact(gpu, commands, owned, on_device, square):
+    painted = Material(
+        base_color=(0.5, 0.25, 0.125), metallic=0.75, roughness=0.375, specular=0.5,
+        emission=(4.0, 2.0, 1.0),
+    )  # fmt: skip
+    scene = on_device(square((0, 0, 0), (1.0, 0, 0), (0, 0.7, 0), painted))
+    g = looked_at(gpu, commands, owned, scene)
+    seen = on_square(1.0, 0.7)
+    depth = g.depth.read()
+    np.testing.assert_array_equal(depth > 0.0, seen)
+    np.testing.assert_allclose(depth[seen], NEAR_M / 2.0, rtol=1e-6)
+    assert (g.albedo.read()[seen] == np.array([0.5, 0.25, 0.125, 0.75], np.float16)).all()
+    assert (g.emission.read()[seen] == np.array([4.0, 2.0, 1.0, 0.5], np.float16)).all()
+    normal = g.normal.read()[seen].astype(np.float64)
+    np.testing.assert_allclose(normal, np.tile([0, 0, 1, 0.375], (seen.sum(), 1)), atol=1e-3)
+    for texture in (g.albedo, g.normal, g.emission):
+        assert not texture.read()[~seen].any()
+
+
+def test_the_back_of_a_two_sided_square_faces_the_camera(gpu, commands, owned, on_device, square):
+    scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0)))
+    g = looked_at(gpu, commands, owned, scene, eye=(0, 0, -2), forward=(0, 0, 1))
+    middle = g.normal.read()[HEIGHT // 2, WIDTH // 2, :3].astype(np.float64)
+    np.testing.assert_allclose(middle, [0, 0, -1], atol=1e-3)
+
+
+@pytest.mark.parametrize(("eye", "forward", "is_seen"), [(2, -1, True), (-2, 1, False)])
+def test_a_one_sided_square_has_no_back(
+    gpu, commands, owned, on_device, square, eye, forward, is_seen
+):
+    scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(two_sided=False)))
+    g = looked_at(gpu, commands, owned, scene, eye=(0, 0, eye), forward=(0, 0, forward))
+    assert bool(g.depth.read().any()) is is_seen
+
+
+def test_the_nearer_square_hides_the_farther(gpu, commands, owned, on_device, square):
+    near = square((0, 0, 0.5), (0.5, 0, 0), (0, 0.5, 0), Material(base_color=(1, 0, 0)))
+    far = square((0, 0, 0), (4, 0, 0), (0, 4, 0), Material(base_color=(0, 0, 1)))
+    for order in ((near, far), (far, near)):
+        g = looked_at(gpu, commands, owned, on_device(*order))
+        hidden = on_square(0.5, 0.5, 1.5)
+        albedo = g.albedo.read()
+        assert (albedo[hidden][:, 0] == 1.0).all()
+        assert (albedo[~hidden][:, 2] == 1.0).all()
+
+
+def test_an_image_lies_upright_and_its_alpha_cuts(gpu, commands, owned, on_device, square):
+    pixels = np.zeros((2, 2, 4), np.uint8)
+    pixels[0, 0] = (255, 0, 0, 255)  # red top left, green top right, blue bottom left
+    pixels[0, 1] = (0, 255, 0, 255)
+    pixels[1, 0] = (0, 0, 255, 255)
+    pixels[1, 1] = (255, 255, 255, 0)  # and nothing bottom right
+    image = Texture(pixels, is_srgb=False, wrap=("clamp", "clamp"))
+    leaf = Material(base_color=(1, 1, 1), base_color_texture=image, alpha_cutoff=0.5)
+    g = looked_at(
+        gpu, commands, owned,
+        on_device(square((0, 0, 0), (1.6, 0, 0), (0, 1.6, 0), leaf, uvs=UVS)),
+    )  # fmt: skip
+    albedo, depth = g.albedo.read()[..., :3].astype(float), g.depth.read()
+    top, bottom, left, right = 4, HEIGHT - 5, WIDTH // 2 - 8, WIDTH // 2 + 7
+    np.testing.assert_allclose(albedo[top, left], [1, 0, 0], atol=0.05)
+    np.testing.assert_allclose(albedo[top, right], [0, 1, 0], atol=0.05)
+    np.testing.assert_allclose(albedo[bottom, left], [0, 0, 1], atol=0.05)
+    assert depth[bottom, right] == 0.0
+    assert depth[top, left] > 0.0
+
+
+def test_vertex_colours_multiply_the_base_colour(gpu, commands, owned, on_device, square):
+    colors = np.tile(np.array([0.5, 1.0, 0.25, 1.0], np.float32), (4, 1))
+    half = Material(base_color=(0.5, 0.5, 0.5))
+    g = looked_at(
+        gpu, commands, owned,
+        on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), half, colors=colors)),
+    )  # fmt: skip
+    middle = g.albedo.read()[HEIGHT // 2, WIDTH // 2, :3].astype(float)
+    np.testing.assert_allclose(middle, [0.25, 0.5, 0.125], rtol=2e-3)
+
+
+def test_a_normal_map_bends_the_normal_towards_its_red_and_green(
+    gpu, commands, owned, on_device, square
+):
+    # a constant map of tangent-space normal (0.6, 0, 0.8), then (0, 0.6, 0.8): right, then up
+    for rgb, expected in (((204, 128, 230), (0.6, 0, 0.8)), ((128, 204, 230), (0, 0.6, 0.8))):
+        bump = Texture(np.full((2, 2, 4), (*rgb, 255), np.uint8), is_srgb=False)
+        scene = on_device(
+            square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(normal_texture=bump), uvs=UVS)
+        )
+        g = looked_at(gpu, commands, owned, scene)
+        # everywhere, the diagonal between the two triangles too
+        bent = g.normal.read()[on_square(1.0, 1.0)][:, :3].astype(float)
+        np.testing.assert_allclose(bent, np.tile(expected, (len(bent), 1)), atol=0.01)
+
+
+def test_an_image_is_not_blurred_along_the_edges_of_triangles(
+    gpu, commands, owned, on_device, square
+):
+    # A mip level is black or white where the picture is: grey means that a wrong level was read.
+    pixels = np.full((64, 64, 4), 255, np.uint8)
+    pixels[:, ::2, :3] = 0
+    stripes = Texture(pixels, is_srgb=False, wrap=("clamp", "clamp"), scale=(1 / 64, 1 / 64))
+    paint = Material(base_color=(1, 1, 1), base_color_texture=stripes)
+    scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), paint, uvs=UVS))
+    seen = on_square(1.0, 1.0)
+    albedo = looked_at(gpu, commands, owned, scene).albedo.read()[seen][:, 0].astype(float)
+    columns = np.nonzero(seen)[1]
+    for column in np.unique(columns):
+        same = albedo[columns == column]
+        np.testing.assert_allclose(same, same[0], atol=0.02)

@@ -1,0 +1,35 @@
+"""Lights as shaders see them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from airlight.gpu.layout import pack_array
+from airlight.scene import DirectionalLight, PointLight, SpotLight
+from airlight.surface.light_table import LightData, light_rows
+
+SUN = DirectionalLight((0, -2, 0), (1, 2, 3))
+LAMP = PointLight((1, 2, 3), (4, 5, 6))
+SPOT = SpotLight((0, 1, 0), (0, 0, -1), (7, 8, 9), inner_deg=60, outer_deg=70)
+
+
+def test_rows_carry_what_the_lights_say():
+    table = pack_array(LightData, light_rows((SUN, LAMP, SPOT)))
+    assert table["kind"].tolist() == [0, 1, 2]
+    assert table["color"].tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert table["direction"][0].tolist() == [0, -1, 0]
+    assert table["position"][1].tolist() == [1, 2, 3]
+    assert table["cos_inner"][2] == pytest.approx(math.cos(math.radians(60)))
+    assert table["cos_outer"][2] == pytest.approx(math.cos(math.radians(70)))
+
+
+def test_parallel_and_local_views_are_counted_apart():
+    rows = light_rows((LAMP, SUN, SPOT, SUN, LAMP))
+    assert [row["first_view"] for row in rows] == [0, 0, 6, 1, 12]
+    assert [row["view_count"] for row in rows] == [6, 1, 6, 1, 6]
+
+
+def test_no_lights_still_make_a_table():
+    assert len(pack_array(LightData, light_rows(()))) == 1

@@ -1,0 +1,105 @@
+"""The environment as directional lights."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.scene import Environment
+from airlight.surface.sky import EnvironmentTexture, environment_map, sky_lights
+
+RNG = np.random.default_rng(5)
+MAP = (RNG.random((16, 32, 3)) ** 4 * 10.0).astype(np.float32)
+
+
+def integral(radiance):
+    """(3,) the sum over texels of radiance times solid angle, by the rows' bounds in cosine."""
+    height, width = radiance.shape[:2]
+    row = -np.diff(np.cos(np.linspace(0.0, np.pi, height + 1))) * 2.0 * np.pi / width
+    return (radiance.astype(np.float64) * row[:, None, None]).sum(axis=(0, 1))
+
+
+def total(lights):
+    return np.sum([light.irradiance for light in lights], axis=0)
+
+
+@pytest.mark.parametrize("count", [1, 7, 64])
+def test_irradiances_sum_to_the_integral_of_the_map(count):
+    lights = sky_lights(Environment(map=MAP, scale=1.5), count)
+    assert len(lights) <= count
+    np.testing.assert_allclose(total(lights), 1.5 * integral(MAP), rtol=1e-4)
+
+
+def test_fine_maps_keep_their_light():
+    fine = np.kron(MAP, np.ones((16, 16, 1), np.float32))
+    # averaging blocks of texels of unequal solid angle shifts a little of it
+    np.testing.assert_allclose(
+        total(sky_lights(Environment(map=fine), 32)), integral(fine), rtol=5e-3
+    )
+
+
+def test_a_constant_environment_is_four_pi():
+    lights = sky_lights(Environment(radiance=(1, 2, 3)), 64)
+    np.testing.assert_allclose(total(lights), np.array([1, 2, 3]) * 4.0 * np.pi, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("texel", "towards"),
+    [((8, 0), (0, 0, -1)), ((8, 8), (1, 0, 0)), ((8, 16), (0, 0, 1)), ((8, 24), (-1, 0, 0))],
+)
+@pytest.mark.parametrize("rotation_deg", [0.0, 90.0, -37.0])
+def test_a_bright_texel_shines_from_where_it_is(texel, towards, rotation_deg):
+    height, width = 16, 32
+    pixels = np.zeros((height, width, 3), np.float32)
+    # four texels about (u, v) = texel / size, so that their centre is the direction itself
+    for row in (-1, 0):
+        for column in (-1, 0):
+            pixels[texel[0] + row, (texel[1] + column) % width] = 1.0
+    (light,) = sky_lights(Environment(map=pixels, rotation_deg=rotation_deg), 1)
+    angle = np.radians(rotation_deg)  # counter-clockwise seen from above: +x turns towards -z
+    x, y, z = towards
+    turned = (x * np.cos(angle) + z * np.sin(angle), y, z * np.cos(angle) - x * np.sin(angle))
+    np.testing.assert_allclose(light.direction, -np.array(turned), atol=1e-6)
+
+
+def test_turning_the_map_turns_the_light_and_keeps_its_sum():
+    still, turned = (
+        sky_lights(Environment(map=MAP, rotation_deg=angle), 64) for angle in (0.0, 180.0)
+    )
+    np.testing.assert_allclose(total(turned), total(still), rtol=1e-9)
+
+    def moment(lights):
+        return np.sum([np.outer(light.irradiance, light.direction) for light in lights], axis=0)
+
+    scale = total(still).max()
+    np.testing.assert_allclose(moment(turned), moment(still) * [-1.0, 1.0, -1.0], atol=0.02 * scale)
+
+
+@pytest.mark.parametrize(
+    ("environment", "count"),
+    [(None, 8), (Environment(radiance=(0, 0, 0)), 8), (Environment(), 0),
+     (Environment(scale=0.0), 8)],
+)  # fmt: skip
+def test_a_black_sky_has_no_lights(environment, count):
+    assert sky_lights(environment, count) == []
+
+
+def test_the_background_is_the_map_in_half_floats(gpu, owned):
+    bright = MAP.copy()
+    bright[0, 0] = 1e6
+    background = EnvironmentTexture(gpu, Environment(map=bright, scale=2.0))
+    owned(background.texture)
+    read = background.texture.read()[..., :3].astype(np.float64)
+    assert read[0, 0, 0] == 65504.0
+    np.testing.assert_allclose(read[1:], 2.0 * MAP[1:], rtol=1e-3, atol=1e-6)
+
+
+def test_an_invisible_environment_has_a_black_background(gpu, owned):
+    for environment in (None, Environment(visible=False)):
+        background = EnvironmentTexture(gpu, environment)
+        owned(background.texture)
+        assert not background.texture.read()[..., :3].any()
+
+
+def test_a_constant_environment_is_a_map_too():
+    assert (environment_map(Environment(radiance=(1, 2, 3), scale=2.0)) == [2, 4, 6]).all()

@@ -1,0 +1,65 @@
+"""Mip chains keep the mean of the light, and uploads keep the picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.maths.colour import srgb_decode
+from airlight.scene import Texture
+from airlight.surface.textures import TextureStore, mip_chain
+
+RNG = np.random.default_rng(2)
+
+
+def test_sizes_halve_down_to_one():
+    chain = mip_chain(np.zeros((12, 5, 4), np.uint8), is_srgb=False)
+    assert [level.shape[:2] for level in chain] == [(12, 5), (6, 2), (3, 1), (1, 1)]
+
+
+@pytest.mark.parametrize("is_srgb", [False, True])
+def test_the_mean_is_kept_in_linear_light(is_srgb):
+    pixels = RNG.integers(0, 256, size=(32, 16, 4), dtype=np.uint8)
+    pixels[..., 3] = 255
+
+    def mean(level):
+        linear = level[..., :3] / 255.0
+        return (srgb_decode(linear) if is_srgb else linear).mean(axis=(0, 1))
+
+    chain = mip_chain(pixels, is_srgb=is_srgb)
+    np.testing.assert_array_equal(chain[0], pixels)
+    for level in chain[1:]:
+        np.testing.assert_allclose(mean(level), mean(pixels), atol=0.006)
+
+
+def test_what_is_cut_away_does_not_colour_what_is_left():
+    pixels = np.zeros((4, 4, 4), np.uint8)
+    pixels[:, ::2] = (255, 0, 0, 255)
+    pixels[:, 1::2] = (0, 255, 0, 0)  # green, but not there
+    for level in mip_chain(pixels, is_srgb=False)[1:]:
+        assert (level == (255, 0, 0, 128)).all()
+
+
+def test_wholly_transparent_texels_keep_their_colour():
+    pixels = np.full((2, 2, 4), (10, 20, 30, 0), np.uint8)
+    assert mip_chain(pixels, is_srgb=False)[1][0, 0].tolist() == [10, 20, 30, 0]
+
+
+def test_a_texture_is_uploaded_once(gpu, owned):
+    store = owned(TextureStore(gpu))
+    pixels = RNG.integers(0, 256, size=(4, 8, 4), dtype=np.uint8)
+    texture = Texture(pixels, is_srgb=True)
+    made = store.get(texture, store.white)
+    assert store.get(texture, store.white) is made
+    assert (made.format, made.mips, made.size[:2]) == ("rgba8unorm-srgb", 4, (8, 4))
+    np.testing.assert_array_equal(made.read(), pixels)
+    assert store.get(Texture(pixels, is_srgb=False), store.white).format == "rgba8unorm"
+    assert store.get(None, store.flat_normal) is store.flat_normal
+
+
+def test_samplers_are_shared_by_their_wrapping(gpu, owned):
+    store = owned(TextureStore(gpu))
+    pixels = np.zeros((1, 1, 4), np.uint8)
+    clamped = [Texture(pixels, wrap=("clamp", "mirror")) for _ in range(2)]
+    assert store.sampler(clamped[0]) is store.sampler(clamped[1])
+    assert store.sampler(clamped[0]) is not store.sampler(None)
