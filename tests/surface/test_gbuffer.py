@@ -126,10 +126,9 @@ def test_a_normal_map_bends_the_normal_towards_its_red_and_green(
 def test_an_image_is_not_blurred_along_the_edges_of_triangles(
     gpu, commands, owned, on_device, square
 ):
-    # A mip level is black or white where the picture is: grey means that a wrong level was read.
-    pixels = np.full((64, 64, 4), 255, np.uint8)
-    pixels[:, ::2, :3] = 0
-    stripes = Texture(pixels, is_srgb=False, wrap=("clamp", "clamp"), scale=(1 / 64, 1 / 64))
+    pixels = np.full((8, 8, 4), 255, np.uint8)
+    pixels[:, :4, :3] = 0
+    stripes = Texture(pixels, is_srgb=False, wrap=("clamp", "clamp"))
     paint = Material(base_color=(1, 1, 1), base_color_texture=stripes)
     scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), paint, uvs=UVS))
     seen = on_square(1.0, 1.0)
