@@ -27,8 +27,7 @@ def packed_faces(faces: np.ndarray) -> np.ndarray:
     """(6, Z, Y, X) -> two u32 per cell, and the same as they are after rounding."""
     units = np.round(faces * 255).astype(np.uint8)
     eight = np.concatenate([units, np.full((2, *units.shape[1:]), 255, np.uint8)])
-    words = np.ascontiguousarray(np.moveaxis(eight, 0, -1)).view(np.uint32)
-    return words
+    return np.ascontiguousarray(np.moveaxis(eight, 0, -1)).view(np.uint32)
 
 
 def unpacked(packs: np.ndarray, first: int) -> np.ndarray:

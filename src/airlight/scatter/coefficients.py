@@ -112,7 +112,8 @@ def paper_rows(
     table = hops()
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
     # gamma_j <Gamma_j|1> summed over the neighbours.
-    handed_on = 1.0 if is_gamma_fixed else float(np.sqrt(4.0 * np.pi) / np.sqrt(table.weights).sum())
+    printed = float(np.sqrt(4.0 * np.pi) / np.sqrt(table.weights).sum())
+    handed_on = 1.0 if is_gamma_fixed else printed
     nothing = {name: [0.0] * 4 for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):

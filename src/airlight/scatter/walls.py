@@ -47,6 +47,26 @@ class _Incoming(ComputePass):
     file = "walls_incoming.wgsl"
 
 
+class CellReflectance(ComputePass):
+    """Mean colour of the walls in and around each cell, rgb unorm8 in a u32."""
+
+    slots = (
+        uniform("params", WallParams),
+        storage("faces", "vec4u"),
+        storage("reflectance", "u32", "read_write"),
+    )
+    workgroup = (32, 8, 1)
+    file = "walls_reflectance.wgsl"
+
+    def encode(
+        self, commands: Commands, count: tuple[int, int, int], faces: Buffer, reflectance: Buffer
+    ) -> None:
+        """`faces` as lattice.blockers.Blockers.faces."""
+        self.dispatch(
+            commands, count, params=WallParams(count=count), faces=faces, reflectance=reflectance
+        )
+
+
 class Walls:
     """Makes `packs` (4 vec4u per cell) of a lattice from the openness of its faces."""
 

@@ -1,0 +1,92 @@
+"""The solved track as textures: what marching and surfaces read.
+
+Three rgba16float textures (one per channel) hold (V_a, 3 V_b) times a scale. With cells of side s,
+V_a/s^3 is fluence and V_b/s^3 net flux, so in two bands radiance is (V_a + 3 V_b.w)/(4 pi s^3):
+marching weighs its second band by g, surfaces integrate it over their hemisphere,
+E = V_a/4s^3 - V_b.n/2s^3. A fourth holds V_a of the three channels as rgb: mean radiance.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import image, storage, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..march.march import LatticeSource
+
+_LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
+# lattice_irradiance_at gives (2/3) pi a / (s^2 power_scale); a track needs 1/(4 s^3).
+_SURFACE_SCALE = 8.0 * math.pi / 3.0
+
+
+class EmissionParams(Struct):
+    """The lattice's size and scales."""
+
+    count = vec3u("cells")
+    scale = f32("stored units per W m of track")
+
+
+class _Pack(ComputePass):
+    slots = (
+        uniform("params", EmissionParams),
+        storage("track", "vec4f"),
+        image("red", "rgba16float", "3d"),
+        image("green", "rgba16float", "3d"),
+        image("blue", "rgba16float", "3d"),
+        image("mean", "rgba16float", "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "emission.wgsl"
+
+
+class Emission:
+    """What a solved lattice hands on, for as long as its placement stands."""
+
+    def __init__(self, gpu: Gpu, placement: Placement) -> None:
+        self.placement = placement
+        self.scale = 1.0
+        self._pack = _Pack(gpu)
+        self.red, self.green, self.blue, self.mean = (
+            Texture(gpu, f"track {name}", placement.count, "rgba16float", dimension="3d",
+                    written=True)
+            for name in ("red", "green", "blue", "mean")
+        )  # fmt: skip
+
+    def encode(self, commands: Commands, track: Buffer, flux: float) -> None:
+        """Fill the textures; `flux`, W, bounds what came into the lattice."""
+        cell = self.placement.cell
+        self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
+        params = EmissionParams(count=self.placement.count, scale=self.scale)
+        self._pack.dispatch(
+            commands, self.placement.count, params=params, track=track, red=self.red,
+            green=self.green, blue=self.blue, mean=self.mean,
+        )  # fmt: skip
+
+    @property
+    def mean_scale(self) -> float:
+        """W m^-2 sr^-1 of mean radiance per stored unit of `mean`; times sigma_s it is J."""
+        return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
+
+    def surface_params(self) -> LatticeParams:
+        """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
+        return self.placement.params(self.scale * self.placement.cell * _SURFACE_SCALE)
+
+    @property
+    def bound(self) -> dict[str, Texture]:
+        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
+
+    def source(self, walls: dict[str, Any]) -> LatticeSource:
+        """For marching; `walls` as Blockers.bound."""
+        return LatticeSource(self.placement, self.bound | walls, self.mean_scale)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for texture in (self.red, self.green, self.blue, self.mean):
+            texture.release()

@@ -1,0 +1,23 @@
+const LARGEST_HALF = 65504.0;
+
+fn stored(v: vec4f) -> vec4f {
+    // A two-band state may dip below zero beside a strong source; light does not.
+    let even = max(v.x, 0.0);
+    return clamp(vec4f(even, 3.0 * v.yzw) * params.scale, vec4f(-LARGEST_HALF),
+        vec4f(LARGEST_HALF));
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.count)) {
+        return;
+    }
+    let cells = params.count.x * params.count.y * params.count.z;
+    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let r = stored(track[cell]);
+    let g = stored(track[cell + cells]);
+    let b = stored(track[cell + 2u * cells]);
+    textureStore(red, id, r);
+    textureStore(green, id, g);
+    textureStore(blue, id, b);
+    textureStore(mean, id, vec4f(r.x, g.x, b.x, 1.0));
+}

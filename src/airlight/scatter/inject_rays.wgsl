@@ -1,0 +1,48 @@
+//! use lattice_space
+//! use lobes
+//! use light_texel
+//! use air_light
+//! use sampling
+
+// What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
+fn carried(light: LightData, way: vec3f) -> vec3f {
+    return light.color * select(1.0, spot_fade(light, way), light.kind == LIGHT_SPOT);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
+        return;
+    }
+    let view = views[id.z];
+    let owner = owners[id.z];
+    let light = lights[owner];
+    let centre = texel_centre(id.xy, params.resolution);
+    let hit = texel_point(view, centre, textureLoad(depth, vec2i(id.xy), id.z, 0));
+    // From the light itself, or from the near plane, which lies before everything.
+    var start = texel_point(view, centre, 0.0);
+    if (view.is_perspective != 0u) {
+        start = light.position;
+    }
+    let reach = length(hit - start);
+    let way = (hit - start) / max(reach, 1e-12);
+    let power = carried(light, way) * texel_measure(view, centre, params.resolution);
+    let low = lattice.origin;
+    let span = ray_box_interval(start, way, low, low + lattice.cell * vec3f(lattice.count));
+    let t0 = max(0.0, span.x);
+    let stretch = min(span.y, select(MEDIUM_FAR, reach, textureLoad(depth, vec2i(id.xy), id.z, 0)
+        < 1.0)) - t0;
+    if (stretch <= 0.0 || all(power <= vec3f(0.0))) {
+        return;
+    }
+    let count = f32(params.samples);
+    var hash = pcg_hash(pcg_hash((id.z * params.resolution + id.y) * params.resolution + id.x)
+        ^ params.seed);
+    for (var i = 0u; i < params.samples; i++) {
+        hash = pcg_hash(hash + i);
+        let u = uniform_from_hash(hash);
+        let share = select(u, (f32(i) + u) / count, params.is_stratified != 0u);
+        let p = start + (t0 + share * stretch) * way;
+        let gained = air_scattering(p) * air_light_transmittance(light, owner, p);
+        add_lobe(bent_place(lattice, p), vec3f(0.0), power * gained * (stretch / count));
+    }
+}

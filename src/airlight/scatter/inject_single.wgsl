@@ -1,0 +1,96 @@
+//! use lattice_space
+//! use air_light
+
+// The mean of 1/|x|^2 over a ball of radius R whose centre is D away from the light, m^-2: finite
+// where the light is in the cell.
+fn mean_inverse_square(D: f32, R: f32) -> f32 {
+    let d = max(D, 1e-3 * R);
+    let q = R * R / (d * d);
+    if (q < 0.09) {
+        return (1.0 + q * (0.2 + q * (0.0857143 + q * 0.0476190))) / (d * d);
+    }
+    let inside = max(abs(R - d), 1e-6 * R);
+    return 1.5 / (R * R * R) * (R + (R * R - d * d) / (2.0 * d) * log((R + d) / inside));
+}
+
+fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
+    let index = view_of(light, to_light);
+    let is_parallel = light.kind == LIGHT_DIRECTIONAL;
+    var clip: vec4f;
+    if (is_parallel) {
+        clip = parallel_views[index].clip_from_world * vec4f(p, 1.0);
+    } else {
+        clip = local_views[index].clip_from_world * vec4f(p, 1.0);
+    }
+    if (clip.w <= 0.0) {
+        return 1.0;
+    }
+    let ndc = clip.xyz / clip.w;
+    let uv = ndc.xy * vec2f(0.5, -0.5) + 0.5;
+    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {
+        return 1.0;
+    }
+    if (is_parallel) {
+        return textureSampleCompareLevel(parallel_shadows, shadow_compare, uv, index, ndc.z);
+    }
+    return textureSampleCompareLevel(local_shadows, shadow_compare, uv, index, ndc.z);
+}
+
+// The light's mean over a box of sides `size` about p, where it is attenuated by depth x = sigma |d|
+// size per axis: exp(-depth) times the product of sinh(x/2)/(x/2).
+fn box_transmittance(depth: vec3f, sigma_t: vec3f, way: vec3f, size: vec3f) -> vec3f {
+    let across = abs(way) * size;
+    var result = vec3f(1.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        result *= mean_transmittance_rgb(sigma_t * across[axis]);
+    }
+    let half = 0.5 * sigma_t * (across.x + across.y + across.z);
+    return min(result * exp(half - depth), vec3f(1.0));
+}
+
+fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
+    let radius = 0.6203505 * pow(size.x * size.y * size.z, 0.3333333);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < params.light_count; i++) {
+        let light = lights[i];
+        let in = incoming(light, p);
+        var irradiance = in.irradiance;
+        if (light.kind != LIGHT_DIRECTIONAL) {
+            irradiance *= in.distance * in.distance * mean_inverse_square(in.distance, radius);
+        }
+        if (all(irradiance <= vec3f(0.0))) {
+            continue;
+        }
+        let lit = lit_point(light, in.to_light, p);
+        if (lit > 0.0) {
+            let depth = air_light_depth(light, i, p);
+            sum += lit * irradiance * box_transmittance(depth, sigma_t, in.to_light, size);
+        }
+    }
+    return sum;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= lattice.count)) {
+        return;
+    }
+    let low = unbent_point(lattice, id, vec3f(0.0));
+    let high = unbent_point(lattice, id, vec3f(1.0));
+    let size = 0.5 * (high - low);
+    var power = vec3f(0.0);
+    for (var k = 0u; k < 8u; k++) {
+        let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
+        let p = unbent_point(lattice, id, inside);
+        let sigma_s = air_scattering(p);
+        if (any(sigma_s > vec3f(0.0))) {
+            power += sigma_s * arriving(p, size, air_extinction(p));
+        }
+    }
+    power *= size.x * size.y * size.z;
+    let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
+    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    for (var channel = 0u; channel < 3u; channel++) {
+        let index = channel * cells_in_all + cell;
+        cells[index] = base[index] + vec4f(power[channel], 0.0, 0.0, 0.0);
+    }
+}

@@ -1,0 +1,40 @@
+"""Media that scatter evenly, standing for media that scatter forwards.
+
+What matters for the spread of light scattered many times is sigma_s (1 - g): a lattice solves for
+that, while light scattered once is drawn with the true phase function.
+Source: similarity theory (Wyman et al. 1989), order one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TypeVar
+
+from ..scene.medium import Medium
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+
+Air = TypeVar("Air", Medium, Volume)
+
+
+def similar_scene(scene: Scene) -> Scene:
+    """`scene` with similar isotropic media; the very same where they are isotropic already."""
+    media = [*((scene.medium,) if scene.medium else ()), *scene.volumes]
+    if not any(c != 0.0 for m in media for c in m.g):
+        return scene
+    return dataclasses.replace(
+        scene,
+        medium=similar(scene.medium) if scene.medium else None,
+        volumes=tuple(similar(v) for v in scene.volumes),
+    )
+
+
+def similar(air: Air) -> Air:
+    """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a, g' = 0."""
+    kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
+    sigma_t = tuple(t * k for t, k in zip(air.sigma_t, kept, strict=True))
+    albedo = tuple(
+        min(1.0, w * (1.0 - g) / k) if k > 0.0 else 0.0
+        for w, g, k in zip(air.albedo, air.g, kept, strict=True)
+    )
+    return dataclasses.replace(air, sigma_t=sigma_t, albedo=albedo, g=(0.0, 0.0, 0.0))

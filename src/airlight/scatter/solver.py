@@ -1,0 +1,313 @@
+"""Light scattered many times, solved on one lattice (Billeter2012), top to bottom.
+
+solver = ScatterSolver(gpu, scene, meshes, placement, settings, lights, sky, blockers)
+solver.encode(commands, scene, low, high)     # after shadow maps, blockers and sky are drawn
+solver.emission.source(blockers.bound)        # for marching
+solver.emission.surface_params()              # and .bound: for surfaces
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import pack_array
+from ..gpu.memory import Buffer, buffer_of
+from ..lattice.blockers import Blockers
+from ..lattice.emission import InjectEmission, emitted_flux
+from ..lattice.inject import Resolve, flux_bound, new_sums
+from ..lattice.placement import Placement
+from ..lighting.lights import Lights
+from ..lighting.sky import Sky
+from ..march.air import Air
+from ..maths.transforms import F64
+from ..scene.lights import DirectionalLight, Light
+from ..scene.scene import Scene
+from ..scene.settings import setting
+from ..surface.geometry import GpuScene
+from ..surface.light_table import LightData, light_rows
+from ..surface.light_views import light_views, view_count
+from ..surface.reflective import ReflectiveShadowMaps
+from .air_cells import AirCells
+from .emission import Emission
+from .inject_maps import InjectRays, InjectReflected, fixed_point_scale, owner_rows
+from .inject_single import InjectSingle
+from .levels import Levels
+from .schedule import ACCELERATIONS, Schedule, iterations_to, schedule
+from .similar import similar_scene
+from .walls import CellReflectance
+
+SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")
+_SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
+
+
+@dataclass(frozen=True)
+class ScatterSettings:
+    """What multiple scattering on a lattice can be told."""
+
+    scheme: str = setting(
+        "auto", "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
+        "eq. 3 as printed; paper-gamma: with what it loses put back", choices=SCHEMES)  # fmt: skip
+    iterations: int = setting(8, "propagation steps on the fine lattice", low=0, high=512)
+    residual: float = setting(0.0, "light that may still be under way; chooses the iterations "
+                              "where above 0", low=0.0, high=0.9)  # fmt: skip
+    acceleration: str = setting(
+        "finish", "coarser lattices for slow light", choices=ACCELERATIONS)  # fmt: skip
+    occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
+    single: str = setting(
+        "gather", "how first-scattered light comes into cells: gathered by them, or from points "
+        "of every map texel's ray", choices=("gather", "random", "stratified"))  # fmt: skip
+    samples: int = setting(8, "points of a map texel's ray", low=1, high=64)
+    seed: int = setting(0, "of random points", low=0)
+    map_resolution: int = setting(256, "side of reflective shadow maps", unit="px", low=8,
+                                  high=4096)  # fmt: skip
+
+
+class ScatterSolver:
+    """Reflected and first-scattered light -> cells -> 26 neighbours -> emission and irradiance."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement,
+        settings: ScatterSettings, lights: Lights, sky: Sky, blockers: Blockers,
+    ) -> None:  # fmt: skip
+        """Raises SettingsError where the scheme cannot do the scene's air."""
+        self.gpu, self.meshes, self.placement, self.settings = gpu, meshes, placement, settings
+        self.lights, self.sky, self.blockers = lights, sky, blockers
+        self.is_varied = _is_varied(scene, placement, settings)
+        even = similar_scene(scene)
+        self.air = Air(gpu, even, light_count=lights.count)
+        sky_scene = dataclasses.replace(even, lights=tuple(sky.lights))
+        self.sky_air = Air(gpu, sky_scene, light_count=len(sky.lights),
+                           column_resolution=_SKY_COLUMNS)  # fmt: skip
+        self._make_maps(scene)
+        self._make_passes(scene)
+
+    def _make_maps(self, scene: Scene) -> None:
+        gpu, side = self.gpu, self.settings.map_resolution
+        suns, lamps = _by_kind(scene.lights)
+        layers = sum(view_count(lamp) for _, lamp in lamps)
+        self.maps = [
+            ReflectiveShadowMaps(gpu, "suns", side, len(suns)),
+            ReflectiveShadowMaps(gpu, "lamps", max(8, side // 2), layers),
+        ]
+        owners = [[i for i, x in group for _ in range(view_count(x))] for group in (suns, lamps)]
+        self._owners = [buffer_of(gpu, "map owners", owner_rows(o)) for o in owners]
+        sky_count = max(1, len(self.sky.lights), self.sky.maps.layers)
+        self._sky_owners = buffer_of(gpu, "sky owners", owner_rows([*range(sky_count)]))
+        self._sky_table = Buffer(gpu, "sky lights", LightData.dtype.itemsize * sky_count)
+
+    def _make_passes(self, scene: Scene) -> None:
+        gpu, cells = self.gpu, self.placement.cells
+        is_blocked = self.settings.occlusion
+        self.inject_reflected, self.inject_rays, self.inject_single = (
+            make(gpu, self.air) for make in (InjectReflected, InjectRays, InjectSingle)
+        )
+        self.sky_reflected = InjectReflected(gpu, self.sky_air)
+        self.sky_single = InjectSingle(gpu, self.sky_air)
+        self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
+        self.reflectance_of = CellReflectance(gpu)
+        self.air_cells = AirCells(gpu, self.air) if self.is_varied else None
+        self._emitted = emitted_flux(scene.meshes)
+        self.sums = new_sums(gpu, self.placement)
+        self.black, self.steady, self.reflected, self.source = (
+            Buffer(gpu, name, 3 * cells * 16)
+            for name in ("no light", "steady light", "reflected", "source")
+        )
+        self.medium = Buffer(gpu, "air of cells", 3 * cells * 8 if self.is_varied else 16)
+        self.reflectance = Buffer(gpu, "reflectance of cells", cells * 4)
+        scheme = self.settings.scheme
+        self.levels = Levels(
+            gpu, self.placement.count, self.placement.cell, self._schedule(similar_scene(scene)),
+            is_blocked=is_blocked, is_varied=self.is_varied,
+            scheme=scheme if scheme.startswith("paper") else "deposit",
+        )  # fmt: skip
+        self.emission = Emission(gpu, self.placement)
+        self._air_key = self._walls_key = self._steady_key = b""
+
+    def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+        """Solve for `scene`, whose surfaces lie in low..high (metres).
+
+        Shadow maps, blockers and the sky's maps have been brought up to date. Raises SettingsError
+        (scheme paper in dense air).
+        """
+        flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
+        scale = fixed_point_scale(flux)
+        with commands.stage("air"):
+            is_new = self._take_air(commands, scene, low, high)
+        with commands.stage("prepare blockers"):
+            is_new = self._take_walls(commands) or is_new
+        with commands.stage("reflective shadow maps"):
+            self._draw_maps(commands, scene.lights, low, high)
+        with commands.stage("sky"):
+            self._inject_steady(commands, scale, is_new=is_new)
+        with commands.stage("reflected"):
+            self._inject_reflected(commands, scale)
+        with commands.stage("single-scattered"):
+            self._inject_single(commands)
+        with commands.stage("propagate"):
+            track = self.levels.encode(commands, self.source)
+        with commands.stage("copy"):
+            self.emission.encode(commands, track, flux)
+
+    def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
+        even = similar_scene(scene)
+        self.air.update(commands, even, low, high)
+        sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
+        self.sky_air.update(commands, sky, low, high)
+        key = repr([{k: np.asarray(v).tolist() for k, v in r.items()} for r in self.air.rows])
+        if key.encode() == self._air_key:
+            return False
+        self._air_key = key.encode()
+        if self.air_cells is None:
+            medium = even.medium
+            nothing = (0.0, 0.0, 0.0)
+            self.levels.set_air(*((medium.sigma_s, medium.sigma_t) if medium else (nothing,) * 2))
+            return True
+        self.air_cells.encode(commands, self.placement, self.medium, self._places())
+        self.levels.set_medium(commands, self.medium)
+        return True
+
+    def _places(self) -> int:
+        """Sample points per cell and axis: one per voxel of the finest grid, within reason."""
+        fine = self.placement.cell / self.air.finest_voxel_m
+        return int(min(max(np.ceil(fine), 3), 6))
+
+    def _take_walls(self, commands: Commands) -> bool:
+        key = str(self.meshes.version).encode()
+        if key == self._walls_key:
+            return False
+        self._walls_key = key
+        if self.settings.occlusion:
+            self.reflectance_of.encode(
+                commands, self.placement.count, self.blockers.faces, self.reflectance
+            )
+            self.levels.set_walls(commands, self.blockers.openness, self.reflectance)
+        return True
+
+    def _draw_maps(
+        self, commands: Commands, lights: tuple[Light, ...], low: F64, high: F64
+    ) -> None:
+        for group, maps in zip(_by_kind(lights), self.maps, strict=True):
+            if group:
+                own = [light for _, light in group]
+                views = light_views(own, np.asarray(low), np.asarray(high), maps.resolution)
+                maps.encode(commands, self.meshes, own, views)
+
+    def _inject_steady(self, commands: Commands, scale: float, *, is_new: bool) -> None:
+        """What changes only with environment, air or geometry: the sky and emissive surfaces."""
+        table = pack_array(LightData, light_rows(tuple(self.sky.lights)))
+        key = table.tobytes() + np.float64(scale).tobytes()
+        if key == self._steady_key and not is_new:
+            return
+        self._steady_key = key
+        place, walls = self.placement, self.blockers.walls
+        base = self.black
+        if self.sky.lights and self.sky.maps.layers:
+            self._sky_table.write(table)
+            maps = self.sky.maps
+            bound = {**self.lights.bound, "lights": self._sky_table,
+                     "parallel_views": maps.views, "parallel_shadows": maps.depth}  # fmt: skip
+            self.sky_single.encode(commands, place, bound, len(self.sky.lights), walls=walls,
+                                   base=self.black, cells=self.source)  # fmt: skip
+            self.sky_reflected.encode(commands, maps, self._sky_table, self._sky_owners, place,
+                                      walls, self.sums, scale)  # fmt: skip
+            base = self.source
+        if self.blockers.is_emissive:
+            self.inject_emission.encode(commands, self.blockers, self.sums, scale,
+                                        is_shaped=False)  # fmt: skip
+        self._resolve(commands, base, self.steady, scale)
+
+    def _inject_reflected(self, commands: Commands, scale: float) -> None:
+        place, walls = self.placement, self.blockers.walls
+        for maps, owners in zip(self.maps, self._owners, strict=True):
+            if not maps.layers:
+                continue
+            given = (commands, maps, self.lights.table, owners, place, walls, self.sums, scale)
+            self.inject_reflected.encode(*given)
+            if self.settings.single != "gather":
+                self.inject_rays.encode(
+                    *given, samples=self.settings.samples, seed=self.settings.seed,
+                    is_stratified=self.settings.single == "stratified",
+                )  # fmt: skip
+        self._resolve(commands, self.steady, self.reflected, scale)
+
+    def _inject_single(self, commands: Commands) -> None:
+        count = self.lights.count if self.settings.single == "gather" else 0
+        self.inject_single.encode(
+            commands, self.placement, self.lights.bound, count, walls=self.blockers.walls,
+            base=self.reflected, cells=self.source,
+        )  # fmt: skip
+
+    def _resolve(self, commands: Commands, base: Buffer, cells: Buffer, scale: float) -> None:
+        # Sums are W sr^-1; cells hold power.
+        unit = scale / (4.0 * np.pi)
+        self.resolve.encode(commands, self.placement, self.sums, base, cells, unit)
+
+    def _schedule(self, even: Scene) -> Schedule:
+        s, count = self.settings, self.placement.count
+        steps = s.iterations
+        if s.residual > 0.0:
+            sigma_s, sigma_t = densest_air(even)
+            steps = iterations_to(s.residual, sigma_s, sigma_t, self.placement.cell, count)
+        # The paper has one lattice.
+        faster = "none" if s.scheme.startswith("paper") else s.acceleration
+        return schedule(faster, steps, count)
+
+    @property
+    def stats(self) -> dict[str, object]:
+        """What was solved, for --stats."""
+        plan = self.levels.schedule
+        return {
+            "lattice": list(self.placement.count), "iterations": plan.before[0] + 1,
+            "levels": len(self.levels.levels), "cycles": plan.cycles,
+        }  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        parts = [self.air, self.sky_air, *self.maps, *self._owners, self._sky_owners,
+                 self._sky_table, self.sums, self.black, self.steady, self.reflected, self.source,
+                 self.medium, self.reflectance, self.levels, self.emission]  # fmt: skip
+        for part in parts:
+            part.release()
+
+
+def _is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:
+    """Whether cells need coefficients of their own; SettingsError where the scheme has none."""
+    varies = bool(scene.volumes)
+    if scene.medium is not None and scene.medium.bounds is not None:
+        low, high = scene.medium.bounds
+        # The lattice reaches a cell further than the surfaces; that far a medium may end.
+        inner = placement.cell * 1.001
+        inside = np.subtract(placement.bounds[0], low) >= -inner
+        above = np.subtract(high, placement.bounds[1]) >= -inner
+        varies = varies or not bool(inside.all() and above.all())
+    if varies and settings.scheme not in ("auto", "half-linear"):
+        raise SettingsError(
+            f"scheme = '{settings.scheme}' knows only one medium that fills the lattice",
+            remedy="Use scheme = 'auto', or leave out volumes and the medium's bounds.",
+        )
+    return varies or settings.scheme == "half-linear"
+
+
+def densest_air(scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """(sigma_s, sigma_t), m^-1, of the scene's densest medium; zero without any."""
+    nothing = (0.0, 0.0, 0.0)
+    found = [(scene.medium.sigma_s, scene.medium.sigma_t)] if scene.medium else []
+    for volume in scene.volumes:
+        peak = 1.0 if volume.density is None else float(volume.density.max())
+        sigma_t = tuple(peak * t for t in volume.sigma_t)
+        pairs = zip(sigma_t, volume.albedo, strict=True)
+        found.append((tuple(t * w for t, w in pairs), sigma_t))  # type: ignore[arg-type]
+    return max(found, key=lambda pair: max(pair[1]), default=(nothing, nothing))
+
+
+def _by_kind(lights: tuple[Light, ...]) -> tuple[list[tuple[int, Light]], ...]:
+    """(row of the light table, light) of directional lights, and of all others."""
+    rows = list(enumerate(lights))
+    suns = [(i, x) for i, x in rows if isinstance(x, DirectionalLight)]
+    return suns, [(i, x) for i, x in rows if not isinstance(x, DirectionalLight)]
