@@ -91,7 +91,7 @@ def cosine_lobe(facing: float, bands: int) -> F64:
     with np.errstate(divide="ignore"):
         even = np.where(k % 2 == 0, np.cos(0.5 * np.pi * k) / (1.0 - k * k), 0.0)
     share = np.where(k == 1, 0.25 * np.pi, even)  # the integral of cos(kt) cos(t) / 2 ahead
-    return basis(facing, bands) * np.concatenate([share[:1], np.repeat(share[1:], 2)])
+    return cast(F64, basis(facing, bands) * np.concatenate([share[:1], np.repeat(share[1:], 2)]))
 
 
 def fluence(coefficients: F64) -> F64:
