@@ -30,7 +30,7 @@ from .techniques import make_technique
 Progress = Callable[[str, float], None]
 MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
-_RADIANCE = ("direct", "indirect")
+NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
 
 class Renderer:
@@ -155,28 +155,26 @@ class Renderer:
             self.scene = dataclasses.replace(self.scene, **changes)
 
     def _accumulate(self, index: int) -> None:
+        pictures = self.technique.pictures(self.view)
         if self._accumulator is None:
-            self._accumulator = Accumulator(self.gpu, self.size, _RADIANCE)
-        layers = self.view.layers
+            self._accumulator = Accumulator(self.gpu, self.size, tuple(pictures))
         with self.commands.stage("accumulate"):
-            self._accumulator.encode(
-                self.commands, {"direct": layers.direct, "indirect": layers.indirect}, index
-            )
+            self._accumulator.encode(self.commands, pictures, index)
 
     def _image(self, samples: int) -> Image:
-        if samples > 1 and self._accumulator is not None:
-            direct, indirect = (self._accumulator.read(name) for name in _RADIANCE)
-        else:
-            direct, indirect = self.view.layers.direct.read(), self.view.layers.indirect.read()
-        g = self.view.gbuffer
+        pictures = self.technique.pictures(self.view)
         layers = {
-            "direct": np.ascontiguousarray(direct[..., :3]),
-            "indirect": np.ascontiguousarray(indirect[..., :3]),
+            name: (self._accumulator.read(name) if samples > 1 and self._accumulator
+                   else texture.read())[..., :3].astype(np.float32)
+            for name, texture in pictures.items()
+        }  # fmt: skip
+        radiance = np.sum([layers[n] for n in pictures if n not in NOT_ADDED], axis=0)
+        g = self.view.gbuffer
+        layers |= {
             "albedo": g.albedo.read()[..., :3].astype(np.float32),
             "normal": g.normal.read()[..., :3].astype(np.float32),
             "depth": self._distance(),
         }
-        radiance = layers["direct"] + layers["indirect"]
         stops = self.scene.camera.exposure_stops
         exposure = float(auto_exposure(radiance)) if stops is None else stops
         return Image(radiance, layers, exposure_stops=exposure, stats=self.stats())

@@ -13,8 +13,10 @@ from typing import Any, Protocol
 from .errors import SettingsError, nearest
 from .gpu.commands import Commands
 from .gpu.device import Gpu
+from .gpu.memory import Texture
+from .lighting.direct import Direct
 from .lighting.view import View
-from .lpv.lpv import Direct, Lpv
+from .lpv.lpv import Lpv
 from .scene.scene import Scene
 from .scene.settings import make_settings
 from .surface.geometry import GpuScene
@@ -28,6 +30,9 @@ class Technique(Protocol):
 
     def draw(self, commands: Commands, view: View) -> None:
         """Write `view.layers`."""
+
+    def pictures(self, view: View) -> dict[str, Texture]:
+        """The radiance layers that `draw` writes, by name; they add up to the picture."""
 
     @property
     def stats(self) -> dict[str, Any]:

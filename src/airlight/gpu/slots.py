@@ -45,14 +45,14 @@ def storage(
     name: str, element: str | type[Struct], access: Literal["read", "read_write"] = "read"
 ) -> Slot:
     """A storage buffer: a run of `element`s (a WGSL type, or a Struct)."""
-    is_struct = not isinstance(element, str)
     kind = "read-only-storage" if access == "read" else "storage"
-    text = element.__name__ if is_struct else element
+    struct = None if isinstance(element, str) else element
+    text = element if isinstance(element, str) else element.__name__
     return Slot(
         name,
         f"var<storage, {access}> {name}: array<{text}>;",
         {"buffer": {"type": kind}},
-        struct=element if is_struct else None,  # type: ignore[arg-type]
+        struct=struct,
     )
 
 

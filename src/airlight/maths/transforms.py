@@ -68,7 +68,7 @@ def jittered(clip_from_view: F64, offset_px: Vector, size_px: tuple[int, int]) -
     shift = np.eye(4)
     shift[0, 3] = 2.0 * offset_px[0] / size_px[0]
     shift[1, 3] = -2.0 * offset_px[1] / size_px[1]
-    return shift @ clip_from_view
+    return np.asarray(shift @ clip_from_view)
 
 
 def box_corners(low: Vector, high: Vector) -> F64:
@@ -80,4 +80,4 @@ def transformed(points: F64, matrix: F64) -> F64:
     """(n, 3) points through a 4x4 matrix, with the perspective division."""
     homogeneous = points @ matrix[:3, :3].T + matrix[:3, 3]
     w = points @ matrix[3, :3] + matrix[3, 3]
-    return homogeneous / w[..., None]
+    return np.asarray(homogeneous / w[..., None])

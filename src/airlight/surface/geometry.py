@@ -142,7 +142,7 @@ class GpuScene:
         outside = (
             (x < -w).all(0) | (x > w).all(0) | (y < -w).all(0) | (y > w).all(0) | (w <= 0.0).all(0)
         )
-        return [draw for draw, out in zip(self.draws, outside, strict=True) if not out]
+        return [draw for draw, out in zip(self.draws, outside.tolist(), strict=True) if not out]
 
     def release(self) -> None:
         """Give the memory back."""
