@@ -124,6 +124,7 @@ class Blockers:
         for part in (
             self.surfels,
             self._sums,
+            self.faces,
             self.openness,
             self.open_a,
             self.open_b,
