@@ -21,8 +21,8 @@ from ..lattice.placement import LatticeParams, Placement
 from ..march.march import LatticeSource
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
-# lattice_irradiance_at gives (2/3) pi a / (s^2 power_scale); a track needs 1/(4 s^3).
-_SURFACE_SCALE = 8.0 * math.pi / 3.0
+# With lookup_scale 1 lattice_irradiance_at gives pi a / (s^2 power_scale); a track needs 1/(4 s^3).
+_SURFACE_SCALE = 4.0 * math.pi
 
 
 class EmissionParams(Struct):
@@ -75,7 +75,9 @@ class Emission:
 
     def surface_params(self) -> LatticeParams:
         """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
-        return self.placement.params(self.scale * self.placement.cell * _SURFACE_SCALE)
+        return self.placement.params(
+            self.scale * self.placement.cell * _SURFACE_SCALE, lookup_scale=1.0
+        )
 
     @property
     def bound(self) -> dict[str, Texture]:

@@ -13,6 +13,26 @@ fn mean_inverse_square(D: f32, R: f32) -> f32 {
     return 1.5 / (R * R * R) * (R + (R * R - d * d) / (2.0 * d) * log((R + d) / inside));
 }
 
+fn ball_radius(size: vec3f) -> f32 {
+    return 0.6203505 * pow(size.x * size.y * size.z, 0.3333333);
+}
+
+// Mean irradiance of a lamp over a box of sides `size` about p, which it is close to, and which it
+// reaches attenuated by `passed` at p. The box is cut into 27, each of which stands for a ball.
+fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, passed: vec3f) -> vec3f {
+    let distance = length(p - light.position);
+    let radius = ball_radius(size) / 3.0;
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < 27u; k++) {
+        let third = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
+        let in = incoming(light, p + third * size / 3.0);
+        let spread = in.distance * in.distance * mean_inverse_square(in.distance, radius);
+        sum += in.irradiance * spread * min(passed * exp(sigma_t * (distance - in.distance)),
+            vec3f(1.0));
+    }
+    return sum / 27.0;
+}
+
 fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
     let index = view_of(light, to_light);
     let is_parallel = light.kind == LIGHT_DIRECTIONAL;
@@ -49,22 +69,24 @@ fn box_transmittance(depth: vec3f, sigma_t: vec3f, way: vec3f, size: vec3f) -> v
 }
 
 fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
-    let radius = 0.6203505 * pow(size.x * size.y * size.z, 0.3333333);
+    let radius = ball_radius(size);
     var sum = vec3f(0.0);
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
         let in = incoming(light, p);
-        var irradiance = in.irradiance;
-        if (light.kind != LIGHT_DIRECTIONAL) {
-            irradiance *= in.distance * in.distance * mean_inverse_square(in.distance, radius);
-        }
-        if (all(irradiance <= vec3f(0.0))) {
+        let is_near = in.distance < 4.0 * radius;
+        if (!is_near && all(in.irradiance <= vec3f(0.0))) {
             continue;
         }
         let lit = lit_point(light, in.to_light, p);
-        if (lit > 0.0) {
-            let depth = air_light_depth(light, i, p);
-            sum += lit * irradiance * box_transmittance(depth, sigma_t, in.to_light, size);
+        if (lit <= 0.0) {
+            continue;
+        }
+        let depth = air_light_depth(light, i, p);
+        if (is_near) {
+            sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
+        } else {
+            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, in.to_light, size);
         }
     }
     return sum;

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingsError, nearest
-from ..maths.lattice26 import hops, mean_hop_length
+from ..maths.lattice26 import RHO, hops, mean_hop_length
+from ..maths.medium import mean_absorption_depth
 
 Count = tuple[int, int, int]
 ACCELERATIONS = ("none", "finish", "cycle")
@@ -77,18 +78,26 @@ def iterations_to(
     The slowest mode of a random walk with absorption out of the box, by the channel that takes
     longest, after the light has crossed the lattice once. Between 1 and 512.
     """
-    table = hops()
     crossing = max(count) / mean_hop_length()
-    rate = math.inf
-    for s, t in zip(sigma_s, sigma_t, strict=True):
-        x = np.asarray(t * cell_size_m * table.lengths)
-        passed = np.exp(-x)
-        albedo = s / t if t > 0.0 else 0.0
-        kept = float(table.weights @ (passed + albedo * (1.0 - passed)))
-        # Mean squared way of a hop, cells: whole if passed, about a free path if scattered.
-        short = np.minimum(table.lengths, 1.0 / max(t * cell_size_m, 1e-9)) ** 2
-        moved = float(table.weights @ (passed * table.lengths**2 + (1.0 - passed) * short))
-        escape = moved / 6.0 * sum((math.pi / (n + 1.42)) ** 2 for n in count)
-        rate = min(rate, escape - math.log(max(kept, 1e-12)))
+    air = zip(sigma_s, sigma_t, strict=True)
+    rate = min(_decay(s, t, cell_size_m, count) for s, t in air)
     needed = crossing + math.log(1.0 / max(residual, 1e-6)) / max(rate, 1e-9)
     return int(min(max(math.ceil(needed), 1), _MOST))
+
+
+def _decay(sigma_s: float, sigma_t: float, cell_size_m: float, count: Count) -> float:
+    """Per iteration, the share that is absorbed and escapes of the slowest mode."""
+    table = hops()
+    x = np.asarray(sigma_t * cell_size_m * table.lengths)
+    passed = np.exp(-x)
+    albedo = sigma_s / sigma_t if sigma_t > 0.0 else 0.0
+    kept = float(table.weights @ (passed + albedo * (1.0 - passed)))
+    # Mean squared way of a hop, cells: whole if passed on, and by the share deposited ahead if
+    # scattered; what is passed on keeps rho^2 of its direction, so ways add up in line.
+    ahead = passed + (1.0 - passed) * mean_absorption_depth(x)
+    moved = float(table.weights @ (ahead * table.lengths**2))
+    in_line = RHO**2 * float(table.weights @ passed)
+    moved *= (1.0 + in_line) / (1.0 - in_line)
+    escape = moved / 6.0 * sum((math.pi / (n + 1.42)) ** 2 for n in count)
+    # No light leaves faster than it crosses.
+    return min(escape, 2.0 * mean_hop_length() / max(count)) - math.log(max(kept, 1e-12))

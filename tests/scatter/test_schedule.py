@@ -1,0 +1,43 @@
+"""Plans: how many levels and steps; iterations that leave a given residual."""
+
+import numpy as np
+import pytest
+
+from airlight.errors import SettingsError
+from airlight.maths import lattice26
+from airlight.scatter.schedule import iterations_to, schedule
+
+
+def test_levels_go_down_to_four_cells():
+    assert schedule("cycle", 8, (32, 16, 9)).counts((32, 16, 9)) == [
+        (32, 16, 9), (16, 8, 5), (8, 4, 3), (4, 2, 2)
+    ]  # fmt: skip
+    assert len(schedule("finish", 8, (32, 32, 32)).before) == 3
+    assert schedule("finish", 8, (4, 4, 4)).before == (7,)
+    assert schedule("none", 5, (32, 32, 32)).before == (4,)
+    assert schedule("finish", 0, (32, 32, 32)).is_empty
+
+
+def test_an_unknown_acceleration_is_refused():
+    with pytest.raises(SettingsError, match=r"acceleration = 'finnish' is unknown\. Did you mean"):
+        schedule("finnish", 8, (8, 8, 8))
+
+
+@pytest.mark.parametrize(("sigma_t", "albedo"), [(0.1, 1.0), (0.5, 0.9), (1.0, 1.0), (3.0, 0.9)])
+def test_after_the_iterations_about_the_residual_is_left(sigma_t, albedo):
+    count = (9, 9, 9)
+    needed = iterations_to(0.05, [albedo * sigma_t], [sigma_t], 1.0, count)
+    state = np.zeros((1, *count, 4))
+    state[0, 4, 4, 4, 0] = 1.0
+    left = []
+    for _ in range(needed):
+        state, _ = lattice26.deposit_step(state, [sigma_t], [albedo], 1.0)
+        left.append(state[..., 0].sum())
+    assert left[-1] < 0.075
+    # Nor are there many times more iterations than needed.
+    assert needed <= 3.0 * np.searchsorted(-np.array(left), -0.05) + 3
+
+
+def test_thicker_air_takes_longer():
+    thin, thick = (iterations_to(0.05, [s] * 3, [s] * 3, 1.0, (16, 16, 16)) for s in (0.1, 3.0))
+    assert thin < thick <= 512
