@@ -1,0 +1,71 @@
+"""The technique: where its lattice is, what it says, and that its first step keeps the flux."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import SettingsError
+from airlight.gpu.memory import Buffer
+from airlight.lattice.blockers import Blockers
+from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
+from airlight.lattice.placement import Placement
+from airlight.lighting.direct import scene_placement
+from airlight.lpv.lpv import LpvSettings
+from airlight.lpv.propagate import Propagate
+from airlight.scene import Material, Scene, SpotLight
+from airlight.surface.geometry import GpuScene
+from airlight.surface.light_views import light_views
+from airlight.surface.reflective import ReflectiveShadowMaps
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ((0.0, 1.0), "setting bounds has 2 numbers. Give x0,y0,z0,x1,y1,z1"),
+        ((0.0, 0.0, 0.0, 1.0, 0.0, 1.0),
+         "setting bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]"),
+    ],
+)  # fmt: skip
+def test_bad_bounds_are_refused(bounds, message):
+    with pytest.raises(SettingsError) as caught:
+        scene_placement(Scene(), LpvSettings(bounds=bounds))
+    assert str(caught.value) == message
+
+
+def test_the_lattice_is_over_the_scene_or_the_given_box(square):
+    scene = Scene(meshes=(square((1, 2, 3), (2, 0, 0), (0, 0, 1)),))
+    lower, upper = scene_placement(scene, LpvSettings(resolution=16)).bounds
+    np.testing.assert_allclose((lower + upper) / 2.0, [1, 2, 3])
+    lower, upper = scene_placement(
+        scene, LpvSettings(bounds=(-9.0, -9.0, -9.0, -8.0, -8.0, -8.0))
+    ).bounds
+    np.testing.assert_allclose((lower + upper) / 2.0, [-8.5] * 3)
+
+
+def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, commands, owned, square):
+    # Lobes are shaped so that the floor, which closes the way down, costs no light.
+    paint = Material(base_color=(0.8, 0.8, 0.8), specular=0.0)
+    mesh = square((0, 0, 0), (4, 0, 0), (0, 0, -4), paint)
+    scene, light = Scene(meshes=(mesh,)), SpotLight((0, 2, 0), (0, -1, 0), (9, 9, 9))
+    room = Placement((-4.0, -4.0, -4.0), 0.5, (16, 16, 16))
+    meshes = owned(GpuScene(gpu, scene))
+    blockers = owned(Blockers(gpu, scene, meshes, room, 20_000))
+    blockers.encode(commands)
+    views = light_views([light], *meshes.bounds, 64)
+    maps = owned(ReflectiveShadowMaps(gpu, "maps", 64, 1))
+    maps.encode(commands, meshes, [light], views)
+    sums, nbytes = owned(new_sums(gpu, room)), 3 * room.cells * 16
+    zero, cells = owned(Buffer(gpu, "zero", nbytes)), owned(Buffer(gpu, "cells", nbytes))
+    scale = fixed_point_scale(flux_bound([light], *meshes.bounds))
+    Inject(gpu).encode(commands, maps, room, blockers.walls, sums, scale, is_shaped=True)
+    Resolve(gpu).encode(commands, room, sums, zero, cells, scale)
+    step = owned(Propagate(gpu, room, is_blocked=True))
+    after = step.encode(commands, cells, blockers.faces, 1)
+    commands.submit()
+    made = after.read().reshape(3, 16, 16, 16, 4).astype(np.float64)
+    tangent = (np.arange(64) + 0.5 - 32) * views[0].texel[0]
+    omega = views[0].texel[0] ** 2 * (1.0 + tangent[:, None] ** 2 + tangent**2) ** -1.5
+    flux = (maps.flux.read(0)[..., 0].astype(np.float64) * omega).sum()
+    assert 4.0 * np.pi * made[0, ..., 0].sum() == pytest.approx(flux, rel=1e-3)
+    assert not made[:, :, :8].any()  # nothing below the floor
