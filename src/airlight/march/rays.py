@@ -47,7 +47,6 @@ class Rays:
         self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
         self.picked = Texture(gpu, "picked rays", self.reduced, "rg32float", written=True)
         self._pass = _Rays(gpu)
-        self.params: RayParams | None = None
 
     def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
         """Pick the rays of `view`; returns the parameters that passes over them take."""
