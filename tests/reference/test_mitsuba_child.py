@@ -45,8 +45,11 @@ def test_a_job_survives_its_file(tmp_path: Path) -> None:
 
 
 def test_a_refused_scene_gives_mitsubas_own_words(tmp_path: Path) -> None:
-    used = "".join(f'<integer name="{n}" value="${n}"/>' for n in ("width", "height", "max_depth"))
-    body = f'<film type="hdrfilm">{used}</film><shape type="nonsense"/>'
+    body = (
+        '<integrator type="path"><integer name="max_depth" value="$max_depth"/></integrator>'
+        '<film type="hdrfilm"><integer name="width" value="$width"/>'
+        '<integer name="height" value="$height"/></film><shape type="nonsense"/>'
+    )
     with pytest.raises(ReferenceFailure) as caught:
         run_job(job(tmp_path, body), tmp_path, timeout_s=60, progress=None)
     assert str(caught.value).startswith("Mitsuba refused the scene: ")

@@ -256,8 +256,8 @@ def test_approximations_are_told(tmp_path: Path) -> None:
         "g differs between the channels, written as its mean",
         "material 'wall': vertex colours beside a base-colour texture are replaced by their mean",
         "texture wall.png: clamped along one axis only, written as clamped along both",
-        "material 'wall' is one-sided: seen from behind it is black and opaque in Mitsuba, where "
-        "airlight does not draw it",
+        "one-sided surfaces are black and opaque from behind in Mitsuba, where airlight does not "
+        "draw them",
         "material 'sign': its emission texture repeats or overlaps, each triangle glows in its "
         "mean colour",
         "volume smoke.vol: its procedural detail is left out",

@@ -226,6 +226,8 @@ def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> J
         max_depth=-1 if request.max_depth is None else request.max_depth,
         hide_environment=hide,
         has_area_lights=glows,
+        has_media=exported.has_media,
+        has_masks=exported.has_masks,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import queue
+import re
 import signal
 import subprocess
 import sys
@@ -135,7 +136,10 @@ def _end(child: subprocess.Popen[bytes]) -> None:
 
 def _what_happened(code: int, error_file: Path) -> str:
     text = error_file.read_text(errors="replace").splitlines()
-    said = " | ".join([line.strip() for line in text if line.strip()][-LAST_LINES:])
+    # A Python traceback ends in the error itself; what stands before it helps no user.
+    starts = [n for n, line in enumerate(text) if re.match(r"\w+(Error|Exception): ", line)]
+    text = text[starts[-1] :][:LAST_LINES] if starts else text[-LAST_LINES:]
+    said = " | ".join(line.strip() for line in text if line.strip())
     if code == -9:  # SIGKILL, which Windows lacks
         how = "was killed, perhaps for want of memory"
     elif code < 0:

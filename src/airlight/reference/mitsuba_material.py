@@ -46,8 +46,8 @@ def material_bsdf(
         inner = both
     else:
         notes.append(
-            f"material '{material.name}' is one-sided: seen from behind it is black and opaque "
-            "in Mitsuba, where airlight does not draw it"
+            "one-sided surfaces are black and opaque from behind in Mitsuba, where airlight does "
+            "not draw them"
         )
     if is_masked(material, geometry):
         inner = _masked(inner, material, files)

@@ -21,6 +21,7 @@ in closed form where the medium is homogeneous.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -39,6 +40,16 @@ PATH_LAYERS = (
 RUSSIAN_ROULETTE_DEPTH = 5
 
 
+@dataclass(frozen=True)
+class Options:
+    """What the integrator may leave out: code that is not traced costs nothing."""
+
+    max_depth: int
+    hide_environment: bool
+    has_media: bool
+    has_masks: bool
+
+
 def register() -> None:
     """Make the integrator known as `airlight_layers` to the variant that is set."""
     mi.register_integrator("airlight_layers", make_integrator())
@@ -51,8 +62,12 @@ def make_integrator() -> Any:
         def __init__(self, props: Any) -> None:
             super().__init__(props)
             limit = props.get("max_depth", -1)
-            self.max_depth = 2**31 if limit < 0 else limit
-            self.hide_environment = props.get("hide_environment", False)
+            self.options = Options(
+                max_depth=2**31 if limit < 0 else limit,
+                hide_environment=props.get("hide_environment", False),
+                has_media=props.get("has_media", True),
+                has_masks=props.get("has_masks", True),
+            )
 
         def aov_names(self) -> list[str]:
             return [f"{layer}.{c}" for layer in PATH_LAYERS for c in "RGB"]
@@ -62,9 +77,12 @@ def make_integrator() -> Any:
         ) -> Any:
             eye = mi.Ray3f(ray)
             inside = mi.MediumPtr(medium)
-            through = transmittance(scene, sampler, eye, inside, mi.Bool(active), to_surface=True)
+            here = mi.Bool(active)
+            through = mi.Spectrum(1)
+            if self.options.has_media or self.options.has_masks:
+                through = transmittance(scene, sampler, eye, inside, here, to_surface=True)
             direct, one, indirect, single, multiple = trace(
-                scene, sampler, eye, inside, mi.Bool(active), self.max_depth, self.hide_environment
+                scene, sampler, eye, inside, here, self.options
             )
             layers = (direct, one, indirect, single, multiple, through)
             total = direct + indirect + single + multiple
@@ -97,9 +115,11 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
     ray: Any,
     medium: Any,
     active: Any,
-    max_depth: int,
-    hide_environment: bool,
+    options: Options,
 ) -> Any:
+    # Dr.Jit's loops carry local variables, and would try to write into `options`.
+    max_depth, hide_environment = options.max_depth, options.hide_environment
+    has_media, has_masks = options.has_media, options.has_masks
     ray = mi.Ray3f(ray)
     medium = mi.MediumPtr(medium)
     active = mi.Bool(active)
@@ -122,22 +142,25 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
 
         # Free flight to the nearer of a collision and a surface.
         si = scene.ray_intersect(ray, active)
-        in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
-        channel = pick_channel(sampler, in_medium)
-        mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
-        mei.t[in_medium & (si.t < mei.t)] = dr.inf
-        tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
-        density = dr.mean(pdf)
-        throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
+        mei = dr.zeros(mi.MediumInteraction3f)
+        collides, scatters = mi.Bool(False), mi.Bool(False)
+        if dr.hint(has_media, mode="scalar"):
+            in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
+            channel = pick_channel(sampler, in_medium)
+            mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
+            mei.t[in_medium & (si.t < mei.t)] = dr.inf
+            tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
+            density = dr.mean(pdf)
+            throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
 
-        # A collision is real or null.
-        collides = in_medium & mei.is_valid()
-        real_share = dr.mean(mei.sigma_t / mei.combined_extinction)
-        is_real = sampler.next_1d(collides) < real_share
-        scatters, passes = collides & is_real, collides & ~is_real
-        throughput[scatters] *= mei.sigma_s / real_share
-        throughput[passes] *= mei.sigma_n / (1.0 - real_share)
-        ray[passes] = mei.spawn_ray(ray.d)
+            # A collision is real or null.
+            collides = in_medium & mei.is_valid()
+            real_share = dr.mean(mei.sigma_t / mei.combined_extinction)
+            is_real = sampler.next_1d(collides) < real_share
+            scatters, passes = collides & is_real, collides & ~is_real
+            throughput[scatters] *= mei.sigma_s / real_share
+            throughput[passes] *= mei.sigma_n / (1.0 - real_share)
+            ray[passes] = mei.spawn_ray(ray.d)
 
         # Emission where the ray ends.
         on_surface = active & ~collides
@@ -170,18 +193,22 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
             here, sampler.next_2d(lit_surface | lit_air), False, lit_surface | lit_air
         )
         lit = (lit_surface | lit_air) & (light.pdf != 0.0)
-        shadow_medium = mi.MediumPtr(medium)
-        shadow_medium[lit_surface & si.is_medium_transition()] = si.target_medium(light.d)
-        seen = transmittance(
-            scene, sampler, here.spawn_ray_to(light.p), shadow_medium, lit, to_surface=False
-        )
-        f_surface, pdf_surface = bsdf.eval_pdf(context, si, si.to_local(light.d), lit_surface)
-        phase = medium.phase_function()
-        phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
-        phase_context = mi.PhaseFunctionContext(sampler)
-        f_air, pdf_air = phase.eval_pdf(phase_context, mei, light.d, lit_air)
-        f = dr.select(lit_surface, f_surface, f_air)
-        vertex_pdf = dr.select(lit_surface, pdf_surface, pdf_air)
+        to_shadow = here.spawn_ray_to(light.p)
+        seen = mi.Spectrum(1)
+        if dr.hint(has_media or has_masks, mode="scalar"):
+            shadow_medium = mi.MediumPtr(medium)
+            shadow_medium[lit_surface & si.is_medium_transition()] = si.target_medium(light.d)
+            seen = transmittance(scene, sampler, to_shadow, shadow_medium, lit, to_surface=False)
+        else:
+            lit &= ~scene.ray_test(to_shadow, lit)
+        f, vertex_pdf = bsdf.eval_pdf(context, si, si.to_local(light.d), lit_surface)
+        if dr.hint(has_media, mode="scalar"):
+            phase = medium.phase_function()
+            phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
+            phase_context = mi.PhaseFunctionContext(sampler)
+            f_air, pdf_air = phase.eval_pdf(phase_context, mei, light.d, lit_air)
+            f = dr.select(lit_surface, f, f_air)
+            vertex_pdf = dr.select(lit_surface, vertex_pdf, pdf_air)
         weight = dr.select(light.delta, 1.0, mis_weight(light.pdf, vertex_pdf))
         found = dr.select(lit, throughput * f * weight * to_light * seen, 0.0)
         from_air = dr.select(events == 0, scatters, air_first)
@@ -192,11 +219,15 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
         multiple += dr.select((next_event > 1) & from_air, found, 0.0)
 
         # Onward: the phase function, or the surface.
-        wo, phase_weight, phase_pdf = phase.sample(
-            phase_context, mei, sampler.next_1d(scatters), sampler.next_2d(scatters), scatters
-        )
-        throughput[scatters] *= phase_weight
-        ray[scatters] = mei.spawn_ray(wo)
+        if dr.hint(has_media, mode="scalar"):
+            wo, phase_weight, phase_pdf = phase.sample(
+                phase_context, mei, sampler.next_1d(scatters), sampler.next_2d(scatters), scatters
+            )
+            throughput[scatters] *= phase_weight
+            ray[scatters] = mei.spawn_ray(wo)
+            last[scatters] = mei
+            last_pdf[scatters] = phase_pdf
+            last_delta[scatters] = False
         bs, bsdf_weight = bsdf.sample(
             context, si, sampler.next_1d(on_surface), sampler.next_2d(on_surface), on_surface
         )
@@ -206,11 +237,8 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
         medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
 
         air_first |= scatters & (events == 0)
-        last[scatters] = mei
         last[reflects] = si
-        last_pdf[scatters] = phase_pdf
         last_pdf[reflects] = bs.pdf
-        last_delta[scatters] = False
         last_delta[reflects] = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         events[scatters | reflects] += 1
         active &= collides | on_surface

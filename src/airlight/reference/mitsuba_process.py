@@ -46,6 +46,8 @@ class Job:
     max_depth: int = -1
     hide_environment: bool = False
     has_area_lights: bool = False
+    has_media: bool = True
+    has_masks: bool = True
 
     def write(self, path: Path) -> None:
         path.write_text(json.dumps(asdict(self)))
@@ -161,6 +163,8 @@ def _layered(job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
             "type": "airlight_layers",
             "max_depth": job.max_depth,
             "hide_environment": job.hide_environment,
+            "has_media": job.has_media,
+            "has_masks": job.has_masks,
         }
         _SCENES["layered"] = (_load(job, job.xml), mi.load_dict(description))
     scene, integrator = _SCENES["layered"]
