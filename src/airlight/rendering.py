@@ -54,7 +54,9 @@ class Renderer:
         self.gpu.peak_bytes = self.gpu.allocated_bytes
         self.commands = Commands(self.gpu)
         self.meshes = GpuScene(self.gpu, scene)
-        self.technique = make_technique(self.gpu, scene, self.meshes, technique, settings or {})
+        self.technique = make_technique(
+            self.gpu, scene, self.meshes, technique, settings or {}, self.size
+        )
         self.view = View(self.gpu, self.size)
         self._accumulator: Accumulator | None = None
         self.frame_ms: list[float] = []

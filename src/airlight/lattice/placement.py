@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
+from ..maths.lattice6 import LOOKUP_SCALE
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 
 F64 = NDArray[np.float64]
@@ -22,6 +23,7 @@ class LatticeParams(Struct):
     cell = f32("m")
     count = vec3u("cells")
     power_scale = f32("stored units per W sr^-1 of the filtered textures")
+    lookup_scale = f32("flux through a cell to irradiance on a surface in it")
     is_paper = u32("1: the paper's rule for reading the lattice on surfaces")
     pad = vec3u()
 
@@ -45,11 +47,14 @@ class Placement:
         low = np.array(self.origin)
         return low, low + self.cell * np.array(self.count)
 
-    def params(self, power_scale: float = 1.0, *, is_paper: bool = False) -> LatticeParams:
+    def params(
+        self, power_scale: float = 1.0, *, lookup_scale: float = LOOKUP_SCALE,
+        is_paper: bool = False,
+    ) -> LatticeParams:  # fmt: skip
         """The struct that shaders read."""
         return LatticeParams(
             origin=self.origin, cell=self.cell, count=self.count, power_scale=power_scale,
-            is_paper=int(is_paper), pad=(0, 0, 0),
+            lookup_scale=lookup_scale, is_paper=int(is_paper), pad=(0, 0, 0),
         )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from ..lattice.placement import Placement, fitted
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .lighting import Lighting, LightingParams
+from .lighting import LightAir, Lighting, LightingParams
 from .lights import Lights
 from .sky import Sky
 from .view import View
@@ -49,7 +49,10 @@ class Direct:
 
     Settings = SurfaceSettings
 
-    def __init__(self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings) -> None:
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
         self.gpu, self.meshes, self.settings = gpu, meshes, settings
         self.placement = scene_placement(scene, settings)
         self.lights = Lights(
@@ -65,10 +68,11 @@ class Direct:
         self.blockers = Blockers(gpu, scene, meshes, self.placement, settings.surfels)
         self.textures = LatticeTextures(gpu, self.placement)
         self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
-        self.lighting = Lighting(gpu)
+        self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
+        self.air: LightAir | None = None
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Everything that does not depend on the camera."""
@@ -93,14 +97,20 @@ class Direct:
             world_from_clip=view.world_from_clip, eye=view.eye, light_count=self.lights.count,
             size=view.size, environment_rotation=self.lights.background.rotation, has_lattice=1,
         )  # fmt: skip
+        if self.lighting is None:
+            self.lighting = Lighting(self.gpu, self.air)
         self.lighting.draw(
-            commands, view.layers.targets, params=params,
-            lattice=self.placement.params(self.power_scale, is_paper=self.is_paper),
-            **self.lights.bound,
+            commands, view.layers.targets, params=params, **self.lattice_bound,
+            **self.lights.bound, **(self.air.bound if self.air else {}),
             depth=g.depth, albedo=g.albedo, normal=g.normal, emission=g.emission,
-            sky_cube=self.sky.skylight.cube, **self.textures.bound,
-            **self.blockers.bound, linear_clamp=self.linear,
+            sky_cube=self.sky.skylight.cube, **self.blockers.bound, linear_clamp=self.linear,
         )  # fmt: skip
+
+    @property
+    def lattice_bound(self) -> dict[str, Any]:
+        """The solved lattice that surfaces take light from, by slot name; black here."""
+        params = self.placement.params(self.power_scale, is_paper=self.is_paper)
+        return {"lattice": params, **self.textures.bound}
 
     def _bounds(self, scene: Scene) -> tuple[Any, Any]:
         """What lights must see, metres; from the instances, since a scene's own take a loop."""

@@ -6,14 +6,38 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
+from typing import Any, Protocol
+
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import sampler, storage, texture, uniform
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
+
+
+_THROUGH_NOTHING = """
+fn light_passed(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
+"""
+_THROUGH_AIR = """
+//! use air_light
+fn light_passed(index: u32, p: vec3f) -> vec3f {
+    return air_light_transmittance(lights[index], index, p);
+}
+"""
+
+
+class LightAir(Protocol):
+    """Air as a pass binds it: march.air.Air."""
+
+    slots: tuple[Slot, ...]
+    wgsl: str
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """The resources, by slot name."""
 
 
 class LightingParams(Struct):
@@ -55,6 +79,13 @@ class Lighting(FullscreenPass):
         sampler("linear_clamp"),
     )
     targets = ("rgba32float", "rgba32float")
+
+    def __init__(self, gpu: Gpu, air: LightAir | None = None) -> None:
+        """`air`: what light is attenuated by on its way to surfaces."""
+        if air is not None:
+            self.slots = (*type(self).slots, *air.slots)  # type: ignore[misc]
+        through = _THROUGH_AIR if air else _THROUGH_NOTHING
+        super().__init__(gpu, generated=(air.wgsl if air else "") + through)
 
 
 class RadianceLayers:

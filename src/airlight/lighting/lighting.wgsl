@@ -34,7 +34,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
             let lit = light_visibility(light, p, n, in);
             if (lit > 0.0) {
-                sum += reflection(r, n, in.to_light, v) * in.irradiance * cosine * lit;
+                sum += reflection(r, n, in.to_light, v) * in.irradiance * light_passed(i, p) * cosine * lit;
             }
         }
     }

@@ -51,6 +51,7 @@ class Lights:
             self.table.write(pack_array(LightData, light_rows(lights)))
         if environment is not self._environment:
             self._environment = environment
+            self.background.texture.release()
             self.background = EnvironmentTexture(self.gpu, environment)
         suns = [x for x in lights if isinstance(x, DirectionalLight)]
         lamps = [x for x in lights if not isinstance(x, DirectionalLight)]
@@ -76,3 +77,4 @@ class Lights:
         self.parallel.release()
         self.local.release()
         self.table.release()
+        self.background.texture.release()

@@ -36,7 +36,7 @@ class View:
         aspect = self.size[0] / self.size[1]
         clip = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, _NEAR_M)
         self.clip_from_world = jittered(clip, jitter_px, self.size) @ view
-        self.world_from_clip = np.linalg.inv(self.clip_from_world)
+        self.world_from_clip = np.asarray(np.linalg.inv(self.clip_from_world), np.float64)
         self.eye = camera.position
 
     def release(self) -> None:

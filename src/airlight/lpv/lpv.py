@@ -42,8 +42,11 @@ class Lpv(Direct):
 
     Settings = LpvSettings
 
-    def __init__(self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings) -> None:
-        super().__init__(gpu, scene, meshes, settings)
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
         self.lpv = settings
         self.is_paper = settings.scheme == "paper"
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.

@@ -139,7 +139,7 @@ class GpuScene:
         corners = np.stack([both[pick[:, k], :, k] for k in range(3)], axis=-1)
         homogeneous = corners @ clip_from_world[:, :3].T + clip_from_world[:, 3]
         x, y, w = homogeneous[..., 0], homogeneous[..., 1], homogeneous[..., 3]
-        outside = (
+        outside: NDArray[np.bool_] = np.asarray(
             (x < -w).all(0) | (x > w).all(0) | (y < -w).all(0) | (y > w).all(0) | (w <= 0.0).all(0)
         )
         return [draw for draw, out in zip(self.draws, outside.tolist(), strict=True) if not out]

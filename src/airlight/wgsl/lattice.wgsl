@@ -4,9 +4,6 @@
 // of a, b), lattice_open_a/b (open share of each cell's six incoming hops) and linear_clamp, and
 // declares the struct LatticeParams.
 
-// Flux through a cell to irradiance on a surface in it; measured (see maths.lattice6).
-const LATTICE_LOOKUP_SCALE = 0.73;
-
 // How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
 // centre of the first cell wholly before the surface's plane, as blockers round it to cell faces.
 fn lookup_offset(place: f32, n: f32) -> f32 {
@@ -44,7 +41,7 @@ fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
     return saturate(min(inside.x, min(inside.y, inside.z)) + 0.5);
 }
 
-// pi/s^2 times this is the irradiance on a surface of normal n in the cell: the light is read as a
+// pi l/s^2 times this is the irradiance on a surface of normal n in the cell: the light is read as a
 // non-negative lobe with the state's two moments, since two bands of light that streams one way
 // are negative behind (twin: maths.lattice6.surface_irradiance).
 fn facing_flux(state: vec4f, n: vec3f) -> f32 {
@@ -55,7 +52,7 @@ fn facing_flux(state: vec4f, n: vec3f) -> f32 {
     let p = 1.0 + 2.0 * r;
     let alpha = (1.0 - r) / (1.0 + r);
     let q = max(0.5 - 0.5 * along, 1e-6);
-    return LATTICE_LOOKUP_SCALE * a * (alpha + (1.0 - alpha) * (p + 1.0) * pow(q, p));
+    return a * (alpha + (1.0 - alpha) * (p + 1.0) * pow(q, p));
 }
 
 // The paper's rule: the intensity towards the surface from half a cell away.
@@ -67,7 +64,7 @@ fn facing(lattice: LatticeParams, state: vec4f, n: vec3f) -> f32 {
     if (lattice.is_paper != 0u) {
         return facing_flux_paper(state, n);
     }
-    return facing_flux(state, n);
+    return lattice.lookup_scale * facing_flux(state, n);
 }
 
 // Irradiance, W m^-2, on a surface of normal n at a place of the textures.

@@ -1,0 +1,83 @@
+"""Techniques by name.
+
+direct       lights with shadows, emission and sky; no bounced light, no air
+single       the same through air, with light scattered once
+lpv          light propagation volumes (Kaplanyan2010); no air
+lpv-march    the same, and the lattice marched as if it were lit air
+lpv-sum      the sum of lpv-march and single
+lpv-scatter  multiple scattering on a lattice (Billeter2012)
+pop          principal-ordinates propagation for every medium (Elek2014)
+auto         what suits the scene, together in one frame
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from ..errors import SettingsError, nearest
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.direct import Direct
+from ..lighting.view import View
+from ..lpv.lpv import Lpv
+from .air import LpvMarch, LpvScatter, LpvSum, Single
+from .composed import Auto
+from .pop import Pop
+from ..scene.scene import Scene
+from ..scene.settings import make_settings
+from ..surface.geometry import GpuScene
+
+
+class Technique(Protocol):
+    """A solver of the whole picture; made once, then used for any number of frames."""
+
+    def solve(self, commands: Commands, scene: Scene) -> None:
+        """Everything that does not depend on the camera."""
+
+    def draw(self, commands: Commands, view: View) -> None:
+        """Write `view.layers`."""
+
+    def pictures(self, view: View) -> dict[str, Texture]:
+        """The radiance layers that `draw` writes, by name; they add up to the picture."""
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """What was solved."""
+
+    def release(self) -> None:
+        """Give the memory back."""
+
+
+TECHNIQUES: dict[str, type[Direct]] = {
+    "direct": Direct,
+    "single": Single,
+    "lpv": Lpv,
+    "lpv-march": LpvMarch,
+    "lpv-sum": LpvSum,
+    "lpv-scatter": LpvScatter,
+    "pop": Pop,
+    "auto": Auto,
+}
+
+
+def technique_class(name: str) -> type[Direct]:
+    """The class of a technique. Raises SettingsError naming the nearest."""
+    if name not in TECHNIQUES:
+        raise SettingsError(f"unknown technique '{name}'", remedy=nearest(name, TECHNIQUES))
+    return TECHNIQUES[name]
+
+
+def make_technique(
+    gpu: Gpu, scene: Scene, meshes: GpuScene, name: str, settings: Mapping[str, Any],
+    size: tuple[int, int],
+) -> Technique:  # fmt: skip
+    """The technique `name` for `scene`: the scene file's settings, then `settings` over them.
+
+    `size` of the picture in pixels. Raises SettingsError for an unknown technique or setting.
+    """
+    cls = technique_class(name)
+    merged = {**scene.settings.get(name, {}), **settings}
+    made = make_settings(cls.Settings, merged, where=f"technique {name}")
+    return cls(gpu, scene, meshes, made, size)

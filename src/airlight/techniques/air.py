@@ -1,0 +1,178 @@
+"""Techniques that see the air: single, lpv-march, lpv-sum, lpv-scatter (Billeter2012, Fig. 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.direct import Direct, SurfaceSettings
+from ..lighting.view import View
+from ..lpv.lpv import Lpv, LpvSettings
+from ..march.march import LatticeSource, Source
+from ..maths.lattice6 import LOOKUP_SCALE
+from ..scatter.solver import ScatterSettings, ScatterSolver
+from ..scene.scene import Scene
+from ..scene.settings import setting
+from ..scene.volume import Volume
+from ..shafts.air_light import AirLight, AirSettings
+from ..surface.geometry import GpuScene
+
+
+@dataclass(frozen=True)
+class SingleSettings(SurfaceSettings, AirSettings):
+    """Surfaces, and how air is drawn."""
+
+
+@dataclass(frozen=True)
+class LpvMarchSettings(LpvSettings, AirSettings):
+    """Light propagation volumes, and how air is drawn."""
+
+
+@dataclass(frozen=True)
+class LpvScatterSettings(SurfaceSettings, ScatterSettings, AirSettings):
+    """Multiple scattering on a lattice, and how air is drawn."""
+
+    occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
+
+
+class InAir(Direct):
+    """Mixed into a technique for surfaces, draws them through air with the light it scatters."""
+
+    has_single = True
+    source_count = 0
+    has_lattice = False
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
+        air = _air_settings(settings, has_single=self.has_single)
+        self.air_light = AirLight(
+            gpu, scene, size, self.lights, air, sources=self.source_count,
+            has_lattice=self.has_lattice, solved=self.solved(scene),
+        )  # fmt: skip
+        self.air = self.air_light.air
+
+    def solved(self, scene: Scene) -> tuple[Volume, ...]:
+        """Volumes whose single scattering comes with their source."""
+        return ()
+
+    def sources(self) -> list[Source]:
+        """Emission textures to march."""
+        return []
+
+    def lattice_source(self) -> LatticeSource | None:
+        """The lattice to march."""
+        return None
+
+    def solve(self, commands: Commands, scene: Scene) -> None:
+        """The surfaces' part, then the air."""
+        super().solve(commands, scene)
+        self.air_light.solve(commands, scene, *self._bounds(scene))
+
+    def draw(self, commands: Commands, view: View) -> None:
+        """Surfaces, shafts, marching, and all of it together."""
+        super().draw(commands, view)
+        self.air_light.encode(
+            commands, view, self.lights, self.sources(), self.lattice_source()
+        )
+        self.air_light.compose(commands, view)
+
+    def pictures(self, view: View) -> dict[str, Texture]:
+        """Surfaces through the air, the light the air scatters, and what it lets through."""
+        return {
+            "direct": self.air_light.composed.direct,
+            "indirect": self.air_light.composed.indirect,
+            "single_scatter": self.air_light.single_scatter,
+            "multiple_scatter": self.air_light.multiple_scatter,
+            "transmittance": self.air_light.transmittance,
+        }
+
+    def release(self) -> None:
+        """Give the memory back."""
+        super().release()
+        self.air_light.release()
+
+
+class Single(InAir):
+    """The technique `single`."""
+
+    Settings = SingleSettings
+
+
+class LpvMarch(InAir, Lpv):
+    """The technique `lpv-march`: the lattice of bounced light seen in the air, nothing more."""
+
+    Settings = LpvMarchSettings
+    has_single = False
+    has_lattice = True
+
+    def lattice_source(self) -> LatticeSource | None:
+        """In-scattered radiance from the lattice's fluence."""
+        scale = LOOKUP_SCALE / (self.placement.cell**2 * self.power_scale)
+        return LatticeSource(
+            self.placement, {**self.textures.bound, **self.blockers.bound}, scale
+        )
+
+
+class LpvSum(LpvMarch):
+    """The technique `lpv-sum`: lpv-march plus single scattering, the trivial combination."""
+
+    has_single = True
+
+
+class LpvScatter(InAir, Direct):
+    """The technique `lpv-scatter`: light scattered many times, in air and onto surfaces."""
+
+    Settings = LpvScatterSettings
+    has_lattice = True
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvScatterSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
+        self.solver = ScatterSolver(
+            gpu, self.lattice_scene(scene), meshes, self.placement, settings, self.lights,
+            self.sky, self.blockers,
+        )  # fmt: skip
+
+    def lattice_scene(self, scene: Scene) -> Scene:
+        """The scene as the lattice sees it."""
+        return scene
+
+    def solve(self, commands: Commands, scene: Scene) -> None:
+        """Surfaces and air, then the lattice."""
+        super().solve(commands, scene)
+        self.solver.encode(commands, self.lattice_scene(scene), *self._bounds(scene))
+
+    def lattice_source(self) -> LatticeSource | None:
+        """The accumulated track of light."""
+        return self.solver.emission.source(self.blockers.bound)
+
+    @property
+    def lattice_bound(self) -> dict[str, Any]:
+        """The accumulated track of light, for surfaces."""
+        emission = self.solver.emission
+        return {"lattice": emission.surface_params(), **emission.bound}
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """What was solved, for --stats."""
+        return dict(self.solver.stats)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        super().release()
+        self.solver.release()
+
+
+def _air_settings(settings: Any, *, has_single: bool) -> AirSettings:
+    """The air's part of a technique's settings."""
+    names = AirSettings.__dataclass_fields__
+    values = {name: getattr(settings, name) for name in names}
+    return AirSettings(**(values if has_single else {**values, "shafts": "off"}))

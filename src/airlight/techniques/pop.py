@@ -1,0 +1,76 @@
+"""The technique `pop`: every medium by principal ordinates (Elek2014), surfaces lit directly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.direct import Direct, SurfaceSettings
+from ..lighting.view import View
+from ..march.air import Air
+from ..march.compose import Compose
+from ..pop.media import PopMedia, PopMediaSettings
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene
+
+
+@dataclass(frozen=True)
+class PopTechniqueSettings(SurfaceSettings, PopMediaSettings):
+    """Surfaces, and principal ordinates."""
+
+
+class Pop(Direct):
+    """Media solved each on a grid of its own; surfaces in their shadow."""
+
+    Settings = PopTechniqueSettings
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: PopTechniqueSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
+        self.media = PopMedia(gpu, scene, settings)
+        self.shadow = Air(gpu, scene, light_count=self.lights.count)
+        self.air = self.shadow
+        self.composed = Compose(gpu, size)
+        self._none = Texture(gpu, "no single scatter", size, "rgba32float")
+
+    def solve(self, commands: Commands, scene: Scene) -> None:
+        """Surfaces, then media."""
+        super().solve(commands, scene)
+        self.shadow.update(commands, scene, *self._bounds(scene))
+        self.media.solve(commands, scene)
+
+    def draw(self, commands: Commands, view: View) -> None:
+        """Surfaces, media before them, and both together."""
+        super().draw(commands, view)
+        self.media.draw(commands, view)
+        with commands.stage("compose"):
+            self.composed.encode(
+                commands, direct=view.layers.direct, indirect=view.layers.indirect,
+                transmittance=self.media.transmittance, single=self._none,
+                multiple=self.media.scattered,
+            )  # fmt: skip
+
+    def pictures(self, view: View) -> dict[str, Texture]:
+        """Surfaces through the media, all light they scatter, and what they let through."""
+        return {
+            "direct": self.composed.direct,
+            "indirect": self.composed.indirect,
+            "scattered": self.media.scattered,
+            "transmittance": self.media.transmittance,
+        }
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """What was solved, for --stats."""
+        return {**super().stats, **self.media.stats}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        super().release()
+        for part in (self.media, self.shadow, self.composed, self._none):
+            part.release()
