@@ -1,46 +1,19 @@
-"""The technique: where its lattice is, what it says, and that its first step keeps the flux."""
+"""What a lit floor hands to the lattice around it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from airlight.errors import SettingsError
 from airlight.gpu.memory import Buffer
 from airlight.lattice.blockers import Blockers
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
 from airlight.lattice.placement import Placement
-from airlight.lighting.direct import scene_placement
-from airlight.lpv.lpv import LpvSettings
 from airlight.lpv.propagate import Propagate
 from airlight.scene import Material, Scene, SpotLight
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
-
-
-@pytest.mark.parametrize(
-    ("bounds", "message"),
-    [
-        ((0.0, 1.0), "setting bounds has 2 numbers. Give x0,y0,z0,x1,y1,z1"),
-        ((0.0, 0.0, 0.0, 1.0, 0.0, 1.0),
-         "setting bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]"),
-    ],
-)  # fmt: skip
-def test_bad_bounds_are_refused(bounds, message):
-    with pytest.raises(SettingsError) as caught:
-        scene_placement(Scene(), LpvSettings(bounds=bounds))
-    assert str(caught.value) == message
-
-
-def test_the_lattice_is_over_the_scene_or_the_given_box(square):
-    scene = Scene(meshes=(square((1, 2, 3), (2, 0, 0), (0, 0, 1)),))
-    lower, upper = scene_placement(scene, LpvSettings(resolution=16)).bounds
-    np.testing.assert_allclose((lower + upper) / 2.0, [1, 2, 3])
-    lower, upper = scene_placement(
-        scene, LpvSettings(bounds=(-9.0, -9.0, -9.0, -8.0, -8.0, -8.0))
-    ).bounds
-    np.testing.assert_allclose((lower + upper) / 2.0, [-8.5] * 3)
 
 
 def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, commands, owned, square):
