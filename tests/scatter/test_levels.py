@@ -22,7 +22,7 @@ def solved(gpu, commands, lattice, source, plan, sigma_s, sigma_t, **kind):
         levels.set_medium(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
     else:
         levels.set_air(sigma_s, sigma_t)
-    track = levels.encode(commands, lattice(source))
+    _, track = levels.encode(commands, lattice(source))
     commands.submit()
     result = track.read().reshape(source.shape)
     levels.release()

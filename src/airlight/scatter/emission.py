@@ -1,9 +1,9 @@
-"""The solved track as textures: what marching and surfaces read.
+"""The solved track as textures: what marching reads.
 
 Three rgba16float textures (one per channel) hold (V_a, 3 V_b) times a scale. With cells of side s,
-V_a/s^3 is fluence and V_b/s^3 net flux, so in two bands radiance is (V_a + 3 V_b.w)/(4 pi s^3):
-marching weighs its second band by g, surfaces integrate it over their hemisphere,
-E = V_a/4s^3 - V_b.n/2s^3. A fourth holds V_a of the three channels as rgb: mean radiance.
+V_a/s^3 is fluence and V_b/s^3 net flux, so in two bands radiance is (V_a + 3 V_b.w)/(4 pi s^3);
+marching weighs its second band by g. A fourth holds V_a of the three channels as rgb: mean
+radiance, for those who march a colour.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
-from ..lattice.placement import LatticeParams, Placement
+from ..lattice.placement import Placement
 from ..march.march import LatticeSource
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
@@ -72,12 +72,6 @@ class Emission:
     def mean_scale(self) -> float:
         """W m^-2 sr^-1 of mean radiance per stored unit of `mean`; times sigma_s it is J."""
         return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
-
-    def surface_params(self) -> LatticeParams:
-        """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
-        return self.placement.params(
-            self.scale * self.placement.cell * _SURFACE_SCALE, lookup_scale=1.0
-        )
 
     @property
     def bound(self) -> dict[str, Texture]:

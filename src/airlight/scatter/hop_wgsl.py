@@ -68,6 +68,23 @@ def constants() -> str:
     return "\n".join(lines)
 
 
+def mean_track() -> str:
+    """`way_m(sigma_t, cell)`: track, m, of isotropic light per hop, in all three channels.
+
+    maths.lattice26_levels.mean_track is its NumPy twin.
+    """
+    terms = [
+        f"{count:.1f} * WEIGHT_{k} * LENGTH_{k} * "
+        f"mean_transmittance_rgb(sigma_t * (cell * LENGTH_{k}))"
+        for k, count in enumerate((6, 12, 8))
+    ]
+    return (
+        "//! use medium\nfn way_m(sigma_t: vec3f, cell: f32) -> vec3f {\n    return cell * ("
+        + " + ".join(terms)
+        + ");\n}"
+    )
+
+
 def opened(pack: str, j: int) -> str:
     """The open share of hop j in a pack of two vec4u."""
     word, byte = divmod(j, 4)

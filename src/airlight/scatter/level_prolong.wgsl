@@ -1,7 +1,6 @@
 // corrected = sum + the summed states whose track is an eighth of the coarse cell's. Where a wall
 // runs through a coarse cell its light goes to the fine cells by what they hold already, so that
 // none appears behind the wall.
-//! use medium
 
 const CLOSED = 0.05;
 
@@ -42,12 +41,6 @@ fn held_share(at: vec3u, channel: u32) -> f32 {
     return select(0.0, 8.0 * own / total, total > 0.0);
 }
 
-fn way_m(sigma_t: f32) -> f32 {
-    return params.cell * (6.0 * WEIGHT_0 * mean_transmittance(sigma_t * params.cell)
-        + 12.0 * WEIGHT_1 * LENGTH_1 * mean_transmittance(sigma_t * params.cell * LENGTH_1)
-        + 8.0 * WEIGHT_2 * LENGTH_2 * mean_transmittance(sigma_t * params.cell * LENGTH_2));
-}
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let f = params.fine;
     let channel = id.z / f.z;
@@ -60,7 +53,7 @@ fn way_m(sigma_t: f32) -> f32 {
     let n = params.coarse;
     var way = params.way[channel];
     if ((params.flags & 2u) != 0u) {
-        way = way_m(medium[index].y);
+        way = way_m(vec3f(medium[index].y), params.cell).x;
     }
     var share = 0.125 / way;
     if ((params.flags & 1u) != 0u && inner_openness(at) < 1.0 - CLOSED) {

@@ -19,6 +19,7 @@ from ..gpu.slots import storage, uniform
 from ..maths.lattice26_levels import mean_track
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
 from .hop_wgsl import constants
+from .hop_wgsl import mean_track as mean_track_wgsl
 from .propagate import MOVE, TRACK, Count, Step
 from .propagate_varied import VariedStep
 from .schedule import Schedule
@@ -116,7 +117,9 @@ class Levels:
             gpu, is_blocked=is_blocked
         )  # fmt: skip
         self._walls = Walls(gpu) if is_blocked else None
-        self._restrict, self._prolong = _Restrict(gpu), _Prolong(gpu, generated=constants())
+        self._restrict, self._prolong = _Restrict(gpu), _Prolong(
+            gpu, generated=f"{constants()}\n{mean_track_wgsl()}"
+        )
         self._restrict_air = _RestrictAir(gpu) if is_varied else None
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
         self._ways = [[1.0, 1.0, 1.0] for _ in self.levels]
@@ -161,17 +164,17 @@ class Levels:
                 openness, white = level.openness, level.reflectance
             self._walls.encode(commands, level.count, openness, white, level.packs)
 
-    def encode(self, commands: Commands, source: Buffer) -> Buffer:
-        """Solve from `source` (W per cell); returns the track (A, B), W m, of all states."""
+    def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
+        """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         self._source = source
         level = self.levels[0]
         if self.schedule.is_empty:
-            return self._zero
+            return source, self._zero
         current = source
         for _ in range(self.schedule.cycles):
             current = self._cycle(commands, 0, current)
         self._apply(commands, 0, TRACK, current, self._zero, level.track)
-        return level.track
+        return current, level.track
 
     def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         """Smooth, correct by the next level, smooth; returns where the sum now is."""

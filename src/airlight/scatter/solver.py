@@ -3,7 +3,7 @@
 solver = ScatterSolver(gpu, scene, meshes, placement, settings, lights, sky, blockers)
 solver.encode(commands, scene, low, high)     # after shadow maps, blockers and sky are drawn
 solver.emission.source(blockers.bound)        # for marching
-solver.emission.surface_params()              # and .bound: for surfaces
+solver.surfaces.params(), solver.surfaces.bound   # for lighting surfaces
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..lighting.lights import Lights
 from ..lighting.sky import Sky
 from ..march.air import Air
 from ..maths.transforms import F64
+from ..scene.checks import Rgb
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -40,6 +41,7 @@ from .inject_single import InjectSingle
 from .levels import Levels
 from .schedule import ACCELERATIONS, Schedule, iterations_to, schedule
 from .similar import similar_scene
+from .surface_light import SurfaceLight
 from .walls import CellReflectance
 
 SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")
@@ -127,6 +129,8 @@ class ScatterSolver:
             scheme=scheme if scheme.startswith("paper") else "deposit",
         )  # fmt: skip
         self.emission = Emission(gpu, self.placement)
+        self.surfaces = SurfaceLight(gpu, self.placement)
+        self._sigma_t = (0.0, 0.0, 0.0)
         self._air_key = self._walls_key = self._steady_key = b""
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
@@ -150,9 +154,13 @@ class ScatterSolver:
         with commands.stage("single-scattered"):
             self._inject_single(commands)
         with commands.stage("propagate"):
-            track = self.levels.encode(commands, self.source)
+            total, track = self.levels.encode(commands, self.source)
         with commands.stage("copy"):
             self.emission.encode(commands, track, flux)
+            self.surfaces.encode(
+                commands, total, self.source, self.reflected, flux,
+                medium=self.medium if self.is_varied else None, sigma_t=self._sigma_t,
+            )  # fmt: skip
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
         even = similar_scene(scene)
@@ -164,9 +172,8 @@ class ScatterSolver:
             return False
         self._air_key = key.encode()
         if self.air_cells is None:
-            medium = even.medium
-            nothing = (0.0, 0.0, 0.0)
-            self.levels.set_air(*((medium.sigma_s, medium.sigma_t) if medium else (nothing,) * 2))
+            sigma_s, self._sigma_t = densest_air(even)
+            self.levels.set_air(sigma_s, self._sigma_t)
             return True
         self.air_cells.encode(commands, self.placement, self.medium, self._places())
         self.levels.set_medium(commands, self.medium)
@@ -271,7 +278,7 @@ class ScatterSolver:
         """Give the memory back."""
         parts = [self.air, self.sky_air, *self.maps, *self._owners, self._sky_owners,
                  self._sky_table, self.sums, self.black, self.steady, self.reflected, self.source,
-                 self.medium, self.reflectance, self.levels, self.emission]  # fmt: skip
+                 self.medium, self.reflectance, self.levels, self.emission, self.surfaces]  # fmt: skip
         for part in parts:
             part.release()
 
@@ -294,15 +301,17 @@ def _is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) ->
     return varies or settings.scheme == "half-linear"
 
 
-def densest_air(scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def densest_air(scene: Scene) -> tuple[Rgb, Rgb]:
     """(sigma_s, sigma_t), m^-1, of the scene's densest medium; zero without any."""
-    nothing = (0.0, 0.0, 0.0)
-    found = [(scene.medium.sigma_s, scene.medium.sigma_t)] if scene.medium else []
+    found: list[tuple[Rgb, Rgb]] = []
+    if scene.medium:
+        found.append((scene.medium.sigma_s, scene.medium.sigma_t))
     for volume in scene.volumes:
         peak = 1.0 if volume.density is None else float(volume.density.max())
-        sigma_t = tuple(peak * t for t in volume.sigma_t)
-        pairs = zip(sigma_t, volume.albedo, strict=True)
-        found.append((tuple(t * w for t, w in pairs), sigma_t))  # type: ignore[arg-type]
+        r, g, b = (peak * t for t in volume.sigma_t)
+        x, y, z = volume.albedo
+        found.append(((r * x, g * y, b * z), (r, g, b)))
+    nothing = (0.0, 0.0, 0.0)
     return max(found, key=lambda pair: max(pair[1]), default=(nothing, nothing))
 
 
