@@ -1,0 +1,103 @@
+"""How the cost of a frame grows: cells, iterations, map size, lights, triangles, cascades."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..scene.lights import Light, PointLight
+from .bench_frames import PAPER_LATTICE, Case, measure
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+
+Vary = Callable[["Scene", int], tuple["Scene", Mapping[str, Any]]]
+"""(scene, value) -> the scene and the settings at that value."""
+
+SCENE = "builtin:room"
+SCENE_OF_MANY_TRIANGLES = "builtin:atrium"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What varies, over which values, on which scene."""
+
+    name: str
+    values: tuple[int, ...]
+    vary: Vary
+    scene: str = SCENE
+    setting: str = ""
+
+    def is_known(self, settings: object) -> bool:
+        """Whether the technique has the setting that varies."""
+        names = {f.name for f in dataclasses.fields(settings)}  # type: ignore[arg-type]
+        return not self.setting or self.setting in names
+
+
+def _of_setting(name: str) -> Vary:
+    return lambda scene, value: (scene, {name: value})
+
+
+def axes() -> tuple[Axis, ...]:
+    """Every table of growth."""
+    return (
+        Axis("cells a side", (16, 24, 32, 48, 64), _of_setting("resolution")),
+        Axis("iterations", (1, 8, 16, 32, 64), _of_setting("iterations")),
+        Axis("map side, px", (64, 128, 256, 512), _of_setting("map_resolution")),
+        Axis("point lights", (1, 2, 4, 8), _with_lights),
+        Axis(
+            "share of triangles, 1/n", (8, 4, 2, 1), _with_fewer_meshes, SCENE_OF_MANY_TRIANGLES
+        ),
+        Axis(
+            "cascades", (1, 2, 3), _of_setting("cascades"), SCENE_OF_MANY_TRIANGLES, "cascades"
+        ),
+    )  # fmt: skip
+
+
+def lamps(scene: Scene, count: int) -> tuple[Light, ...]:
+    """`count` point lights on a line through the middle of the scene, 1 W/sr in all."""
+    low, high = scene.bounds
+    share = (np.arange(count) + 1.0) / (count + 1.0)
+    along = low + (high - low) * np.stack([share, np.full(count, 0.6), np.full(count, 0.5)], 1)
+    power = 1.0 / count
+    return tuple(
+        PointLight((float(x), float(y), float(z)), (power, power, power)) for x, y, z in along
+    )
+
+
+def _with_lights(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
+    return dataclasses.replace(scene, lights=lamps(scene, value)), {}
+
+
+def _with_fewer_meshes(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
+    return dataclasses.replace(scene, meshes=scene.meshes[::value]), {}
+
+
+def table(
+    axis: Axis, scene: Scene, size: tuple[int, int], frames: int, adapter: str,
+    base: Mapping[str, Any] = PAPER_LATTICE,
+) -> dict[str, Any]:  # fmt: skip
+    """{"axis", "scene", "rows": [{value, cells, triangles, frame_ms, passes}]}.
+
+    `base` are the settings that do not vary.
+    """
+    rows = []
+    for value in axis.values:
+        varied, settings = axis.vary(scene, value)
+        case = Case(axis.name, axis.scene, size, {**base, **settings})
+        found = measure(varied, case, frames, adapter)
+        rows.append(
+            {
+                "value": value,
+                "cells": int(np.prod(found["lattice"])),
+                "triangles": found["triangles"],
+                "frame_ms": found["frame_ms"],
+                "passes": found["passes"],
+                "peak_gpu_bytes": found["peak_gpu_bytes"],
+            }
+        )
+    return {"axis": axis.name, "scene": axis.scene, "size": list(size), "rows": rows}

@@ -1,0 +1,169 @@
+"""What a benchmark found, as tables: on a terminal, or as Markdown for docs/performance.md."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_STAGES_SHOWN = 8
+
+
+@dataclass(frozen=True)
+class Table:
+    """A title, the columns' names, and rows of text."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def tables(results: Mapping[str, Any]) -> list[Table]:
+    """Every table that `results`, as `airlight bench -o` writes them, have numbers for."""
+    found: list[Table] = []
+    if results.get("frames"):
+        found += [_frames(results["frames"]), _stages(results["frames"])]
+    if results.get("propagation"):
+        found.append(_propagation(results["propagation"]))
+    if results.get("first_image"):
+        found.append(_first_images(results["first_image"]))
+    found += [_growth(table) for table in results.get("growth", ())]
+    return found
+
+
+def heading(results: Mapping[str, Any]) -> str:
+    """The machine in one line."""
+    m = results["machine"]
+    return (
+        f"airlight {m['airlight']} on {m['device']} ({m['adapter_type']}, {m['backend']}), "
+        f"{m['cpu_cores']} CPU cores, Python {m['python']}, {m['system']}"
+    )
+
+
+def markdown(results: Mapping[str, Any]) -> str:
+    """All tables for a page."""
+    parts = [heading(results), *(_markdown(table) for table in tables(results))]
+    return "\n\n".join(parts) + "\n"
+
+
+def show(results: Mapping[str, Any], console: Console) -> None:
+    """All tables on a terminal."""
+    from rich import box
+    from rich.table import Table as RichTable
+
+    console.print(heading(results))
+    for table in tables(results):
+        drawn = RichTable(
+            title=table.title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold"
+        )
+        for index, column in enumerate(table.columns):
+            drawn.add_column(column, justify="right" if index else "left")
+        for row in table.rows:
+            drawn.add_row(*row)
+        console.print(drawn)
+
+
+def _markdown(table: Table) -> str:
+    def line(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(cells) + " |"
+
+    rule = ["---", *["---:"] * (len(table.columns) - 1)]
+    rows = [line(table.columns), line(rule), *map(line, table.rows)]
+    return f"**{table.title}**\n\n" + "\n".join(rows)
+
+
+def milliseconds(value: float) -> str:
+    """Three digits."""
+    return f"{value:.3g}" if value < 100.0 else f"{value:.0f}"
+
+
+def megabytes(nbytes: int | None) -> str:
+    """In units of 10^6 bytes; a dash where it is not known."""
+    return "-" if nbytes is None else f"{nbytes / 1e6:.0f}"
+
+
+def _frames(cases: Sequence[Mapping[str, Any]]) -> Table:
+    columns = (
+        *("case", "technique", "size", "lattice", "steps", "frame, ms median", "min"),
+        *("Python, ms", "device memory, MB"),
+    )
+    rows = []
+    for c in cases:
+        rows.append(
+            (
+                c["name"],
+                c["technique"],
+                _by(c["size"]),
+                _by(c["lattice"]),
+                str(c["iterations"]),
+                milliseconds(c["frame_ms"]["median"]),
+                milliseconds(c["frame_ms"]["min"]),
+                milliseconds(c["python_ms"]["median"]),
+                megabytes(c["peak_gpu_bytes"]),
+            )
+        )
+    return Table("Frames in steady state, the light moving", columns, tuple(rows))
+
+
+def _stages(cases: Sequence[Mapping[str, Any]]) -> Table:
+    names = list(dict.fromkeys(name for case in cases for name in case["passes"]))
+    rows = tuple(
+        (name, *(milliseconds(c["passes"][name]) if name in c["passes"] else "-" for c in cases))
+        for name in names
+    )
+    total = ("all", *(milliseconds(sum(c["passes"].values())) for c in cases))
+    columns = ("stage", *(c["name"] for c in cases))
+    return Table("Stages, ms, each waited for", columns, (*rows, total))
+
+
+def _propagation(found: Mapping[str, Any]) -> Table:
+    rows = []
+    for c in found["cases"]:
+        own = c["device_ms"]
+        times = [milliseconds(own["median"]), milliseconds(own["min"])]
+        yardstick = ["-"] * 4
+        if "c_ms" in c:
+            theirs = c["c_ms"]
+            yardstick = [milliseconds(theirs["median"]), milliseconds(theirs["min"])]
+            yardstick += [f"{c['ratio_median']:.2f}", f"{c['ratio_min']:.2f}"]
+        name = f"{c['side']}^3, {'blocked and bouncing' if c['is_blocked'] else 'empty'}"
+        rows.append((name, *times, *yardstick))
+    columns = ("lattice", "ours, ms median", "min", "C, ms median", "min", "ratio median", "min")
+    title = f"{found['iterations']} propagation steps beside C ({found['c']})"
+    return Table(title, columns, tuple(rows))
+
+
+def _first_images(cases: Sequence[Mapping[str, Any]]) -> Table:
+    rows = tuple(
+        (c["name"], _by(c["size"]), f"{c['seconds']:.2f}", megabytes(c["peak_host_bytes"]))
+        for c in cases
+    )
+    return Table(
+        "First image: the whole command in a process of its own",
+        ("case", "size", "seconds", "host memory, MB"), rows,
+    )  # fmt: skip
+
+
+def _growth(table: Mapping[str, Any]) -> Table:
+    rows = table["rows"]
+    cost: dict[str, float] = {}
+    for row in rows:
+        for name, spent_ms in row["passes"].items():
+            cost[name] = max(cost.get(name, 0.0), spent_ms)
+    names = sorted(cost, key=lambda name: -cost[name])[:_STAGES_SHOWN]
+    lines = []
+    for row in rows:
+        stages = (milliseconds(row["passes"].get(name, 0.0)) for name in names)
+        frame = milliseconds(row["frame_ms"]["median"])
+        sizes = (str(row["value"]), str(row["cells"]), str(row["triangles"]))
+        lines.append((*sizes, frame, *stages))
+    columns = (table["axis"], "cells", "triangles", "frame, ms", *names)
+    title = f"Growth with {table['axis']}: {table['scene']} at {_by(table['size'])}"
+    return Table(title, columns, tuple(lines))
+
+
+def _by(size: Sequence[int]) -> str:
+    return "x".join(map(str, size))
