@@ -32,7 +32,7 @@ class Bindings:
         found = self._groups.get(key)
         if found is None:
             # The resources are kept beside the group: an id stays theirs while they live.
-            found = (self._make(commands, values), [commands, *resources])
+            found = (self.make(commands, values), [commands, *resources])
             if len(self._groups) >= 256:
                 self._groups.pop(next(iter(self._groups)))
             self._groups[key] = found
@@ -44,7 +44,8 @@ class Bindings:
             raise TypeError(f"uniform parameters must be a Struct, not {type(value).__name__}")
         return value
 
-    def _make(self, commands: Commands, values: dict[str, Any]) -> Any:
+    def make(self, commands: Commands, values: dict[str, Any]) -> Any:
+        """A bind group of these resources, not cached."""
         entries = []
         for index, slot in enumerate(self.slots):
             if slot.is_dynamic and slot.struct is not None:

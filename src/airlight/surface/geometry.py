@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f, vec4f
+from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
 from ..maths.transforms import box_corners
 from ..scene.material import Material
@@ -21,6 +21,9 @@ from .textures import TextureStore
 
 F64 = NDArray[np.float64]
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
+
+
+MAPS = ("base_color", "metallic_roughness", "normal", "emission")
 
 
 class InstanceData(Struct):
@@ -46,8 +49,6 @@ class MaterialData(Struct):
     uv_metallic_roughness = vec4f("scale, offset")
     uv_normal = vec4f("scale, offset")
     uv_emission = vec4f("scale, offset")
-    has_normal_map = u32()
-    pad = vec2f()
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Draw:
     instance_count: int
     material: Material
     textures: dict[str, Texture | Sampler]
+    maps: frozenset[str]
 
 
 class GpuScene:
@@ -73,6 +75,7 @@ class GpuScene:
         self.gpu = gpu
         self.store = TextureStore(gpu)
         self.version = 0
+        self._texture_sets: dict[tuple[int, ...], dict[str, Texture | Sampler]] = {}
         order = _draw_order(scene.meshes)
         self.order = [index for run in order for index in run]
         geometries = {id(m.geometry): m.geometry for m in scene.meshes}
@@ -99,6 +102,7 @@ class GpuScene:
                     len(run),
                     mesh.material,
                     self._bound_textures(mesh.material),
+                    frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
                 )
             )
             first += len(run)
@@ -165,17 +169,19 @@ class GpuScene:
         return offsets
 
     def _bound_textures(self, m: Material) -> dict[str, Texture | Sampler]:
-        named: dict[str, tuple[SceneTexture | None, Texture]] = {
-            "base_color": (m.base_color_texture, self.store.white),
-            "metallic_roughness": (m.metallic_roughness_texture, self.store.white),
-            "normal": (m.normal_texture, self.store.flat_normal),
-            "emission": (m.emission_texture, self.store.white),
-        }
+        """By slot name; materials with the same maps share one dict, and so one bind group."""
+        defaults = {"normal": self.store.flat_normal}
         bound: dict[str, Texture | Sampler] = {}
-        for name, (texture, default) in named.items():
-            bound[f"{name}_map"] = self.store.get(texture, default)
+        for name in MAPS:
+            texture = _map(m, name)
+            bound[f"{name}_map"] = self.store.get(texture, defaults.get(name, self.store.white))
             bound[f"{name}_sampler"] = self.store.sampler(texture)
-        return bound
+        return self._texture_sets.setdefault(tuple(map(id, bound.values())), bound)
+
+
+def _map(m: Material, name: str) -> SceneTexture | None:
+    texture: SceneTexture | None = getattr(m, f"{name}_texture")
+    return texture
 
 
 def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
@@ -186,9 +192,10 @@ def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
         for part in (mesh.material, mesh.geometry):
             first_seen.setdefault(id(part), len(first_seen))
 
-    def key(index: int) -> tuple[bool, bool, int, int]:
+    def key(index: int) -> tuple[Any, ...]:
         m, g = meshes[index].material, meshes[index].geometry
-        return (m.alpha_cutoff > 0.0, m.two_sided, first_seen[id(m)], first_seen[id(g)])
+        maps = tuple(_map(m, name) is not None for name in MAPS)
+        return (m.alpha_cutoff > 0.0, m.two_sided, maps, first_seen[id(m)], first_seen[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
 
@@ -204,7 +211,6 @@ def _fields(m: Material) -> dict[str, Any]:
         "uv_base_color": placed(m.base_color_texture),
         "uv_metallic_roughness": placed(m.metallic_roughness_texture),
         "uv_normal": placed(m.normal_texture), "uv_emission": placed(m.emission_texture),
-        "has_normal_map": int(m.normal_texture is not None), "pad": (0.0, 0.0),
     }  # fmt: skip
 
 

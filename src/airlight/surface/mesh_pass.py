@@ -8,15 +8,13 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.raster import RasterPipeline
 from ..gpu.slots import Slot, sampler, storage, texture
-from .geometry import Draw, GpuScene, InstanceData, MaterialData
+from .geometry import MAPS, Draw, GpuScene, InstanceData, MaterialData
 
 MESH_SLOTS: tuple[Slot, ...] = (
     storage("instances", InstanceData), storage("materials", MaterialData)
 )  # fmt: skip
 MATERIAL_SLOTS: tuple[Slot, ...] = tuple(
-    slot
-    for name in ("base_color", "metallic_roughness", "normal", "emission")
-    for slot in (texture(f"{name}_map"), sampler(f"{name}_sampler"))
+    slot for name in MAPS for slot in (texture(f"{name}_map"), sampler(f"{name}_sampler"))
 )
 VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     {"array_stride": 12, "step_mode": "vertex", "attributes": [
@@ -31,26 +29,44 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
 class MeshPipeline(RasterPipeline):
     """Subclass it with `slots` (its uniform first, then MESH_SLOTS), targets and depth.
 
-    `fragment` is the entry point for opaque materials; cut-out ones set the override
-    `IS_CUTOUT`, which discards by alpha.
+    `maps` are those that its shader reads. Cut-out materials set the override `IS_CUTOUT`, which
+    discards by alpha.
     """
 
     second_slots = MATERIAL_SLOTS
     vertex_buffers = VERTEX_BUFFERS
     depth = "depth32float"
-    opaque_fragment: ClassVar[str] = "fragment"
+    maps: ClassVar[tuple[str, ...]] = MAPS
 
-    def __init__(self, gpu: Gpu, *, is_cutout: bool, cull: str) -> None:
-        self.fragment_entry = "fragment" if is_cutout else self.opaque_fragment  # type: ignore[misc]
-        super().__init__(gpu, constants={"IS_CUTOUT": int(is_cutout)}, cull=cull)
+    def __init__(self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str]) -> None:
+        constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
+        if self.fragment_entry:
+            constants["IS_CUTOUT"] = float(is_cutout)
+        super().__init__(gpu, constants=constants, cull=cull)
+        self._groups: dict[int, tuple[Any, Any]] = {}
+
+    def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
+        """Set the material's bind group; each set of textures has one."""
+        if self.second is None:
+            return
+        found = self._groups.get(id(draw.textures))
+        if found is None:
+            group = self.second.make(commands, draw.textures)
+            found = self._groups[id(draw.textures)] = (group, draw.textures)
+        encoder.set_bind_group(1, found[0])
 
 
 class MeshPass:
-    """The up to four pipelines (cut-out or not, two-sided or not) of one `MeshPipeline`."""
+    """The pipelines of one kind of pass, one per way a material differs in its shader.
 
-    def __init__(self, gpu: Gpu, kind: type[MeshPipeline]) -> None:
-        self.gpu, self.kind = gpu, kind
-        self._pipelines: dict[tuple[bool, bool], MeshPipeline] = {}
+    `opaque` may name a simpler pipeline for materials that are not cut out.
+    """
+
+    def __init__(
+        self, gpu: Gpu, kind: type[MeshPipeline], *, opaque: type[MeshPipeline] | None = None
+    ) -> None:
+        self.gpu, self.kind, self.opaque = gpu, kind, opaque or kind
+        self._pipelines: dict[tuple[bool, bool, frozenset[str]], MeshPipeline] = {}
 
     def draw(
         self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any
@@ -68,20 +84,19 @@ class MeshPass:
                 encoder.set_pipeline(pipeline.pipeline)
                 pipeline.bindings.bind(commands, encoder, 0, shared)
                 active, textures = pipeline, None
-            if draw.textures is not textures and pipeline.second is not None:
-                pipeline.second.bind(commands, encoder, 1, draw.textures)
+            if draw.textures is not textures:
+                pipeline.bind_textures(commands, encoder, draw)
                 textures = draw.textures
             encoder.draw_indexed(
-                draw.index_count,
-                draw.instance_count,
-                draw.first_index,
-                draw.base_vertex,
+                draw.index_count, draw.instance_count, draw.first_index, draw.base_vertex,
                 draw.first_instance,
-            )
+            )  # fmt: skip
 
     def _pipeline(self, draw: Draw) -> MeshPipeline:
-        key = (draw.material.alpha_cutoff > 0.0, draw.material.two_sided)
+        is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
+        kind = self.kind if is_cutout else self.opaque
+        key = (is_cutout, two_sided, draw.maps & frozenset(kind.maps))
         if key not in self._pipelines:
-            cull = "none" if key[1] else "back"
-            self._pipelines[key] = self.kind(self.gpu, is_cutout=key[0], cull=cull)
+            cull = "none" if two_sided else "back"
+            self._pipelines[key] = kind(self.gpu, is_cutout=is_cutout, cull=cull, maps=key[2])
         return self._pipelines[key]

@@ -37,6 +37,7 @@ class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
     targets = ("rgba16float", "rgba16float")
     depth_compare = "less"
+    maps = ("base_color",)
     file = "reflective.wgsl"
 
 

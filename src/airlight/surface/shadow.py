@@ -18,11 +18,20 @@ class ShadowParams(Struct):
     clip_from_world = mat4x4f()
 
 
-class _ShadowPipeline(MeshPipeline):
+class _CutoutPipeline(MeshPipeline):
     slots = (uniform("params", ShadowParams), *MESH_SLOTS)
     depth_compare = "less"
-    opaque_fragment = ""
+    maps = ("base_color",)
     file = "shadow.wgsl"
+
+
+class _OpaquePipeline(MeshPipeline):
+    slots = _CutoutPipeline.slots
+    second_slots = ()
+    depth_compare = "less"
+    fragment_entry = ""
+    maps = ()
+    file = "shadow_opaque.wgsl"
 
 
 class ShadowMaps:
@@ -37,7 +46,7 @@ class ShadowMaps:
         )
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * count)
         self.sampler = comparison_sampler(gpu)
-        self._pass = MeshPass(gpu, _ShadowPipeline)
+        self._pass = MeshPass(gpu, _CutoutPipeline, opaque=_OpaquePipeline)
         self._drawn: dict[int, tuple[int, bytes]] = {}
 
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:

@@ -77,9 +77,7 @@ class InAir(Direct):
     def draw(self, commands: Commands, view: View) -> None:
         """Surfaces, shafts, marching, and all of it together."""
         super().draw(commands, view)
-        self.air_light.encode(
-            commands, view, self.lights, self.sources(), self.lattice_source()
-        )
+        self.air_light.encode(commands, view, self.lights, self.sources(), self.lattice_source())
         self.air_light.compose(commands, view)
 
     def pictures(self, view: View) -> dict[str, Texture]:
@@ -114,9 +112,7 @@ class LpvMarch(InAir, Lpv):
     def lattice_source(self) -> LatticeSource | None:
         """In-scattered radiance from the lattice's fluence."""
         scale = LOOKUP_SCALE / (self.placement.cell**2 * self.power_scale)
-        return LatticeSource(
-            self.placement, {**self.textures.bound, **self.blockers.bound}, scale
-        )
+        return LatticeSource(self.placement, {**self.textures.bound, **self.blockers.bound}, scale)
 
 
 class LpvSum(LpvMarch):
