@@ -1,0 +1,88 @@
+"""`airlight convert`: scenes to Mitsuba and back, pictures between formats, plain refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from airlight.app import cli
+from airlight.scene.image import Image
+from airlight.scene.io import load
+from airlight.scene.io.images import load_image
+
+RAMP = (np.linspace(0.0, 0.8, 24).reshape(2, 4, 3)).astype(np.float32)
+
+
+def test_a_scene_to_mitsuba_reads_back_the_same(tmp_path, capsys):
+    target = tmp_path / "cornell.xml"
+    assert cli.run(["convert", "builtin:cornell", str(target)]) == 0
+    assert capsys.readouterr().out == f"{target}\n"
+    own, back = load("builtin:cornell"), load(target)
+    assert back.triangle_count == own.triangle_count
+    np.testing.assert_allclose(back.bounds, own.bounds, atol=1e-5)
+    np.testing.assert_allclose(back.camera.position, own.camera.position, atol=1e-5)
+    assert len(back.lights) == len(own.lights)
+
+
+def test_a_linear_picture_keeps_its_layers_and_its_values(tmp_path):
+    Image(RAMP, {"direct": RAMP * 0.5}).save(tmp_path / "a.exr")
+    assert cli.run(["convert", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]) == 0
+    back = load_image(tmp_path / "b.exr")
+    np.testing.assert_array_equal(back.radiance, RAMP)
+    np.testing.assert_array_equal(back.layers["direct"], RAMP * 0.5)
+    assert cli.run(["convert", str(tmp_path / "a.exr"), str(tmp_path / "b.hdr")]) == 0
+    np.testing.assert_allclose(load_image(tmp_path / "b.hdr").radiance, RAMP, atol=0.01)
+
+
+def test_exposure_and_curve_shape_the_display(tmp_path):
+    Image(RAMP).save(tmp_path / "a.exr")
+    out = str(tmp_path / "a.png")
+    words = ["convert", str(tmp_path / "a.exr"), out, "--tone-map", "none", "--exposure", "-1"]
+    assert cli.run(words) == 0
+    shown = np.asarray(PIL.Image.open(out), dtype=np.float64) / 255.0
+    half = RAMP / 2.0
+    expected = np.where(half <= 0.0031308, 12.92 * half, 1.055 * half ** (1 / 2.4) - 0.055)
+    np.testing.assert_allclose(shown, expected, atol=0.6 / 255.0)
+
+
+def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
+    pixels = np.random.default_rng(2).integers(0, 256, (5, 7, 3), dtype=np.uint8)
+    PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
+    assert cli.run(["convert", str(tmp_path / "a.png"), str(tmp_path / "a.exr")]) == 0
+    assert cli.run(["convert", str(tmp_path / "a.png"), str(tmp_path / "b.png")]) == 0
+    np.testing.assert_array_equal(np.asarray(PIL.Image.open(tmp_path / "b.png")), pixels)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["{in}.exr", "{in}.tga"],
+         "error: {in}.tga: cannot write a picture that ends in '.tga'. "
+         "End its name in one of .exr, .hdr, .png, .jpg, .jpeg."),
+        (["builtin:cornell", "{in}.obj"],
+         "error: {in}.obj: a scene cannot be written as '.obj'. "
+         "End its name in .xml, for Mitsuba 3."),
+        (["nowhere.toml", "{in}.xml"],
+         "error: nowhere.toml: file not found. Check the path."),
+        (["builtin:cornell", "{in}.xml", "--exposure", "1"],
+         "error: builtin:cornell: --exposure and --tone-map are for pictures"),
+        (["{in}.blend", "{in}.xml"],
+         "error: {in}.blend: a scene file cannot end in '.blend'."),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_one_message(tmp_path, capsys, words, message):
+    place = str(tmp_path / "a")
+    Image(RAMP).save(f"{place}.exr")
+    before = sorted(tmp_path.iterdir())
+    assert cli.run(["convert", *(word.replace("{in}", place) for word in words)]) == 2
+    assert capsys.readouterr().err.startswith(message.replace("{in}", place))
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_scene_is_not_written_over_itself(tmp_path, capsys):
+    path = tmp_path / "a.xml"
+    path.write_text("<scene version='3.0.0'/>")
+    assert cli.run(["convert", str(path), str(path)]) == 2
+    assert "IN and OUT are the same file" in capsys.readouterr().err
+    assert path.read_text() == "<scene version='3.0.0'/>"
