@@ -15,7 +15,9 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.device import Gpu, open_gpu
 from airlight.gpu.slots import Slot
-from airlight.scene import Camera, Geometry, Material, Mesh
+from airlight.lighting.view import View
+from airlight.scene import Camera, Geometry, Material, Mesh, Scene
+from airlight.surface.geometry import GpuScene
 
 REPOSITORY = Path(__file__).parents[1]
 
@@ -124,3 +126,35 @@ def _camera_rays(camera: Camera, size: tuple[int, int]) -> np.ndarray:
 def camera_rays() -> Callable[[Camera, tuple[int, int]], np.ndarray]:
     """camera_rays(camera, (width, height)) -> (H, W, 3) unit, through the pixels' centres."""
     return _camera_rays
+
+
+class Look:
+    """A scene as its camera sees it: the G-buffer is drawn."""
+
+    def __init__(self, gpu: Gpu, owned: Callable[[Any], Any], scene: Scene, size: Any) -> None:
+        self.gpu, self.scene, self.size = gpu, scene, size
+        self.commands = Commands(gpu)
+        self.meshes = owned(GpuScene(gpu, scene))
+        self.view = owned(View(gpu, size))
+        self.view.aim(scene.camera)
+        self.view.gbuffer.encode(self.commands, self.meshes, self.view.clip_from_world)
+        self.commands.submit()
+
+    def directions(self) -> np.ndarray:
+        """(H, W, 3) unit, through the pixels' centres."""
+        return _camera_rays(self.scene.camera, self.size)
+
+    def read(self, texture: Any) -> np.ndarray:
+        """(H, W, 3), with everything encoded before."""
+        self.commands.submit()
+        return np.asarray(texture.read()[..., :3].astype(np.float64))
+
+
+@pytest.fixture
+def look(gpu: Gpu, owned: Callable[[Any], Any]) -> Callable[..., Look]:
+    """look(scene, (width, height)) -> Look."""
+
+    def seen(scene: Scene, size: tuple[int, int] = (24, 16)) -> Look:
+        return Look(gpu, owned, scene, size)
+
+    return seen

@@ -1,7 +1,8 @@
-"""Density grids summed towards every light: what lies between a point and the light.
+"""The mean density of grids towards every light: what lies between a point and the light.
 
-Texels lie on a lattice that includes the grid's box's borders, so a point outside the box asks
-where its ray enters. Four lights share a texel; groups of four are stacked along z.
+Times the way's length in the box, which has kinks that a texture would blur, it is the column.
+Texels lie on a lattice that includes the borders of the grid's box, so a point outside the box
+asks where its way enters. Four lights share a texel; groups of four are stacked along z.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class _Columns(ComputePass):
 
 
 class LightColumns:
-    """Per grid a texture of the density integrated towards each light, metres."""
+    """Per grid a texture of the mean density towards each light."""
 
     def __init__(
         self, gpu: Gpu, slots: tuple[Slot, ...], generated: str, media: Sequence[int],

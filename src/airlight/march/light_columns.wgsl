@@ -1,7 +1,8 @@
 //! use air
 //! use lights
 
-fn column_towards(light: LightData, p: vec3f) -> f32 {
+// Mean density from a point of the box to the light, or to where the light's way enters the box.
+fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
     var way = -light.direction;
     var reach = MEDIUM_FAR;
     if (light.kind != LIGHT_DIRECTIONAL) {
@@ -9,8 +10,10 @@ fn column_towards(light: LightData, p: vec3f) -> f32 {
         reach = length(delta);
         way = delta / max(reach, 1e-12);
     }
-    let end = min(air_span(params.medium, p, way).y, reach);
-    return select(0.0, air_column(params.medium, p, way, 0.0, end), end > 0.0);
+    // On the border the way may have no length: then the density there is the mean.
+    let shortest = 0.01 * air[params.medium].voxel;
+    let end = max(min(air_span(params.medium, p, way).y, reach), shortest);
+    return air_column(params.medium, p, way, 0.0, end) / end;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -22,13 +25,13 @@ fn column_towards(light: LightData, p: vec3f) -> f32 {
     // The columns' box is the unit cube of the volume's own space.
     let world = world_from_place(place);
     let first = 4u * (id.z / params.count.z);
-    var sums = vec4f(0.0);
+    var means = vec4f(0.0);
     for (var k = 0u; k < 4u; k++) {
         if (first + k < params.light_count) {
-            sums[k] = column_towards(lights[first + k], world);
+            means[k] = mean_density_towards(lights[first + k], world);
         }
     }
-    textureStore(columns, id, sums);
+    textureStore(columns, id, means);
 }
 
 // The inverse of the affine volume_from_world, by cofactors.

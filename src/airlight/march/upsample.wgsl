@@ -15,14 +15,15 @@ fn depth_weight(a: f32, b: f32) -> f32 {
     let own = pixel_distance(rays.world_from_clip, direction,
         textureLoad(depth, vec2i(position.xy), 0));
     let place = position.xy / f32(rays.scale) - 0.5;
-    let base = floor(place);
-    let t = place - base;
     let last = vec2i(rays.reduced) - 1;
+    // Four different texels even at the picture's edge, so that both of a block's sides are there.
+    let base = clamp(floor(place), vec2f(0.0), vec2f(max(last - 1, vec2i(0))));
+    let t = saturate(place - base);
     var sum = vec4f(0.0);
     var total = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let corner = vec2u(k & 1u, k >> 1u);
-        let texel = clamp(vec2i(base) + vec2i(corner), vec2i(0), last);
+        let texel = min(vec2i(base) + vec2i(corner), last);
         let share = select(1.0 - t, t, corner == vec2u(1u));
         let distance = textureLoad(picked, texel, 0).x;
         let weight = (share.x * share.y + LEAST_SHARE) * depth_weight(distance, own) + 1e-9;

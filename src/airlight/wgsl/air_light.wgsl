@@ -2,9 +2,9 @@
 //! use air
 //! use lights
 
-// Density integrated from a place on or in a grid's box towards light `light`, m. The texture
-// holds four lights a texel, stacked along z; its texels lie on the box's borders too.
-fn air_light_column(grid: u32, light: u32, place: vec3f) -> f32 {
+// Mean density from a place on or in a grid's box towards light `light`. The texture holds four
+// lights a texel, stacked along z; its texels lie on the box's borders too.
+fn air_light_density(grid: u32, light: u32, place: vec3f) -> f32 {
     let size = air_column_size(grid);
     let count = vec3f(vec3u(size.xy, size.z / AIR_LIGHT_GROUPS));
     let texel = saturate(place) * (count - 1.0) + 0.5;
@@ -30,7 +30,7 @@ fn air_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
         if (a < b) {
             var column = b - a;
             if (AIR_GRIDS > 0u && air[m].kind == AIR_GRID) {
-                column = air_light_column(air[m].grid, index, air_place(m, p + a * way));
+                column *= air_light_density(air[m].grid, index, air_place(m, p + a * way));
             }
             sum += air[m].sigma_t * column;
         }

@@ -1,0 +1,104 @@
+"""The facade: what it fills, at reduced resolutions, in several media and in none."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.gpu.device import Gpu
+from airlight.lighting.lights import Lights
+from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
+from airlight.shafts.air_light import AirLight, AirSettings
+
+SIZE = (44, 32)
+BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
+LAMP = PointLight((0.3, 1.2, -0.2), (3.0, 2.0, 1.0))
+SUN = DirectionalLight((0.35, -0.8, -0.3), (3.0, 2.0, 1.0))
+
+
+@pytest.fixture
+def foggy(square: Callable[..., Mesh]) -> Scene:
+    """A box of air with a lamp and a sun, a post before it and a sheet in it."""
+    post = square((-0.8, 0, 3.5), (0.15, 0, 0), (0, 3, 0))
+    sheet = square((-0.7, 0.6, 0.0), (0.7, 0, 0), (0, 0, -0.8))
+    return Scene(
+        meshes=(post, sheet), lights=(LAMP, SUN), medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
+        camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=45),
+    )  # fmt: skip
+
+
+def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], **settings: Any) -> AirLight:
+    scene = seen.scene
+    low, high = (np.array(corner) for corner in BOX)
+    lights = owned(Lights(gpu, scene.lights, None, 512, 256))
+    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
+    air: AirLight = owned(AirLight(gpu, scene, SIZE, lights, AirSettings(**settings)))
+    air.solve(seen.commands, scene, low, high)
+    air.encode(seen.commands, seen.view, lights)
+    return air
+
+
+def full(gpu: Gpu, seen: Any, owned: Callable[[Any], Any]) -> np.ndarray:
+    air = drawn(gpu, seen, owned, shaft_resolution="full", march_resolution="full")
+    return np.asarray(seen.read(air.single_scatter))
+
+
+def l2(a: np.ndarray, b: np.ndarray) -> float:
+    """Of what is seen: the peak at a lamp, a pixel wide, is compressed."""
+    a, b = a / (a + b.mean()), b / (b + b.mean())
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
+def test_reduced_pictures_are_near_the_full_one(
+    gpu: Gpu, look: Any, owned: Any, foggy: Scene
+) -> None:
+    seen = look(foggy, SIZE)
+    exact = full(gpu, seen, owned)
+    for name, ceiling in (("half", 0.06), ("quarter", 0.15)):
+        reduced = seen.read(drawn(gpu, seen, owned, shaft_resolution=name).single_scatter)
+        assert l2(reduced, exact) < ceiling
+        # The post is nearer than the air: it stays black to its very edge.
+        post = seen.view.gbuffer.depth.read() > 0.01 / 3.0
+        assert post.any()
+        assert np.all(reduced[post] < 0.02 * exact.mean())
+
+
+def test_two_media_are_as_one_of_their_sum(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
+    assert foggy.medium is not None
+    one = full(gpu, look(foggy, SIZE), owned)
+    share = tuple(0.3 * s for s in foggy.medium.sigma_t)
+    rest = tuple(0.7 * s for s in foggy.medium.sigma_t)
+    two = dataclasses.replace(
+        foggy, medium=Medium(share, bounds=BOX), volumes=(Volume(rest, shape="box", bounds=BOX),)
+    )
+    assert l2(full(gpu, look(two, SIZE), owned), one) < 0.01
+
+
+def test_a_solved_volume_has_no_shafts_but_takes_light(
+    gpu: Gpu, look: Any, owned: Any, foggy: Scene
+) -> None:
+    assert foggy.medium is not None
+    ball = Volume((5.0, 5.0, 5.0), shape="sphere", bounds=((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)))
+    scene = dataclasses.replace(foggy, medium=None, volumes=(ball,))
+    seen = look(scene, SIZE)
+    lights = owned(Lights(gpu, scene.lights, None, 64, 64))
+    low, high = (np.array(corner) for corner in BOX)
+    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
+    air = owned(AirLight(gpu, scene, SIZE, lights, solved=(ball,)))
+    air.solve(seen.commands, scene, low, high)
+    air.encode(seen.commands, seen.view, lights)
+    assert not seen.read(air.single_scatter).any()
+    assert seen.read(air.transmittance).min() < 0.02
+
+
+def test_without_air_nothing_happens(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
+    seen = look(dataclasses.replace(foggy, medium=None), SIZE)
+    air = drawn(gpu, seen, owned)
+    air.compose(seen.commands, seen.view)
+    assert not seen.read(air.single_scatter).any()
+    assert not seen.read(air.multiple_scatter).any()
+    assert np.all(seen.read(air.transmittance) == 1.0)

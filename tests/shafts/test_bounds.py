@@ -1,0 +1,44 @@
+"""Bounds of a shadow map against NumPy, for a side that is no power of two."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from airlight.gpu.commands import Commands
+from airlight.gpu.device import Gpu
+from airlight.scene import DirectionalLight, Mesh, Scene
+from airlight.shafts.bounds import DepthBounds
+from airlight.surface.geometry import GpuScene
+from airlight.surface.light_views import light_views
+from airlight.surface.shadow import ShadowMaps
+
+SIDE = 21
+
+
+def test_every_square_holds_its_texels(gpu: Gpu, square: Callable[..., Mesh]) -> None:
+    meshes = (square((0, 0, 0), (0.4, 0.3, 0), (0, 0.2, 0.5)), square((0.3, -0.6, 0.2), (0.3, 0, 0),
+                                                                      (0, 0, 0.2)))  # fmt: skip
+    commands, maps = Commands(gpu), ShadowMaps(gpu, "test", SIDE, 2)
+    lights = [DirectionalLight((0.2, -1, 0.1), (1, 1, 1)), DirectionalLight((1, -1, 0), (1, 1, 1))]
+    views = light_views(lights, np.full(3, -1.0), np.full(3, 1.0), SIDE)
+    maps.encode(commands, GpuScene(gpu, Scene(meshes=meshes)), views)
+    bounds = DepthBounds(gpu, maps)
+    bounds.encode(commands)
+    commands.submit()
+    assert bounds.side == 32
+    stored = bounds.buffer.read().reshape(2, -1, 2)
+    depth = maps.depth.read()
+    low, high = np.full((2, 32, 32), 1e30, np.float32), np.full((2, 32, 32), -1e30, np.float32)
+    low[:, :SIDE, :SIDE] = high[:, :SIDE, :SIDE] = np.where(depth >= 1.0, np.float32(1e30), depth)
+    assert 0 < np.count_nonzero(depth < 1.0) < depth.size
+    first = 0
+    for level in range(1, 6):
+        n = 32 >> level
+        low = low.reshape(2, n, 2, n, 2).min(axis=(2, 4))
+        high = high.reshape(2, n, 2, n, 2).max(axis=(2, 4))
+        expected = np.stack([low, high], axis=-1).reshape(2, -1, 2)
+        np.testing.assert_array_equal(stored[:, first : first + n * n], expected)
+        first += n * n
+    assert first == stored.shape[1]
