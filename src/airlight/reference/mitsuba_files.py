@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Hashable
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,8 @@ class FileStore:
         self.folder = folder
         self.prefix = prefix
         self._names: dict[Hashable, str] = {}
-        self._kept: list[object] = []
+        self._kept: dict[int, object] = {}
+        self.bsdfs: dict[Hashable, Element] = {}
         self.meshes: list[str] = []  # names behind the numbers in ids
 
     def once(self, key: Hashable, stem: str, ending: str, write: Callable[[Path], None]) -> str:
@@ -41,7 +43,7 @@ class FileStore:
 
     def identity(self, value: object) -> int:
         """id(value), with `value` kept alive so that the id stays its own."""
-        self._kept.append(value)
+        self._kept[id(value)] = value
         return id(value)
 
 

@@ -12,10 +12,12 @@ to 1), and at 84 degrees 12% less to 40% more; a metal the same head on, 0 to 27
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.checks import F32, Rgb
 from ..scene.material import Material, Texture
@@ -27,7 +29,21 @@ OPACITY_UPSAMPLING = 4
 MAX_OPACITY_PX = 8192
 
 
-def material_bsdf(
+def material_reference(
+    material: Material, geometry: Geometry, files: FileStore, notes: list[str]
+) -> str:
+    """The id of the BSDF of `material` on `geometry`, which joins files.bsdfs on first use."""
+    colors = None if geometry.colors is None else files.identity(geometry.colors)
+    key = (files.identity(material), geometry.uvs is not None, colors)
+    if key not in files.bsdfs:
+        slug = re.sub(r"[^A-Za-z0-9_-]+", "_", material.name) or "material"
+        bsdf = _material_bsdf(material, geometry, files, notes)
+        bsdf.set("id", f"{slug}_{len(files.bsdfs)}")
+        files.bsdfs[key] = bsdf
+    return str(files.bsdfs[key].get("id"))
+
+
+def _material_bsdf(
     material: Material, geometry: Geometry, files: FileStore, notes: list[str]
 ) -> Element:
     """The BSDF of `material` on `geometry`; what it cannot say exactly goes to `notes`."""
@@ -168,8 +184,14 @@ def _add_color_texture(
         pixels = texture.pixels[..., :3]
         filename = files.once(key, "color", "png", lambda path: write_png(path, pixels))
     else:
-        product = unfolded(texture, linear_pixels(texture) * np.array(factor, np.float32))
-        filename = files.once(key, "color", "exr", lambda path: write_exr(path, product))
+        filename = files.once(
+            key,
+            "color",
+            "exr",
+            lambda path: write_exr(
+                path, unfolded(texture, linear_pixels(texture) * np.array(factor, np.float32))
+            ),
+        )
     add_bitmap(parent, name, texture, filename, raw=False)
 
 
@@ -196,25 +218,38 @@ def _add_data_channel(
     parent: Element, name: str, texture: Texture, channel: int, factor: float, files: FileStore
 ) -> None:
     key = (files.identity(texture.pixels), "data", channel, factor, texture.wrap)
-    values = texture.pixels[..., channel].astype(np.float32) * np.float32(factor / 255.0)
-    values = unfolded(texture, values)
-    filename = files.once(key, name, "exr", lambda path: write_exr(path, values))
+    filename = files.once(
+        key,
+        name,
+        "exr",
+        lambda path: write_exr(
+            path,
+            unfolded(texture, texture.pixels[..., channel] * np.float32(factor / 255.0)),
+        ),
+    )
     add_bitmap(parent, name, texture, filename, raw=True)
 
 
 def _normal_mapped(inner: Element, texture: Texture, scale: float, files: FileStore) -> Element:
-    n = texture.pixels[..., :3].astype(np.float32) / np.float32(127.5) - 1.0
-    n[..., :2] *= np.float32(scale)
-    n /= np.maximum(np.linalg.norm(n, axis=-1, keepdims=True), 1e-6)
-    pixels = unfolded(texture, (0.5 * n + 0.5).astype(np.float32))
     key = (files.identity(texture.pixels), "normal", scale, texture.wrap)
-    filename = files.once(key, "normal", "exr", lambda path: write_exr(path, pixels))
+    filename = files.once(
+        key, "normal", "exr", lambda path: write_exr(path, _scaled_normals(texture, scale))
+    )
     node = plugin("bsdf", "normalmap")
     add_bitmap(node, "normalmap", texture, filename, raw=True)
     # Mitsuba's own softening of the terminator is no part of glTF's model.
     add_truth(node, "use_shadowing_function", False)
     node.append(inner)
     return node
+
+
+def _scaled_normals(texture: Texture, scale: float) -> F32:
+    """Unit normals from -1..1 to 0..1, their tilt times `scale`."""
+    n = texture.pixels[..., :3].astype(np.float32) / np.float32(127.5) - np.float32(1.0)
+    n[..., :2] *= np.float32(scale)
+    length = np.sqrt(np.einsum("ijk,ijk->ij", n, n))
+    n /= np.maximum(length, np.float32(1e-6))[..., None]
+    return unfolded(texture, np.float32(0.5) * n + np.float32(0.5))
 
 
 def _masked(inner: Element, material: Material, files: FileStore) -> Element:
@@ -225,16 +260,27 @@ def _masked(inner: Element, material: Material, files: FileStore) -> Element:
     """
     texture = material.base_color_texture
     assert texture is not None
-    alpha = texture.pixels[..., 3].astype(np.float32) * np.float32(material.alpha / 255.0)
-    alpha = unfolded(texture, alpha)
-    fine = _upsampled(alpha, texture)
-    opaque = np.where(fine >= material.alpha_cutoff, 255, 0).astype(np.uint8)
-    key = (files.identity(texture.pixels), "opacity", material.alpha, material.alpha_cutoff)
-    filename = files.once(key, "opacity", "png", lambda path: write_png(path, opaque))
+    key = (
+        files.identity(texture.pixels),
+        "opacity",
+        material.alpha,
+        material.alpha_cutoff,
+        texture.wrap,
+    )
+    filename = files.once(
+        key, "opacity", "png", lambda path: write_png(path, _opaque(material, texture))
+    )
     node = plugin("bsdf", "mask")
     add_bitmap(node, "opacity", texture, filename, raw=True, nearest=True)
     node.append(inner)
     return node
+
+
+def _opaque(material: Material, texture: Texture) -> NDArray[np.uint8]:
+    """255 where the filtered alpha reaches the cutoff, else 0."""
+    alpha = texture.pixels[..., 3].astype(np.float32) * np.float32(material.alpha / 255.0)
+    fine = _upsampled(unfolded(texture, alpha), texture)
+    return np.where(fine >= material.alpha_cutoff, 255, 0).astype(np.uint8)
 
 
 def _upsampled(alpha: F32, texture: Texture) -> F32:

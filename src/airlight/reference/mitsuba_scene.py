@@ -109,6 +109,7 @@ def export(
     integrator = _integrator(media, has_masks)
     root = _root(integrator, size, spp)
     root.append(_hiding(plugin("integrator", integrator), scene, notes))
+    root.extend(files.bsdfs.values())
     root.extend(media.mediums)
     root.append(_sensor(scene, diagonal, media.camera_id))
     root.extend(media.boundaries)

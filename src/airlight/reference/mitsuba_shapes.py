@@ -12,8 +12,8 @@ from ..scene.checks import F32, F64, Rgb
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 from .mitsuba_files import FileStore, write_exr, write_ply
-from .mitsuba_material import add_bitmap, is_absent, is_masked, linear_pixels, material_bsdf
-from .mitsuba_xml import add_rgb, add_text, add_truth, plugin
+from .mitsuba_material import add_bitmap, is_absent, is_masked, linear_pixels, material_reference
+from .mitsuba_xml import add_reference, add_rgb, add_text, add_truth, plugin
 
 BACK_OFFSET = 1e-5  # of the scene's diagonal: the gap between the two sides of a glowing sheet
 EMISSION_LEVELS = 24  # colours a texture's glow is reduced to where Mitsuba cannot map it
@@ -100,7 +100,7 @@ def _shape(
             notes.append(f"mesh '{mesh.name}': glowing, so it is shaded flat in Mitsuba")
     if part.glows:
         shape.append(_area_emitter(part, files))
-    shape.append(material_bsdf(mesh.material, geometry, files, notes))
+    add_reference(shape, material_reference(mesh.material, geometry, files, notes))
     return shape
 
 
@@ -147,8 +147,12 @@ def _area_emitter(part: _Part, files: FileStore) -> Element:
         return emitter
     texture, radiance = part.texture, part.radiance
     key = (files.identity(texture.pixels), "emission", texture.is_srgb, radiance)
-    pixels = linear_pixels(texture) * np.array(radiance, np.float32)
-    filename = files.once(key, "emission", "exr", lambda path: write_exr(path, pixels))
+    filename = files.once(
+        key,
+        "emission",
+        "exr",
+        lambda path: write_exr(path, linear_pixels(texture) * np.array(radiance, np.float32)),
+    )
     add_bitmap(emitter, "radiance", texture, filename, raw=True)
     return emitter
 
