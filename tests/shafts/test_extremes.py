@@ -1,0 +1,50 @@
+"""No air and no light makes single scattering negative, infinite or undefined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.gpu.device import Gpu
+from airlight.lighting.lights import Lights
+from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, SpotLight
+from airlight.shafts.air_light import AirLight, AirSettings
+
+SIZE = (16, 12)
+EYE = (0.5, 0.25, 1.0)
+BOX = ((-1.0, -1.0, -2.0), (1.0, 1.0, 2.0))
+RGB = (1.0, 1.0, 1.0)
+LIGHTS = (
+    DirectionalLight((0.0, 0.0, -1.0), RGB),  # along the middle ray
+    DirectionalLight((0.0, -1.0, 0.0), RGB),
+    PointLight(EYE, RGB),  # in the eye
+    PointLight((0.5, 0.25, -1.0), RGB),  # on the middle ray
+    PointLight((1.0, 1.0, 2.0), RGB),  # on the medium's corner
+    SpotLight((0.5, 0.25, 3.0), (0.0, 0.0, -1.0), RGB, 5.0, 5.0),  # behind the eye, no penumbra
+)
+
+
+@pytest.mark.parametrize("scheme", ["minmax", "jitter"])
+@pytest.mark.parametrize("sigma_t", [(0.0, 1e-6, 1e-3), (1.0, 30.0, 1e4)])
+def test_everything_is_finite(
+    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], scheme: str, sigma_t: Any
+) -> None:
+    medium = Medium(sigma_t, (1.0, 0.0, 0.5), (0.99, -0.99, 0.0), BOX)
+    sheet = square((0.0, 0.3, 0.0), (0.4, 0.1, 0), (0, 0, -0.7))
+    camera = Camera(EYE, (0.5, 0.25, -1.0), fov_y_deg=70)
+    scene = Scene(meshes=(sheet,), lights=LIGHTS, medium=medium, camera=camera)
+    seen = look(scene, SIZE)
+    low, high = (np.array(corner) for corner in BOX)
+    lights = owned(Lights(gpu, scene.lights, None, 128, 64))
+    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
+    settings = AirSettings(shafts=scheme, shaft_resolution="full")
+    air = owned(AirLight(gpu, scene, SIZE, lights, settings))
+    air.solve(seen.commands, scene, low, high)
+    air.encode(seen.commands, seen.view, lights)
+    for layer in (air.single_scatter, air.transmittance):
+        picture = seen.read(layer)
+        assert np.isfinite(picture).all()
+        assert picture.min() >= 0.0
