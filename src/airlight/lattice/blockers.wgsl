@@ -1,7 +1,9 @@
 //! use blocker_sums
 
-fn add_side(first: u32, side: u32, units: i32, reflectance: vec3f) {
+fn add_side(first: u32, side: u32, units: i32, offset: f32, reflectance: vec3f) {
     atomicAdd(&sums[first + side], units);
+    let outward = select(-offset, offset, (side & 1u) == 0u);
+    atomicMax(&sums[first + SIDE_BEHIND + side], behind_code(outward));
     let reflected = vec3i(round(f32(units) * reflectance));
     for (var channel = 0u; channel < 3u; channel++) {
         atomicAdd(&sums[first + SIDE_REFLECTED + 3u * side + channel], reflected[channel]);
@@ -33,11 +35,10 @@ fn add_side(first: u32, side: u32, units: i32, reflectance: vec3f) {
             continue;
         }
         let side = 2u * axis + select(1u, 0u, covered[axis] > 0.0);
-        add_side(first, side, units, surfel.reflectance);
+        add_side(first, side, units, offset[axis], surfel.reflectance);
         if (surfel.is_two_sided != 0u) {
-            add_side(first, side ^ 1u, units, surfel.reflectance);
+            add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
         }
         atomicAdd(&sums[first + AXIS_COVER + axis], units);
-        atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset[axis])));
     }
 }

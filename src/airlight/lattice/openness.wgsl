@@ -53,12 +53,26 @@ fn reflected_share(f: CellFace, hop: u32) -> vec4f {
     return vec4f(rgb / covered * closed, closed);
 }
 
-// How far, in cells, the surface counted on a face lies from it; 0 where little is there.
+// The backmost place of a side's surfaces around a face, along that side's outward axis; 1: none.
+fn backmost(f: CellFace, side: u32) -> f32 {
+    let code = max(max(value(f.corner, SIDE_BEHIND + side),
+        value(f.corner + f.across, SIDE_BEHIND + side)),
+        max(value(f.corner + f.up, SIDE_BEHIND + side),
+        value(f.corner + f.across + f.up, SIDE_BEHIND + side)));
+    return select(1.0, outward_of(code), code > 0.0);
+}
+
+// Where, in cells from a face, the wall counted on it really lies; 0 where little is there. What
+// stands on a floor lies before it: the backmost surface is the wall.
 fn wall_shift(f: CellFace, axis: u32) -> f32 {
     let cover = on_face(f, AXIS_COVER + axis);
-    let moment = on_face(f, AXIS_MOMENT + axis);
-    let shift = moment / max(cover, 1e-6) * smoothstep(0.25, 0.6, cover);
-    return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT);
+    let plus = backmost(f, 2u * axis);
+    let minus = backmost(f, 2u * axis + 1u);
+    var shift = 0.5 * (plus - minus);
+    if (minus >= 1.0) { shift = plus; }
+    if (plus >= 1.0) { shift = -minus; }
+    if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
+    return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -12,6 +12,7 @@ auto         what suits the scene, together in one frame
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from typing import Any, Protocol
 
@@ -19,12 +20,7 @@ from ..errors import SettingsError, nearest
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..lighting.direct import Direct
 from ..lighting.view import View
-from ..lpv.lpv import Lpv
-from .air import LpvMarch, LpvScatter, LpvSum, Single
-from .composed import Auto
-from .pop import Pop
 from ..scene.scene import Scene
 from ..scene.settings import make_settings
 from ..surface.geometry import GpuScene
@@ -50,23 +46,25 @@ class Technique(Protocol):
         """Give the memory back."""
 
 
-TECHNIQUES: dict[str, type[Direct]] = {
-    "direct": Direct,
-    "single": Single,
-    "lpv": Lpv,
-    "lpv-march": LpvMarch,
-    "lpv-sum": LpvSum,
-    "lpv-scatter": LpvScatter,
-    "pop": Pop,
-    "auto": Auto,
+# Imported when asked for: a picture without air needs no code about air.
+TECHNIQUES: dict[str, tuple[str, str]] = {
+    "direct": ("airlight.lighting.direct", "Direct"),
+    "single": ("airlight.techniques.air", "Single"),
+    "lpv": ("airlight.lpv.lpv", "Lpv"),
+    "lpv-march": ("airlight.techniques.air", "LpvMarch"),
+    "lpv-sum": ("airlight.techniques.air", "LpvSum"),
+    "lpv-scatter": ("airlight.techniques.air", "LpvScatter"),
+    "pop": ("airlight.techniques.pop", "Pop"),
+    "auto": ("airlight.techniques.composed", "Auto"),
 }
 
 
-def technique_class(name: str) -> type[Direct]:
+def technique_class(name: str) -> Any:
     """The class of a technique. Raises SettingsError naming the nearest."""
     if name not in TECHNIQUES:
         raise SettingsError(f"unknown technique '{name}'", remedy=nearest(name, TECHNIQUES))
-    return TECHNIQUES[name]
+    module, attribute = TECHNIQUES[name]
+    return getattr(importlib.import_module(module), attribute)
 
 
 def make_technique(
@@ -80,4 +78,5 @@ def make_technique(
     cls = technique_class(name)
     merged = {**scene.settings.get(name, {}), **settings}
     made = make_settings(cls.Settings, merged, where=f"technique {name}")
-    return cls(gpu, scene, meshes, made, size)
+    technique: Technique = cls(gpu, scene, meshes, made, size)
+    return technique

@@ -115,6 +115,12 @@ class LpvMarch(InAir, Lpv):
         return LatticeSource(self.placement, {**self.textures.bound, **self.blockers.bound}, scale)
 
 
+class LpvWithVolumes(InAir, Lpv):
+    """Bounced light on a lattice that knows no air, seen through air."""
+
+    Settings = LpvMarchSettings
+
+
 class LpvSum(LpvMarch):
     """The technique `lpv-sum`: lpv-march plus single scattering, the trivial combination."""
 

@@ -1,5 +1,4 @@
 //! use medium_grid
-//! use ordinate_grid
 //! use delta_beam
 //! use phase
 
@@ -22,8 +21,8 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
     return mix(phase[first].rgb, phase[first + 1u].rgb, at - f32(low));
 }
 
-// Per unit scattering coefficient, of all ordinates, at a point and towards `travel`.
-fn beam_emission(point: vec3f, travel: vec3f) -> BeamEmission {
+// Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
+fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0));
     let loss = beam_loss(params.g, params.albedo);
     for (var n = 0u; n < params.ordinate_count; n++) {
@@ -31,14 +30,14 @@ fn beam_emission(point: vec3f, travel: vec3f) -> BeamEmission {
         if (all(o.irradiance.rgb <= vec3f(0.0))) {
             continue;
         }
-        let tau = passed_at(n, ordinate_place(n, point)) * params.sigma_t;
+        let tau = passed[n * params.cells + cell] * params.sigma_t;
         let mu = clamp(dot(o.direction.xyz, travel), -1.0, 1.0);
         let direct = exp(-tau);
         sum.beams += o.irradiance.rgb * direct * beam_phase(n, mu);
         let quasi = exp(-loss * tau) - direct;
         let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
         sum.quasi_forward += o.irradiance.rgb * quasi
-            * henyey_greenstein_rgb(mu, params.g * a * o.cell.w);
+            * henyey_greenstein_rgb(mu, params.g * a * o.direction.w);
     }
     return sum;
 }

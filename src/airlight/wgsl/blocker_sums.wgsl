@@ -1,7 +1,18 @@
-// What is summed around each corner of a lattice, in fixed point: the covered share of each side
-// (+x -x +y -y +z -z), each axis' covered share and its first moment about the face plane, and
-// each side's covered share times reflectance (rgb).
+// What is gathered around each corner of a lattice, in fixed point: the covered share of each side
+// (+x -x +y -y +z -z), each axis' covered share, how far behind the face plane each side's
+// backmost surface lies (0: none seen), and each side's covered share times reflectance (rgb).
 const AXIS_COVER = 6u;
-const AXIS_MOMENT = 9u;
-const SIDE_REFLECTED = 12u;
-const CORNER_VALUES = 30u;
+const SIDE_BEHIND = 9u;
+const SIDE_REFLECTED = 15u;
+const CORNER_VALUES = 33u;
+
+const BEHIND_UNITS = 4096.0;    // per cell
+
+// A place -0.5..0.5 along a side's outward axis, in cells, as an integer that grows backwards.
+fn behind_code(outward: f32) -> i32 {
+    return 1 + i32(round((0.5 - outward) * BEHIND_UNITS));
+}
+
+fn outward_of(code: f32) -> f32 {
+    return 0.5 - (code - 1.0) / BEHIND_UNITS;
+}

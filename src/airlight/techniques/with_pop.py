@@ -1,0 +1,64 @@
+"""Volumes solved by principal ordinates inside another technique in air."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..lighting.direct import Direct
+from ..lighting.view import View
+from ..march.march import Source
+from ..pop.solver import PopSettings, PopSolver, sun_count
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from ..surface.geometry import GpuScene
+
+
+def with_pop(base: type[Direct]) -> type[Direct]:
+    """`base` (a technique in air) with the scene's volumes solved by principal ordinates."""
+
+    class WithPop(base):  # type: ignore[valid-type,misc]
+        def __init__(
+            self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: Any, size: tuple[int, int]
+        ) -> None:
+            self.source_count = len(scene.volumes)
+            super().__init__(gpu, scene, meshes, settings, size)
+            self._scene = scene
+            grids = iter(self.air_light.air.grids)
+            suns = sun_count(scene.lights)
+            self.solvers = [
+                PopSolver(gpu, volume, PopSettings(), suns=suns,
+                          voxels=next(grids) if volume.density is not None else None)
+                for volume in scene.volumes
+            ]  # fmt: skip
+
+        def solved(self, scene: Scene) -> tuple[Volume, ...]:
+            return scene.volumes
+
+        def lattice_scene(self, scene: Scene) -> Scene:
+            return replace(scene, volumes=())
+
+        def sources(self) -> list[Source]:
+            first = int(self._scene.medium is not None)
+            return [solver.source(first + i) for i, solver in enumerate(self.solvers)]
+
+        def solve(self, commands: Commands, scene: Scene) -> None:
+            self._scene = scene
+            super().solve(commands, scene)
+
+        def draw(self, commands: Commands, view: View) -> None:
+            scene, eye = self._scene, np.asarray(view.eye)
+            for solver, volume in zip(self.solvers, scene.volumes, strict=True):
+                solver.encode(commands, scene.lights, scene.environment, eye, volume)
+            super().draw(commands, view)
+
+        def release(self) -> None:
+            super().release()
+            for solver in self.solvers:
+                solver.release()
+
+    return WithPop
