@@ -17,7 +17,6 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length
-from ..maths.lattice6 import LOOKUP_SCALE as TEXTURE_LOOKUP_SCALE
 from ..scene.checks import Rgb
 from .hop_wgsl import constants, mean_track
 
@@ -83,9 +82,8 @@ class SurfaceLight:
 
     def params(self) -> LatticeParams:
         """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
-        # Textures hold power, lattice.wgsl reads intensity at the six-neighbour scheme's scale.
-        unit = LOOKUP_SCALE / TEXTURE_LOOKUP_SCALE / (4.0 * math.pi)
-        return self.placement.params(self.scale / unit)
+        # Textures hold power, lattice.wgsl reads intensity.
+        return self.placement.params(self.scale * 4.0 * math.pi, lookup_scale=LOOKUP_SCALE)
 
     @property
     def bound(self) -> dict[str, Texture]:

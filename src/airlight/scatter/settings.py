@@ -1,0 +1,70 @@
+"""What multiple scattering can be told, and what the scene's air asks of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..lattice.placement import Placement
+from ..scene.checks import Rgb
+from ..scene.scene import Scene
+from ..scene.settings import setting
+from .schedule import ACCELERATIONS
+
+SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")
+
+
+@dataclass(frozen=True)
+class ScatterSettings:
+    """What multiple scattering on a lattice can be told."""
+
+    scheme: str = setting(
+        "auto", "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
+        "eq. 3 as printed; paper-gamma: with what it loses put back", choices=SCHEMES)  # fmt: skip
+    iterations: int = setting(8, "propagation steps on the fine lattice", low=0, high=512)
+    residual: float = setting(0.0, "light that may still be under way; chooses the iterations "
+                              "where above 0", low=0.0, high=0.9)  # fmt: skip
+    acceleration: str = setting(
+        "finish", "coarser lattices for slow light", choices=ACCELERATIONS)  # fmt: skip
+    occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
+    single: str = setting(
+        "gather", "how first-scattered light comes into cells: gathered by them, or from points "
+        "of every map texel's ray", choices=("gather", "random", "stratified"))  # fmt: skip
+    samples: int = setting(8, "points of a map texel's ray", low=1, high=64)
+    seed: int = setting(0, "of random points", low=0)
+    map_resolution: int = setting(256, "side of reflective shadow maps", unit="px", low=8,
+                                  high=4096)  # fmt: skip
+
+
+def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:
+    """Whether cells need coefficients of their own; SettingsError where the scheme has none."""
+    varies = bool(scene.volumes)
+    if scene.medium is not None and scene.medium.bounds is not None:
+        low, high = scene.medium.bounds
+        # The lattice reaches a cell further than the surfaces; that far a medium may end.
+        inner = placement.cell * 1.001
+        inside = np.subtract(placement.bounds[0], low) >= -inner
+        above = np.subtract(high, placement.bounds[1]) >= -inner
+        varies = varies or not bool(inside.all() and above.all())
+    if varies and settings.scheme not in ("auto", "half-linear"):
+        raise SettingsError(
+            f"scheme = '{settings.scheme}' knows only one medium that fills the lattice",
+            remedy="Use scheme = 'auto', or leave out volumes and the medium's bounds.",
+        )
+    return varies or settings.scheme == "half-linear"
+
+
+def densest_air(scene: Scene) -> tuple[Rgb, Rgb]:
+    """(sigma_s, sigma_t), m^-1, of the scene's densest medium; zero without any."""
+    found: list[tuple[Rgb, Rgb]] = []
+    if scene.medium:
+        found.append((scene.medium.sigma_s, scene.medium.sigma_t))
+    for volume in scene.volumes:
+        peak = 1.0 if volume.density is None else float(volume.density.max())
+        r, g, b = (peak * t for t in volume.sigma_t)
+        x, y, z = volume.albedo
+        found.append(((r * x, g * y, b * z), (r, g, b)))
+    nothing = (0.0, 0.0, 0.0)
+    return max(found, key=lambda pair: max(pair[1]), default=(nothing, nothing))
