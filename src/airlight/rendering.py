@@ -54,9 +54,13 @@ class Renderer:
         self.gpu.peak_bytes = self.gpu.allocated_bytes
         self.commands = Commands(self.gpu)
         self.meshes = GpuScene(self.gpu, scene)
-        self.technique = make_technique(
-            self.gpu, scene, self.meshes, technique, settings or {}, self.size
-        )
+        try:
+            self.technique = make_technique(
+                self.gpu, scene, self.meshes, technique, settings or {}, self.size
+            )
+        except BaseException:
+            self.meshes.release()
+            raise
         self.view = View(self.gpu, self.size)
         self._accumulator: Accumulator | None = None
         self.frame_ms: list[float] = []
