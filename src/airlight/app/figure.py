@@ -1,0 +1,126 @@
+"""`airlight figure`: the papers' figures, ours, with the numbers behind them."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .. import __version__
+from ..errors import AirlightError, OutputError, SettingsError
+from .options import adapter_option, size_option
+from .progress import progress
+
+if TYPE_CHECKING:
+    from .progress import Report
+
+QUICK_SIZE = (96, 54)
+
+
+@click.command("figure")
+@click.argument("names", nargs=-1, metavar="[NAME ...]")
+@click.option("--all", "is_all", is_flag=True, help="Every figure.")
+@click.option("--list", "is_list", is_flag=True, help="Name them and stop.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR",
+    help="Folder for NAME.png and NAME.json.",
+)  # fmt: skip
+@size_option("640x360")
+@click.option("--quick", is_flag=True, help="Tiny lattices and pictures: does it work?")
+@adapter_option()
+@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+def command(
+    names: tuple[str, ...], is_all: bool, is_list: bool, output: Path | None, **options: Any
+) -> None:
+    """Draw figures of the papers: a picture and the JSON of its numbers each.
+
+    \b
+    airlight figure --list
+    airlight figure clpv-5 clpv-6 -o figures/
+
+    Path-traced panels need Mitsuba (pip install 'airlight[reference]') and are kept in the cache.
+    """
+    from ..figures.registry import FIGURES, figure
+
+    if is_list:
+        _list()
+        return
+    chosen = tuple(FIGURES) if is_all else tuple(dict.fromkeys(names))
+    if not chosen:
+        raise SettingsError("no figure is named", remedy=f"Name some of {', '.join(FIGURES)}")
+    for name in chosen:
+        figure(name)
+    folder = _folder(output)
+    size = QUICK_SIZE if options["quick"] else options["size"]
+    with progress(quiet=options["quiet"]) as report:
+        failed = _draw_all(chosen, folder, size, options, report)
+    _complain(failed, len(chosen))
+
+
+def _draw_all(
+    names: tuple[str, ...], folder: Path, size: tuple[int, int], options: dict[str, Any],
+    report: Report,
+) -> dict[str, AirlightError]:  # fmt: skip
+    """Each figure; one that cannot be drawn does not cost the others."""
+    from ..figures.panels import Request
+    from ..figures.registry import figure, keep
+
+    failed = {}
+    for name in names:
+        report(name, 0.0)
+
+        def told(stage: str, fraction: float, name: str = name) -> None:
+            report(f"{name}: {stage}", fraction)
+
+        request = Request(size, options["quick"], options["adapter"], told)
+        try:
+            drawn = figure(name).draw(request)
+        except AirlightError as error:
+            failed[name] = error
+            continue
+        about = {
+            "command": _command(name, folder, options["size"], options["quick"]),
+            "airlight": __version__,
+            "panel_size": list(size),
+        }
+        click.echo(str(keep(name, drawn, about, folder)))
+    return failed
+
+
+def _command(name: str, folder: Path, size: tuple[int, int], quick: bool) -> str:
+    words = ["airlight", "figure", name, "-o", str(folder)]
+    return shlex.join(words + (["--quick"] if quick else ["--size", f"{size[0]}x{size[1]}"]))
+
+
+def _list() -> None:
+    from ..figures.registry import FIGURES
+
+    width = max(map(len, FIGURES))
+    for name, known in FIGURES.items():
+        beside = f" ({known.source})" if known.source else ""
+        click.echo(f"{name:<{width}}  {known.shows}{beside}")
+
+
+def _folder(output: Path | None) -> Path:
+    if output is None:
+        raise SettingsError("there is no folder to draw into", remedy="Name one: -o DIR")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"cannot be made a folder ({error.strerror or error})",
+            where=output,
+            remedy="Choose another place.",
+        ) from None
+    return output
+
+
+def _complain(failed: dict[str, AirlightError], count: int) -> None:
+    """Raise where a figure failed: its own error, or all of them in one message."""
+    if len(failed) == 1 and count == 1:
+        raise next(iter(failed.values()))
+    if failed:
+        said = "; ".join(f"{name}: {error}" for name, error in failed.items())
+        raise SettingsError(f"{len(failed)} of {count} figures could not be drawn: {said}")

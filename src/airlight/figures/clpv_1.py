@@ -1,0 +1,36 @@
+"""The atrium, with the air clear and hazy (Kaplanyan2010 Fig. 1)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..scene.builtin import atrium, atrium_fog
+from ..scene.checks import F32
+from .panels import Drawn, Request, exposed, known, mean_light, rendered, sheet
+
+WANTED: dict[str, Any] = {"cascades": 3, "resolution": 32}
+
+
+def draw(request: Request) -> Drawn:
+    """Clear air with `lpv` (three cascades), haze with `lpv-march`."""
+    panels: list[tuple[str, F32]] = []
+    numbers: dict[str, Any] = {}
+    for label, scene, technique in (
+        ("clear", atrium(), "lpv"), ("haze, the lattice marched", atrium_fog(), "lpv-march"),
+    ):  # fmt: skip
+        request.report(label, len(panels) / 2.0)
+        settings = {} if request.quick else known(technique, WANTED)
+        image = rendered(request, scene, settings, technique=technique, timed=True)
+        panels.append((label, image.radiance))
+        numbers[label] = {
+            "technique": technique,
+            "settings": settings,
+            "triangles": scene.triangle_count,
+            "frame_ms": image.stats["frame_ms"],
+            "lattice": image.stats.get("lattice"),
+            "mean_indirect": mean_light(image.layers["indirect"]),
+            "mean_direct": mean_light(image.layers["direct"]),
+        }
+    stops = atrium().camera.exposure_stops or 0.0
+    rows = [("atrium", exposed(request, panels, stops))]
+    return Drawn(sheet(request, "Indirect light in the atrium", rows), numbers)

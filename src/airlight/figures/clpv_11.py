@@ -1,0 +1,94 @@
+"""Light that bleeds through thin things (Kaplanyan2010 Fig. 11).
+
+The paper's second picture, a shadow lost because nothing saw its caster, has no counterpart:
+our blockers come from samples of all surfaces.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..app.compare_pictures import shown
+from ..scene.builtin import room
+from ..scene.builtin.patch import Finish, placed_at
+from ..scene.builtin.solids import box
+from ..scene.camera import Camera
+from ..scene.lights import SpotLight
+from ..scene.material import Material
+from ..scene.scene import Scene
+from .clpv_6 import scores, truth_of
+from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
+
+WALLS_M = (0.02, 0.1, 0.25)
+ROOM_M = (6.0, 3.0, 3.0)
+_SHELL_M = 0.2
+
+
+def draw(request: Request) -> Drawn:
+    """A shelf of 22 mm boards, then a dark room behind a wall of three thicknesses."""
+    told: dict[str, Any] = {}
+    leaks: dict[str, Any] = {}
+    rows = [("shelf", _shelf(request, told)), *_walls(request, leaks)]
+    numbers = {"shelf": told, "wall": leaks}
+    return Drawn(sheet(request, "Light through thin things", rows), numbers)
+
+
+def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
+    scene = from_here(room(), (-0.2, 1.3, -0.6), (2.4, 1.0, -1.3))
+    truth = truth_of(request, scene)
+    first = rendered(request, scene)
+    stops = exposure_of(scene, first.radiance)
+    fine = {} if request.quick else {"resolution": 64}
+    cells = []
+    for label, image in (
+        ("paper's scheme", rendered(request, scene, {"scheme": "paper"})), ("ours", first),
+        ("ours, finer", rendered(request, scene, fine)),
+    ):  # fmt: skip
+        cells.append((label, shown(image.layers["indirect"], stops)))
+        told[label] = {"mean_indirect": mean_light(image.layers["indirect"])}
+        if truth is not None:
+            told[label] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
+    if truth is not None:
+        cells.append(("path traced", shown(truth.image.layers["indirect"], stops)))
+    return cells
+
+
+def _walls(request: Request, leaks: dict[str, Any]) -> list[Any]:
+    rows: list[Any] = []
+    modes: dict[str, dict[str, str]] = {"paper's scheme": {"scheme": "paper"}, "ours": {}}
+    for label, settings in modes.items():
+        open_ = rendered(request, two_rooms(None), settings)
+        stops = exposure_of(two_rooms(None), open_.radiance)
+        cells = [("no wall", shown(open_.radiance, stops))]
+        lit, told = mean_light(open_.layers["indirect"]), {}
+        for wall_m in WALLS_M:
+            image = rendered(request, two_rooms(wall_m), settings)
+            share = mean_light(image.layers["indirect"]) / max(lit, 1e-30)
+            told[f"{wall_m} m"] = share
+            cells.append((f"{1e3 * wall_m:.0f} mm: {share:.1%}", shown(image.radiance, stops)))
+        leaks[label] = {"share_of_indirect_light_that_leaks": told, "cells": open_.stats["lattice"]}
+        rows.append((label, cells))
+    return rows
+
+
+def two_rooms(wall_m: float | None) -> Scene:
+    """A closed white box, a lamp in its left half, the eye in its right; a wall between.
+
+    Behind the wall (`wall_m` thick; None: no wall) it is dark.
+    """
+    x, y, z = ROOM_M[0] / 2.0, ROOM_M[1], ROOM_M[2] / 2.0
+    t = _SHELL_M
+    slabs = [
+        box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
+        box((-x - t, y, -z - t), (x + t, y + t, z + t)),
+        box((-x - t, 0.0, -z - t), (-x, y, z + t)), box((x, 0.0, -z - t), (x + t, y, z + t)),
+        box((-x, 0.0, -z - t), (x, y, -z)), box((-x, 0.0, z), (x, y, z + t)),
+    ]  # fmt: skip
+    if wall_m is not None:
+        slabs.append(box((-0.5 * wall_m, 0.0, -z), (0.5 * wall_m, y, z)))
+    white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
+    here = [placed_at(0.0, 0.0, 0.0)]
+    meshes = tuple(mesh for slab in slabs for mesh in white.meshes(slab, here, "slab"))
+    lamp = SpotLight((-1.6, 2.8, 0.0), (0.0, -1.0, 0.0), (30.0, 30.0, 30.0), 40.0, 60.0)
+    camera = Camera((2.8, 1.6, 1.2), (0.2, 1.4, -0.3), fov_y_deg=60.0, exposure_stops=None)
+    return Scene(name="two-rooms", meshes=meshes, lights=(lamp,), camera=camera)

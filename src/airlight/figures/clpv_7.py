@@ -1,0 +1,38 @@
+"""The atrium without occlusion, with it, and with further bounces (Kaplanyan2010 Fig. 7)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..scene.builtin import atrium, cornell
+from ..scene.image import Image
+from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
+
+MODES: dict[str, dict[str, bool]] = {
+    "no occlusion": {"occlusion": False, "bounces": False},
+    "occlusion": {"occlusion": True, "bounces": False},
+    "occlusion and bounces": {"occlusion": True, "bounces": True},
+}
+
+
+def draw(request: Request) -> Drawn:
+    """Whole pictures above, indirect light alone below."""
+    scene = cornell() if request.quick else atrium()
+    images: dict[str, Image] = {}
+    numbers: dict[str, Any] = {"scene": scene.name, "modes": {}}
+    for label, mode in MODES.items():
+        request.report(label, len(images) / len(MODES))
+        images[label] = image = rendered(request, scene, mode, timed=True)
+        numbers["modes"][label] = {
+            "mean_indirect": mean_light(image.layers["indirect"]),
+            "frame_ms": image.stats["frame_ms"],
+            "iterations": image.stats["iterations"],
+        }
+    stops = exposure_of(scene, next(iter(images.values())).radiance)
+    whole = [(label, image.radiance) for label, image in images.items()]
+    alone = [(label, image.layers["indirect"]) for label, image in images.items()]
+    rows = [
+        ("all light", exposed(request, whole, stops)),
+        ("indirect light", exposed(request, alone, stops)),
+    ]
+    return Drawn(sheet(request, "What stands in the light's way", rows), numbers)

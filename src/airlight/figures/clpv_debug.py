@@ -1,0 +1,65 @@
+"""The solved lattice of the room cut open along its three axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..app.compare_pictures import U8
+from ..maths.colour import luminance
+from ..scene.builtin import room
+from .panels import Drawn, Request, renderer, sheet
+from .slices import SolvedLattice, from_texels, slice_picture
+
+CELL_PX = 16
+
+
+def draw(request: Request) -> Drawn:
+    """Slices through the middle of `builtin:room`, and what the lattice holds."""
+    lattice = solved(request, {"resolution": 12 if request.quick else 32})
+    light = luminance(lattice.fluence)
+    brightest = float(np.percentile(light, 99.5))
+    middle = dict(zip("zyx", (n // 2 for n in light.shape), strict=True))
+    cells: list[tuple[str, U8 | None]] = [
+        (f"across {axis} = {middle[axis]}", _square(lattice, axis, middle[axis], brightest))
+        for axis in "xyz"
+    ]
+    numbers = {
+        "cells_zyx": list(light.shape),
+        "cell_m": lattice.cell_m,
+        "white_at_w_m2": brightest,
+        "mean_fluence_w_m2": float(light.mean()),
+        "mean_directedness": float(np.linalg.norm(lattice.direction, axis=-1).mean()),
+        "closed_share_of_faces": float(np.mean(1.0 - lattice.openness)),
+    }
+    return Drawn(sheet(request, "The lattice of the room", [("slice", cells)]), numbers)
+
+
+def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
+    """The lattice of `builtin:room` after one frame."""
+    with renderer(request, room(), settings) as made:
+        made.frame(read=False)
+        return read_lattice(made.technique)
+
+
+def read_lattice(technique: Any) -> SolvedLattice:
+    """What a technique of the lattice family has solved, from the device."""
+    textures, blockers = technique.textures, technique.blockers
+    return from_texels(
+        textures.red.read(), textures.green.read(), textures.blue.read(),
+        blockers.open_a.read(), blockers.open_b.read(),
+        power_scale=technique.power_scale, cell_m=technique.placement.cell,
+    )  # fmt: skip
+
+
+def _square(lattice: SolvedLattice, across: str, index: int, brightest: float) -> U8:
+    """A slice in the middle of a square ground, so that all three are drawn to one scale."""
+    picture = slice_picture(lattice, across, index, brightest=brightest, cell_px=CELL_PX)
+    side = max(lattice.openness.shape[:3]) * CELL_PX
+    square = np.full((side, side, 3), 22, dtype=np.uint8)
+    height, width = picture.shape[:2]
+    top, left = (side - height) // 2, (side - width) // 2
+    square[top : top + height, left : left + width] = picture
+    return square

@@ -1,0 +1,94 @@
+"""What each stage costs, under the names of Kaplanyan2010 Table 1 and beside its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
+
+from ..app.bench_frames import PAPER_LATTICE, Case, measure
+from ..app.compare_pictures import FAINT, INK, PAPER, U8
+from ..scene.builtin import atrium, cornell
+from .clpv_7 import MODES
+from .panels import QUICK, Drawn, Request, known
+
+PAPER_MS: dict[str, dict[str, tuple[float, ...]]] = {
+    "RSM rendering": {"GTX285": (0.16,), "Xbox 360": (0.5,), "PS3": (0.8,)},
+    "VPL Injection": {"GTX285": (0.05,), "Xbox 360": (0.2,), "PS3": (0.4,)},
+    "GV Injection": {"GTX285": (0.02,), "Xbox 360": (0.15,), "PS3": (0.15,)},
+    "Propagation": {
+        "GTX285": (0.8, 1.1, 1.4), "Xbox 360": (0.8, 1.1, 1.5), "PS3": (0.7, 1.1, 1.5),
+    },
+    "LPV Lookup": {"GTX285": (2.4,), "Xbox 360": (2.0,), "PS3": (1.5,)},
+    "Total": {"GTX285": (3.4, 3.7, 4.0), "Xbox 360": (3.5, 3.8, 4.2), "PS3": (3.4, 3.8, 4.2)},
+}  # fmt: skip
+"""Kaplanyan2010 Table 1, ms; three numbers: no occlusion, fuzzy occlusion, multiple bounces."""
+STAGES: dict[str, tuple[str, ...]] = {
+    "RSM rendering": ("reflective shadow maps",),
+    "VPL Injection": ("inject",),
+    "GV Injection": ("blockers",),
+    "Propagation": ("propagate", "pack"),
+    "LPV Lookup": ("lighting",),
+}
+"""Our stages under the paper's names. Its lookup pass adds indirect light to a picture; ours
+computes all of a pixel's light, direct light and its shadows too."""
+COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
+
+
+def draw(request: Request) -> Drawn:
+    """The atrium at the panel's size with one lattice of 32^3, 8 iterations, a 256^2 map."""
+    scene, frames = (cornell(), 1) if request.quick else (atrium(), 9)
+    settings = {**PAPER_LATTICE, **(known("lpv", QUICK) if request.quick else {})}
+    found: dict[str, Any] = {}
+    for label, mode in MODES.items():
+        request.report(label, len(found) / len(MODES))
+        case = Case(label, scene.name, request.size, {**settings, **mode})
+        found[label] = measure(scene, case, frames, request.adapter)
+    ours = under_the_papers_names([found[label]["passes"] for label in MODES])
+    device = next(iter(found.values()))["device"]
+    numbers = {
+        "stages_ms": {"ours": ours, "paper": PAPER_MS},
+        "device": device,
+        "triangles": scene.triangle_count,
+        "size": list(request.size),
+        "modes": found,
+    }
+    return Drawn(_table(device, ours), numbers)
+
+
+def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, tuple[float, ...]]:
+    """Per stage of the paper the milliseconds of each mode's passes; their sum as Total."""
+    ours = {
+        name: tuple(sum(mode.get(stage, 0.0) for stage in stages) for mode in passes)
+        for name, stages in STAGES.items()
+    }
+    total = tuple(sum(column) for column in zip(*ours.values(), strict=True))
+    return {**ours, "Total": total}
+
+
+def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
+    """The table as a picture."""
+    lines: list[tuple[str, ...]] = [
+        ("Stage, ms", f"here: {device}"[:30], "GTX285", "Xbox 360", "PS3")
+    ]
+    for name, times in ours.items():
+        theirs = [_times(PAPER_MS[name][machine]) for machine in machines]
+        own = times if name in ("Propagation", "Total") else times[-1:]
+        lines.append((name, _times(own), *theirs))
+    starts = np.cumsum([MARGIN_PX, COLUMN_PX, 2 * COLUMN_PX, COLUMN_PX, COLUMN_PX])
+    height = 2 * MARGIN_PX + LINE_PX * len(lines)
+    picture = PIL.Image.new("RGB", (int(starts[-1]) + COLUMN_PX, height), PAPER)
+    pen, font = PIL.ImageDraw.Draw(picture), PIL.ImageFont.load_default(18)
+    for row, cells in enumerate(lines):
+        for start, text in zip(starts, cells, strict=True):
+            place = (float(start), float(MARGIN_PX + LINE_PX * row))
+            pen.text(place, text, FAINT if row == 0 else INK, font=font)
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def _times(values: Sequence[float]) -> str:
+    return " / ".join(f"{value:.3g}" for value in values)

@@ -1,0 +1,85 @@
+"""Every figure by its name, and how one is drawn and kept."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from ..errors import SettingsError, nearest
+from .panels import Drawn, Request
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What a figure shows, which one of the paper it stands beside, and the module that draws it.
+
+    The module has `draw(request) -> Drawn`.
+    """
+
+    source: str
+    shows: str
+    module: str
+
+    def draw(self, request: Request) -> Drawn:
+        """Make it. Raises AirlightError."""
+        made = importlib.import_module(f"{__package__}.{self.module}")
+        return cast(Drawn, made.draw(request))
+
+
+_PAPER = "Kaplanyan2010"
+
+FIGURES: dict[str, Figure] = {
+    "clpv-1": Figure(f"{_PAPER} Fig. 1", "the atrium, in clear and in hazy air", "clpv_1"),
+    "clpv-5": Figure(
+        f"{_PAPER} Fig. 5", "flatland: five ways to propagate light beside the truth", "clpv_5"
+    ),
+    "clpv-6": Figure(
+        f"{_PAPER} Fig. 6", "one bounce in grey stone beside a path tracer's, and the difference",
+        "clpv_6",
+    ),
+    "clpv-7": Figure(
+        f"{_PAPER} Fig. 7", "without occlusion, with it, and with further bounces", "clpv_7"
+    ),
+    "clpv-9": Figure(f"{_PAPER} Fig. 9", "a polished floor that reflects the lattice", "clpv_9"),
+    "clpv-10": Figure(
+        f"{_PAPER} Fig. 10", "foliage, and how steady its light is while the sun moves", "clpv_10"
+    ),
+    "clpv-11": Figure(
+        f"{_PAPER} Fig. 11", "light that bleeds through thin boards and through a wall", "clpv_11"
+    ),
+    "clpv-12": Figure(
+        f"{_PAPER} Fig. 12", "the lattice's spacing, and the number of iterations", "clpv_12"
+    ),
+    "clpv-table1": Figure(
+        f"{_PAPER} Table 1", "what each stage costs, beside the paper's machines", "clpv_table1"
+    ),
+    "clpv-debug": Figure("", "the lattice cut open: light, its direction, and walls", "clpv_debug"),
+}  # fmt: skip
+"""Figure by name."""
+
+
+def figure(name: str) -> Figure:
+    """The figure called `name`. Raises SettingsError naming the nearest."""
+    if name not in FIGURES:
+        raise SettingsError(f"there is no figure '{name}'", remedy=nearest(name, FIGURES))
+    return FIGURES[name]
+
+
+def keep(name: str, drawn: Drawn, about: dict[str, Any], folder: Path) -> Path:
+    """Write NAME.png and NAME.json into `folder`, each whole or not at all; returns the picture.
+
+    Raises OutputError.
+    """
+    from ..app.compare_pictures import png_bytes
+    from ..app.outputs import write_json
+    from ..scene.io.files import whole_file
+
+    path = folder / f"{name}.png"
+    with whole_file(path) as part:
+        part.write_bytes(png_bytes(drawn.picture))
+    known = FIGURES[name]
+    told = {"figure": name, "shows": known.shows, "beside": known.source, "picture": path.name}
+    write_json({**told, **about, "numbers": drawn.numbers}, folder / f"{name}.json")
+    return path
