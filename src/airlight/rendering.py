@@ -81,7 +81,7 @@ class Renderer:
         self.technique.solve(self.commands, self.scene)
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
-            self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])))
+            self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)
             self.technique.draw(self.commands, self.view)
             if samples > 1:
                 self._accumulate(index)

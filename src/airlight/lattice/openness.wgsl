@@ -68,9 +68,12 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     let cover = on_face(f, AXIS_COVER + axis);
     let plus = backmost(f, 2u * axis);
     let minus = backmost(f, 2u * axis + 1u);
+    // Two sides of one wall: between them. Air between them (a moulding over a floor): the side
+    // that covers more.
     var shift = 0.5 * (plus - minus);
-    if (minus >= 1.0) { shift = plus; }
-    if (plus >= 1.0) { shift = -minus; }
+    let plus_wins = on_face(f, 2u * axis) >= on_face(f, 2u * axis + 1u);
+    if (minus >= 1.0 || (plus < -minus && plus_wins)) { shift = plus; }
+    if (plus >= 1.0 || (plus < -minus && !plus_wins)) { shift = -minus; }
     if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
     return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }

@@ -48,6 +48,7 @@ class ShadowMaps:
         self.sampler = comparison_sampler(gpu)
         self._pass = MeshPass(gpu, _CutoutPipeline, opaque=_OpaquePipeline)
         self._drawn: dict[int, tuple[int, bytes]] = {}
+        self.version = 0  # raised whenever a map was drawn anew
 
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
         """Draw those `views` that changed."""
@@ -59,6 +60,7 @@ class ShadowMaps:
                 stale.append(layer)
         if not stale:
             return
+        self.version += 1
         self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         for layer in stale:
             self._draw(commands, scene, layer, views[layer])

@@ -56,6 +56,7 @@ class InAir(Direct):
             has_lattice=self.has_lattice, solved=self.solved(scene),
         )  # fmt: skip
         self.air = self.air_light.air
+        self._shadows = (-1, -1)
 
     def solved(self, scene: Scene) -> tuple[Volume, ...]:
         """Volumes whose single scattering comes with their source."""
@@ -72,12 +73,18 @@ class InAir(Direct):
     def solve(self, commands: Commands, scene: Scene) -> None:
         """The surfaces' part, then the air."""
         super().solve(commands, scene)
-        self.air_light.solve(commands, scene, *self._bounds(scene))
+        versions = (self.lights.parallel.version, self.lights.local.version)
+        self.air_light.solve(
+            commands, scene, *self._bounds(scene), shadows_changed=versions != self._shadows
+        )
+        self._shadows = versions
 
     def draw(self, commands: Commands, view: View) -> None:
         """Surfaces, shafts, marching, and all of it together."""
         super().draw(commands, view)
-        self.air_light.encode(commands, view, self.lights, self.sources(), self.lattice_source())
+        self.air_light.encode(
+            commands, view, self.lights, self.sources(), self.lattice_source(), frame=view.sample
+        )
         self.air_light.compose(commands, view)
 
     def pictures(self, view: View) -> dict[str, Texture]:
