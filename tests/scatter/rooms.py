@@ -27,7 +27,9 @@ FOG = Medium((0.5, 0.5, 0.5), (0.95, 0.95, 0.95))
 GREY = Material(base_color=(0.7, 0.7, 0.7))
 
 
-def sheet(axis: int, at: float, low: Any = LOW, high: Any = HIGH, material: Material = GREY) -> Mesh:
+def sheet(
+    axis: int, at: float, low: Any = LOW, high: Any = HIGH, material: Material = GREY
+) -> Mesh:
     """The rectangle low..high across `axis` at the coordinate `at`."""
     size, centre = np.subtract(high, low), 0.5 * np.add(low, high)
     matrix = np.eye(4)

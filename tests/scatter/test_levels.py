@@ -5,9 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from airlight.maths import lattice26
+from airlight.maths import lattice26, lattice26_levels, lattice26_walls
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import Schedule, schedule
+
+from .test_propagate import packed_faces  # type: ignore[import-not-found]
 
 COUNT = (10, 6, 8)
 SHAPE = COUNT[::-1]
@@ -63,9 +65,7 @@ def test_no_iterations_are_no_light(gpu, commands, lattice):
 
 @pytest.mark.parametrize("acceleration", ["finish", "cycle"])
 @pytest.mark.parametrize("is_varied", [False, True])
-def test_corrections_lead_to_the_same_field_faster(
-    gpu, commands, lattice, acceleration, is_varied
-):
+def test_corrections_lead_to_the_same_field_faster(gpu, commands, lattice, acceleration, is_varied):
     source = sparks()
     want = summed(200)[..., 0]
     plain = summed(9)[..., 0]
@@ -86,3 +86,34 @@ def test_cycles_converge_to_the_fine_field(gpu, commands, lattice):
     plan = Schedule((1, 1, 8), (1, 1, 0), visits=2, cycles=12)
     got = solved(gpu, commands, lattice, source, plan, ALBEDO * SIGMA_T, SIGMA_T)
     np.testing.assert_allclose(got, want, atol=2e-3 * want.max())
+
+
+def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
+    count, shape = (7, 6, 4), (4, 6, 7)  # odd: the last coarse cells are half empty
+    rng = np.random.default_rng(8)
+    faces = np.round(np.clip(rng.random((6, *shape)) * 2 - 0.5, 0, 1) * 255) / 255
+    air = rng.random((3, *shape, 2))
+    white = rng.integers(0, 256, (*shape, 4)).astype(np.uint8)
+    levels = Levels(gpu, count, 1.0, Schedule((1, 1), (0, 0)), is_blocked=True, is_varied=True)
+    levels.set_medium(commands, lattice(air))
+    levels.set_walls(commands, lattice(packed_faces(faces)), lattice(white.view(np.uint32)))
+    commands.submit()
+    coarse = levels.levels[1]
+    assert coarse.count == (4, 3, 2)
+    got = coarse.openness.read(np.uint8).reshape(2, 3, 4, 8)[..., :6] / 255
+    want = np.moveaxis(lattice26_levels.restricted_faces(faces), 0, -1)
+    # Hops into the lattice from beyond its border carry nothing.
+    borders = np.s_[:, :, 0], np.s_[:, :, -1], np.s_[:, 0], np.s_[:, -1], np.s_[0], np.s_[-1]
+    for k, border in enumerate(borders):
+        want[..., k][border] = got[..., k][border]
+    np.testing.assert_allclose(got, want, atol=0.51 / 255)
+    medium = coarse.medium.read().reshape(3, 2, 3, 4, 2)
+    np.testing.assert_allclose(medium, lattice26_levels.restricted(air, is_mean=True), rtol=1e-5)
+    packs = coarse.packs.read(np.uint8).reshape(2, 3, 4, 4, 16)
+    outgoing = packs[..., 2:, :].reshape(2, 3, 4, 32)[..., :26] / 255
+    exact = lattice26_walls.open_hops(np.moveaxis(got, -1, 0))
+    np.testing.assert_allclose(outgoing, np.moveaxis(exact, 0, -1), atol=0.51 / 255)
+    mean = packs[:, :, 0, 3, 12:15].astype(float)
+    fine = white[..., :3].astype(float)[:, :, :2].reshape(2, 2, 3, 2, 2, 3).mean(axis=(1, 3, 4))
+    np.testing.assert_allclose(mean, fine, atol=0.51)
+    levels.release()

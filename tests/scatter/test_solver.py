@@ -74,7 +74,8 @@ def test_an_environment_lights_the_fog_of_an_open_room(gpu):
 
 def test_emissive_walls_light_the_fog(gpu):
     glowing = Material(base_color=(0.0, 0.0, 0.0), emission=(1.0, 0.5, 0.0))
-    scene = dataclasses.replace(lamp_scene(*room()[1:], sheet(0, -2.0, material=glowing)), lights=())
+    walls = (*room()[1:], sheet(0, -2.0, material=glowing))
+    scene = lamp_scene(*walls, lights=())
     got = Solved(gpu, scene)
     power = got.source[..., 0].sum(axis=(1, 2, 3))
     # A sheet of 4 m^2 gives pi L to each side; the far side's is outside.

@@ -70,8 +70,9 @@ def _pair_sums(cells: F64) -> F64:
 def restricted_faces(faces: ArrayLike) -> F64:
     """Open shares (6, Z, Y, X) of incoming face hops, on the coarse lattice.
 
-    Walls on a coarse face count by area. Those inside a coarse cell count half on each of the
-    two faces that they lie between: none is dropped.
+    Walls on a coarse face count by area. Those inside a coarse cell count whole on both faces that
+    they lie between: a correction may be too small, but is never handed through a wall, as it
+    would be through two half-open faces.
     """
     shut = 1.0 - np.asarray(faces, dtype=np.float64)
     coarse = []
@@ -79,8 +80,7 @@ def restricted_faces(faces: ArrayLike) -> F64:
         axis, is_low = 2 - index // 2, index % 2 == 0
         # Hop + enters through the low face, hop - through the high one: planes by their low side.
         on_plane = shut[index] if is_low else _moved(shut[index], axis, 1)
-        half = 0.5 * (_moved(on_plane, axis, 1) + _moved(on_plane, axis, -1))
-        joined = on_plane + half
+        joined = on_plane + _moved(on_plane, axis, 1) + _moved(on_plane, axis, -1)
         area = _means_across(joined, axis)
         even = np.take(area, np.arange(0, area.shape[axis], 2), axis=axis)
         if not is_low:

@@ -33,9 +33,7 @@ class AirCells(ComputePass):
         )
         super().__init__(gpu, generated=air.medium_wgsl)
 
-    def encode(
-        self, commands: Commands, placement: Placement, medium: Buffer, places: int
-    ) -> None:
+    def encode(self, commands: Commands, placement: Placement, medium: Buffer, places: int) -> None:
         """Fill `medium`, laid out [channel][z][y][x]."""
         self.dispatch(
             commands, placement.count, params=AirCellParams(places=places),

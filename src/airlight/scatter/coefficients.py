@@ -138,5 +138,5 @@ def _local_track(nothing: dict[str, Any], distance_m: float, w: F64) -> dict[str
                             "stopped_even": even, "stopped_direct": direct}  # fmt: skip
 
 
-def _four(three: F64, last: float) -> list[float]:
+def _four(three: F64, last: float | F64) -> list[float]:
     return [*np.asarray(three, dtype=np.float64).tolist(), float(last)]

@@ -117,8 +117,7 @@ def gathered_blocked() -> str:
         lines += [
             f"    let q{j} = own.x + {scale} * ({signed_sum('own', j)});",
             f"    let shut{j} = q{j} * (1.0 - o{j});",
-            f"    let back{j} = shut{j} * select(white, max(white, c.kept_even.w), "
-            f"q{j} < 0.0);",
+            f"    let back{j} = shut{j} * select(white, max(white, c.kept_even.w), q{j} < 0.0);",
             f"    even += c.kept_even[{k}] * q{j} * o{j} + c.stopped_even[{k}] * shut{j}"
             f" + c.returned_even[{k}] * back{j};",
             f"    direct += (c.kept_direct[{k}] * q{j} * o{j} + c.stopped_direct[{k}] * shut{j})"

@@ -6,11 +6,12 @@
 // over the 2 x 2 fine faces of the coarse cell at `first` (fine cells).
 fn closed(first: vec3u, axis: u32, plane: i32, side: u32) -> f32 {
     let f = params.fine;
-    // A hop the other way enters the cell below the plane.
-    let layer = plane - i32(side);
-    if (layer < 0 || layer >= i32(f[axis])) {
+    // Nothing comes in through the lattice's border.
+    if (plane <= 0 || plane >= i32(f[axis])) {
         return 0.0;
     }
+    // A hop the other way enters the cell below the plane.
+    let layer = plane - i32(side);
     let across = (axis + 1u) % 3u;
     let up = (axis + 2u) % 3u;
     var total = vec2f(0.0);

@@ -91,8 +91,16 @@ class Level:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.sum, self.spare, self.track, self.packs, self.source, self.medium,
-                     self.openness, self.reflectance):
+        for part in (
+            self.sum,
+            self.spare,
+            self.track,
+            self.packs,
+            self.source,
+            self.medium,
+            self.openness,
+            self.reflectance,
+        ):
             part.release()
 
 
@@ -117,8 +125,9 @@ class Levels:
             gpu, is_blocked=is_blocked
         )  # fmt: skip
         self._walls = Walls(gpu) if is_blocked else None
-        self._restrict, self._prolong = _Restrict(gpu), _Prolong(
-            gpu, generated=f"{constants()}\n{mean_track_wgsl()}"
+        self._restrict, self._prolong = (
+            _Restrict(gpu),
+            _Prolong(gpu, generated=f"{constants()}\n{mean_track_wgsl()}"),
         )
         self._restrict_air = _RestrictAir(gpu) if is_varied else None
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
@@ -247,5 +256,7 @@ class Levels:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (*self.levels, self._zero, self._coefficients):
-            part.release()
+        for level in self.levels:
+            level.release()
+        self._zero.release()
+        self._coefficients.release()

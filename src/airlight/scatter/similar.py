@@ -32,9 +32,9 @@ def similar_scene(scene: Scene) -> Scene:
 def similar(air: Air) -> Air:
     """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a, g' = 0."""
     kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
-    sigma_t = tuple(t * k for t, k in zip(air.sigma_t, kept, strict=True))
-    albedo = tuple(
-        min(1.0, w * (1.0 - g) / k) if k > 0.0 else 0.0
-        for w, g, k in zip(air.albedo, air.g, kept, strict=True)
+    r, g, b = (t * k for t, k in zip(air.sigma_t, kept, strict=True))
+    x, y, z = (
+        min(1.0, w * (1.0 - c) / k) if k > 0.0 else 0.0
+        for w, c, k in zip(air.albedo, air.g, kept, strict=True)
     )
-    return dataclasses.replace(air, sigma_t=sigma_t, albedo=albedo, g=(0.0, 0.0, 0.0))
+    return dataclasses.replace(air, sigma_t=(r, g, b), albedo=(x, y, z), g=(0.0, 0.0, 0.0))

@@ -9,6 +9,7 @@ solver.surfaces.params(), solver.surfaces.bound   # for lighting surfaces
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 
@@ -80,9 +81,9 @@ class ScatterSolver:
     def _make_passes(self, scene: Scene) -> None:
         gpu, cells = self.gpu, self.placement.cells
         is_blocked = self.settings.occlusion
-        self.inject_reflected, self.inject_rays, self.inject_single = (
-            make(gpu, self.air) for make in (InjectReflected, InjectRays, InjectSingle)
-        )
+        self.inject_reflected = InjectReflected(gpu, self.air)
+        self.inject_rays = InjectRays(gpu, self.air)
+        self.inject_single = InjectSingle(gpu, self.air)
         self.sky_reflected = InjectReflected(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
@@ -250,15 +251,20 @@ class ScatterSolver:
 
     def release(self) -> None:
         """Give the memory back."""
-        parts = [self.air, self.sky_air, *self.maps, *self._owners, self._sky_owners,
-                 self._sky_table, self.sums, self.black, self.steady, self.reflected, self.source,
-                 self.medium, self.reflectance, self.levels, self.emission, self.surfaces]  # fmt: skip
+        buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
+                   self.steady, self.reflected, self.source, self.medium,
+                   self.reflectance]  # fmt: skip
+        parts: list[Any] = [self.air, self.sky_air, *self.maps, *buffers, self.levels,
+                            self.emission, self.surfaces]  # fmt: skip
         for part in parts:
             part.release()
 
 
-def _by_kind(lights: tuple[Light, ...]) -> tuple[list[tuple[int, Light]], ...]:
+_Rows = list[tuple[int, Light]]
+
+
+def _by_kind(lights: tuple[Light, ...]) -> tuple[_Rows, _Rows]:
     """(row of the light table, light) of directional lights, and of all others."""
     rows = list(enumerate(lights))
-    suns = [(i, x) for i, x in rows if isinstance(x, DirectionalLight)]
-    return suns, [(i, x) for i, x in rows if not isinstance(x, DirectionalLight)]
+    suns: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
+    return suns, [row for row in rows if not isinstance(row[1], DirectionalLight)]

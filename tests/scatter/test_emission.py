@@ -1,0 +1,91 @@
+"""What marching and surfaces read: units, and irradiance on a floor beside a glowing wall."""
+
+import numpy as np
+import pytest
+
+from airlight.lattice.placement import Placement
+from airlight.maths.lattice6 import surface_irradiance
+from airlight.maths.lattice26 import LOOKUP_SCALE
+from airlight.maths.lattice26_levels import mean_track
+from airlight.maths.lattice26_walls import returned_sharpness
+from airlight.reference.quadrature import polygon_irradiance
+from airlight.scatter.emission import Emission
+from airlight.scatter.levels import Levels
+from airlight.scatter.schedule import schedule
+from airlight.scatter.surface_light import SurfaceLight
+
+PLACEMENT = Placement((0.0, 0.0, 0.0), 0.5, (6, 4, 2))
+SHAPE = (3, 2, 4, 6, 4)
+SIGMA_T = (0.0, 0.5, 3.0)
+
+
+def random_cells(seed):
+    cells = np.random.default_rng(seed).normal(size=SHAPE) * 0.2
+    cells[..., 0] = np.abs(cells[..., 0]) + 0.5
+    return cells
+
+
+def test_mean_radiance_and_direction_of_a_track(gpu, commands, lattice):
+    track = random_cells(1)
+    track[0, 0, 0, 0] = [-1.0, 0.0, 0.0, 0.0]
+    emission = Emission(gpu, PLACEMENT)
+    emission.encode(commands, lattice(track), flux=40.0)
+    commands.submit()
+    unit = emission.mean_scale
+    mean = emission.mean.read()[..., :3] * unit
+    want = np.maximum(track[..., 0], 0.0) / (4 * np.pi * 0.5**3)
+    np.testing.assert_allclose(mean, np.moveaxis(want, 0, -1), rtol=2e-3)
+    green = emission.green.read() * unit
+    np.testing.assert_allclose(
+        green[..., 1:], 3 * track[1, ..., 1:] / (4 * np.pi * 0.5**3), rtol=2e-3, atol=1e-4
+    )
+    source = emission.source({"lattice_open_a": None})
+    assert source.direct == 1.0
+    assert source.scale == unit
+    emission.release()
+
+
+def test_half_floats_never_overflow(gpu, commands, lattice):
+    emission = Emission(gpu, PLACEMENT)
+    emission.encode(commands, lattice(1e30 * random_cells(2)), flux=1e-30)
+    commands.submit()
+    assert np.isfinite(emission.red.read()).all()
+    emission.release()
+
+
+def test_surfaces_see_half_of_what_starts_in_their_cell_and_less_in_fog(gpu, commands, lattice):
+    total, source, reflected = (random_cells(k) for k in (3, 4, 5))
+    surfaces = SurfaceLight(gpu, PLACEMENT)
+    surfaces.encode(commands, *map(lattice, (total, source, reflected)), flux=40.0, medium=None,
+                    sigma_t=SIGMA_T)  # fmt: skip
+    commands.submit()
+    got = np.stack([t.read() for t in (surfaces.red, surfaces.green, surfaces.blue)])
+    share = mean_track(np.array(SIGMA_T), 0.5) / mean_track(0.0, 0.5)
+    want = (total - 0.5 * (source - reflected)) * share.reshape(3, 1, 1, 1, 1)
+    np.testing.assert_allclose(got / surfaces.scale, want, rtol=3e-3, atol=3e-3)
+    record = surfaces.params().record
+    assert record["lookup_scale"] == pytest.approx(LOOKUP_SCALE)
+    assert record["power_scale"] == pytest.approx(4 * np.pi * surfaces.scale)
+    surfaces.release()
+
+
+def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
+    """NOTES section 1, the 26-neighbour row: .122 after 16 steps, .071 after 32."""
+    count = (24, 16, 28)
+    wall = np.zeros((3, *count[::-1], 4))
+    wall[:, 8:20, 0:12, 0] = np.pi * np.array([1.0, returned_sharpness(), 0.0, 0.0])
+    x, z = np.meshgrid(np.arange(16) + 0.5, np.arange(4, 24) + 0.5)
+    points = np.stack([x, 0 * x, z], axis=-1)
+    normals = np.broadcast_to([0.0, 1.0, 0.0], points.shape)
+    corners = np.array([[0, 0, 8], [0, 12, 8], [0, 12, 20], [0, 0, 20.0]])
+    want = np.abs(polygon_irradiance(points, normals, corners, 1.0))
+    for iterations, worst in ((16, 0.16), (32, 0.08)):
+        levels = Levels(gpu, count, 1.0, schedule("none", iterations, count), is_blocked=False,
+                        is_varied=False)  # fmt: skip
+        levels.set_air([0.0] * 3, [0.0] * 3)
+        total, _ = levels.encode(commands, lattice(wall))
+        commands.submit()
+        state = total.read().reshape(wall.shape)[0, 4:24, 0, :16] / (4 * np.pi)
+        got = surface_irradiance(state, normals, 1.0, LOOKUP_SCALE)
+        assert np.linalg.norm(got - want) < worst * np.linalg.norm(want)
+        levels.release()
