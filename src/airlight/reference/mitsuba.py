@@ -68,10 +68,9 @@ def render(
     mean square of the standard error over the mean), approximations (a list of sentences).
     Raises ReferenceFailure: no Mitsuba, a scene it refuses, a crash, more than `timeout_s`.
     """
-    names = tuple(dict.fromkeys(("all", *layers)))
     pictures = render_layers(
         scene,
-        names,
+        tuple(dict.fromkeys(("all", *layers))),
         size=size,
         spp=spp,
         max_depth=max_depth,
@@ -80,14 +79,9 @@ def render(
         progress=progress,
         variant=variant,
     )
-    whole = pictures["all"]
-    added = {name: pictures[name].radiance for name in names if name != "all"}
-    return Image(
-        radiance=whole.radiance,
-        layers={**whole.layers, **added},
-        exposure_stops=whole.exposure_stops,
-        stats=whole.stats,
-    )
+    whole = pictures.pop("all")
+    added = {name: picture.radiance for name, picture in pictures.items()}
+    return replace(whole, layers={**whole.layers, **added})
 
 
 def render_layers(

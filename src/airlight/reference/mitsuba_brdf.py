@@ -28,7 +28,7 @@ def register() -> None:
 
 
 def make_bsdf() -> Any:
-    """The BSDF class; made late, since its base belongs to the variant that is set."""
+    """The BSDF class; made late (hence here), since its base belongs to the variant set."""
 
     class GltfReflection(mi.BSDF):  # type: ignore[misc]
         def __init__(self, props: Any) -> None:

@@ -251,10 +251,7 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
 def transmittance(
     scene: Any, sampler: Any, ray: Any, medium: Any, active: Any, *, to_surface: bool
 ) -> Any:
-    """Transmittance along `ray`, per channel, through media and null surfaces.
-
-    `to_surface`: as far as the first surface. Else as far as ray.maxt, 0 where a surface is hit.
-    """
+    """Along `ray`: `to_surface` as far as the first surface, else to its end and 0 behind one."""
     ray = mi.Ray3f(ray)
     medium = mi.MediumPtr(medium)
     active = mi.Bool(active)

@@ -64,6 +64,8 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
         notes: list[str] = []
         if not _has_grey_g(scene):
             notes.append("g differs between the channels, written as its mean")
+        if scene.camera.exposure_stops != 0.0:
+            notes.append("the camera's exposure is left out: Mitsuba's pictures have none")
         exported = export(scene, staged, path.stem, prefix, notes=notes)
         _replace_folder(staged, path.parent / prefix)
         (path.parent / prefix / f"{path.stem}.xml").replace(path)
@@ -102,7 +104,7 @@ def export(
     diagonal = scene_diagonal(scene)
     shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
     media = scene_media(scene, files, notes)
-    emitters = [light_emitter(light, files, notes) for light in scene.lights]
+    emitters = [light_emitter(light, files) for light in scene.lights]
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
     has_masks = any(is_masked(mesh.material, mesh.geometry) for mesh in scene.meshes)

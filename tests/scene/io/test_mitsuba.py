@@ -386,6 +386,21 @@ def test_bad_scenes_get_one_message(tmp_path: Path, body: str, message: str) -> 
     assert refusal(tmp_path, body) == message
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<sensor type="perspective"><string name="fov" value="wide"/></sensor>',
+        '<shape type="sphere"><string name="radius" value="big"/></shape>',
+        '<shape type="cube"><float name="to_world" value="2"/></shape>',
+        '<shape type="cube"><bsdf type="diffuse"><string name="reflectance" value="red"/></bsdf>'
+        "</shape>",
+        '<emitter type="envmap"><string name="filename" value="scene.xml"/></emitter>',
+    ],
+)
+def test_values_of_the_wrong_kind_get_one_message(tmp_path: Path, body: str) -> None:
+    assert refusal(tmp_path, body).startswith("scene.xml: ")
+
+
 def test_deep_nesting_is_refused(tmp_path: Path) -> None:
     body = '<bsdf type="twosided">' * 500 + "</bsdf>" * 500
     assert refusal(tmp_path, body) == "scene.xml: elements are nested more than 60 deep"

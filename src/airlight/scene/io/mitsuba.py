@@ -66,6 +66,9 @@ def load_mitsuba(path: Path) -> Scene:
         scene = _scene(tree, source)
     except SceneError as error:
         raise SceneError(error.problem, where=error.where or path, remedy=error.remedy) from None
+    except (TypeError, ValueError, AttributeError, np.linalg.LinAlgError) as error:
+        # A value of another kind than its place asks for: a vector as a field of view, say.
+        raise SceneError(f"a value does not fit its place ({error})", where=path) from None
     return replace(scene, warnings=tuple(source.notes), name=path.stem)
 
 

@@ -1,0 +1,35 @@
+"""The spot's projected fall-off, on its own."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from airlight.reference.mitsuba_lights import spot_falloff, spot_falloff_pixels
+
+
+def test_the_fall_off_is_the_smoothstep_of_the_cosine() -> None:
+    inner, middle, outer = (math.cos(math.radians(a)) for a in (20, 25, 30))
+    values = spot_falloff(np.array([1.0, inner, middle, outer, 0.0]), 20, 30)
+    t = (middle - outer) / (inner - outer)
+    np.testing.assert_allclose(values, [1, 1, 3 * t**2 - 2 * t**3, 0, 0], atol=1e-12)
+
+
+def test_the_projected_picture_is_round_and_centred() -> None:
+    pixels = spot_falloff_pixels(10, 40)[..., 0]
+    np.testing.assert_array_equal(pixels, pixels.T)
+    np.testing.assert_array_equal(pixels, pixels[::-1])
+    assert pixels[512, 512] == 1.0 and pixels[0, 0] == 0.0
+
+
+@pytest.mark.parametrize(("inner", "outer"), [(20, 30), (0, 60), (1, 89), (88, 89), (30, 31)])
+def test_the_picture_filtered_is_the_fall_off(inner: float, outer: float) -> None:
+    pixels = spot_falloff_pixels(inner, outer)
+    side = len(pixels)
+    angle = np.linspace(0.0, math.radians(outer), 4001)[:-1]
+    x = 0.5 + 0.5 * np.tan(angle) / math.tan(math.radians(outer))
+    row = 0.5 * (pixels[side // 2 - 1, :, 0] + pixels[side // 2, :, 0])
+    seen = np.interp(x * side - 0.5, np.arange(side), row)
+    np.testing.assert_allclose(seen, spot_falloff(np.cos(angle), inner, outer), atol=0.005)
