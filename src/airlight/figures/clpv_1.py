@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
-from ..scene.builtin import atrium, atrium_fog
+from ..scene.builtin import atrium
 from ..scene.checks import F32
+from ..scene.medium import Medium, extinction_and_albedo
+from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, known, mean_light, rendered, sheet
 
 WANTED: dict[str, Any] = {"cascades": 3, "resolution": 32}
@@ -31,6 +34,12 @@ def draw(request: Request) -> Drawn:
             "mean_indirect": mean_light(image.layers["indirect"]),
             "mean_direct": mean_light(image.layers["direct"]),
         }
-    stops = atrium().camera.exposure_stops or 0.0
+    stops = clear.camera.exposure_stops or 0.0
     rows = [("atrium", exposed(request, panels, stops))]
     return Drawn(sheet(request, "Indirect light in the atrium", rows), numbers)
+
+
+def in_haze(scene: Scene, sigma_s: float = 0.03) -> Scene:
+    """The scene full of white haze that scatters `sigma_s` per metre, as builtin:atrium-fog."""
+    sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
+    return dataclasses.replace(scene, medium=Medium(sigma_t, albedo=albedo))

@@ -25,10 +25,10 @@ def draw(request: Request) -> Drawn:
     bounced = truth.image.layers["one_bounce"]
     whole = truth.image.layers["direct"] + bounced
     stops = exposure_of(scene, whole)
-    rows: list[Row] = [
-        ("path traced", [("one bounce", shown(whole, stops)),
-                         ("indirect alone", shown(bounced, stops)), ("", None)]),
+    traced: list[tuple[str, U8 | None]] = [
+        ("one bounce", shown(whole, stops)), ("indirect alone", shown(bounced, stops)),
     ]  # fmt: skip
+    rows: list[Row] = [("path traced", traced)]
     numbers: dict[str, Any] = {"scene": scene.name, "reference": _about(truth), "schemes": {}}
     for label, scheme in SCHEMES.items():
         request.report(label, 0.5)

@@ -73,7 +73,7 @@ def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, t
 def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as a picture."""
     machines = ("GTX285", "Xbox 360", "PS3")
-    lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:30], *machines)]
+    lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:38], *machines)]
     for name, times in ours.items():
         theirs = [_times(PAPER_MS[name][machine]) for machine in machines]
         own = times if name in ("Propagation", "Total") else times[-1:]

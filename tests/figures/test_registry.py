@@ -1,0 +1,160 @@
+"""Every figure, drawn from pretended pictures: that it is drawn, kept, and told in numbers."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from airlight.app import cli
+from airlight.errors import SettingsError
+from airlight.figures import registry
+from airlight.figures.panels import Request
+from airlight.figures.registry import FIGURES
+from airlight.reference import mitsuba
+from airlight.scene.image import Image
+
+PRETENDED = [name for name in FIGURES if name not in ("clpv-5", "clpv-debug")]
+PASSES = {
+    "reflective shadow maps": 1.0, "inject": 2.0, "blockers": 3.0, "propagate": 4.0, "pack": 5.0,
+    "lighting": 6.0, "g-buffer": 7.0,
+}  # fmt: skip
+
+
+class Renderer:
+    """A picture that is brighter downwards, and brighter with every frame."""
+
+    def __init__(self, scene, technique, size, *, settings, adapter):
+        self.scene, self.size, self.settings = scene, size, settings
+        self.frame_ms, self.python_ms = [], []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def frame(self, *, lights=None, samples=1, read=True):
+        self.frame_ms.append(10.0 + len(self.frame_ms))
+        self.python_ms.append(1.0)
+        if not read:
+            return None
+        ramp = np.linspace(0.1, 0.5, self.size[1], dtype=np.float32)[:, None, None]
+        light = np.broadcast_to(ramp, (self.size[1], self.size[0], 3)) * len(self.frame_ms)
+        layers = {"direct": light, "indirect": 0.5 * light}
+        return Image(1.5 * light, layers, stats=self.stats())
+
+    def timed_passes(self):
+        return PASSES
+
+    def stats(self):
+        side = self.settings.get("resolution", 32)
+        return {
+            "lattice": [side, side, side], "iterations": self.settings.get("iterations", 64),
+            "device": "a test", "adapter_type": "CPU", "peak_gpu_bytes": 1, "triangles": 2,
+            "size": list(self.size), "frame_ms": 10.0,
+        }  # fmt: skip
+
+
+def pretended_layers(scene, names, *, size, spp, seed, timeout_s, progress):
+    shape = (size[1], size[0], 3)
+    stats = {"spp": spp, "seconds": 1.0, "approximations": []}
+    layers = {"variance": np.zeros(shape, np.float32)}
+    return {name: Image(np.full(shape, 0.2, np.float32), layers, stats=stats) for name in names}
+
+
+@pytest.fixture
+def pretended(monkeypatch, tmp_path):
+    import airlight.rendering
+
+    monkeypatch.setattr(airlight.rendering, "Renderer", Renderer)
+    monkeypatch.setattr(mitsuba, "render_layers", pretended_layers)
+    monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.mark.parametrize("name", PRETENDED)
+def test_a_figure_is_a_picture_and_its_numbers(pretended, tmp_path, name):
+    drawn = FIGURES[name].draw(Request((48, 27), quick=True))
+    assert drawn.picture.dtype == np.uint8
+    assert drawn.picture.shape[2] == 3
+    registry.keep(name, drawn, {"command": "c"}, tmp_path)
+    told = json.loads((tmp_path / f"{name}.json").read_text("utf-8"))
+    assert told["beside"].startswith("Kaplanyan2010 ")
+    assert told["numbers"]
+    assert not list(tmp_path.glob(".*part*"))
+
+
+def test_the_paper_s_names_stand_beside_its_numbers(pretended):
+    numbers = FIGURES["clpv-table1"].draw(Request((48, 27), quick=True)).numbers
+    ours = numbers["stages_ms"]["ours"]
+    assert ours == {
+        "RSM rendering": (1.0,) * 3, "VPL Injection": (2.0,) * 3, "GV Injection": (3.0,) * 3,
+        "Propagation": (9.0,) * 3, "LPV Lookup": (6.0,) * 3, "Total": (21.0,) * 3,
+    }  # fmt: skip
+    # The paper's rows add up to its totals, as printed.
+    paper = numbers["stages_ms"]["paper"]
+    for machine in ("GTX285", "Xbox 360", "PS3"):
+        for mode in range(3):
+            rows = [paper[name][machine] for name in ours if name != "Total"]
+            total = sum(row[min(mode, len(row) - 1)] for row in rows)
+            assert total == pytest.approx(paper["Total"][machine][mode], abs=0.16), machine
+
+
+def test_difference_and_energy_beside_the_path_tracer(pretended):
+    schemes = FIGURES["clpv-6"].draw(Request((48, 27), quick=True)).numbers["schemes"]
+    # Pretended: indirect light from 0.05 to 0.25, the truth 0.2 everywhere.
+    ramp = np.linspace(0.05, 0.25, 27)
+    assert schemes["ours"]["energy_ratio"] == pytest.approx(ramp.mean() / 0.2, rel=1e-4)
+    relmse = np.mean((ramp - 0.2) ** 2) / (0.2**2 * (1.0 + 1e-4))
+    assert schemes["ours"]["relmse"] == pytest.approx(relmse, rel=1e-3)
+
+
+def test_a_leak_is_told_as_its_share_of_the_light_without_a_wall(pretended):
+    leaks = FIGURES["clpv-11"].draw(Request((48, 27), quick=True)).numbers["wall"]
+    told = leaks["ours"]["share_of_indirect_light_that_leaks"]
+    assert told == {"0.02 m": 1.0, "0.1 m": 1.0, "0.25 m": 1.0}
+
+
+def test_flatland_from_the_command_line(tmp_path, capsys):
+    folder = tmp_path / "new" / "figures"
+    assert cli.run(["figure", "clpv-5", "-o", str(folder), "--size", "120x120", "-q"]) == 0
+    assert capsys.readouterr().out == f"{folder / 'clpv-5.png'}\n"
+    assert PIL.Image.open(folder / "clpv-5.png").width > 6 * 240
+    told = json.loads((folder / "clpv-5.json").read_text("utf-8"))
+    assert told["command"] == f"airlight figure clpv-5 -o {folder} --size 120x120"
+    errors = told["numbers"]["relative_l2"]["two lights, 2 bands"]
+    assert errors["centroid"] < errors["dom8"] < errors["dom4"] < errors["paper"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["clpv-55", "-o", "x"], "error: there is no figure 'clpv-55'. Did you mean 'clpv-5'?\n"),
+        (["clpv-5"], "error: there is no folder to draw into. Name one: -o DIR\n"),
+        (["-o", "x"], "error: no figure is named. Name some of clpv-1, clpv-5, "),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_at_once(capsys, words, message):
+    assert cli.run(["figure", *words]) == 2
+    assert capsys.readouterr().err.startswith(message)
+
+
+def test_one_that_fails_does_not_cost_the_others(monkeypatch, tmp_path, capsys):
+    def refuse(request):
+        raise SettingsError("not today")
+
+    monkeypatch.setattr("airlight.figures.clpv_7.draw", refuse)
+    assert cli.run(["figure", "clpv-7", "clpv-5", "-o", str(tmp_path), "-q"]) == 2
+    said = capsys.readouterr()
+    assert said.out == f"{tmp_path / 'clpv-5.png'}\n"
+    assert said.err == "error: 1 of 2 figures could not be drawn: clpv-7: not today\n"
+
+
+def test_the_list_names_them_all(capsys):
+    assert cli.run(["figure", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(FIGURES)
+    assert all(SimpleNamespace(**vars(known)).shows for known in FIGURES.values())
