@@ -17,6 +17,7 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .lighting import LightAir, Lighting, LightingParams
 from .lights import Lights
+from .occlusion import Occlusion
 from .sky import Sky
 from .view import View
 
@@ -41,6 +42,12 @@ class SurfaceSettings:
     sky_resolution: int = setting(96, "side of their maps", unit="px", low=8, high=1024)
     surfels: int = setting(
         200_000, "samples of all surfaces, for occlusion", low=1, high=10_000_000
+    )
+    ambient_occlusion: bool = setting(
+        True, "whether what is smaller than cells shades sky and bounced light"
+    )
+    occlusion_radius: float = setting(
+        1.0, "how far that is looked for", unit="cells", low=0.01, high=8.0
     )
 
 
@@ -69,6 +76,7 @@ class Direct:
         self.textures = LatticeTextures(gpu, self.placement)
         self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
         self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
+        self.occlusion = Occlusion(gpu)
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
@@ -88,8 +96,18 @@ class Direct:
         """The picture: G-buffer and lighting."""
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, self.meshes, view.clip_from_world)
+        if self.settings.ambient_occlusion:
+            with commands.stage("ambient occlusion"):
+                self._occlude(commands, view)
         with commands.stage("lighting"):
             self._light(commands, view)
+
+    def _occlude(self, commands: Commands, view: View) -> None:
+        g = view.gbuffer
+        radius = self.settings.occlusion_radius * self.placement.cell
+        self.occlusion.encode(
+            commands, g.depth, g.normal, view.occlusion, view.world_from_clip, radius
+        )
 
     def _light(self, commands: Commands, view: View) -> None:
         g = view.gbuffer
@@ -98,11 +116,14 @@ class Direct:
             size=view.size, environment_rotation=self.lights.background.rotation, has_lattice=1,
         )  # fmt: skip
         if self.lighting is None:
-            self.lighting = Lighting(self.gpu, self.air)
+            self.lighting = Lighting(
+                self.gpu, self.air, is_occluded=self.settings.ambient_occlusion
+            )
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,
             **self.lights.bound, **(self.air.bound if self.air else {}),
             depth=g.depth, albedo=g.albedo, normal=g.normal, emission=g.emission,
+            occlusion=view.occlusion.visibility,
             sky_cube=self.sky.skylight.cube, **self.blockers.bound, linear_clamp=self.linear,
         )  # fmt: skip
 

@@ -17,7 +17,6 @@ from ..lattice.placement import LatticeParams
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
-
 _THROUGH_NOTHING = """
 fn light_passed(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
@@ -67,6 +66,7 @@ class Lighting(FullscreenPass):
         texture("albedo", "2d", "unfilterable-float"),
         texture("normal", "2d", "unfilterable-float"),
         texture("emission", "2d", "unfilterable-float"),
+        texture("occlusion", "2d", "unfilterable-float"),
         texture("environment", "2d"),
         sampler("environment_sampler"),
         texture("sky_cube", "3d"),
@@ -80,12 +80,18 @@ class Lighting(FullscreenPass):
     )
     targets = ("rgba32float", "rgba32float")
 
-    def __init__(self, gpu: Gpu, air: LightAir | None = None) -> None:
-        """`air`: what light is attenuated by on its way to surfaces."""
+    def __init__(
+        self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False
+    ) -> None:
+        """`air`: what light is attenuated by on its way to surfaces.
+
+        `is_occluded`: near occluders shade the sky's and the lattice's light.
+        """
         if air is not None:
             self.slots = (*type(self).slots, *air.slots)  # type: ignore[misc]
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
-        super().__init__(gpu, generated=(air.wgsl if air else "") + through)
+        super().__init__(gpu, generated=(air.wgsl if air else "") + through,
+                         constants={"HAS_OCCLUSION": float(is_occluded)})  # fmt: skip
 
 
 class RadianceLayers:

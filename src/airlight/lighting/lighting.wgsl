@@ -2,6 +2,12 @@
 //! use shadow
 //! use surface_reflection
 //! use lattice
+//! use occlusion
+
+override HAS_OCCLUSION: bool = false;
+
+// Occlusion of depths farther off than this share does not count.
+const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
 struct Lit {
     @location(0) direct: vec4f,
@@ -55,10 +61,37 @@ fn sky_irradiance(uvw: vec3f, n: vec3f) -> vec3f {
         + s.z * sky_face(uvw, select(5.0, 4.0, n.z > 0.0));
 }
 
-// Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss.
-fn reflected(r: Reflector, n_v: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
+// How open the near surroundings are: bilinear among texels of about the pixel's own depth (m
+// along the view axis). Source: Kopf et al. 2007 (joint bilateral upsampling).
+fn near_visibility(position: vec2f, own: f32) -> f32 {
+    if (!HAS_OCCLUSION) {
+        return 1.0;
+    }
+    let size = vec2f(textureDimensions(occlusion));
+    let place = position * size / params.size - 0.5;
+    let base = floor(place);
+    let t = place - base;
+    var sum = 0.0;
+    var total = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        let corner = vec2f(f32(k & 1u), f32(k >> 1u));
+        let texel = textureLoad(occlusion, vec2i(clamp(base + corner, vec2f(0.0), size - 1.0)), 0);
+        let share = mix(1.0 - t, t, corner);
+        let off = abs(texel.y - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
+        let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
+        sum += weight * texel.x;
+        total += weight;
+    }
+    return sum / total;
+}
+
+// Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss, as far
+// as the near surroundings let it in.
+fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
     let gloss = specular_albedo(r, n_v);
-    return ((vec3f(1.0) - gloss) * r.diffuse * e + gloss * e_mirror) / PI;
+    let diffuse = (vec3f(1.0) - gloss) * r.diffuse * interreflected(visibility, r.diffuse);
+    let mirror = gloss * specular_visibility(visibility, n_v, sqrt(r.alpha));
+    return (diffuse * e + mirror * e_mirror) / PI;
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
@@ -86,11 +119,12 @@ fn reflected(r: Reflector, n_v: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
         let mirrored = reflect(-v, n);
         let uvw = lattice_coordinates(lattice, p, n);
         let weight = lattice_weight(lattice, p);
+        let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         direct += weight
-            * reflected(r, n_v, sky_irradiance(uvw, n), sky_irradiance(uvw, mirrored));
+            * reflected(r, n_v, open, sky_irradiance(uvw, n), sky_irradiance(uvw, mirrored));
         let e = lattice_irradiance_at(lattice, uvw, n) * weight;
         let e_mirror = lattice_irradiance_at(lattice, uvw, mirrored) * weight;
-        out.indirect = vec4f(reflected(r, n_v, e, e_mirror), 1.0);
+        out.indirect = vec4f(reflected(r, n_v, open, e, e_mirror), 1.0);
     }
     out.direct = vec4f(direct, 1.0);
     return out;

@@ -14,6 +14,7 @@ from ..maths.transforms import (
 from ..scene.camera import Camera
 from ..surface.gbuffer import GBuffer
 from .lighting import RadianceLayers
+from .occlusion import OcclusionLayers
 
 _NEAR_M = 0.01
 
@@ -25,6 +26,7 @@ class View:
         self.size = size
         self.gbuffer = GBuffer(gpu, size)
         self.layers = RadianceLayers(gpu, size)
+        self.occlusion = OcclusionLayers(gpu, size)
         self.clip_from_world: F64 = np.eye(4)
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -47,3 +49,4 @@ class View:
         """Give the memory back."""
         self.gbuffer.release()
         self.layers.release()
+        self.occlusion.release()

@@ -1,0 +1,107 @@
+"""Ambient occlusion by what stands nearer than a lattice resolves, from the depth picture.
+
+Horizons are searched in slices through the direction to the eye, and the cosine-weighted
+openness between them is exact (GTAO, Jimenez2016). Rotation and offset of the samples follow the
+paper's 4 x 4 pattern, and the mean over 4 x 4 texels of about the same depth takes it out.
+differs: Jimenez2016 adds a temporal pattern; here a picture depends on nothing but the scene.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
+from ..gpu.memory import Texture
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import texture, uniform
+from ..maths.transforms import F64
+
+_CPU_SAMPLES, _GPU_SAMPLES = (2, 4), (3, 6)  # slices, steps on each side of one
+_CPU_SCALE, _GPU_SCALE = 2, 1
+
+
+class OcclusionParams(Struct):
+    """Rays through pixels, from the eye and one metre deep, and how far to look."""
+
+    corner = vec3f("m, through the picture's upper left corner")
+    depth_scale = f32("m^-1, inverse distance along the view axis per unit of depth")
+    right = vec3f("m px^-1")
+    radius = f32("m")
+    down = vec3f("m px^-1")
+    scale = u32("pixels along one side of a texel")
+    size = vec2u("px")
+    reduced = vec2u("px")
+
+
+class _Horizons(FullscreenPass):
+    slots = (
+        uniform("params", OcclusionParams),
+        texture("depth", "2d", "depth"),
+        texture("normal", "2d", "unfilterable-float"),
+    )
+    targets = ("rg32float",)
+    file = "occlusion.wgsl"
+
+
+class _Blur(FullscreenPass):
+    slots = (
+        uniform("params", OcclusionParams),
+        texture("sampled", "2d", "unfilterable-float"),
+    )
+    targets = ("rg32float",)
+    file = "occlusion_blur.wgsl"
+
+
+class OcclusionLayers:
+    """Visibility (1 = open) and depth (m along the view axis; 0 = nothing there) per texel.
+
+    Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
+    """
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
+        self.size = size
+        self.scale = scale or (_CPU_SCALE if gpu.is_cpu else _GPU_SCALE)
+        reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
+        self.sampled = Texture(gpu, "sampled occlusion", reduced, "rg32float", target=True)
+        self.visibility = Texture(gpu, "occlusion", reduced, "rg32float", target=True)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.sampled.release()
+        self.visibility.release()
+
+
+class Occlusion:
+    """Depth and normals -> visibility of the near surroundings."""
+
+    def __init__(self, gpu: Gpu, slices: int | None = None, steps: int | None = None) -> None:
+        """`slices` of the hemisphere and `steps` on each side of one; by device if not given."""
+        usual = _CPU_SAMPLES if gpu.is_cpu else _GPU_SAMPLES
+        counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
+        self._horizons = _Horizons(gpu, constants={k: float(v) for k, v in counts.items()})
+        self._blur = _Blur(gpu)
+
+    def encode(
+        self, commands: Commands, depth: Texture, normal: Texture, layers: OcclusionLayers,
+        world_from_clip: F64, radius: float,
+    ) -> None:  # fmt: skip
+        """Fill `layers.visibility`; only surfaces within `radius` (m) occlude, fading out."""
+        params = occlusion_params(world_from_clip, layers, radius)
+        self._horizons.draw(commands, (layers.sampled,), params=params, depth=depth, normal=normal)
+        self._blur.draw(commands, (layers.visibility,), params=params, sampled=layers.sampled)
+
+
+def occlusion_params(
+    world_from_clip: F64, layers: OcclusionLayers, radius: float
+) -> OcclusionParams:
+    """The picture's rays from its matrix (reversed infinite depth), and `radius` in metres."""
+    width, height = layers.size
+    corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
+    return OcclusionParams(
+        corner=corner, right=world_from_clip[:3, 0] * (2.0 / width),
+        down=world_from_clip[:3, 1] * (-2.0 / height), depth_scale=float(world_from_clip[3, 2]),
+        radius=radius, scale=layers.scale, size=layers.size,
+        reduced=np.array(layers.visibility.size[:2]),
+    )  # fmt: skip

@@ -1,0 +1,115 @@
+//! use occlusion
+
+override SLICES: u32 = 2;
+override STEPS: u32 = 4;
+
+const OCCLUSION_PI = 3.14159265;
+// Within this share of the radius surfaces occlude wholly; from there on less and less.
+const FULL_RANGE = 0.4;
+// More samples near the point than far from it, where detail matters less.
+const SPREAD = 2.0;
+const NEAREST_PX = 1.3;         // nearer samples show the surface itself
+const LARGEST_RADIUS = 0.25;    // of the picture's height: neighbours in memory stay near
+const SAME_SURFACE = 0.1;       // depths that differ by less than this share
+const OFFSET = 0.002;           // of the distance to the eye: what float depth cannot tell apart
+
+fn inverse_distance(pixel: vec2i) -> f32 {
+    return params.depth_scale * textureLoad(depth, pixel, 0);
+}
+
+// From the eye, m.
+fn point(pixel: vec2i, inverse: f32) -> vec3f {
+    let at = vec2f(pixel) + 0.5;
+    return (params.corner + at.x * params.right + at.y * params.down) / max(inverse, 1e-9);
+}
+
+// The pixel that stands for a texel: where its block has an edge, the near and the far side in
+// turn (as on a chessboard), so that both are there for reading it at full size.
+fn chosen_pixel(texel: vec2u) -> vec2i {
+    let first = texel * params.scale;
+    let last = params.size - 1u;
+    var nearest = vec3f(-1.0);
+    var farthest = vec3f(1e30);
+    for (var k = 0u; k < params.scale * params.scale; k++) {
+        let pixel = min(first + vec2u(k % params.scale, k / params.scale), last);
+        let inverse = inverse_distance(vec2i(pixel));
+        if (inverse > nearest.x) { nearest = vec3f(inverse, vec2f(pixel)); }
+        if (inverse < farthest.x) { farthest = vec3f(inverse, vec2f(pixel)); }
+    }
+    if (nearest.x - farthest.x <= SAME_SURFACE * nearest.x) {
+        return vec2i(min(first + params.scale / 2u, last));
+    }
+    return vec2i(select(nearest.yz, farthest.yz, ((texel.x + texel.y) & 1u) == 1u));
+}
+
+struct Slice {
+    p: vec3f,           // the surface point, m from the eye
+    v: vec3f,           // unit, towards the eye
+    axis: vec3f,        // unit, the slice's normal
+    sideways: vec3f,    // in the surface's plane, 1 along the axis
+}
+
+// The cosine between the eye's direction and the horizon as one sample raises it.
+fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> f32 {
+    let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
+    let found = point(inside, inverse_distance(inside)) - s.p;
+    // Whole pixels lie beside the slice: moved onto it, along the surface, at the same height.
+    let delta = found - s.sideways * dot(found, s.axis);
+    let distance = max(length(delta), 1e-9);
+    let weight = saturate((1.0 - distance / params.radius) / (1.0 - FULL_RANGE));
+    return max(horizon, mix(lowest, dot(delta, s.v) / distance, weight));
+}
+
+// Openness of the slice that looks along `across` (unit, px) in the picture, and without occluders.
+fn slice_openness(
+    pixel: vec2i, across: vec2f, offset: f32, radius_px: f32, p: vec3f, v: vec3f, n: vec3f,
+) -> vec2f {
+    let along = normalize(across.x * params.right + across.y * params.down);
+    let tangent = along - dot(along, v) * v;
+    let axis = normalize(cross(tangent, v));
+    let projected = n - axis * dot(n, axis);
+    let size = length(projected);
+    let s = Slice(p, v, axis, (axis - n * dot(n, axis)) / max(size * size, 0.01));
+    let cosine = clamp(dot(projected, v) / max(size, 1e-6), -1.0, 1.0);
+    let gamma = sign(dot(tangent, projected)) * acos(cosine);
+    // The surface's own plane is the lowest horizon on each side.
+    let lowest = vec2f(cos(gamma + 0.5 * OCCLUSION_PI), cos(gamma - 0.5 * OCCLUSION_PI));
+    var horizon = lowest;
+    for (var i = 0u; i < STEPS; i++) {
+        let share = pow((f32(i) + offset) / f32(STEPS), SPREAD);
+        let moved = vec2i(round(across * max(share * radius_px, NEAREST_PX + f32(i))));
+        horizon.x = raised(horizon.x, lowest.x, s, pixel + moved);
+        horizon.y = raised(horizon.y, lowest.y, s, pixel - moved);
+    }
+    let high = acos(clamp(horizon, vec2f(-1.0), vec2f(1.0)));
+    let open = visible_arc(high.x, gamma) + visible_arc(-high.y, gamma);
+    return size * vec2f(open, cos(gamma) + gamma * sin(gamma));
+}
+
+@fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let texel = vec2u(position.xy);
+    let pixel = chosen_pixel(texel);
+    let inverse = inverse_distance(pixel);
+    if (inverse <= 0.0) {
+        return vec4f(1.0, 0.0, 0.0, 0.0);
+    }
+    let on_surface = point(pixel, inverse);
+    let v = normalize(-on_surface);
+    let p = on_surface * (1.0 - OFFSET);
+    let n = normalize(textureLoad(normal, pixel, 0).xyz);
+    let wanted_px = params.radius * inverse / length(params.right);
+    let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
+    if (radius_px < NEAREST_PX) {
+        return vec4f(1.0, 1.0 / inverse, 0.0, 0.0);
+    }
+    // Jimenez2016: sixteen rotations and four offsets, each once in every 4 x 4 texels.
+    let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
+    let offset = 0.25 * f32((texel.y - texel.x) & 3u) + 0.125;
+    var open = vec2f(0.0);
+    for (var i = 0u; i < SLICES; i++) {
+        let angle = (f32(i) + turn) / f32(SLICES) * OCCLUSION_PI;
+        open += slice_openness(pixel, vec2f(cos(angle), sin(angle)), offset, radius_px, p, v, n);
+    }
+    // differs: the paper divides by the number of slices; few of them then shade tilted planes.
+    return vec4f(saturate(open.x / max(open.y, 1e-6)), 1.0 / inverse, 0.0, 0.0);
+}

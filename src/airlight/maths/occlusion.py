@@ -1,0 +1,41 @@
+"""Ambient occlusion in a slice of the hemisphere, and the light that occluders give back."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+F64 = NDArray[np.float64]
+
+
+def visible_arc(horizon: ArrayLike, normal: ArrayLike) -> F64:
+    """Cosine-weighted openness of a slice from the eye's direction to a horizon.
+
+    Both angles (...) in rad, signed, from the direction to the eye; the normal is the one
+    projected on the slice. The two arcs of an open slice sum to cos(n) + n sin(n).
+    Source: Jimenez2016 eq. 7 (one side of the slice).
+    """
+    h, n = np.asarray(horizon, np.float64), np.asarray(normal, np.float64)
+    return np.asarray(0.25 * (np.cos(n) + 2.0 * h * np.sin(n) - np.cos(2.0 * h - n)))
+
+
+def interreflected(visibility: ArrayLike, albedo: ArrayLike) -> F64:
+    """Visibility (...) with what occluders of the same diffuse albedo (...) reflect.
+
+    Never less than the visibility. Source: Jimenez2016 eq. 10, a fit to path-traced scenes.
+    """
+    v, rho = np.asarray(visibility, np.float64), np.asarray(albedo, np.float64)
+    a = 2.0404 * rho - 0.3324
+    b = -4.7951 * rho + 0.6417
+    c = 2.7552 * rho + 0.6903
+    return np.asarray(np.maximum(v, ((v * a + b) * v + c) * v))
+
+
+def specular_visibility(visibility: ArrayLike, n_v: ArrayLike, roughness: ArrayLike) -> F64:
+    """Visibility (...) of what a glossy surface mirrors; n_v is the cosine towards the eye.
+
+    The ambient visibility where roughness is 1 and the eye is overhead, nearer to all or
+    nothing where the surface is smooth. Source: Lagarde2014 section 4.10.2.
+    """
+    v, c, r = (np.asarray(x, np.float64) for x in (visibility, n_v, roughness))
+    return np.asarray(np.clip((c + v) ** np.exp2(-16.0 * r - 1.0) - 1.0 + v, 0.0, 1.0))

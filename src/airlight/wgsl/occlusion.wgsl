@@ -1,0 +1,16 @@
+// Ambient occlusion of a slice, and what it means for light; sources in maths/occlusion.py.
+
+fn visible_arc(horizon: f32, normal: f32) -> f32 {
+    return 0.25 * (cos(normal) + 2.0 * horizon * sin(normal) - cos(2.0 * horizon - normal));
+}
+
+fn interreflected(visibility: f32, albedo: vec3f) -> vec3f {
+    let a = 2.0404 * albedo - 0.3324;
+    let b = -4.7951 * albedo + 0.6417;
+    let c = 2.7552 * albedo + 0.6903;
+    return max(vec3f(visibility), ((visibility * a + b) * visibility + c) * visibility);
+}
+
+fn specular_visibility(visibility: f32, n_v: f32, roughness: f32) -> f32 {
+    return saturate(pow(n_v + visibility, exp2(-16.0 * roughness - 1.0)) - 1.0 + visibility);
+}
