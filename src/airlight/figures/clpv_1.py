@@ -18,9 +18,11 @@ def draw(request: Request) -> Drawn:
     """Clear air with `lpv` (three cascades), haze with `lpv-march`."""
     panels: list[tuple[str, F32]] = []
     numbers: dict[str, Any] = {}
+    clear = atrium()
     for label, scene, technique in (
-        ("clear", atrium(), "lpv"), ("haze, the lattice marched", atrium_fog(), "lpv-march"),
-    ):  # fmt: skip
+        ("clear", clear, "lpv"),
+        ("haze, the lattice marched", in_haze(clear), "lpv-march"),
+    ):
         request.report(label, len(panels) / 2.0)
         settings = {} if request.quick else known(technique, WANTED)
         image = rendered(request, scene, settings, technique=technique, timed=True)
