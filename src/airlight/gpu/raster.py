@@ -36,6 +36,7 @@ class RasterPipeline:
 
     def __init__(
         self, gpu: Gpu, *, constants: dict[str, float] | None = None, cull: str = "none",
+        front_face: str = "ccw",
         generated: str = "", targets: tuple[str, ...] | None = None,
     ) -> None:  # fmt: skip
         self.gpu, self.label = gpu, type(self).__name__
@@ -58,7 +59,7 @@ class RasterPipeline:
                 "buffers": list(self.vertex_buffers),
                 "constants": constants or {},
             },
-            primitive={"topology": self.topology, "cull_mode": cull},
+            primitive={"topology": self.topology, "cull_mode": cull, "front_face": front_face},
             depth_stencil=self._depth_state(),
             fragment=self._fragment_state(module, constants or {}),
         )

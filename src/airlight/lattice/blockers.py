@@ -10,6 +10,7 @@ lets 16 to 22% of the light.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -17,6 +18,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.slots import image, storage, uniform
+from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene, InstanceData
 from .placement import Placement
@@ -75,7 +77,7 @@ class Blockers:
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int
     ) -> None:
         self.placement, self.meshes = placement, meshes
-        samples = surfels(scene.meshes, meshes.order, count)
+        samples = surfels(scene.meshes, meshes.order, count, _inside(scene))
         self.count = len(samples)
         self.is_emissive = bool(samples["emission"].any())
         self.surfels = buffer_of(gpu, "surfels", samples)
@@ -108,8 +110,8 @@ class Blockers:
             instances=self.meshes.instances, sums=self._sums,
         )  # fmt: skip
         self._open.dispatch(
-            commands, self.placement.count, params=params, sums=self._sums, faces=self.faces, openness=self.openness,
-            open_a=self.open_a, open_b=self.open_b, walls=self.walls,
+            commands, self.placement.count, params=params, sums=self._sums, faces=self.faces,
+            openness=self.openness, open_a=self.open_a, open_b=self.open_b, walls=self.walls,
         )  # fmt: skip
         return True
 
@@ -131,3 +133,9 @@ class Blockers:
             self.walls,
         ):
             part.release()
+
+
+def _inside(scene: Scene) -> NDArray[np.float64]:
+    """The eye and the lamps (n, 3), metres."""
+    lamps = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
+    return np.array([scene.camera.position, *lamps], np.float64)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..maths.lattice6 import LOOKUP_SCALE
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..maths.lattice6 import LOOKUP_SCALE
 
 F64 = NDArray[np.float64]
 _TILE = 2  # the marching kernel works on columns of 2 x 2 cells

@@ -33,19 +33,25 @@ class SurfelData(Struct):
     pad_end = u32()
 
 
-def surfels(meshes: tuple[Mesh, ...], order: list[int], count: int) -> NDArray[np.void]:
+def surfels(
+    meshes: tuple[Mesh, ...], order: list[int], count: int, inside: F64 | None = None
+) -> NDArray[np.void]:
     """About `count` surfels over all `meshes`, by world area; at least one a mesh.
 
     `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an
     array of `SurfelData`. Cut-out materials contribute the share of the area that is there.
+    `inside` (n, 3), metres: the eye and the lamps; a closed body around one of them is a room, and
+    blocks from both sides.
     """
     areas = np.array([triangle_areas(m).sum() for m in meshes])
-    sides = {id(m.geometry): outer_side(m.geometry) for m in meshes}
+    outer = {id(m.geometry): outer_side(m.geometry) for m in meshes}
+    points = np.zeros((0, 3)) if inside is None else inside
     total = max(float(areas.sum()), 1e-30)
     parts = []
     for instance, index in enumerate(order):
         share = max(1, round(count * float(areas[index]) / total))
-        parts.append(_mesh_surfels(meshes[index], instance, share, sides))
+        side = _side(meshes[index], outer, points)
+        parts.append(_mesh_surfels(meshes[index], instance, share, side))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
 
 
@@ -56,7 +62,7 @@ def triangle_areas(mesh: Mesh) -> F64:
     return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
 
 
-def _mesh_surfels(mesh: Mesh, instance: int, count: int, sides: dict[int, int]) -> NDArray[np.void]:
+def _mesh_surfels(mesh: Mesh, instance: int, count: int, side: int) -> NDArray[np.void]:
     areas = triangle_areas(mesh)
     made = np.zeros(count, SurfelData.dtype)
     made["instance"] = instance
@@ -80,12 +86,34 @@ def _mesh_surfels(mesh: Mesh, instance: int, count: int, sides: dict[int, int]) 
     area_normal = normal / np.maximum(length, 1e-30) * world_area / np.maximum(stretch, 1e-30)
     colour, cover = _colour_and_cover(mesh.material, geometry.uvs, corners, weights)
     # A closed body stops light with its outside; both sides of it would count every body twice.
-    side = sides[id(geometry)]
-    made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
+    made["area_normal"] = area_normal * cover[:, None]
     made["reflectance"] = colour
     made["emission"] = mesh.material.emission
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
+
+
+def _side(mesh: Mesh, outer: dict[int, int], points: F64) -> int:
+    """The side that blocks: 1 the front, 0 both."""
+    if outer[id(mesh.geometry)] <= 0:
+        return 0
+    low, high = mesh.world_bounds
+    near = points[((points > low) & (points < high)).all(axis=1)]
+    return 0 if any(winding_number(mesh, point) > 0.5 for point in near) else 1
+
+
+def winding_number(mesh: Mesh, point: F64) -> float:
+    """How often the placed mesh goes around a point: 1 inside a closed body, 0 outside.
+
+    Solid angles of the triangles (VanOosterom1983) over 4 pi, without their sign's direction.
+    """
+    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+    corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+    a, b, c = (corners[mesh.geometry.indices[:, k]] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("nk,nk->n", a, np.cross(b, c))
+    below = la * lb * lc + lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
+    return abs(float(2.0 * np.arctan2(volume, below).sum())) / (4.0 * np.pi)
 
 
 def outer_side(geometry: Geometry) -> int:

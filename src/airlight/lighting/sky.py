@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -48,6 +50,9 @@ class Sky:
             return False
         self._drawn_version = meshes.version
         low, high = self.placement.bounds
+        # What stands beyond the lattice still casts its shadow into it.
+        if meshes.draws:
+            low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
         self.maps.encode(commands, meshes, self.lights, views)
         self.skylight.encode(commands, self.lights, self.maps, self._compare, walls)

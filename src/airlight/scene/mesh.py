@@ -51,7 +51,10 @@ class Geometry:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A geometry with one material, placed by `world_from_object` (4x4, affine)."""
+    """A geometry with one material, placed by `world_from_object` (4x4, affine).
+
+    A mirroring placement keeps the front: it is counter-clockwise in the geometry's own space.
+    """
 
     geometry: Geometry
     material: Material = DEFAULT_MATERIAL

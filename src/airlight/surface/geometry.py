@@ -63,6 +63,7 @@ class Draw:
     material: Material
     textures: dict[str, Texture | Sampler]
     maps: frozenset[str]
+    is_mirrored: bool
 
 
 class GpuScene:
@@ -103,6 +104,7 @@ class GpuScene:
                     mesh.material,
                     self._bound_textures(mesh.material),
                     frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
+                    is_mirrored(mesh),
                 )
             )
             first += len(run)
@@ -184,6 +186,11 @@ def _map(m: Material, name: str) -> SceneTexture | None:
     return texture
 
 
+def is_mirrored(mesh: Mesh) -> bool:
+    """Whether its placement turns counter-clockwise triangles clockwise."""
+    return bool(np.linalg.det(mesh.world_from_object[:3, :3]) < 0.0)
+
+
 def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     """Mesh indices in runs that share geometry and material, opaque before cut-out."""
 
@@ -195,7 +202,8 @@ def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     def key(index: int) -> tuple[Any, ...]:
         m, g = meshes[index].material, meshes[index].geometry
         maps = tuple(_map(m, name) is not None for name in MAPS)
-        return (m.alpha_cutoff > 0.0, m.two_sided, maps, first_seen[id(m)], first_seen[id(g)])
+        sides = (m.two_sided, is_mirrored(meshes[index]))
+        return (m.alpha_cutoff > 0.0, sides, maps, first_seen[id(m)], first_seen[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
 

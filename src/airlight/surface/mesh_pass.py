@@ -38,11 +38,13 @@ class MeshPipeline(RasterPipeline):
     depth = "depth32float"
     maps: ClassVar[tuple[str, ...]] = MAPS
 
-    def __init__(self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str]) -> None:
+    def __init__(
+        self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str], front_face: str
+    ) -> None:
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
         if self.fragment_entry:
             constants["IS_CUTOUT"] = float(is_cutout)
-        super().__init__(gpu, constants=constants, cull=cull)
+        super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
         self._groups: dict[int, tuple[Any, Any]] = {}
 
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
@@ -66,7 +68,7 @@ class MeshPass:
         self, gpu: Gpu, kind: type[MeshPipeline], *, opaque: type[MeshPipeline] | None = None
     ) -> None:
         self.gpu, self.kind, self.opaque = gpu, kind, opaque or kind
-        self._pipelines: dict[tuple[bool, bool, frozenset[str]], MeshPipeline] = {}
+        self._pipelines: dict[tuple[bool, bool, bool, frozenset[str]], MeshPipeline] = {}
 
     def draw(
         self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any
@@ -95,8 +97,11 @@ class MeshPass:
     def _pipeline(self, draw: Draw) -> MeshPipeline:
         is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
         kind = self.kind if is_cutout else self.opaque
-        key = (is_cutout, two_sided, draw.maps & frozenset(kind.maps))
+        key = (is_cutout, two_sided, draw.is_mirrored, draw.maps & frozenset(kind.maps))
         if key not in self._pipelines:
             cull = "none" if two_sided else "back"
-            self._pipelines[key] = kind(self.gpu, is_cutout=is_cutout, cull=cull, maps=key[2])
+            self._pipelines[key] = kind(
+                self.gpu, is_cutout=is_cutout, cull=cull, maps=key[3],
+                front_face="cw" if draw.is_mirrored else "ccw",
+            )  # fmt: skip
         return self._pipelines[key]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +79,7 @@ class GltfFile:
         self.materials = Materials(document, buffers)
         self.warnings: list[str] = []
         self._meshes = document.items("meshes")
-        self._geometries: dict[tuple[str, int, bool], Geometry | None] = {}
+        self._geometries: dict[tuple[str, int], Geometry | None] = {}
 
     def world(self) -> dict[int, F64]:
         """world_from_node of the scene's nodes, as the file places them."""
@@ -115,24 +114,17 @@ class GltfFile:
         placed = []
         for primitive in mesh.items("primitives"):
             material = self.materials.of(primitive)
-            # A mirrored node turns triangles inside out (specification 3.7.4).
-            mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
-            geometry = self._geometry(primitive, material.uv_set, mirrored)
+            geometry = self._geometry(primitive, material.uv_set)
             if geometry is not None:
                 placed.append(Mesh(geometry, material.material, matrix, name))
         return placed
 
-    def _geometry(self, primitive: Item, uv_set: int, mirrored: bool) -> Geometry | None:
-        key = (primitive.place, uv_set, mirrored)
+    def _geometry(self, primitive: Item, uv_set: int) -> Geometry | None:
+        key = (primitive.place, uv_set)
         if key not in self._geometries:
-            if mirrored:
-                geometry = self._geometry(primitive, uv_set, False)
-                if geometry is not None:
-                    geometry = replace(geometry, indices=geometry.indices[:, ::-1])
-            else:
-                geometry = read_geometry(primitive, self.buffers, uv_set)
-                if geometry is None:
-                    self._warn(primitive, "points and lines are left out")
+            geometry = read_geometry(primitive, self.buffers, uv_set)
+            if geometry is None:
+                self._warn(primitive, "points and lines are left out")
             self._geometries[key] = geometry
         return self._geometries[key]
 
