@@ -59,7 +59,7 @@ def _over_cones(mu: F64, g: float, c: F64) -> F64:
     p_mu, p_rim = _legendre(mu, order + 1), _legendre(rim, order + 1)
     degree = np.arange(1, order + 1)
     kernel = (p_rim[:-2] - p_rim[2:])[:order] / (1.0 - rim)
-    series = (g**degree[:, None] * kernel).T @ p_mu[1 : order + 1]
+    series = (g ** degree[:, None] * kernel).T @ p_mu[1 : order + 1]
     return np.asarray(np.maximum(ISOTROPIC * (1.0 + series), 0.0))
 
 

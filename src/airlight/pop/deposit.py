@@ -17,16 +17,17 @@ class Deposit(ComputePass):
         uniform("params", MediumParams),
         storage("ordinates", OrdinateData),
         storage("passed", "f32"),
+        storage("density", "f32"),
         storage("deposits", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
 
     def encode(
-        self, commands: Commands, params: MediumParams, cells: int, ordinates: Buffer,
-        passed: Buffer, deposits: Buffer,
+        self, commands: Commands, params: MediumParams, cells: int, *, ordinates: Buffer,
+        passed: Buffer, density: Buffer, deposits: Buffer,
     ) -> None:  # fmt: skip
         """Sum over all ordinates, cell by cell: no atomics, the same bits every time."""
         self.dispatch(
             commands, (cells,), params=params, ordinates=ordinates, passed=passed,
-            deposits=deposits,
+            density=density, deposits=deposits,
         )  # fmt: skip

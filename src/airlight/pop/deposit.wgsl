@@ -1,43 +1,69 @@
 //! use medium_grid
-//! use ordinate_grid
 //! use delta_beam
-//! use medium
+
+fn passed_here(n: u32, cell: u32) -> vec3f {
+    return params.sigma_t * beam_loss(params.g, params.albedo) * passed[n * params.cells + cell];
+}
+
+// What a linear depth along one axis does to the mean of exp(-depth); see mean_transmission in
+// maths/delta_beam.py. At a border the slope is that of the other side.
+fn slope_gain(before: vec3f, here: vec3f, after: vec3f, is_low: bool, is_high: bool) -> vec3f {
+    let inner_rise = select(here - before, after - here, is_low);
+    let outer_rise = select(after - here, here - before, is_high);
+    let gentler = min(abs(inner_rise), abs(outer_rise));
+    return sinh_quotient(0.5 * select(vec3f(0.0), gentler, inner_rise * outer_rise > vec3f(0.0)));
+}
+
+fn sinh_quotient(x: vec3f) -> vec3f {
+    let x2 = x * x;
+    let series = 1.0 + x2 / 6.0 * (1.0 + x2 / 20.0);
+    let safe = clamp(x, vec3f(0.1), vec3f(20.0));
+    let grown = exp(safe);
+    return select((grown - 1.0 / grown) / (2.0 * safe), series, x < vec3f(0.1));
+}
+
+fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> vec3f {
+    let stride = cell_stride(axis);
+    let is_low = at == 0u;
+    let is_high = at + 1u == count;
+    let before = passed_here(n, select(cell - stride, cell, is_low));
+    let after = passed_here(n, select(cell + stride, cell, is_high));
+    return slope_gain(before, here, after, is_low, is_high);
+}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells) {
         return;
     }
-    let centre = cell_centre(cell_of(id.x));
-    let loss = beam_loss(params.g, params.albedo);
-    let share = params.albedo * (1.0 - forward_share(params.g));
-    let volume = params.cell.x * params.cell.y * params.cell.z;
+    let cell = cell_of(id.x);
+    let count = params.count;
     var power = vec3f(0.0);
     var x = vec3f(0.0);
     var y = vec3f(0.0);
     var z = vec3f(0.0);
-    for (var n = 0u; n < params.ordinate_count; n++) {
-        let o = ordinates[n];
-        if (all(o.irradiance.rgb <= vec3f(0.0))) {
+    let rho = density[id.x];
+    for (var n = 0u; n < params.ordinate_count && rho > 0.0; n++) {
+        let light = ordinates[n].irradiance.rgb;
+        if (all(light <= vec3f(0.0))) {
             continue;
         }
-        let d = o.direction.xyz;
-        let half = 0.5 * o.irradiance.w * d;
-        let before = passed_at(n, ordinate_place(n, centre - half));
-        let after = passed_at(n, ordinate_place(n, centre + half));
-        let k = loss * params.sigma_t;
-        let inside = max(after - before, 0.0);
-        // (1 - exp(-k inside))/loss, without cancellation in thin air
-        let lost = exp(-k * before) * mean_transmittance_rgb(k * inside) * params.sigma_t * inside;
-        let s = o.irradiance.rgb * lost * share * (volume / o.irradiance.w);
-        let carried = s * o.cell.w;
+        let here = passed_here(n, id.x);
+        let gain = axis_gain(n, id.x, here, 0u, cell.x, count.x)
+            * axis_gain(n, id.x, here, 1u, cell.y, count.y)
+            * axis_gain(n, id.x, here, 2u, cell.z, count.z);
+        let s = light * min(exp(-here) * gain, vec3f(1.0));
+        let d = ordinates[n].direction;
+        let carried = s * d.w;
         power += s;
         x += carried * d.x;
         y += carried * d.y;
         z += carried * d.z;
     }
-    let g1 = deposited_anisotropy(params.g);
-    deposits[id.x] = vec4f(power, 0.0);
-    deposits[id.x + params.cells] = vec4f(g1 * x, 0.0);
-    deposits[id.x + 2u * params.cells] = vec4f(g1 * y, 0.0);
-    deposits[id.x + 3u * params.cells] = vec4f(g1 * z, 0.0);
+    let volume = params.cell.x * params.cell.y * params.cell.z;
+    let leaving = params.sigma_t * params.albedo * (1.0 - forward_share(params.g)) * rho * volume;
+    let forward = leaving * deposited_anisotropy(params.g);
+    deposits[id.x] = vec4f(leaving * power, 0.0);
+    deposits[id.x + params.cells] = vec4f(forward * x, 0.0);
+    deposits[id.x + 2u * params.cells] = vec4f(forward * y, 0.0);
+    deposits[id.x + 3u * params.cells] = vec4f(forward * z, 0.0);
 }

@@ -87,7 +87,7 @@ class _Flux(ComputePass):
 
 
 class Diffuse:
-    """The diffuse light of one medium. `deposits` goes in, `diffuse` [Phi, Jx, Jy, Jz] comes out."""
+    """The diffuse light of one medium: `deposits` in, `diffuse` [Phi, Jx, Jy, Jz] out."""
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
         self.cells = placement.cells
@@ -107,15 +107,13 @@ class Diffuse:
             commands, (self.cells,), params=params, density=density, links=self._links
         )
 
-    def encode(
-        self, commands: Commands, params: MediumParams, density: Buffer, steps: int
-    ) -> None:
+    def encode(self, commands: Commands, params: MediumParams, density: Buffer, steps: int) -> None:
         """Solve for `deposits` by `steps` steps."""
         v, cells = self._vectors, (self.cells,)
         common = {"params": params, "links": self._links, "sums": self._sums, "z": v["z"]}
         self._begin.dispatch(
-            commands, cells, **common, density=density, deposits=self.deposits, residual=v["residual"],
-            before=v["search 0"], phi=v["phi"],
+            commands, cells, **common, density=density, deposits=self.deposits,
+            residual=v["residual"], before=v["search 0"], phi=v["phi"],
         )  # fmt: skip
         for step in range(steps):
             before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
@@ -140,5 +138,11 @@ class Diffuse:
 
     def release(self) -> None:
         """Give the memory back."""
-        for buffer in (self.deposits, self.diffuse, self._links, self._sums, *self._vectors.values()):
+        for buffer in (
+            self.deposits,
+            self.diffuse,
+            self._links,
+            self._sums,
+            *self._vectors.values(),
+        ):
             buffer.release()

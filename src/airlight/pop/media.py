@@ -45,7 +45,12 @@ class PopMedia:
 
     def __init__(self, gpu: Gpu, scene: Scene, settings: PopMediaSettings) -> None:
         self.gpu, self.settings = gpu, settings
-        media = _volumes(scene)
+        self._fog = (
+            None
+            if scene.medium is None
+            else medium_box(scene.medium, *scene.bounds, scene.camera.position)
+        )
+        media = self._volumes(scene)
         if len(media) > MAX_SOURCES:
             raise SceneError(f"the scene has {len(media)} media", remedy=f"Use {MAX_SOURCES}")
         self.air = Air(gpu, scene, light_count=0, solved=scene.volumes)
@@ -70,7 +75,7 @@ class PopMedia:
     def draw(self, commands: Commands, view: View) -> None:
         """Fill `scattered` and `transmittance` for a view whose G-buffer is drawn."""
         scene, picture = self._scene, self._of_size(view.size)
-        for solver, volume in zip(self.solvers, _volumes(scene), strict=True):
+        for solver, volume in zip(self.solvers, self._volumes(scene), strict=True):
             solver.encode(commands, scene.lights, scene.environment, np.asarray(view.eye), volume)
         with commands.stage("march"):
             rays = picture.rays.encode(commands, view)
@@ -111,6 +116,19 @@ class PopMedia:
         if self._picture:
             self._picture.release()
 
+    def _volumes(self, scene: Scene) -> list[Volume]:
+        """The media in `march.air`'s order; a homogeneous one as a box of density 1.
+
+        Air without bounds keeps the box it had at first: its grid does not follow the camera.
+        """
+        m = scene.medium
+        if m is None or self._fog is None:
+            return list(scene.volumes)
+        low, high = self._fog
+        bounds = (_corner(low), _corner(high)) if m.bounds is None else m.bounds
+        box = Volume(m.sigma_t, shape="box", bounds=bounds, albedo=m.albedo, g=m.g)
+        return [box, *scene.volumes]
+
     def _of_size(self, size: tuple[int, int]) -> _Picture:
         if self._picture is None or self._picture.rays.size != size:
             if self._picture:
@@ -139,20 +157,14 @@ class _Picture:
         return ((self.reduced_scattered, self.scattered), (self.reduced_passed, self.passed))
 
     def release(self) -> None:
-        for part in (self.rays, self.reduced_scattered, self.reduced_passed, self.scattered,
-                     self.passed):
+        for part in (
+            self.rays,
+            self.reduced_scattered,
+            self.reduced_passed,
+            self.scattered,
+            self.passed,
+        ):
             part.release()
-
-
-def _volumes(scene: Scene) -> list[Volume]:
-    """The scene's media in `march.air`'s order; a homogeneous one as a box of density 1."""
-    if scene.medium is None:
-        return list(scene.volumes)
-    low, high = medium_box(scene.medium, *scene.bounds, scene.camera.position)
-    m = scene.medium
-    box = Volume(m.sigma_t, shape="box", bounds=(_corner(low), _corner(high)), albedo=m.albedo,
-                 g=m.g)  # fmt: skip
-    return [box, *scene.volumes]
 
 
 def _corner(point: F64) -> tuple[float, float, float]:

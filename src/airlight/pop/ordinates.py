@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, vec4f
 from ..gpu.memory import Buffer
 from ..maths.beam_phase import PHASE_TABLE, beam_phase_table
-from ..maths.delta_beam import mean_chord
-from ..maths.ordinate_grid import ordinate_grid
-from ..maths.ordinates import Ordinates, joined, parallel, partition
-from ..maths.transforms import F64
+from ..maths.ordinates import Ordinates, even_sky, joined, parallel, partition
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light
 from ..surface.sky import environment_map
@@ -21,13 +19,10 @@ from .placement import MediumPlacement
 
 
 class OrdinateData(Struct):
-    """One ordinate and its grid in the medium's frame."""
+    """One ordinate in the medium's frame."""
 
-    u = vec4f("axis across the light; w: lower corner along it, m from the box's centre")
-    v = vec4f("axis across the light; w: the same")
-    direction = vec4f("of travel; w: the same")
-    cell = vec4f("m; w: mean cosine of the ordinate's part of the sky")
-    irradiance = vec4f("of the whole scene's 1; w: mean chord of a medium's cell, m")
+    direction = vec4f("of travel; w: mean cosine of the ordinate's part of the sky")
+    irradiance = vec4f("rgb, in units of the table's scale")
 
 
 class SceneOrdinates:
@@ -55,6 +50,10 @@ class SceneOrdinates:
 def _sky(environment: Environment | None, count: int) -> Ordinates | None:
     if environment is None or count < 1:
         return None
+    if environment.map is None:  # the very sky of the furnace correction: it vanishes
+        even = even_sky(count)
+        light = np.asarray(environment.radiance) * environment.scale
+        return replace(even, irradiance=even.irradiance * light) if light.any() else None
     radiance = environment_map(environment)
     if not radiance.max() > 0.0:
         return None
@@ -79,8 +78,8 @@ class OrdinateTable:
         self._phase_of: tuple[Any, ...] = ()
 
     def write(
-        self, ordinates: Ordinates, placement: MediumPlacement, side: int, g: tuple[float, ...],
-        *, prefilter: bool, scale: float = 0.0,
+        self, ordinates: Ordinates, placement: MediumPlacement, g: tuple[float, ...], *,
+        prefilter: bool, scale: float = 0.0,
     ) -> None:  # fmt: skip
         """Upload `ordinates` (of the world) for a medium; more than the capacity are refused.
 
@@ -90,7 +89,7 @@ class OrdinateTable:
             raise ValueError(f"{ordinates.count} ordinates in a table of {self.capacity}")
         self.count = ordinates.count
         self.scale = scale or max(float(ordinates.irradiance.max(initial=0.0)), 1e-30)
-        self.rows.write(packed_ordinates(ordinates, placement, side, self.scale))
+        self.rows.write(packed_ordinates(ordinates, placement, self.scale))
         key = (ordinates.mean_cosine.tobytes(), g, prefilter)
         if key != self._phase_of:
             self._phase_of = key
@@ -106,16 +105,12 @@ class OrdinateTable:
 
 
 def packed_ordinates(
-    ordinates: Ordinates, placement: MediumPlacement, side: int, scale: float
+    ordinates: Ordinates, placement: MediumPlacement, scale: float
 ) -> np.ndarray[Any, np.dtype[Any]]:
     """`OrdinateData` of every ordinate."""
     packed = np.zeros(max(1, ordinates.count), OrdinateData.dtype)
-    direction: F64 = placement.direction(ordinates.direction)
-    for n, d in enumerate(direction):
-        grid = ordinate_grid(d, placement.extent, side)
-        row = packed[n]
-        row["u"], row["v"], row["direction"] = np.column_stack([grid.frame, grid.low])
-        row["cell"] = (*grid.cell, ordinates.mean_cosine[n])
-        chord = mean_chord(d, placement.cell)
-        row["irradiance"] = (*(ordinates.irradiance[n] / scale), chord)
+    if ordinates.count:
+        packed["direction"][:, :3] = placement.direction(ordinates.direction)
+        packed["direction"][:, 3] = ordinates.mean_cosine
+        packed["irradiance"][:, :3] = ordinates.irradiance / scale
     return packed

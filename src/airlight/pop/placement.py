@@ -14,6 +14,7 @@ from ..scene.volume import Volume
 
 FINE = 2  # fine cells per cell and axis: what sweeps sample
 _STRETCH = 4  # a side may have this many times the cells of a cube's
+SPHERE_SIDE = 64  # voxels across a sphere
 _PROBED = 32  # density samples per axis that tell how wide the medium is
 
 
@@ -24,13 +25,12 @@ class MediumParams(Struct):
     extent = vec3f("m")
     ordinate_count = u32()
     cell = vec3f("m")
-    side = u32("cells along an ordinate grid's side")
+    groups = u32("workgroups that leave a partial sum each")
     count = vec3u("cells")
     cells = u32()
     sigma_t = vec3f("m^-1")
     largest_diffusivity = f32("m")
     albedo = vec3f()
-    groups = u32("workgroups that leave a partial sum each")
     g = vec3f("mean cosine")
     samples = vec3u("density samples per fine cell along each axis")
 
@@ -139,14 +139,14 @@ def shape_density(volume: Volume, side: int) -> Any:
 
 
 def medium_fields(
-    volume: Volume, placement: MediumPlacement, side: int, ordinates: int, limit: float, group: int
+    volume: Volume, placement: MediumPlacement, ordinates: int, limit: float, group: int
 ) -> dict[str, Any]:
     """The values of `MediumParams` by name; `group` is the size of a workgroup."""
-    voxels = np.array((2, 2, 2) if volume.density is None else volume.density.shape[::-1])
+    voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
     per_cell = -(-voxels // np.array(placement.fine_count))
     return {
         "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
-        "ordinate_count": ordinates, "cell": placement.cell, "side": side,
+        "ordinate_count": ordinates, "cell": placement.cell,
         "count": placement.count, "cells": placement.cells, "sigma_t": volume.sigma_t,
         "largest_diffusivity": limit, "albedo": volume.albedo,
         "samples": np.clip(per_cell, 1, 16), "g": volume.g,

@@ -1,8 +1,8 @@
 """One scattering medium under the sun and the sky: the technique, top to bottom (Elek2014).
 
-Light is cut into ordinates; along each a beam is swept through the medium, what leaves the beams
-spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing is
-precomputed; what did not change since the last frame is not done again.
+Light is cut into ordinates, a beam each; every cell marches towards all of them, what leaves the
+beams spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing
+is precomputed; what did not change since the last frame is not done again.
 
 Several media of a scene have a solver each: they see each other only by the transmittance that the
 marching knows.
@@ -31,10 +31,16 @@ from .deposit import Deposit
 from .diffuse import GROUP, Diffuse
 from .emission import Emission
 from .ordinates import OrdinateTable, SceneOrdinates
-from .placement import MediumParams, diffusivity_limit, medium_fields, placed, shape_density
-from .sweep import Sweep
+from .paths import Paths
+from .placement import (
+    SPHERE_SIDE,
+    MediumParams,
+    diffusivity_limit,
+    medium_fields,
+    placed,
+    shape_density,
+)
 
-_SPHERE_SIDE = 64  # voxels across a sphere
 _DENSITY_MAX = 65504.0
 
 
@@ -44,22 +50,23 @@ class PopSettings:
 
     scheme: str = setting("delta-beam", "how light spreads", choices=("delta-beam",))
     ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
-    grid: int = setting(20, "cells along a side of an ordinate's grid, and of a cube-shaped medium",
-                        low=4, high=64)
+    grid: int = setting(
+        20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
+    )
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
     furnace_correction: float = setting(
-        0.5, "share of the error under an even sky that is taken off multiple scattering; 0: none",
+        1.0, "share of the error under an even sky that is taken off multiple scattering; 0: none",
         low=0.0, high=1.0,
     )  # fmt: skip
 
 
 class _Beams:
-    """Ordinates of one sky in one medium, swept and solved."""
+    """Ordinates of one sky in one medium, marched and solved."""
 
     def __init__(self, gpu: Gpu, solver: PopSolver, capacity: int) -> None:
         self.table = OrdinateTable(gpu, capacity)
-        self.sweep = Sweep(gpu, self.table.capacity, solver.settings.grid)
+        self.paths = Paths(gpu, solver.placement, self.table.capacity)
         self.diffuse = Diffuse(gpu, solver.placement)
         self._deposit = Deposit(gpu)
         self._solver = solver
@@ -67,7 +74,7 @@ class _Beams:
     def write(self, ordinates: Ordinates, volume: Volume, scale: float = 0.0) -> None:
         """Upload the ordinates; `scale` as in `OrdinateTable.write`."""
         s = self._solver
-        self.table.write(ordinates, s.placement, s.settings.grid, volume.g,
+        self.table.write(ordinates, s.placement, volume.g,
                          prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
@@ -75,18 +82,20 @@ class _Beams:
         self.diffuse.encode_medium(commands, params, density.cells)
 
     def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
-        """Sweep, deposit, solve."""
-        with commands.stage("pop sweep"):
-            self.sweep.encode(commands, params, self.table.rows, self.table.count, density)
+        """March to the light, deposit, solve."""
+        with commands.stage("pop paths"):
+            self.paths.encode(commands, params, self.table.rows, self.table.count, density)
         with commands.stage("pop deposit"):
-            self._deposit.encode(commands, params, self._solver.placement.cells, self.table.rows,
-                                 self.sweep.passed, self.diffuse.deposits)  # fmt: skip
+            self._deposit.encode(
+                commands, params, self._solver.placement.cells, ordinates=self.table.rows,
+                passed=self.paths.passed, density=density.cells, deposits=self.diffuse.deposits,
+            )  # fmt: skip
         with commands.stage("pop diffuse"):
             self.diffuse.encode(commands, params, density.cells,
                                 self._solver.settings.solver_steps)  # fmt: skip
 
     def release(self) -> None:
-        for part in (self.table, self.sweep, self.diffuse):
+        for part in (self.table, self.paths, self.diffuse):
             part.release()
 
 
@@ -107,7 +116,9 @@ class PopSolver:
         self.density = Density(gpu, self.placement)
         self.emission = Emission(gpu, self.placement)
         self.beams = _Beams(gpu, self, settings.ordinates + suns)
-        self.furnace = _Beams(gpu, self, settings.ordinates) if settings.furnace_correction else None
+        self.furnace = (
+            _Beams(gpu, self, settings.ordinates) if settings.furnace_correction else None
+        )
         self._scene_ordinates = SceneOrdinates(settings.ordinates)
         self._even = even_sky(settings.ordinates) if self.furnace else None
         self._own_voxels = voxels is None
@@ -189,38 +200,44 @@ class PopSolver:
             if new_view and self.furnace is not None:
                 white = self._params(self.furnace.table.count, (1.0, 1.0, 1.0))
                 self.emission.encode_furnace(
-                    commands, white, local, self.furnace.table, self.furnace.sweep.passed,
+                    commands, white, local, self.furnace.table, self.furnace.paths.passed,
                     self.furnace.diffuse.diffuse,
                 )  # fmt: skip
             self.emission.encode(
-                commands, params, local, self.beams.table, self.beams.sweep.passed,
+                commands, params, local, self.beams.table, self.beams.paths.passed,
                 self.beams.diffuse.diffuse, self.settings.furnace_correction,
             )  # fmt: skip
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
-        fields = medium_fields(
-            self.volume, self.placement, self.settings.grid, ordinates, self._limit, GROUP
-        )
+        fields = medium_fields(self.volume, self.placement, ordinates, self._limit, GROUP)
         return MediumParams(**(fields | {"albedo": albedo}))
 
     def _take(self, volume: Volume) -> None:
         """Go on with a changed volume. Raises SceneError where its grid's size changed."""
         new = placed(volume, self.settings.grid)
-        same_voxels = np.shape(volume.density) == np.shape(self.volume.density)
-        if new.count != self.placement.count or not same_voxels or volume.shape != self.volume.shape:
+        same_voxels = _voxel_count(volume) == _voxel_count(self.volume)
+        if (
+            new.count != self.placement.count
+            or not same_voxels
+            or volume.shape != self.volume.shape
+        ):
             raise SceneError("the volume changed in size", remedy="Make a new Renderer")
         if self._own_voxels and volume.density is not self.volume.density:
-            self.voxels.write(_half(shape_density(volume, _SPHERE_SIDE)))
+            self.voxels.write(_half(shape_density(volume, SPHERE_SIDE)))
         self.placement, self.volume = new, volume
         self._limit = diffusivity_limit(volume, new)
 
 
 def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
-    density = shape_density(volume, _SPHERE_SIDE)
+    density = shape_density(volume, SPHERE_SIDE)
     depth, height, width = density.shape
     made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
     made.write(_half(density))
     return made
+
+
+def _voxel_count(volume: Volume) -> tuple[int, ...]:
+    return () if volume.density is None else volume.density.shape
 
 
 def _half(density: Any) -> Any:

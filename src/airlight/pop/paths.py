@@ -1,6 +1,7 @@
-"""The optical path behind every cell of every ordinate's grid: one sweep along each ordinate.
+"""The density that every ordinate's light has passed on reaching every cell.
 
-All ordinates in one dispatch, an invocation per column (Elek2014 section 4.1).
+One dispatch over cells and ordinates, a march each. Elek2014 section 4.1 sweeps a grid turned
+along each ordinate; differs: see `maths.delta_beam`.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import sampler, storage, texture, uniform
 from .density import Density
 from .ordinates import OrdinateData
-from .placement import MediumParams
+from .placement import MediumParams, MediumPlacement
 
 
-class Sweep(ComputePass):
-    """Fills `passed`: density passed, m, f32 [ordinate][face along the light][v][u]."""
+class Paths(ComputePass):
+    """Fills `passed`: m, f32 [ordinate][z][y][x]; see `maths.voxels.density_behind`."""
 
     slots = (
         uniform("params", MediumParams),
@@ -25,21 +26,21 @@ class Sweep(ComputePass):
         sampler("linear_clamp"),
         storage("passed", "f32", "read_write"),
     )
-    workgroup = (8, 8, 1)
+    workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, capacity: int, side: int) -> None:
-        """For up to `capacity` ordinates in grids of side^3 cells."""
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, capacity: int) -> None:
+        """For up to `capacity` ordinates."""
         super().__init__(gpu)
-        self._side = side
-        self.passed = Buffer(gpu, "density passed", 4 * capacity * (side + 1) * side * side)
+        self._cells = placement.cells
+        self.passed = Buffer(gpu, "density passed", 4 * capacity * placement.cells)
 
     def encode(
         self, commands: Commands, params: MediumParams, ordinates: Buffer, count: int,
         density: Density,
     ) -> None:  # fmt: skip
-        """Sweep the first `count` ordinates."""
+        """March towards the first `count` ordinates."""
         self.dispatch(
-            commands, (self._side, self._side, count), params=params, ordinates=ordinates,
+            commands, (self._cells, max(1, count)), params=params, ordinates=ordinates,
             fine=density.fine, linear_clamp=density.linear, passed=self.passed,
         )  # fmt: skip
 

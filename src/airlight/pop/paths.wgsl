@@ -1,0 +1,22 @@
+//! use medium_grid
+//! use medium
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells || id.y >= params.ordinate_count) {
+        return;
+    }
+    let point = cell_centre(cell_of(id.x));
+    let back = -ordinates[id.y].direction.xyz;
+    let length = max(0.0, ray_box_interval(point, back, vec3f(0.0), params.extent).y);
+    let longest = min(params.cell.x, min(params.cell.y, params.cell.z));
+    let steps = max(1.0, ceil(length / longest));
+    let dt = length / steps;
+    let stride = dt * back / params.extent;
+    var uvw = point / params.extent + 0.5 * stride;
+    var sum = 0.0;
+    for (var k = 0u; k < u32(steps); k++) {
+        sum += textureSampleLevel(fine, linear_clamp, uvw, 0.0).x;
+        uvw += stride;
+    }
+    passed[id.y * params.cells + id.x] = sum * dt;
+}

@@ -1,0 +1,50 @@
+"""The scene's distant light: suns first, then the map, turned with it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.maths.beam_phase import PHASE_TABLE
+from airlight.maths.ordinates import even_sky, parallel
+from airlight.pop.ordinates import OrdinateTable, SceneOrdinates
+from airlight.pop.placement import placed
+from airlight.scene.environment import Environment
+from airlight.scene.lights import DirectionalLight, PointLight
+from airlight.scene.volume import Volume
+
+
+def test_suns_come_first_and_lamps_not_at_all():
+    sun = DirectionalLight((0, -1, 0), (1, 2, 3))
+    got = SceneOrdinates(4).of((PointLight((0, 0, 0), (1, 1, 1)), sun), Environment((1, 1, 1)))
+    assert got.count == 5
+    np.testing.assert_allclose(got.direction[0], (0, -1, 0))
+    np.testing.assert_allclose(got.irradiance[1:].sum(axis=0), 4 * np.pi)
+    assert SceneOrdinates(4).of((), None).count == 0
+    assert SceneOrdinates(4).of((), Environment((0, 0, 0))).count == 0
+
+
+def test_the_map_turns_with_its_environment():
+    lit = np.zeros((16, 32, 3), np.float32)
+    lit[8, 16] = 5.0  # u = .5: towards +z, just below the horizon
+    straight, turned = (
+        SceneOrdinates(2).of((), Environment(map=lit, rotation_deg=angle)) for angle in (0.0, 90.0)
+    )
+    a, b = (o.direction[int(np.argmax(o.irradiance[:, 0]))] for o in (straight, turned))
+    assert a @ (0, 0, -1) > 0.98  # travels away from +z
+    # +z turned counter-clockwise about +Y, seen from above, is +x.
+    assert b @ (-1, 0, 0) > 0.98
+
+
+def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
+    box = Volume((1.0,) * 3, shape="box", g=(0.0, 0.5, 0.9))
+    at = placed(box, 4)
+    table = OrdinateTable(gpu, 3)
+    table.write(parallel([(0, 0, 1), (0, 1, 0)], [(2, 4, 8), (1, 1, 1)]), at, box.g, prefilter=True)
+    assert (table.scale, table.count) == (8.0, 2)
+    rows = table.rows.read().reshape(-1, 8)
+    np.testing.assert_allclose(rows[0], (0, 0, 1, 1, 0.25, 0.5, 1.0, 0.0))
+    phase = table.phase.read().reshape(-1, PHASE_TABLE, 4)[0, :, :3]
+    assert phase[0, 2] > phase[-1, 2]
+    with pytest.raises(ValueError, match="4 ordinates in a table of 3"):
+        table.write(even_sky(4), at, box.g, prefilter=True)

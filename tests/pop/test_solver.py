@@ -1,0 +1,178 @@
+"""Every pass of the solver against its NumPy twin, and what must not change from run to run."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.gpu.commands import Commands
+from airlight.gpu.device import Gpu
+from airlight.maths import delta_beam as db
+from airlight.maths.ordinates import Ordinates, even_sky
+from airlight.maths.transforms import F64
+from airlight.maths.voxels import box_averaged
+from airlight.pop.ordinates import SceneOrdinates
+from airlight.pop.solver import PopSettings, PopSolver, sun_count
+from airlight.scene.environment import Environment
+from airlight.scene.lights import DirectionalLight, PointLight
+from airlight.scene.volume import Volume
+
+SKY, SUN = Environment((0.2, 0.3, 0.4)), DirectionalLight((0.3, -0.8, 0.2), (3.0, 2.0, 1.0))
+EYE = np.array([3.0, 1.0, 2.0])
+SETTINGS = PopSettings(ordinates=8, grid=8, solver_steps=24)
+
+
+def blob(side: int = 20) -> Volume:
+    at = (np.arange(side) + 0.5) / side - 0.5
+    radius = np.sqrt(at[:, None, None] ** 2 + at[:, None] ** 2 + at**2)
+    noise = np.random.default_rng(1).random(radius.shape)
+    rho = (np.clip((0.45 - radius) / 0.2, 0.0, 1.0) * (0.5 + noise)).astype(np.float32)
+    turn = np.array([[0.6, 0, 0.8, 0.1], [0, 1, 0, 0.2], [-0.8, 0, 0.6, 0.3], [0, 0, 0, 1.0]])
+    return Volume(
+        (4.0, 8.0, 12.0), rho, bounds=((-1, -0.5, -1.5), (1, 1, 1)), albedo=(1.0, 0.9, 0.8),
+        g=(0.0, 0.6, 0.9), world_from_volume=turn,
+    )  # fmt: skip
+
+
+class Twin(NamedTuple):
+    """The NumPy solution of a solver's medium under some ordinates."""
+
+    medium: db.MediumGrid
+    solution: db.Solution
+    towards_eye: F64
+
+
+def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = False) -> Twin:
+    v, at = solver.volume, solver.placement
+    assert v.density is not None
+    fine = box_averaged(v.density, at.fine_count)
+    x, y, z = at.count
+    coarse = fine.reshape(z, 2, y, 2, x, 2).mean(axis=(1, 3, 5))
+    albedo = np.ones(3) if is_white else np.array(v.albedo)
+    air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
+    rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
+    beams = [db.beam(air, *row) for row in rows]
+    solution = db.light(air, beams, SETTINGS.solver_steps, solver._limit)
+    away = at.point(EYE) - air.centres
+    return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
+
+
+@pytest.fixture(scope="module")
+def solved(gpu: Gpu) -> PopSolver:
+    solver = PopSolver(gpu, blob(), SETTINGS, suns=1)
+    commands = Commands(gpu)
+    solver.encode(commands, (SUN,), SKY, EYE)
+    commands.submit()
+    return solver
+
+
+@pytest.fixture(scope="module")
+def truth(solved: PopSolver) -> Twin:
+    sky = SceneOrdinates(SETTINGS.ordinates).of((SUN,), SKY)
+    return twin(solved, sky, solved.beams.table.scale)
+
+
+def of_cells(solver: PopSolver, buffer: np.ndarray, parts: int) -> F64:
+    x, y, z = solver.placement.count
+    return np.asarray(buffer.reshape(parts, z, y, x, 4)[..., :3], dtype=np.float64)
+
+
+def assert_close(got: F64, want: F64, share: float) -> None:
+    assert np.abs(got - want).max() < share * np.abs(want).max()
+
+
+def test_density_is_averaged(solved, truth):
+    x, y, z = solved.placement.count
+    got = solved.density.cells.read().reshape(z, y, x)
+    assert_close(got, truth.medium.density, 2e-3)
+    assert_close(solved.density.fine.read()[..., 0], truth.medium.fine, 2e-3)
+
+
+def test_paths_are_marched(solved, truth):
+    want = np.stack([b.passed for b in truth.solution.beams])
+    got = solved.beams.paths.passed.read()[: want.size].reshape(want.shape)
+    assert_close(got, want, 3e-3)
+
+
+def test_deposits_are_left(solved, truth):
+    power, forward = db.deposit(truth.medium, truth.solution.beams)
+    got = of_cells(solved, solved.beams.diffuse.deposits.read(), 4)
+    assert_close(got[0], power, 2e-3)
+    assert_close(got[1:], forward, 2e-3)
+
+
+def test_light_diffuses(solved, truth):
+    got = of_cells(solved, solved.beams.diffuse.diffuse.read(), 4)
+    assert_close(got[0], truth.solution.fluence, 3e-3)
+    assert_close(got[1:], truth.solution.flux, 3e-3)
+    residual = of_cells(solved, solved.beams.diffuse.residual.read(), 1)
+    power, _ = db.deposit(truth.medium, truth.solution.beams)
+    source = power / np.prod(truth.medium.cell)
+    assert np.linalg.norm(residual) < 5e-3 * np.linalg.norm(source)
+
+
+def test_emission_and_its_furnace_correction(solved, truth):
+    white = twin(solved, even_sky(SETTINGS.ordinates), 1.0, is_white=True)
+    beams, quasi = white.solution.beam_emission(white.towards_eye)
+    multiple = quasi + white.solution.diffuse_emission(white.towards_eye)
+    correction = np.clip((1.0 - beams) / np.maximum(multiple, 1e-6), 0.5, 2.0)
+    got = of_cells(solved, solved.emission.corrections.read(), 1)[0]
+    assert np.abs(got - correction).mean() < 2e-3
+    beams, quasi = truth.solution.beam_emission(truth.towards_eye)
+    want = beams + (quasi + truth.solution.diffuse_emission(truth.towards_eye)) * correction
+    assert_close(solved.emission.texture.read()[..., :3].astype(np.float64), want, 5e-3)
+
+
+def test_the_source_is_in_world_units(solved):
+    source = solved.source(2)
+    assert source.medium == 2
+    assert source.scale == pytest.approx(3.0)
+    centre = source.uvw_from_world @ np.array([*solved_centre(solved.volume), 1.0])
+    np.testing.assert_allclose(centre[:3], 0.5)
+
+
+def solved_centre(volume: Volume) -> F64:
+    centre = np.mean(volume.bounds, axis=0)
+    return np.asarray(volume.world_from_volume[:3, :3] @ centre + volume.world_from_volume[:3, 3])
+
+
+def frame(solver: PopSolver, gpu: Gpu, *args: object) -> F64:
+    commands = Commands(gpu)
+    texture = solver.encode(commands, *args)  # type: ignore[arg-type]
+    commands.submit()
+    return texture.read().astype(np.float64)
+
+
+def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
+    one, two = (PopSolver(gpu, blob(8), SETTINGS, suns=1) for _ in range(2))
+    first = frame(one, gpu, (SUN,), SKY, EYE)
+    assert np.array_equal(first, frame(two, gpu, (SUN,), SKY, EYE))
+    assert np.array_equal(first, frame(one, gpu, (SUN,), SKY, EYE))
+    moved = frame(one, gpu, (SUN,), SKY, -EYE)
+    assert not np.array_equal(first, moved)
+    assert np.array_equal(frame(two, gpu, (SUN,), SKY, -EYE), moved)
+    dimmed = DirectionalLight(SUN.direction, (1.0, 1.0, 1.0))
+    assert not np.array_equal(frame(one, gpu, (dimmed,), SKY, -EYE), moved)
+    thinner = dataclasses.replace(one.volume, density=0.5 * one.volume.density)
+    changed = frame(one, gpu, (SUN,), SKY, EYE, thinner)
+    fresh = PopSolver(gpu, thinner, SETTINGS, suns=1)
+    assert np.array_equal(changed, frame(fresh, gpu, (SUN,), SKY, EYE))
+    with pytest.raises(SceneError, match=r"the volume changed in size\. Make a new Renderer"):
+        one.encode(Commands(gpu), (SUN,), SKY, EYE, blob(9))
+
+
+@pytest.mark.parametrize("density", [np.zeros((4, 4, 4)), np.ones((1, 1, 1)), np.ones((1, 30, 2))])
+def test_empty_and_tiny_volumes_stay_finite(gpu, density):
+    volume = Volume((5.0,) * 3, density.astype(np.float32), g=(0.99, -0.9, 0.0))
+    got = frame(PopSolver(gpu, volume, SETTINGS, suns=1), gpu, (SUN,), SKY, EYE)
+    assert np.isfinite(got).all()
+    dark = PopSolver(gpu, volume, SETTINGS)
+    assert frame(dark, gpu, (), None, EYE)[..., :3].max() == 0.0
+
+
+def test_suns_are_counted():
+    assert sun_count((SUN, PointLight((0, 0, 0), (1, 1, 1)), SUN)) == 2
