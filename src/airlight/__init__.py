@@ -43,7 +43,7 @@ from .scene.io import load
 
 if TYPE_CHECKING:
     from . import reference
-    from .render import Renderer, render
+    from .rendering import Renderer, render
     from .scene import builtin as scenes
 
 __version__ = "0.1.0"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from ..errors import SettingsError
 from ..gpu.commands import Commands
@@ -54,7 +54,7 @@ class SurfaceSettings:
 class Direct:
     """The technique `direct`: lights with shadows, emission, sky; no bounced light."""
 
-    Settings = SurfaceSettings
+    Settings: ClassVar[type[SurfaceSettings]] = SurfaceSettings
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,

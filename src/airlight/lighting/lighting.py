@@ -6,7 +6,7 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
@@ -53,7 +53,7 @@ class LightingParams(Struct):
 class Lighting(FullscreenPass):
     """G-buffer -> direct and indirect radiance, W m^-2 sr^-1."""
 
-    slots = (
+    slots: ClassVar[tuple[Slot, ...]] = (
         uniform("params", LightingParams),
         uniform("lattice", LatticeParams),
         storage("lights", LightData),
@@ -80,9 +80,7 @@ class Lighting(FullscreenPass):
     )
     targets = ("rgba32float", "rgba32float")
 
-    def __init__(
-        self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False
-    ) -> None:
+    def __init__(self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False) -> None:
         """`air`: what light is attenuated by on its way to surfaces.
 
         `is_occluded`: near occluders shade the sky's and the lattice's light.

@@ -69,7 +69,7 @@ fn slice_openness(
     let axis = normalize(cross(tangent, v));
     let projected = n - axis * dot(n, axis);
     let size = length(projected);
-    let s = Slice(p, v, axis, (axis - n * dot(n, axis)) / max(size * size, 0.01));
+    let s = Slice(p, v, axis, (axis - n * dot(n, axis)) / max(size * size, 1e-4));
     let cosine = clamp(dot(projected, v) / max(size, 1e-6), -1.0, 1.0);
     let gamma = sign(dot(tangent, projected)) * acos(cosine);
     // The surface's own plane is the lowest horizon on each side.

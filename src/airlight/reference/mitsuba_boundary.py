@@ -19,6 +19,7 @@ ELLIPSOID_STEPS = 128
 
 
 def boundary(world_from_cube: F64, interior: str, exterior: str) -> Element:
+    """A cube whose surface only parts two media."""
     shape = plugin("shape", "cube")
     add_matrix(shape, "to_world", world_from_cube)
     return _with_media(shape, interior, exterior)
@@ -83,6 +84,7 @@ def world_from_volume_cube(volume: Volume, extent: float) -> F64:
 
 
 def holds(volume: Volume, point: F64) -> bool:
+    """Whether a world point (m) is inside the volume, its thin margin left out."""
     matrix = world_from_volume_cube(volume, 1.0 - 2.0 * EDGE_MARGIN)
     local = np.linalg.solve(matrix, np.append(point, 1.0))[:3]
     if volume.shape == "sphere":
@@ -97,11 +99,14 @@ def _corners(volume: Volume) -> F64:
 
 
 def is_inside(volume: Volume, box: tuple[F64, F64]) -> bool:
+    """Whether the whole placed volume lies in an upright box (corners, m)."""
     corners = _corners(volume)
     return bool((corners > box[0]).all() and (corners < box[1]).all())
 
 
 def refuse_crossings(volumes: list[Volume], air_box: tuple[F64, F64] | None) -> None:
+    """Raise ReferenceFailure where volumes overlap or cross the air's border."""
+
     def name(volume: Volume) -> str:
         return volume.source or f"volumes[{volumes.index(volume)}]"
 

@@ -101,10 +101,12 @@ def mis_weight(pdf: Any, other: Any) -> Any:
 
 
 def channel_of(spectrum: Any, index: Any) -> Any:
+    """One channel of a spectrum, picked per ray."""
     return dr.select(index == 0, spectrum[0], dr.select(index == 1, spectrum[1], spectrum[2]))
 
 
 def pick_channel(sampler: Any, active: Any) -> Any:
+    """A channel 0..2 per ray, each as likely."""
     return mi.UInt32(dr.minimum(3.0 * sampler.next_1d(active), 2.0))
 
 
@@ -117,6 +119,7 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
     active: Any,
     options: Options,
 ) -> Any:
+    """All layers along one path per ray; see the module."""
     # Dr.Jit's loops carry local variables, and would try to write into `options`.
     max_depth, hide_environment = options.max_depth, options.hide_environment
     has_media, has_masks = options.has_media, options.has_masks

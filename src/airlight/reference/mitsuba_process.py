@@ -50,10 +50,12 @@ class Job:
     has_masks: bool = True
 
     def write(self, path: Path) -> None:
+        """Leave it as JSON."""
         path.write_text(json.dumps(asdict(self)))
 
 
 def read_job(path: Path) -> Job:
+    """The job that `Job.write` left."""
     fields = json.loads(path.read_text())
     return Job(**{**fields, "layers": tuple(fields["layers"])})
 

@@ -27,18 +27,22 @@ def numbers(values: Iterable[float]) -> str:
 
 
 def add_number(parent: Element, name: str, value: float) -> None:
+    """<float>, with digits enough for a float32."""
     SubElement(parent, "float", {"name": name, "value": f"{float(value):.9g}"})
 
 
 def add_integer(parent: Element, name: str, value: int | str) -> None:
+    """<integer>; a $parameter stays text."""
     SubElement(parent, "integer", {"name": name, "value": str(value)})
 
 
 def add_text(parent: Element, name: str, value: str) -> None:
+    """<string>."""
     SubElement(parent, "string", {"name": name, "value": value})
 
 
 def add_truth(parent: Element, name: str, value: bool) -> None:
+    """<boolean>."""
     SubElement(parent, "boolean", {"name": name, "value": "true" if value else "false"})
 
 
@@ -48,11 +52,13 @@ def add_rgb(parent: Element, name: str, value: Rgb) -> None:
 
 
 def add_point(parent: Element, name: str, value: Vec3) -> None:
+    """<point>, m."""
     x, y, z = (f"{float(v):.9g}" for v in value)
     SubElement(parent, "point", {"name": name, "x": x, "y": y, "z": z})
 
 
 def add_vector(parent: Element, name: str, value: Vec3) -> None:
+    """<vector>."""
     x, y, z = (f"{float(v):.9g}" for v in value)
     SubElement(parent, "vector", {"name": name, "x": x, "y": y, "z": z})
 
@@ -65,6 +71,7 @@ def add_matrix(parent: Element, name: str, matrix: NDArray[np.float64]) -> None:
 
 
 def add_lookat(parent: Element, name: str, origin: Vec3, target: Vec3, up: Vec3) -> None:
+    """<transform> that looks from origin to target."""
     transform = SubElement(parent, "transform", {"name": name})
     keys = {"origin": numbers(origin), "target": numbers(target), "up": numbers(up)}
     SubElement(transform, "lookat", keys)

@@ -75,7 +75,13 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
     return result
 
 
-_KIND_NAMES = {int: "a whole number", float: "a number", bool: "true or false", str: "text", tuple: "numbers"}
+_KIND_NAMES = {
+    int: "a whole number",
+    float: "a number",
+    bool: "true or false",
+    str: "text",
+    tuple: "numbers",
+}
 _TRUTH = {
     "true": True,
     "yes": True,

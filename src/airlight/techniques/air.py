@@ -13,7 +13,8 @@ from ..lighting.view import View
 from ..lpv.lpv import Lpv, LpvSettings
 from ..march.march import LatticeSource, Source
 from ..maths.lattice6 import LOOKUP_SCALE
-from ..scatter.solver import ScatterSettings, ScatterSolver
+from ..scatter.settings import ScatterSettings
+from ..scatter.solver import ScatterSolver
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume

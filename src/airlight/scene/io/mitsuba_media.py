@@ -46,6 +46,7 @@ class Held:
 
     @property
     def is_homogeneous(self) -> bool:
+        """Whether its extinction is one triple, not a grid."""
         return self.sigma_t.ndim == 1
 
     @property

@@ -32,6 +32,7 @@ class Source:
     textures: dict[Any, tuple[Texture, float] | None] = field(default_factory=dict)
 
     def note(self, text: str) -> None:
+        """Tell it once."""
         if text not in self.notes:
             self.notes.append(text)
 

@@ -57,6 +57,7 @@ class Node:
         return [c for c in self.children if c.tag == tag]
 
     def first(self, tag: str) -> Node | None:
+        """The first plugin of one kind of thing, if any."""
         return next(iter(self.all(tag)), None)
 
     def __str__(self) -> str:
