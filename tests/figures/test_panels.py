@@ -5,10 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.figures import clpv_5, clpv_9, clpv_10, clpv_11, panels
+from airlight.figures import (
+    clpv_1,
+    clpv_5,
+    clpv_6,
+    clpv_9,
+    clpv_10,
+    clpv_11,
+    clpv_12,
+    clpv_table1,
+    panels,
+)
 from airlight.lpv.lpv import LpvSettings
 from airlight.reference import flatland
 from airlight.scene import Geometry, Material, Mesh, Scene, Texture
+from airlight.scene.builtin import atrium_fog, wall_floor
+from airlight.scene.image import Image
 from airlight.scene.settings import make_settings
 
 
@@ -31,6 +43,36 @@ def test_clay_is_grey_and_keeps_what_is_cut_out():
     assert first.base_color == second.base_color == (0.6, 0.6, 0.6)
     assert second.base_color_texture is None
     assert first.base_color_texture.pixels[0].tolist() == [[255] * 3 + [0], [255] * 4]
+
+
+def test_the_haze_is_that_of_the_foggy_atrium():
+    own, known = clpv_1.in_haze(wall_floor()).medium, atrium_fog().medium
+    assert (own.sigma_t, own.albedo, own.g) == (known.sigma_t, known.albedo, known.g)
+
+
+def test_scores_of_a_picture_twice_too_bright():
+    truth = np.full((4, 4, 3), 0.5, np.float32)
+    told = clpv_6.scores(2.0 * truth, truth)
+    assert told["energy_ratio"] == pytest.approx(2.0)
+    assert told["relmse"] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_spacing_is_told_in_metres_and_the_last_value_is_the_measure():
+    """The scene is 3 m long; a lattice has a cell of margin at both ends."""
+    light = np.ones((2, 2, 3), np.float32)
+    images = {
+        n: Image(light, {"indirect": light * n}, stats={"lattice": [n, 4, 4], "iterations": 8})
+        for n in (5, 8)
+    }
+    told = clpv_12._told(wall_floor(), images)
+    assert [told[n]["spacing_m"] for n in ("5", "8")] == pytest.approx([1.0, 0.5])
+    assert [told[n]["from_the_last"] for n in ("5", "8")] == pytest.approx([3.0 / 8.0, 0.0])
+
+
+def test_stages_that_a_mode_lacks_cost_nothing():
+    told = clpv_table1.under_the_papers_names([{"propagate": 2.0, "pack": 1.0}, {"inject": 4.0}])
+    assert told["Propagation"] == (3.0, 0.0)
+    assert told["Total"] == (3.0, 4.0)
 
 
 def test_mean_light_is_luminance():

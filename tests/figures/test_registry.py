@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import json
-from types import SimpleNamespace
 
 import numpy as np
-import PIL.Image
 import pytest
 
-from airlight.app import cli
-from airlight.errors import SettingsError
 from airlight.figures import registry
 from airlight.figures.panels import Request
 from airlight.figures.registry import FIGURES
@@ -116,45 +112,3 @@ def test_a_leak_is_told_as_its_share_of_the_light_without_a_wall(pretended):
     leaks = FIGURES["clpv-11"].draw(Request((48, 27), quick=True)).numbers["wall"]
     told = leaks["ours"]["share_of_indirect_light_that_leaks"]
     assert told == {"0.02 m": 1.0, "0.1 m": 1.0, "0.25 m": 1.0}
-
-
-def test_flatland_from_the_command_line(tmp_path, capsys):
-    folder = tmp_path / "new" / "figures"
-    assert cli.run(["figure", "clpv-5", "-o", str(folder), "--size", "120x120", "-q"]) == 0
-    assert capsys.readouterr().out == f"{folder / 'clpv-5.png'}\n"
-    assert PIL.Image.open(folder / "clpv-5.png").width > 6 * 240
-    told = json.loads((folder / "clpv-5.json").read_text("utf-8"))
-    assert told["command"] == f"airlight figure clpv-5 -o {folder} --size 120x120"
-    errors = told["numbers"]["relative_l2"]["two lights, 2 bands"]
-    assert errors["centroid"] < errors["dom8"] < errors["dom4"] < errors["paper"]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["clpv-55", "-o", "x"], "error: there is no figure 'clpv-55'. Did you mean 'clpv-5'?\n"),
-        (["clpv-5"], "error: there is no folder to draw into. Name one: -o DIR\n"),
-        (["-o", "x"], "error: no figure is named. Name some of clpv-1, clpv-5, "),
-    ],
-)
-def test_what_cannot_be_drawn_is_said_at_once(capsys, words, message):
-    assert cli.run(["figure", *words]) == 2
-    assert capsys.readouterr().err.startswith(message)
-
-
-def test_one_that_fails_does_not_cost_the_others(monkeypatch, tmp_path, capsys):
-    def refuse(request):
-        raise SettingsError("not today")
-
-    monkeypatch.setattr("airlight.figures.clpv_7.draw", refuse)
-    assert cli.run(["figure", "clpv-7", "clpv-5", "-o", str(tmp_path), "-q"]) == 2
-    said = capsys.readouterr()
-    assert said.out == f"{tmp_path / 'clpv-5.png'}\n"
-    assert said.err == "error: 1 of 2 figures could not be drawn: clpv-7: not today\n"
-
-
-def test_the_list_names_them_all(capsys):
-    assert cli.run(["figure", "--list"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(FIGURES)
-    assert all(SimpleNamespace(**vars(known)).shows for known in FIGURES.values())
