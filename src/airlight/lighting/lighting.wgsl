@@ -68,7 +68,8 @@ fn near_visibility(position: vec2f, own: f32) -> f32 {
         return 1.0;
     }
     let size = vec2f(textureDimensions(occlusion));
-    let place = position * size / params.size - 0.5;
+    // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
+    let place = position * size / params.size - 1.0;
     let base = floor(place);
     let t = place - base;
     var sum = 0.0;

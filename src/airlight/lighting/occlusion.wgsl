@@ -6,12 +6,15 @@ override STEPS: u32 = 4;
 const OCCLUSION_PI = 3.14159265;
 // Within this share of the radius surfaces occlude wholly; from there on less and less.
 const FULL_RANGE = 0.4;
+// Horizons that fade with distance hide less than rays that do; so much farther makes up for it
+// (measured in a corner of two planes, tests/lighting/test_occlusion.py).
+const REACH = 1.35;
 // More samples near the point than far from it, where detail matters less.
 const SPREAD = 2.0;
 const NEAREST_PX = 1.3;         // nearer samples show the surface itself
 const LARGEST_RADIUS = 0.25;    // of the picture's height: neighbours in memory stay near
 const SAME_SURFACE = 0.1;       // depths that differ by less than this share
-const OFFSET = 0.002;           // of the distance to the eye: what float depth cannot tell apart
+const OFFSET = 1e-4;           // of the distance to the eye, towards it: depths are not exact
 
 fn inverse_distance(pixel: vec2i) -> f32 {
     return params.depth_scale * textureLoad(depth, pixel, 0);
@@ -44,6 +47,7 @@ fn chosen_pixel(texel: vec2u) -> vec2i {
 
 struct Slice {
     p: vec3f,           // the surface point, m from the eye
+    n: vec3f,           // its unit normal
     v: vec3f,           // unit, towards the eye
     axis: vec3f,        // unit, the slice's normal
     sideways: vec3f,    // in the surface's plane, 1 along the axis
@@ -53,10 +57,13 @@ struct Slice {
 fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> f32 {
     let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
     let found = point(inside, inverse_distance(inside)) - s.p;
+    if (dot(found, s.n) <= 0.0) {
+        return horizon;
+    }
     // Whole pixels lie beside the slice: moved onto it, along the surface, at the same height.
     let delta = found - s.sideways * dot(found, s.axis);
     let distance = max(length(delta), 1e-9);
-    let weight = saturate((1.0 - distance / params.radius) / (1.0 - FULL_RANGE));
+    let weight = saturate((1.0 - distance / (REACH * params.radius)) / (1.0 - FULL_RANGE));
     return max(horizon, mix(lowest, dot(delta, s.v) / distance, weight));
 }
 
@@ -69,7 +76,7 @@ fn slice_openness(
     let axis = normalize(cross(tangent, v));
     let projected = n - axis * dot(n, axis);
     let size = length(projected);
-    let s = Slice(p, v, axis, (axis - n * dot(n, axis)) / max(size * size, 1e-4));
+    let s = Slice(p, n, v, axis, (axis - n * dot(n, axis)) / max(size * size, 1e-4));
     let cosine = clamp(dot(projected, v) / max(size, 1e-6), -1.0, 1.0);
     let gamma = sign(dot(tangent, projected)) * acos(cosine);
     // The surface's own plane is the lowest horizon on each side.
@@ -97,7 +104,7 @@ fn slice_openness(
     let v = normalize(-on_surface);
     let p = on_surface * (1.0 - OFFSET);
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
-    let wanted_px = params.radius * inverse / length(params.right);
+    let wanted_px = REACH * params.radius * inverse / length(params.right);
     let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
     if (radius_px < NEAREST_PX) {
         return vec4f(1.0, 1.0 / inverse, 0.0, 0.0);

@@ -1,0 +1,211 @@
+"""Ambient occlusion against closed forms, and against rays cast at the same occluders."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.lighting.occlusion import Occlusion
+from airlight.lighting.view import View
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Environment, PointLight, Scene
+from airlight.surface.geometry import GpuScene
+
+FULL_RANGE = 0.4  # as in occlusion.wgsl
+
+
+@pytest.fixture
+def looked_at(gpu, commands, owned):
+    """looked_at(meshes, camera, size, radius, ...) -> (visibility, depth), each (H, W)."""
+
+    def look(meshes, camera, size, radius, *, scale=1, slices=None, steps=None, blurred=True):
+        scene = owned(GpuScene(gpu, Scene(meshes=tuple(meshes))))
+        view = owned(View(gpu, size))
+        view.occlusion.release()
+        view.occlusion = type(view.occlusion)(gpu, size, scale)
+        view.aim(camera)
+        view.gbuffer.encode(commands, scene, view.clip_from_world)
+        Occlusion(gpu, slices, steps).encode(
+            commands, view.gbuffer.depth, view.gbuffer.normal, view.occlusion,
+            view.world_from_clip, radius,
+        )  # fmt: skip
+        commands.submit()
+        layer = view.occlusion.visibility if blurred else view.occlusion.sampled
+        texels = layer.read()
+        return texels[..., 0], texels[..., 1]
+
+    return look
+
+
+def cast(points, normals, boxes, radius, rays=512):
+    """Cosine-weighted visibility of `points`; hits within `radius` count as in the shader."""
+    rng = np.random.default_rng(7)
+    z = np.sqrt(1.0 - (k := (np.arange(rays) + 0.5) / rays))
+    phi = np.arange(rays) * 2.399963 + rng.random()
+    local = np.stack([np.sqrt(k) * np.cos(phi), np.sqrt(k) * np.sin(phi), z], axis=-1)
+    helper = np.where(np.abs(normals[:, :1]) > 0.9, [[0.0, 1.0, 0.0]], [[1.0, 0.0, 0.0]])
+    tangent = np.cross(helper, normals)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    frame = np.stack([tangent, np.cross(normals, tangent), normals], axis=1)
+    d = np.einsum("rk,pkc->prc", local, frame)
+    o = (points + 1e-4 * normals)[:, None]
+    nearest = np.full(d.shape[:2], np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for low, high in boxes:
+            a, b = (np.array(low) - o) / d, (np.array(high) - o) / d
+            enter, leave = np.minimum(a, b).max(axis=-1), np.maximum(a, b).min(axis=-1)
+            hit = (leave >= enter) & (enter > 0.0)
+            nearest = np.where(hit, np.minimum(nearest, enter), nearest)
+    weight = np.clip((1.0 - nearest / radius) / (1.0 - FULL_RANGE), 0.0, 1.0)
+    return 1.0 - weight.mean(axis=1)
+
+
+def world_points(camera, depth, camera_rays):
+    """(H, W, 3) m, from depth along the view axis."""
+    height, width = depth.shape
+    rays = camera_rays(camera, (width, height))
+    forward = np.subtract(camera.target, camera.position)
+    forward = forward / np.linalg.norm(forward)
+    return np.array(camera.position) + rays * (depth / (rays @ forward))[..., None]
+
+
+def sides(square, low, high):
+    """The visible sides of a box as squares, facing out."""
+    low, high = np.array(low, float), np.array(high, float)
+    middle, half = (low + high) / 2, (high - low) / 2
+    made = []
+    for axis in range(3):
+        u, v = np.zeros(3), np.zeros(3)
+        u[(axis + 1) % 3], v[(axis + 2) % 3] = half[(axis + 1) % 3], half[(axis + 2) % 3]
+        out = np.zeros(3)
+        out[axis] = half[axis]
+        made += [square(middle + out, u, v), square(middle - out, v, u)]
+    return made
+
+
+@pytest.mark.parametrize("scale", [1, 2])
+def test_a_tilted_plane_does_not_shade_itself(looked_at, square, scale):
+    floor = square((0, 0, 0), (0, 0, 8), (8, 0, 0))
+    camera = Camera((0.3, 0.7, 3.0), (0.0, 0.0, 0.0))
+    visibility, depth = looked_at([floor], camera, (96, 64), 0.5, scale=scale)
+    assert (depth > 0.0).any()
+    assert visibility.min() > 0.998
+
+
+def test_where_nothing_is_all_is_open(looked_at, square):
+    floor = square((0, 0, 0), (0, 0, 1), (1, 0, 0))
+    visibility, depth = looked_at([floor], Camera((0, 3, 0.1), (0, 3, -5)), (32, 24), 1.0)
+    assert (depth == 0.0).all()
+    assert (visibility == 1.0).all()
+
+
+@pytest.mark.parametrize(("slices", "steps", "within"), [(2, 4, 0.06), (8, 16, 0.035)])
+def test_a_corner_of_two_planes(looked_at, square, camera_rays, slices, steps, within):
+    """Half the sky is gone in the corner, and it comes back as rays say it does."""
+    floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
+    wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
+    camera, radius = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50), 0.5
+    visibility, depth = looked_at([floor, wall], camera, (96, 72), radius, slices=slices,
+                                  steps=steps)  # fmt: skip
+    points = world_points(camera, depth, camera_rays)[:, 40:56].reshape(-1, 3)
+    found = visibility[:, 40:56].ravel()
+    on_floor = points[:, 1] < points[:, 2]
+    normals = np.where(on_floor[:, None], [[0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]])
+    boxes = [((-6, -1, 0), (6, 0, 6)), ((-6, 0, -1), (6, 6, 0))]
+    expected = cast(points, normals, boxes, radius, rays=128)
+    assert expected.min() < 0.56
+    assert np.abs(found - expected).mean() < within / 2
+    # the blur reaches over four texels, about 0.06 m here
+    off_crease = np.maximum(points[:, 1], points[:, 2])
+    assert np.abs(found - expected)[off_crease > 0.06].max() < 2.5 * within
+
+
+def test_a_square_pit_seen_from_above(looked_at, square):
+    """The middle of its floor sees the opening by the view factor of a square."""
+    half, deep = 0.5, 0.8
+    floor = square((0, -deep, 0), (0, 0, half), (half, 0, 0))
+    walls = [
+        square((-half, -deep / 2, 0), (0, deep / 2, 0), (0, 0, half)),
+        square((half, -deep / 2, 0), (0, 0, half), (0, deep / 2, 0)),
+        square((0, -deep / 2, -half), (half, 0, 0), (0, deep / 2, 0)),
+        square((0, -deep / 2, half), (0, deep / 2, 0), (half, 0, 0)),
+    ]
+    lids = [
+        square((0, 0, 2.5), (0, 0, 2), (4, 0, 0)), square((0, 0, -2.5), (0, 0, 2), (4, 0, 0)),
+        square((2.5, 0, 0), (0, 0, half), (2, 0, 0)), square((-2.5, 0, 0), (0, 0, half), (2, 0, 0)),
+    ]  # fmt: skip
+    camera = Camera((0, 30, 0), (0, 0, 0), up=(0, 0, -1), fov_y_deg=11)
+    visibility, _ = looked_at([floor, *walls, *lids], camera, (257, 193), 20.0, slices=8,
+                              steps=48)  # fmt: skip
+    a = half / deep
+    factor = 4 / (2 * np.pi) * 2 * a / np.hypot(1, a) * np.arctan(a / np.hypot(1, a))
+    assert visibility[93:101, 125:133].mean() == pytest.approx(factor, abs=0.03)
+
+
+def test_blocks_on_a_floor_against_rays(looked_at, square, camera_rays):
+    boxes = [((-0.5, 0, -0.4), (0.0, 0.5, 0.1)), ((0.15, 0, -0.1), (0.6, 0.25, 0.3))]
+    floor = square((0, 0, 0), (0, 0, 3), (3, 0, 0))
+    meshes = [floor, *(mesh for box in boxes for mesh in sides(square, *box))]
+    camera, radius = Camera((0.9, 1.1, 1.3), (0.0, 0.1, 0.0), fov_y_deg=45), 0.4
+    visibility, depth = looked_at(meshes, camera, (120, 90), radius)
+    points = world_points(camera, depth, camera_rays).reshape(-1, 3)
+    on_floor = np.abs(points[:, 1]) < 2e-3
+    pick = np.flatnonzero(on_floor)[::7]
+    normals = np.tile([0.0, 1.0, 0.0], (len(pick), 1))
+    expected = cast(points[pick], normals, boxes, radius, rays=128)
+    found = visibility.ravel()[pick]
+    assert expected.min() < 0.6
+    assert np.corrcoef(found, expected)[0, 1] > 0.9
+    assert np.abs(found - expected).mean() < 0.02
+    assert found.mean() == pytest.approx(expected.mean(), abs=0.015)
+
+
+def test_half_resolution_agrees_with_full(looked_at, square):
+    floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
+    wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
+    camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50)
+    full, _ = looked_at([floor, wall], camera, (192, 144), 0.6)
+    half, _ = looked_at([floor, wall], camera, (192, 144), 0.6, scale=2)
+    pooled = full.reshape(72, 2, 96, 2).mean(axis=(1, 3))
+    assert np.abs(half - pooled).mean() < 0.015
+
+
+def test_the_blur_takes_the_sampling_pattern_out(looked_at, square):
+    floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
+    wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
+    camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50)
+    along = {}
+    for blurred in (False, True):
+        visibility, _ = looked_at([floor, wall], camera, (96, 72), 0.5, slices=2, steps=4,
+                                  blurred=blurred)  # fmt: skip
+        along[blurred] = visibility[:, 32:64].std(axis=1).max()
+    assert along[False] > 0.03
+    assert along[True] < 0.25 * along[False]
+
+
+def test_pictures_repeat_exactly(looked_at, square):
+    floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
+    wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
+    camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0))
+    first, _ = looked_at([floor, wall], camera, (64, 48), 0.5)
+    again, _ = looked_at([floor, wall], camera, (64, 48), 0.5)
+    np.testing.assert_array_equal(first, again)
+
+
+def _layer(scene, name, **settings):
+    given = {"resolution": 8, "sky_lights": 32, "surfels": 2000, "shadow_resolution": 256}
+    with Renderer(scene, "direct", (64, 48), settings=given | settings) as renderer:
+        return renderer.frame().layers[name]
+
+
+def test_lamps_are_left_to_their_shadow_maps_and_the_sky_is_shaded(gpu, square):
+    meshes = (square((0, 0, 3), (0, 0, 3), (6, 0, 0)), square((0, 3, 0), (6, 0, 0), (0, 3, 0)))
+    camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50)
+    lamp = Scene(meshes=meshes, camera=camera, lights=(PointLight((0, 2, 2), (5, 5, 5)),))
+    with_it, without = (_layer(lamp, "direct", ambient_occlusion=x) for x in (True, False))
+    assert with_it.max() > 0.1
+    np.testing.assert_array_equal(with_it, without)
+    sky = Scene(meshes=meshes, camera=camera, environment=Environment(radiance=(1, 1, 1)))
+    with_it, without = (_layer(sky, "direct", ambient_occlusion=x) for x in (True, False))
+    assert (with_it <= without * 1.001 + 1e-6).all()
+    assert with_it.min() < 0.9 * without[np.unravel_index(with_it.argmin(), with_it.shape)]

@@ -1,0 +1,58 @@
+"""Openness of slices against the hemisphere's integral; WGSL against NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.maths.occlusion import interreflected, specular_visibility, visible_arc
+
+RNG = np.random.default_rng(4)
+
+
+def test_slices_add_up_to_the_cosine_weighted_hemisphere():
+    """A normal tilted off the view by 0.7 rad; horizons at every slice's own lowest: all open."""
+    tilt = 0.7
+    phi = (np.arange(2000) + 0.5) / 2000 * np.pi
+    along, axis = np.sin(tilt) * np.cos(phi), np.sin(tilt) * np.sin(phi)
+    size = np.sqrt(1.0 - axis**2)
+    gamma = np.sign(along) * np.arccos(np.cos(tilt) / size)
+    openness = visible_arc(gamma + np.pi / 2, gamma) + visible_arc(gamma - np.pi / 2, gamma)
+    np.testing.assert_allclose(openness, np.cos(gamma) + gamma * np.sin(gamma), atol=1e-12)
+    assert (size * openness).mean() == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("half_angle", [0.2, 0.8, 1.3])
+def test_a_cone_of_sky_overhead_counts_its_sine_squared(half_angle):
+    openness = visible_arc(half_angle, 0.0) + visible_arc(-half_angle, 0.0)
+    assert openness == pytest.approx(np.sin(half_angle) ** 2, rel=1e-12)
+
+
+def test_white_occluders_hide_little_and_black_ones_all():
+    v = np.linspace(0.0, 1.0, 11)
+    np.testing.assert_allclose(interreflected(v, 0.0), v, atol=0.05)
+    assert (interreflected(v, 0.9)[1:-1] > v[1:-1] + 0.03).all()
+    assert (np.diff(interreflected(v, 0.5)) > 0.0).all()
+    np.testing.assert_allclose(interreflected(1.0, v), 1.0, atol=0.02)
+
+
+def test_specular_visibility_ends_at_nothing_and_all():
+    n_v, roughness = RNG.random(100), RNG.random(100)
+    np.testing.assert_allclose(specular_visibility(1.0, n_v, roughness), 1.0)
+    np.testing.assert_allclose(specular_visibility(0.0, n_v * 0.99, 0.0), 0.0, atol=0.3)
+    np.testing.assert_allclose(specular_visibility(0.4, 1.0, 1.0), 0.4, atol=0.01)
+
+
+def test_twins(wgsl):
+    h, n = RNG.uniform(-np.pi, np.pi, 500), RNG.uniform(-1.5, 1.5, 500)
+    np.testing.assert_allclose(wgsl("occlusion", "visible_arc", h, n), visible_arc(h, n), atol=1e-5)
+    v, albedo = RNG.random(500), RNG.random((500, 3))
+    np.testing.assert_allclose(
+        wgsl("occlusion", "interreflected", v, albedo, returns="vec3f"),
+        interreflected(v[:, None], albedo), atol=1e-5,
+    )  # fmt: skip
+    n_v, r = RNG.uniform(0.01, 1.0, 500), RNG.random(500)
+    np.testing.assert_allclose(
+        wgsl("occlusion", "specular_visibility", v, n_v, r),
+        specular_visibility(v, n_v, r), atol=1e-5,
+    )  # fmt: skip
