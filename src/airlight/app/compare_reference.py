@@ -127,7 +127,8 @@ def _has_media(scene: Scene) -> bool:
 
 
 def _compiled() -> bool:
-    from ..reference.mitsuba_child import SCALAR_VARIANT, choose_variant
+    from ..reference.mitsuba_child import choose_variant
+    from ..reference.mitsuba_process import SCALAR_VARIANT
 
     return choose_variant() != SCALAR_VARIANT
 

@@ -24,7 +24,7 @@ from ..surface.geometry import GpuScene, InstanceData
 from .placement import Placement
 from .surfels import SurfelData, surfels
 
-_CORNER_VALUES = 33  # as in wgsl/blocker_sums.wgsl
+_CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 _UNITS = 2.0**16  # fixed-point units per fully covered cell face
 
 

@@ -40,5 +40,6 @@ fn add_side(first: u32, side: u32, units: i32, offset: f32, reflectance: vec3f) 
             add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
         }
         atomicAdd(&sums[first + AXIS_COVER + axis], units);
+        atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset[axis])));
     }
 }

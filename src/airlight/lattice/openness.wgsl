@@ -68,12 +68,19 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     let cover = on_face(f, AXIS_COVER + axis);
     let plus = backmost(f, 2u * axis);
     let minus = backmost(f, 2u * axis + 1u);
-    // Two sides of one wall: between them. Air between them (a moulding over a floor): the side
-    // that covers more.
+    // Two sides of one wall: between them.
     var shift = 0.5 * (plus - minus);
-    let plus_wins = on_face(f, 2u * axis) >= on_face(f, 2u * axis + 1u);
-    if (minus >= 1.0 || (plus < -minus && plus_wins)) { shift = plus; }
-    if (plus >= 1.0 || (plus < -minus && !plus_wins)) { shift = -minus; }
+    if (plus < -minus) {
+        // Air between them: the backmost surface of the side that covers more (a floor under a
+        // moulding), or, of sheets that block both ways, where most of their area is.
+        let plus_cover = on_face(f, 2u * axis);
+        let minus_cover = on_face(f, 2u * axis + 1u);
+        shift = on_face(f, AXIS_MOMENT + axis) / max(cover, 1e-6);
+        if (plus_cover > 1.3 * minus_cover) { shift = plus; }
+        if (minus_cover > 1.3 * plus_cover) { shift = -minus; }
+    }
+    if (minus >= 1.0) { shift = plus; }
+    if (plus >= 1.0) { shift = -minus; }
     if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
     return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }

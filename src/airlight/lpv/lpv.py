@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -40,7 +40,7 @@ class LpvSettings(SurfaceSettings):
 class Lpv(Direct):
     """Reflective shadow maps -> virtual point lights -> cells -> propagation -> surfaces."""
 
-    Settings = LpvSettings
+    Settings: ClassVar[type[SurfaceSettings]] = LpvSettings
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings,

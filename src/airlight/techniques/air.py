@@ -166,9 +166,9 @@ class LpvScatter(InAir, Direct):
 
     @property
     def lattice_bound(self) -> dict[str, Any]:
-        """The accumulated track of light, for surfaces."""
-        emission = self.solver.emission
-        return {"lattice": emission.surface_params(), **emission.bound}
+        """The accumulated states, for surfaces."""
+        surfaces = self.solver.surfaces
+        return {"lattice": surfaces.params(), **surfaces.bound}
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -1,10 +1,11 @@
 // What is gathered around each corner of a lattice, in fixed point: the covered share of each side
-// (+x -x +y -y +z -z), each axis' covered share, how far behind the face plane each side's
+// (+x -x +y -y +z -z), each axis' covered share and its first moment, how far behind the face plane each side's
 // backmost surface lies (0: none seen), and each side's covered share times reflectance (rgb).
 const AXIS_COVER = 6u;
-const SIDE_BEHIND = 9u;
-const SIDE_REFLECTED = 15u;
-const CORNER_VALUES = 33u;
+const AXIS_MOMENT = 9u;
+const SIDE_BEHIND = 12u;
+const SIDE_REFLECTED = 18u;
+const CORNER_VALUES = 36u;
 
 const BEHIND_UNITS = 4096.0;    // per cell
 
