@@ -123,7 +123,7 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         direct += weight
             * reflected(r, n_v, open, sky_irradiance(uvw, n), sky_irradiance(uvw, mirrored));
-        let e = lattice_irradiance_at(lattice, uvw, n) * weight;
+        let e = lattice_irradiance(lattice, uvw, n) * weight;
         let e_mirror = lattice_irradiance_at(lattice, uvw, mirrored) * weight;
         out.indirect = vec4f(reflected(r, n_v, open, e, e_mirror), 1.0);
     }
