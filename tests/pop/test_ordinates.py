@@ -40,11 +40,13 @@ def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
     box = Volume((1.0,) * 3, shape="box", g=(0.0, 0.5, 0.9))
     at = placed(box, 4)
     table = OrdinateTable(gpu, 3)
-    table.write(parallel([(0, 0, 1), (0, 1, 0)], [(2, 4, 8), (1, 1, 1)]), at, box.g, prefilter=True)
-    assert (table.scale, table.count) == (8.0, 2)
-    rows = table.rows.read().reshape(-1, 8)
-    np.testing.assert_allclose(rows[0], (0, 0, 1, 1, 0.25, 0.5, 1.0, 0.0))
+    sky = parallel([(0, 0, 1), (0, 1, 0)], [(2, 4, 8), (1, 1, 1)])
+    table.write(sky, [PointLight((0.1, 0.2, 0.3), (1, 1, 1))], at, box.g, prefilter=True)
+    assert (table.scale, table.count) == (8.0, 3)
+    rows = table.rows.read().reshape(-1, 16)
+    np.testing.assert_allclose(rows[0, :8], (0, 0, 1, 1, 0.25, 0.5, 1.0, 0.0))
+    np.testing.assert_allclose(rows[2, 8:12], (1.1, 1.2, 1.3, 1.0), rtol=1e-6)
     phase = table.phase.read().reshape(-1, PHASE_TABLE, 4)[0, :, :3]
     assert phase[0, 2] > phase[-1, 2]
     with pytest.raises(ValueError, match="4 ordinates in a table of 3"):
-        table.write(even_sky(4), at, box.g, prefilter=True)
+        table.write(even_sky(4), (), at, box.g, prefilter=True)

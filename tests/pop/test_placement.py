@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.maths.transforms import F64
-from airlight.pop.placement import diffusivity_limit, placed, shape_density
+from airlight.pop.placement import medium_width, placed, shape_density
 from airlight.scene.volume import Volume
 
 BOUNDS = ((-1.0, 0.0, 2.0), (1.0, 3.0, 2.5))
@@ -51,5 +51,7 @@ def test_flat_volumes_stay_within_bounds():
 
 def test_a_sphere_limits_diffusion_to_a_third_of_its_radius():
     ball = Volume((1.0,) * 3, shape="sphere", bounds=((-2.0,) * 3, (2.0,) * 3))
-    assert diffusivity_limit(ball, placed(ball, 10)) == pytest.approx(2.0 / 3.0, rel=0.02)
+    width = medium_width(ball, placed(ball, 10))
+    assert width.diffusivity == pytest.approx(2.0 / 3.0, rel=0.02)
+    assert width.density == pytest.approx(1.0, abs=0.03)
     assert shape_density(ball, 32).mean() == pytest.approx(np.pi / 6.0, rel=0.01)

@@ -12,13 +12,14 @@ from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths import delta_beam as db
+from airlight.maths.lamp_beam import lamp, near_fluence
 from airlight.maths.ordinates import Ordinates, even_sky
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.ordinates import SceneOrdinates
-from airlight.pop.solver import PopSettings, PopSolver, sun_count
+from airlight.pop.solver import PopSettings, PopSolver
 from airlight.scene.environment import Environment
-from airlight.scene.lights import DirectionalLight, PointLight
+from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
 from airlight.scene.volume import Volume
 
 SKY, SUN = Environment((0.2, 0.3, 0.4)), DirectionalLight((0.3, -0.8, 0.2), (3.0, 2.0, 1.0))
@@ -56,14 +57,14 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
     air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
     rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
     beams = [db.beam(air, *row) for row in rows]
-    solution = db.light(air, beams, SETTINGS.solver_steps, solver._limit)
+    solution = db.light(air, beams, SETTINGS.solver_steps, solver._width.diffusivity)
     away = at.point(EYE) - air.centres
     return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
 
 
 @pytest.fixture(scope="module")
 def solved(gpu: Gpu) -> PopSolver:
-    solver = PopSolver(gpu, blob(), SETTINGS, suns=1)
+    solver = PopSolver(gpu, blob(), SETTINGS, lights=1)
     commands = Commands(gpu)
     solver.encode(commands, (SUN,), SKY, EYE)
     commands.submit()
@@ -148,7 +149,7 @@ def frame(solver: PopSolver, gpu: Gpu, *args: object) -> F64:
 
 
 def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
-    one, two = (PopSolver(gpu, blob(8), SETTINGS, suns=1) for _ in range(2))
+    one, two = (PopSolver(gpu, blob(8), SETTINGS, lights=1) for _ in range(2))
     first = frame(one, gpu, (SUN,), SKY, EYE)
     assert np.array_equal(first, frame(two, gpu, (SUN,), SKY, EYE))
     assert np.array_equal(first, frame(one, gpu, (SUN,), SKY, EYE))
@@ -159,7 +160,7 @@ def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
     assert not np.array_equal(frame(one, gpu, (dimmed,), SKY, -EYE), moved)
     thinner = dataclasses.replace(one.volume, density=0.5 * one.volume.density)
     changed = frame(one, gpu, (SUN,), SKY, EYE, thinner)
-    fresh = PopSolver(gpu, thinner, SETTINGS, suns=1)
+    fresh = PopSolver(gpu, thinner, SETTINGS, lights=1)
     assert np.array_equal(changed, frame(fresh, gpu, (SUN,), SKY, EYE))
     with pytest.raises(SceneError, match=r"the volume changed in size\. Make a new Renderer"):
         one.encode(Commands(gpu), (SUN,), SKY, EYE, blob(9))
@@ -168,11 +169,44 @@ def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
 @pytest.mark.parametrize("density", [np.zeros((4, 4, 4)), np.ones((1, 1, 1)), np.ones((1, 30, 2))])
 def test_empty_and_tiny_volumes_stay_finite(gpu, density):
     volume = Volume((5.0,) * 3, density.astype(np.float32), g=(0.99, -0.9, 0.0))
-    got = frame(PopSolver(gpu, volume, SETTINGS, suns=1), gpu, (SUN,), SKY, EYE)
+    got = frame(PopSolver(gpu, volume, SETTINGS, lights=1), gpu, (SUN,), SKY, EYE)
     assert np.isfinite(got).all()
     dark = PopSolver(gpu, volume, SETTINGS)
     assert frame(dark, gpu, (), None, EYE)[..., :3].max() == 0.0
 
 
-def test_suns_are_counted():
-    assert sun_count((SUN, PointLight((0, 0, 0), (1, 1, 1)), SUN)) == 2
+LAMPS = (
+    PointLight((0.3, 0.4, 0.5), (2.0, 1.0, 0.5)),
+    SpotLight((2.5, 1.5, 2.0), (-0.6, -0.3, -0.5), (30.0, 20.0, 10.0), 15.0, 30.0),
+)
+
+
+def test_lamps_light_the_medium_like_their_twins(gpu):
+    solver = PopSolver(gpu, blob(), SETTINGS, lights=2)
+    commands = Commands(gpu)
+    solver.encode(commands, LAMPS, None, EYE)
+    commands.submit()
+    at, scale, width = solver.placement, solver.beams.table.scale, solver._width
+    air = twin(solver, even_sky(1), scale).medium
+    beams, near = [], 0.0
+    for light in LAMPS:
+        position = at.point(np.array(light.position))
+        away = air.centres - position
+        distance = np.linalg.norm(away, axis=-1)
+        intensity = np.array(light.intensity) / scale
+        mean = intensity
+        by_cell = np.broadcast_to(intensity, (*air.density.shape, 3))
+        if isinstance(light, SpotLight):
+            inner, outer = np.cos(np.radians([light.inner_deg, light.outer_deg]))
+            axis = at.direction(np.array(light.direction))
+            t = np.clip(((away / distance[..., None]) @ axis - outer) / (inner - outer), 0, 1)
+            by_cell = intensity * (t * t * (3 - 2 * t))[..., None]
+            mean = intensity * (0.5 - 0.25 * (inner + outer))
+        one = lamp(air, position, by_cell)
+        beams.append(one)
+        near = near + near_fluence(air, one, distance, mean, 3.0 * width.diffusivity, width.density)
+    solution = db.light(air, beams, SETTINGS.solver_steps, width.diffusivity)
+    got = of_cells(solver, solver.beams.diffuse.diffuse.read(), 4)
+    assert_close(got[0], np.maximum(solution.fluence + near, 0.0), 5e-3)
+    assert_close(got[1:], solution.flux, 5e-3)
+    assert np.isfinite(solver.emission.texture.read()).all()

@@ -95,6 +95,7 @@ def quasi_forward_anisotropy(g: ArrayLike, albedo: ArrayLike, tau: ArrayLike) ->
 class Beam:
     """One ordinate: unit `direction` of travel (3,), `irradiance` (channel,) W m^-2.
 
+    Around a lamp both differ by cell: (z, y, x, 3), (z, y, x, channel); see `lamp_beam`.
     `mean_cosine` is that of its part of the sky; `passed` (z, y, x), m, the density that its light
     has passed on reaching each cell's centre.
     """
@@ -154,7 +155,8 @@ def deposit(medium: MediumGrid, beams: list[Beam]) -> tuple[F64, F64]:
         through = mean_transmission(loss * one.optical_depth(medium))
         s = one.irradiance * scale * through
         power += s
-        forward += s * g1 * one.mean_cosine * one.direction[:, None, None, None, None]
+        along = np.broadcast_to(one.direction, (*shape[:3], 3))
+        forward += s * g1 * one.mean_cosine * np.moveaxis(along, -1, 0)[..., None]
     return power, forward
 
 
@@ -196,7 +198,7 @@ class Solution:
         beams, quasi_forward = np.zeros_like(self.fluence), np.zeros_like(self.fluence)
         table = beam_phase_table(g, [one.mean_cosine for one in self.beams])
         for one, phase in zip(self.beams, table, strict=True):
-            mu = np.clip(towards_eye @ one.direction, -1.0, 1.0)
+            mu = np.clip((towards_eye * one.direction).sum(axis=-1), -1.0, 1.0)
             direct, quasi, a = self.quasi_forward(one)
             beams += direct * beam_phase(phase, mu)
             quasi_forward += quasi * henyey_greenstein(mu[..., None], g * a * one.mean_cosine)

@@ -63,16 +63,18 @@ def samples_per_cell(voxels: int, cells: int) -> int:
 
 
 def density_behind(
-    density: F64, extent: F64, points: F64, direction: ArrayLike, step_m: float
-) -> F64:
-    """Density passed (...), m, by light of travel `direction` (3,) when it reaches `points`.
+    density: F64, extent: F64, points: F64, direction: ArrayLike, step_m: float,
+    distance_m: ArrayLike = np.inf,
+) -> F64:  # fmt: skip
+    """Density passed (...), m, by light of travel `direction` when it reaches `points` (..., 3).
 
-    From where the light enters the box (extent (3,), m) to each point (..., 3), in equal steps of
-    at most `step_m`, each sampled in its middle.
+    Directions (3,) or (..., 3), unit. From where the light enters the box (extent (3,), m), or
+    from its lamp `distance_m` before the point, in equal steps of at most `step_m`, each sampled
+    in its middle.
     """
     back = -np.asarray(direction, dtype=np.float64)
     _, length = ray_box_interval(points, back, np.zeros(3), extent)
-    length = np.maximum(length, 0.0)
+    length = np.minimum(np.maximum(length, 0.0), distance_m)
     steps = np.maximum(np.ceil(length / step_m), 1.0)
     dt = length / steps
     total: F64 = np.zeros(length.shape)

@@ -1,4 +1,4 @@
-//! use medium_grid
+//! use ordinate_light
 //! use delta_beam
 
 fn passed_here(n: u32, cell: u32) -> vec3f {
@@ -36,6 +36,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
         return;
     }
     let cell = cell_of(id.x);
+    let point = cell_centre(cell);
     let count = params.count;
     var power = vec3f(0.0);
     var x = vec3f(0.0);
@@ -43,21 +44,20 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     var z = vec3f(0.0);
     let rho = density[id.x];
     for (var n = 0u; n < params.ordinate_count && rho > 0.0; n++) {
-        let light = ordinates[n].irradiance.rgb;
-        if (all(light <= vec3f(0.0))) {
+        let light = ordinate_light(n, point);
+        if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
         let here = passed_here(n, id.x);
         let gain = axis_gain(n, id.x, here, 0u, cell.x, count.x)
             * axis_gain(n, id.x, here, 1u, cell.y, count.y)
             * axis_gain(n, id.x, here, 2u, cell.z, count.z);
-        let s = light * min(exp(-here) * gain, vec3f(1.0));
-        let d = ordinates[n].direction;
-        let carried = s * d.w;
+        let s = light.irradiance * min(exp(-here) * gain, vec3f(1.0));
+        let carried = s * ordinates[n].direction.w;
         power += s;
-        x += carried * d.x;
-        y += carried * d.y;
-        z += carried * d.z;
+        x += carried * light.travel.x;
+        y += carried * light.travel.y;
+        z += carried * light.travel.z;
     }
     let volume = params.cell.x * params.cell.y * params.cell.z;
     let leaving = params.sigma_t * params.albedo * (1.0 - forward_share(params.g)) * rho * volume;

@@ -23,7 +23,7 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
-from .solver import PopSettings, PopSolver, sun_count
+from .solver import PopSettings, PopSolver
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,8 @@ class PopMedia:
             raise SceneError(f"the scene has {len(media)} media", remedy=f"Use {MAX_SOURCES}")
         self.air = Air(gpu, scene, light_count=0, solved=scene.volumes)
         grids = iter(self.air.grids)
-        suns = sun_count(scene.lights)
         self.solvers = [
-            PopSolver(gpu, volume, settings, suns=suns,
+            PopSolver(gpu, volume, settings, lights=len(scene.lights),
                       voxels=next(grids) if volume.density is not None else None)
             for volume in media
         ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,16 +14,20 @@ from ..gpu.memory import Buffer
 from ..maths.beam_phase import PHASE_TABLE, beam_phase_table
 from ..maths.ordinates import Ordinates, even_sky, joined, parallel, partition
 from ..scene.environment import Environment
-from ..scene.lights import DirectionalLight, Light
+from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from ..surface.sky import environment_map
 from .placement import MediumPlacement
+
+Lamp = PointLight | SpotLight
 
 
 class OrdinateData(Struct):
     """One ordinate in the medium's frame."""
 
-    direction = vec4f("of travel; w: mean cosine of the ordinate's part of the sky")
-    irradiance = vec4f("rgb, in units of the table's scale")
+    direction = vec4f("of travel, a lamp's axis; w: mean cosine of the ordinate's part of the sky")
+    irradiance = vec4f("rgb, in units of the table's scale; a lamp's intensity, times m^-2")
+    position = vec4f("m; w: 1 for a lamp, 0 for distant light")
+    spot = vec4f("cosines of the inner and outer half angle, share of 4 pi that is lit; w unused")
 
 
 class SceneOrdinates:
@@ -47,6 +52,11 @@ class SceneOrdinates:
         return joined(parts) if parts else parallel(np.zeros((0, 3)), np.zeros((0, 3)))
 
 
+def lamps_of(lights: tuple[Light, ...]) -> list[Lamp]:
+    """Those of a scene's lights that are in it."""
+    return [light for light in lights if isinstance(light, PointLight | SpotLight)]
+
+
 def _sky(environment: Environment | None, count: int) -> Ordinates | None:
     if environment is None or count < 1:
         return None
@@ -64,7 +74,7 @@ def _sky(environment: Environment | None, count: int) -> Ordinates | None:
 
 
 class OrdinateTable:
-    """The ordinates of one medium on the device.
+    """The ordinates of one medium on the device: distant light, then lamps.
 
     `scale` (W m^-2): irradiances are stored relative to the brightest, so that the range of half
     floats does not depend on the light's.
@@ -78,22 +88,25 @@ class OrdinateTable:
         self._phase_of: tuple[Any, ...] = ()
 
     def write(
-        self, ordinates: Ordinates, placement: MediumPlacement, g: tuple[float, ...], *,
-        prefilter: bool, scale: float = 0.0,
+        self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
+        g: tuple[float, ...], *, prefilter: bool, scale: float = 0.0,
     ) -> None:  # fmt: skip
-        """Upload `ordinates` (of the world) for a medium; more than the capacity are refused.
+        """Upload light (of the world) for a medium; more than the capacity is refused.
 
-        `scale`, W m^-2: else the brightest irradiance.
+        `scale`, W m^-2: else the brightest irradiance, of a lamp that in its own cell.
         """
-        if ordinates.count > self.capacity:
-            raise ValueError(f"{ordinates.count} ordinates in a table of {self.capacity}")
-        self.count = ordinates.count
-        self.scale = scale or max(float(ordinates.irradiance.max(initial=0.0)), 1e-30)
-        self.rows.write(packed_ordinates(ordinates, placement, self.scale))
-        key = (ordinates.mean_cosine.tobytes(), g, prefilter)
+        self.count = ordinates.count + len(lamps)
+        if self.count > self.capacity:
+            raise ValueError(f"{self.count} ordinates in a table of {self.capacity}")
+        near = [max(lamp.intensity) / float(placement.cell.max()) ** 2 for lamp in lamps]
+        self.scale = scale or max(float(ordinates.irradiance.max(initial=0.0)), *near, 1e-30)
+        packed = packed_ordinates(ordinates, lamps, placement, self.scale)
+        self.rows.write(packed)
+        cosines = packed["direction"][: self.count, 3].astype(np.float64)
+        key = (cosines.tobytes(), g, prefilter)
         if key != self._phase_of:
             self._phase_of = key
-            table = beam_phase_table(np.asarray(g), ordinates.mean_cosine, prefilter=prefilter)
+            table = beam_phase_table(np.asarray(g), cosines, prefilter=prefilter)
             rgba = np.zeros((*table.shape[:2], 4), np.float32)
             rgba[..., :3] = np.minimum(table, 1e9)
             self.phase.write(rgba)
@@ -105,12 +118,23 @@ class OrdinateTable:
 
 
 def packed_ordinates(
-    ordinates: Ordinates, placement: MediumPlacement, scale: float
+    ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement, scale: float
 ) -> np.ndarray[Any, np.dtype[Any]]:
-    """`OrdinateData` of every ordinate."""
-    packed = np.zeros(max(1, ordinates.count), OrdinateData.dtype)
-    if ordinates.count:
-        packed["direction"][:, :3] = placement.direction(ordinates.direction)
-        packed["direction"][:, 3] = ordinates.mean_cosine
-        packed["irradiance"][:, :3] = ordinates.irradiance / scale
+    """`OrdinateData` of every ordinate, then of every lamp."""
+    n = ordinates.count
+    packed = np.zeros(max(1, n + len(lamps)), OrdinateData.dtype)
+    if n:
+        packed["direction"][:n, :3] = placement.direction(ordinates.direction)
+        packed["direction"][:n, 3] = ordinates.mean_cosine
+        packed["irradiance"][:n, :3] = ordinates.irradiance / scale
+    for row, lamp in zip(packed[n:], lamps, strict=False):
+        axis, spot = (0.0, 0.0, 0.0), (-2.0, -3.0, 1.0, 0.0)
+        if isinstance(lamp, SpotLight):
+            inner, outer = np.cos(np.radians([lamp.inner_deg, lamp.outer_deg]))
+            axis = lamp.direction
+            spot = (max(inner, outer + 1e-4), outer, 0.5 - 0.25 * (inner + outer), 0.0)
+        row["direction"] = (*placement.direction(np.array(axis)), 1.0)
+        row["irradiance"][:3] = np.array(lamp.intensity) / scale
+        row["position"] = (*placement.point(np.array(lamp.position)), 1.0)
+        row["spot"] = spot
     return packed

@@ -1,4 +1,4 @@
-//! use medium_grid
+//! use ordinate_light
 //! use medium
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -6,8 +6,10 @@
         return;
     }
     let point = cell_centre(cell_of(id.x));
-    let back = -ordinates[id.y].direction.xyz;
-    let length = max(0.0, ray_box_interval(point, back, vec3f(0.0), params.extent).y);
+    let light = ordinate_light(id.y, point);
+    let back = -light.travel;
+    let inside = max(0.0, ray_box_interval(point, back, vec3f(0.0), params.extent).y);
+    let length = min(inside, light.distance);
     let longest = min(params.cell.x, min(params.cell.y, params.cell.z));
     let steps = max(1.0, ceil(length / longest));
     let dt = length / steps;

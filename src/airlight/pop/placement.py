@@ -32,6 +32,7 @@ class MediumParams(Struct):
     largest_diffusivity = f32("m")
     albedo = vec3f()
     g = vec3f("mean cosine")
+    mean_density = f32("over the medium's mass")
     samples = vec3u("density samples per fine cell along each axis")
 
 
@@ -118,12 +119,26 @@ def _scaled(size: F64, low: F64) -> F64:
     return matrix
 
 
-def diffusivity_limit(volume: Volume, placement: MediumPlacement) -> float:
-    """The largest diffusivity, m, of a volume's density; see `maths.diffusion`."""
+@dataclass(frozen=True)
+class Width:
+    """How wide a volume's medium is, which a few samples of its density tell.
+
+    `diffusivity`, m: the largest there can be, a third of its radius; see `maths.diffusion`.
+    `density`: the mean over its mass.
+    """
+
+    diffusivity: float
+    density: float
+
+
+def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
+    """Of the medium in a volume's box."""
     density = shape_density(volume, _PROBED)
     steps = tuple(slice(None, None, -(-n // _PROBED)) for n in density.shape)
     probed = density[steps].astype(np.float64)
-    return largest_diffusivity(probed, placement.extent / np.array(probed.shape[::-1]))
+    cell = placement.extent / np.array(probed.shape[::-1])
+    mean = float((probed**2).sum() / max(float(probed.sum()), 1e-30))
+    return Width(largest_diffusivity(probed, cell), mean)
 
 
 def shape_density(volume: Volume, side: int) -> Any:
@@ -139,7 +154,7 @@ def shape_density(volume: Volume, side: int) -> Any:
 
 
 def medium_fields(
-    volume: Volume, placement: MediumPlacement, ordinates: int, limit: float, group: int
+    volume: Volume, placement: MediumPlacement, ordinates: int, width: Width, group: int
 ) -> dict[str, Any]:
     """The values of `MediumParams` by name; `group` is the size of a workgroup."""
     voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
@@ -148,7 +163,7 @@ def medium_fields(
         "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
         "ordinate_count": ordinates, "cell": placement.cell,
         "count": placement.count, "cells": placement.cells, "sigma_t": volume.sigma_t,
-        "largest_diffusivity": limit, "albedo": volume.albedo,
-        "samples": np.clip(per_cell, 1, 16), "g": volume.g,
+        "largest_diffusivity": width.diffusivity, "albedo": volume.albedo,
+        "mean_density": width.density, "samples": np.clip(per_cell, 1, 16), "g": volume.g,
         "groups": -(-placement.cells // group),
     }  # fmt: skip

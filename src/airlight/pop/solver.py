@@ -1,4 +1,4 @@
-"""One scattering medium under the sun and the sky: the technique, top to bottom (Elek2014).
+"""One scattering medium under sun, sky and lamps: the technique, top to bottom (Elek2014).
 
 Light is cut into ordinates, a beam each; every cell marches towards all of them, what leaves the
 beams spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing
@@ -10,6 +10,7 @@ marching knows.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,20 +24,21 @@ from ..march.march import Source
 from ..maths.ordinates import Ordinates, even_sky
 from ..maths.transforms import F64
 from ..scene.environment import Environment
-from ..scene.lights import DirectionalLight, Light
+from ..scene.lights import Light
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .density import Density
 from .deposit import Deposit
 from .diffuse import GROUP, Diffuse
 from .emission import Emission
-from .ordinates import OrdinateTable, SceneOrdinates
+from .near_light import NearLight
+from .ordinates import Lamp, OrdinateTable, SceneOrdinates, lamps_of
 from .paths import Paths
 from .placement import (
     SPHERE_SIDE,
     MediumParams,
-    diffusivity_limit,
     medium_fields,
+    medium_width,
     placed,
     shape_density,
 )
@@ -68,13 +70,19 @@ class _Beams:
         self.table = OrdinateTable(gpu, capacity)
         self.paths = Paths(gpu, solver.placement, self.table.capacity)
         self.diffuse = Diffuse(gpu, solver.placement)
-        self._deposit = Deposit(gpu)
+        self._deposit, self._near = Deposit(gpu), NearLight(gpu)
+        self._has_lamps = False
         self._solver = solver
 
-    def write(self, ordinates: Ordinates, volume: Volume, scale: float = 0.0) -> None:
-        """Upload the ordinates; `scale` as in `OrdinateTable.write`."""
+    def write(
+        self, ordinates: Ordinates, lamps: Sequence[Lamp], volume: Volume, scale: float = 0.0
+    ) -> None:
+        """Upload the light; `scale` as in `OrdinateTable.write`."""
         s = self._solver
-        self.table.write(ordinates, s.placement, volume.g,
+        self._has_lamps = bool(lamps)
+        if lamps:
+            self._near.write(volume.g, volume.albedo)
+        self.table.write(ordinates, lamps, s.placement, volume.g,
                          prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
@@ -93,29 +101,35 @@ class _Beams:
         with commands.stage("pop diffuse"):
             self.diffuse.encode(commands, params, density.cells,
                                 self._solver.settings.solver_steps)  # fmt: skip
+            if self._has_lamps:
+                self._near.encode(
+                    commands, params, self._solver.placement.cells, ordinates=self.table.rows,
+                    passed=self.paths.passed, diffuse=self.diffuse.diffuse,
+                )  # fmt: skip
 
     def release(self) -> None:
-        for part in (self.table, self.paths, self.diffuse):
+        for part in (self.table, self.paths, self.diffuse, self._near):
             part.release()
 
 
 class PopSolver:
-    """The light that one volume scatters. The number of sun lights and the grid's size are fixed.
+    """The light that one volume scatters. The grid's size and the most lights are fixed.
 
-    `voxels`: the volume's density as a filterable 3D texture, where there is one already.
+    `lights`: how many there can be beside the environment. `voxels`: the volume's density as a
+    filterable 3D texture, where there is one already.
     """
 
     Settings = PopSettings
 
     def __init__(
-        self, gpu: Gpu, volume: Volume, settings: PopSettings, *, suns: int = 0,
+        self, gpu: Gpu, volume: Volume, settings: PopSettings, *, lights: int = 0,
         voxels: Texture | None = None,
     ) -> None:  # fmt: skip
         self.gpu, self.settings, self.volume = gpu, settings, volume
         self.placement = placed(volume, settings.grid)
         self.density = Density(gpu, self.placement)
         self.emission = Emission(gpu, self.placement)
-        self.beams = _Beams(gpu, self, settings.ordinates + suns)
+        self.beams = _Beams(gpu, self, settings.ordinates + lights)
         self.furnace = (
             _Beams(gpu, self, settings.ordinates) if settings.furnace_correction else None
         )
@@ -126,7 +140,7 @@ class PopSolver:
         self._medium_key: tuple[Any, ...] = ()
         self._light_key: tuple[Any, ...] = ()
         self._view_key: tuple[Any, ...] = ()
-        self._limit = diffusivity_limit(volume, self.placement)
+        self._width = medium_width(volume, self.placement)
         self._density_key: Any = None
 
     def encode(
@@ -140,13 +154,14 @@ class PopSolver:
         if volume is not None and volume is not self.volume:
             self._take(volume)
         ordinates = self._scene_ordinates.of(lights, environment)
-        params = self._params(ordinates.count, self.volume.albedo)
+        lamps = lamps_of(lights)
+        params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params)
-        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes())
+        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes(), *lamps)
         new_light = new_medium or light_key != self._light_key
         if new_light:
             self._light_key = light_key
-            self.beams.write(ordinates, self.volume)
+            self.beams.write(ordinates, lamps, self.volume)
             self.beams.encode(commands, params, self.density)
         self._encode_view(commands, params, np.asarray(eye, np.float64), new_medium, new_light)
         return self.emission.texture
@@ -182,7 +197,7 @@ class PopSolver:
             self.beams.encode_medium(commands, params, self.density)
         if self.furnace is not None and self._even is not None:
             white = self._params(self._even.count, (1.0, 1.0, 1.0))
-            self.furnace.write(self._even, v, 1.0)
+            self.furnace.write(self._even, (), v, 1.0)
             self.furnace.encode_medium(commands, white, self.density)
             self.furnace.encode(commands, white, self.density)
         return True
@@ -209,7 +224,7 @@ class PopSolver:
             )  # fmt: skip
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
-        fields = medium_fields(self.volume, self.placement, ordinates, self._limit, GROUP)
+        fields = medium_fields(self.volume, self.placement, ordinates, self._width, GROUP)
         return MediumParams(**(fields | {"albedo": albedo}))
 
     def _take(self, volume: Volume) -> None:
@@ -225,7 +240,7 @@ class PopSolver:
         if self._own_voxels and volume.density is not self.volume.density:
             self.voxels.write(_half(shape_density(volume, SPHERE_SIDE)))
         self.placement, self.volume = new, volume
-        self._limit = diffusivity_limit(volume, new)
+        self._width = medium_width(volume, new)
 
 
 def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
@@ -242,8 +257,3 @@ def _voxel_count(volume: Volume) -> tuple[int, ...]:
 
 def _half(density: Any) -> Any:
     return np.minimum(density, _DENSITY_MAX).astype(np.float16)
-
-
-def sun_count(lights: tuple[Light, ...]) -> int:
-    """How many of `lights` are ordinates of their own."""
-    return sum(isinstance(light, DirectionalLight) for light in lights)

@@ -1,4 +1,4 @@
-//! use medium_grid
+//! use ordinate_light
 //! use delta_beam
 //! use phase
 
@@ -25,19 +25,20 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
 fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0));
     let loss = beam_loss(params.g, params.albedo);
+    let point = cell_centre(cell_of(cell));
     for (var n = 0u; n < params.ordinate_count; n++) {
-        let o = ordinates[n];
-        if (all(o.irradiance.rgb <= vec3f(0.0))) {
+        let light = ordinate_light(n, point);
+        if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
         let tau = passed[n * params.cells + cell] * params.sigma_t;
-        let mu = clamp(dot(o.direction.xyz, travel), -1.0, 1.0);
+        let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-tau);
-        sum.beams += o.irradiance.rgb * direct * beam_phase(n, mu);
+        sum.beams += light.irradiance * direct * beam_phase(n, mu);
         let quasi = exp(-loss * tau) - direct;
         let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
-        sum.quasi_forward += o.irradiance.rgb * quasi
-            * henyey_greenstein_rgb(mu, params.g * a * o.direction.w);
+        sum.quasi_forward += light.irradiance * quasi
+            * henyey_greenstein_rgb(mu, params.g * a * ordinates[n].direction.w);
     }
     return sum;
 }

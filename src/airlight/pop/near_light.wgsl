@@ -1,0 +1,43 @@
+//! use medium_grid
+//! use delta_beam
+
+const NEAR_TABLE = 64u;
+const THIN_GAIN = 2.5;
+
+fn missing_at(s: f32) -> vec3f {
+    let at = s / (1.0 + s) * f32(NEAR_TABLE - 1u);
+    let low = min(u32(at), NEAR_TABLE - 2u);
+    return mix(missing[low].rgb, missing[low + 1u].rgb, at - f32(low));
+}
+
+// Fluence that beam and diffusion miss around lamp n; see maths/lamp_beam.py, near_fluence.
+fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
+    let o = ordinates[n];
+    let shortest = 0.4 * (params.cell.x + params.cell.y + params.cell.z) / 3.0;
+    let r = max(distance(point, o.position.xyz), shortest);
+    let depth = passed[n * params.cells + cell];
+    let loss = params.sigma_t * beam_loss(params.g, params.albedo);
+    let radius = 3.0 * params.largest_diffusivity;
+    let thickness = loss * params.mean_density * radius;
+    let s = loss * depth + THIN_GAIN * exp(-thickness * thickness) / radius * r;
+    // One table has all channels, each looked up at a distance of its own.
+    let lost = vec3f(missing_at(s.r).r, missing_at(s.g).g, missing_at(s.b).b);
+    let scattering = params.sigma_t * params.albedo * (1.0 - forward_share(params.g));
+    let filled = depth / r;
+    let share = filled * min(1.0, filled / max(params.mean_density, 1e-30));
+    return o.irradiance.rgb * o.spot.z * scattering * lost * share / r;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let point = cell_centre(cell_of(id.x));
+    var sum = vec3f(0.0);
+    for (var n = 0u; n < params.ordinate_count; n++) {
+        if (ordinates[n].position.w != 0.0) {
+            sum += near_fluence(n, id.x, point);
+        }
+    }
+    diffuse[id.x] = vec4f(max(diffuse[id.x].xyz + sum, vec3f(0.0)), 0.0);
+}

@@ -1,0 +1,36 @@
+//! use medium_grid
+
+// An ordinate's light in a cell; see maths/delta_beam.py and maths/lamp_beam.py. The including pass
+// binds `params` (MediumParams) and `ordinates` (OrdinateData).
+
+struct OrdinateLight {
+    travel: vec3f,      // unit
+    irradiance: vec3f,  // at normal incidence, before the air takes any
+    distance: f32,      // m to the lamp
+}
+
+// 1/r^2 averaged over a cell: eight parts, each to second order.
+fn mean_inverse_square(away: vec3f) -> f32 {
+    let half = 0.5 * (params.cell.x + params.cell.y + params.cell.z) / 3.0;
+    let h2 = half * half;
+    var total = 0.0;
+    for (var part = 0u; part < 8u; part++) {
+        let side = vec3f(vec3u(part, part >> 1u, part >> 2u) & vec3u(1u)) - 0.5;
+        let place = away + 0.5 * side * params.cell;
+        let r2 = max(dot(place, place), 0.1 * h2);
+        total += (1.0 + h2 / (12.0 * r2)) / r2;
+    }
+    return total / 8.0;
+}
+
+fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
+    let o = ordinates[n];
+    if (o.position.w == 0.0) {
+        return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
+    }
+    let away = point - o.position.xyz;
+    let distance = max(length(away), 1e-9);
+    let travel = away / distance;
+    let fade = smoothstep(o.spot.y, o.spot.x, dot(travel, o.direction.xyz));
+    return OrdinateLight(travel, o.irradiance.rgb * fade * mean_inverse_square(away), distance);
+}
