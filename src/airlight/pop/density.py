@@ -35,8 +35,21 @@ class _Coarse(ComputePass):
     file = "density_coarse.wgsl"
 
 
+class _Reach(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        storage("density", "f32"),
+        storage("reach", "u32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "density_reach.wgsl"
+
+
 class Density:
-    """`fine`: a filtered 3D texture, density in x. `cells`: means, f32 [z][y][x]."""
+    """`fine`: a filtered 3D texture, density in x. `cells`: means, f32 [z][y][x].
+
+    `reach`, u32: 1 where a cell or one beside it holds any; the light of others is not asked for.
+    """
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
         self.placement = placement
@@ -44,7 +57,8 @@ class Density:
             gpu, "fine density", placement.fine_count, "rgba16float", dimension="3d", written=True
         )
         self.cells = Buffer(gpu, "density", 4 * placement.cells)
-        self._fine, self._coarse = _Fine(gpu), _Coarse(gpu)
+        self.reach = Buffer(gpu, "reach of the medium", 4 * placement.cells)
+        self._fine, self._coarse, self._reach = _Fine(gpu), _Coarse(gpu), _Reach(gpu)
         self.linear = linear_sampler(gpu)
 
     def encode(self, commands: Commands, params: MediumParams, voxels: Texture) -> None:
@@ -56,8 +70,12 @@ class Density:
         self._coarse.dispatch(
             commands, (self.placement.cells,), params=params, fine=self.fine, density=self.cells
         )
+        self._reach.dispatch(
+            commands, (self.placement.cells,), params=params, density=self.cells, reach=self.reach
+        )
 
     def release(self) -> None:
         """Give the memory back."""
         self.fine.release()
         self.cells.release()
+        self.reach.release()

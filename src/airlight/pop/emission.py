@@ -28,6 +28,7 @@ class _Emission(ComputePass):
         storage("phase", "vec4f"),
         storage("passed", "f32"),
         storage("diffuse", "vec4f"),
+        storage("reach", "u32"),
         storage("corrections", "vec4f"),
         image("emission", "rgba16float", "3d"),
     )
@@ -37,7 +38,7 @@ class _Emission(ComputePass):
 
 class _Furnace(ComputePass):
     slots = (
-        *_Emission.slots[:6],
+        *_Emission.slots[:7],
         storage("corrections", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
@@ -60,24 +61,24 @@ class Emission:
 
     def encode(
         self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
-        passed: Buffer, diffuse: Buffer, correction: float,
+        passed: Buffer, diffuse: Buffer, reach: Buffer, correction: float,
     ) -> None:  # fmt: skip
         """For an eye at `eye` (3,), m in the medium's frame."""
         self._emission.dispatch(
             commands, (self.cells,), params=params,
             view=ViewParams(eye=eye, correction=correction), ordinates=table.rows,
-            phase=table.phase, passed=passed, diffuse=diffuse, corrections=self.corrections,
-            emission=self.texture,
+            phase=table.phase, passed=passed, diffuse=diffuse, reach=reach,
+            corrections=self.corrections, emission=self.texture,
         )  # fmt: skip
 
     def encode_furnace(
         self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
-        passed: Buffer, diffuse: Buffer,
+        passed: Buffer, diffuse: Buffer, reach: Buffer,
     ) -> None:  # fmt: skip
         """Fill `corrections` from the same medium without absorption under an even sky of 1."""
         self._furnace.dispatch(
             commands, (self.cells,), params=params, view=ViewParams(eye=eye, correction=0.0),
-            ordinates=table.rows, phase=table.phase, passed=passed, diffuse=diffuse,
+            ordinates=table.rows, phase=table.phase, passed=passed, diffuse=diffuse, reach=reach,
             corrections=self.corrections,
         )  # fmt: skip
 

@@ -7,6 +7,10 @@ const HALF_MAX = 65504.0;
         return;
     }
     let cell = cell_of(id.x);
+    if (reach[id.x] == 0u) {
+        textureStore(emission, cell, vec4f(0.0, 0.0, 0.0, 1.0));
+        return;
+    }
     let point = cell_centre(cell);
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);

@@ -3,7 +3,7 @@
 // Under an even sky of radiance 1 a medium that does not absorb scatters exactly 1 everywhere: what
 // multiple scattering has to be multiplied by for that.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x >= params.cells) {
+    if (id.x >= params.cells || reach[id.x] == 0u) {
         return;
     }
     let point = cell_centre(cell_of(id.x));

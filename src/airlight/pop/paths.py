@@ -22,6 +22,7 @@ class Paths(ComputePass):
     slots = (
         uniform("params", MediumParams),
         storage("ordinates", OrdinateData),
+        storage("reach", "u32"),
         texture("fine", "3d"),
         sampler("linear_clamp"),
         storage("passed", "f32", "read_write"),
@@ -41,7 +42,7 @@ class Paths(ComputePass):
         """March towards the first `count` ordinates."""
         self.dispatch(
             commands, (self._cells, max(1, count)), params=params, ordinates=ordinates,
-            fine=density.fine, linear_clamp=density.linear, passed=self.passed,
+            reach=density.reach, fine=density.fine, linear_clamp=density.linear, passed=self.passed,
         )  # fmt: skip
 
     def release(self) -> None:

@@ -5,6 +5,10 @@
     if (id.x >= params.cells || id.y >= params.ordinate_count) {
         return;
     }
+    if (reach[id.x] == 0u) {
+        passed[id.y * params.cells + id.x] = 0.0;
+        return;
+    }
     let point = cell_centre(cell_of(id.x));
     let light = ordinate_light(id.y, point);
     let back = -light.travel;

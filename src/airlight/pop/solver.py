@@ -216,11 +216,11 @@ class PopSolver:
                 white = self._params(self.furnace.table.count, (1.0, 1.0, 1.0))
                 self.emission.encode_furnace(
                     commands, white, local, self.furnace.table, self.furnace.paths.passed,
-                    self.furnace.diffuse.diffuse,
+                    self.furnace.diffuse.diffuse, self.density.reach,
                 )  # fmt: skip
             self.emission.encode(
                 commands, params, local, self.beams.table, self.beams.paths.passed,
-                self.beams.diffuse.diffuse, self.settings.furnace_correction,
+                self.beams.diffuse.diffuse, self.density.reach, self.settings.furnace_correction,
             )  # fmt: skip
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:

@@ -1,0 +1,21 @@
+//! use medium_grid
+
+// Whether the cell or one beside it, also across edges and corners, holds any of the medium: what
+// filtering can reach from there.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    let low = max(cell, vec3u(1u)) - 1u;
+    let high = min(cell + 1u, params.count - 1u);
+    var most = 0.0;
+    for (var z = low.z; z <= high.z; z++) {
+        for (var y = low.y; y <= high.y; y++) {
+            for (var x = low.x; x <= high.x; x++) {
+                most = max(most, density[(z * params.count.y + y) * params.count.x + x]);
+            }
+        }
+    }
+    reach[id.x] = select(0u, 1u, most > 0.0);
+}
