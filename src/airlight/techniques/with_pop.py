@@ -12,7 +12,7 @@ from ..gpu.device import Gpu
 from ..lighting.direct import Direct
 from ..lighting.view import View
 from ..march.march import Source
-from ..pop.solver import PopSettings, PopSolver, sun_count
+from ..pop.solver import PopSettings, PopSolver
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from ..surface.geometry import GpuScene
@@ -29,9 +29,8 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             super().__init__(gpu, scene, meshes, settings, size)
             self._scene = scene
             grids = iter(self.air_light.air.grids)
-            suns = sun_count(scene.lights)
             self.solvers = [
-                PopSolver(gpu, volume, PopSettings(), suns=suns,
+                PopSolver(gpu, volume, PopSettings(), lights=len(scene.lights),
                           voxels=next(grids) if volume.density is not None else None)
                 for volume in scene.volumes
             ]  # fmt: skip
