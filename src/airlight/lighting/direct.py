@@ -15,6 +15,7 @@ from ..lattice.placement import Placement, fitted
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
+from .glossy import is_any_glossy
 from .lighting import LightAir, Lighting, LightingParams
 from .lights import Lights
 from .occlusion import Occlusion
@@ -42,6 +43,9 @@ class SurfaceSettings:
     sky_resolution: int = setting(96, "side of their maps", unit="px", low=8, high=1024)
     surfels: int = setting(
         200_000, "samples of all surfaces, for occlusion", low=1, high=10_000_000
+    )
+    glossy_rays: bool = setting(
+        True, "whether smooth surfaces mirror the lattice along rays, not just their own cell"
     )
     ambient_occlusion: bool = setting(
         True, "whether what is smaller than cells shades sky and bounced light"
@@ -77,6 +81,7 @@ class Direct:
         self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
         self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
         self.occlusion = Occlusion(gpu)
+        self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
@@ -117,8 +122,9 @@ class Direct:
         )  # fmt: skip
         if self.lighting is None:
             self.lighting = Lighting(
-                self.gpu, self.air, is_occluded=self.settings.ambient_occlusion
-            )
+                self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
+                is_glossy=self._is_glossy,
+            )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,
             **self.lights.bound, **(self.air.bound if self.air else {}),

@@ -80,16 +80,20 @@ class Lighting(FullscreenPass):
     )
     targets = ("rgba32float", "rgba32float")
 
-    def __init__(self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False) -> None:
+    def __init__(
+        self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
+        is_glossy: bool = False,
+    ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
-        `is_occluded`: near occluders shade the sky's and the lattice's light.
+        `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
+        surfaces follow their mirrored rays into the lattice.
         """
         if air is not None:
             self.slots = (*type(self).slots, *air.slots)  # type: ignore[misc]
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
-        super().__init__(gpu, generated=(air.wgsl if air else "") + through,
-                         constants={"HAS_OCCLUSION": float(is_occluded)})  # fmt: skip
+        constants = {"HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": float(is_glossy)}
+        super().__init__(gpu, generated=(air.wgsl if air else "") + through, constants=constants)
 
 
 class RadianceLayers:

@@ -1,10 +1,12 @@
 //! use lights
 //! use shadow
 //! use surface_reflection
+//! use glossy
 //! use lattice
 //! use occlusion
 
 override HAS_OCCLUSION: bool = false;
+override HAS_GLOSS: bool = false;
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
@@ -86,6 +88,28 @@ fn near_visibility(position: vec2f, own: f32) -> f32 {
     return sum / total;
 }
 
+struct Mirrored {
+    sky: vec3f,         // irradiance, W m^-2
+    bounced: vec3f,
+}
+
+// What comes from around the mirrored direction: of the point's own cell, or along a ray.
+fn mirrored_light(
+    r: Reflector, n_v: f32, n: vec3f, place: vec3f, lookup: vec3f, uvw: vec3f, mirrored: vec3f,
+) -> Mirrored {
+    var ray = Glossy(vec3f(0.0), 1.0, 1.0, uvw);
+    if (HAS_GLOSS) {
+        let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
+        if (share > 0.0) {
+            let whole = glossy_ray(lattice, place, lookup, n, mirrored, r.alpha);
+            ray = Glossy(share * whole.irradiance, mix(1.0, whole.left, share),
+                mix(1.0, whole.lit, share), mix(uvw, whole.uvw, share));
+        }
+    }
+    return Mirrored(ray.left * sky_irradiance(ray.uvw, mirrored),
+        ray.irradiance + ray.lit * lattice_irradiance_at(lattice, ray.uvw, mirrored));
+}
+
 // Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss, as far
 // as the near surroundings let it in.
 fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
@@ -118,14 +142,15 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     var direct = glow.rgb + direct_light(r, p, n, v);
     if (params.has_lattice != 0u) {
         let mirrored = reflect(-v, n);
-        let uvw = lattice_coordinates(lattice, p, n);
+        let place = bent_place(lattice, p);
+        let start = lattice_lookup_place(place, n);
+        let uvw = lattice_eased(lattice, start);
         let weight = lattice_weight(lattice, p);
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
-        direct += weight
-            * reflected(r, n_v, open, sky_irradiance(uvw, n), sky_irradiance(uvw, mirrored));
-        let e = lattice_irradiance(lattice, uvw, n) * weight;
-        let e_mirror = lattice_irradiance_at(lattice, uvw, mirrored) * weight;
-        out.indirect = vec4f(reflected(r, n_v, open, e, e_mirror), 1.0);
+        let e = lattice_irradiance(lattice, uvw, n);
+        let mirror = mirrored_light(r, n_v, n, place, start, uvw, mirrored);
+        direct += weight * reflected(r, n_v, open, sky_irradiance(uvw, n), mirror.sky);
+        out.indirect = vec4f(weight * reflected(r, n_v, open, e, mirror.bounced), 1.0);
     }
     out.direct = vec4f(direct, 1.0);
     return out;

@@ -9,7 +9,8 @@ const DEPTH_TOLERANCE = 0.05;   // as a share of the depth, per texel of distanc
     var sum = 0.0;
     var total = 0.0;
     for (var k = 0; k < 16; k++) {
-        let other = textureLoad(sampled, clamp(texel + vec2i(k & 3, k >> 2u) - 1, vec2i(0), last), 0);
+        let place = clamp(texel + vec2i(k & 3, k >> 2u) - 1, vec2i(0), last);
+        let other = textureLoad(sampled, place, 0);
         let weight = select(0.0, 1.0, abs(other.y - own.y) <= DEPTH_TOLERANCE * own.y);
         sum += weight * other.x;
         total += weight;

@@ -17,21 +17,28 @@ fn open_fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
     return offset * smoothstep(0.15, 0.5, open);
 }
 
-// Where to sample the textures (texture coordinates) for a surface point, metres.
-fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    let place = bent_place(lattice, position);
-    let offset = vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
+// Where to look for the light on a surface at a place, both in bent cells.
+fn lattice_lookup_place(place: vec3f, n: vec3f) -> vec3f {
+    return place + vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
         lookup_offset(place.z, n.z));
-    let moved = place + offset;
+}
+
+// Where to sample the textures (texture coordinates) for a place among the cells.
+fn lattice_eased(lattice: LatticeParams, place: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
-    let cell = clamp(floor(moved), vec3f(0.0), count - 1.0);
+    let cell = clamp(floor(place), vec3f(0.0), count - 1.0);
     let xy = textureLoad(lattice_open_a, vec3i(cell), 0);
     let z = textureLoad(lattice_open_b, vec3i(cell), 0);
     // Hop 0 comes from the low x side, hop 1 from the high, and so on.
-    let t = moved - cell - 0.5;
+    let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
     let eased = vec3f(open_fraction(t.x, xy.x, xy.y), open_fraction(t.y, xy.z, xy.w),
         open_fraction(t.z, z.x, z.y));
     return (cell + 0.5 + eased) / count;
+}
+
+// The same for a surface point, metres.
+fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
+    return lattice_eased(lattice, lattice_lookup_place(bent_place(lattice, position), n));
 }
 
 // 1 inside, falling to 0 over the outermost cell.
