@@ -85,6 +85,7 @@ class Direct:
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
+        self.damping = 0.0
         self.air: LightAir | None = None
 
     def solve(self, commands: Commands, scene: Scene) -> None:
@@ -123,7 +124,7 @@ class Direct:
         if self.lighting is None:
             self.lighting = Lighting(
                 self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
-                is_glossy=self._is_glossy,
+                is_glossy=self._is_glossy, damping=self.damping,
             )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,

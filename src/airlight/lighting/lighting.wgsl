@@ -7,6 +7,7 @@
 
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;
+override DAMPING: f32 = 0.0;
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
@@ -42,7 +43,8 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
             let lit = light_visibility(light, p, n, in);
             if (lit > 0.0) {
-                sum += reflection(r, n, in.to_light, v) * in.irradiance * light_passed(i, p) * cosine * lit;
+                let arriving = in.irradiance * light_passed(i, p) * cosine * lit;
+                sum += reflection(r, n, in.to_light, v) * arriving;
             }
         }
     }
@@ -147,7 +149,10 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
         let uvw = lattice_eased(lattice, start);
         let weight = lattice_weight(lattice, p);
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
-        let e = lattice_irradiance(lattice, uvw, n);
+        var e = lattice_irradiance(lattice, uvw, n);
+        if (DAMPING > 0.0) {
+            e *= lattice_damping(lattice, uvw, n, DAMPING);
+        }
         let mirror = mirrored_light(r, n_v, n, place, start, uvw, mirrored);
         direct += weight * reflected(r, n_v, open, sky_irradiance(uvw, n), mirror.sky);
         out.indirect = vec4f(weight * reflected(r, n_v, open, e, mirror.bounced), 1.0);

@@ -35,6 +35,10 @@ class LpvSettings(SurfaceSettings):
     )
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
+    damping: float = setting(
+        0.0, "how strongly light that falls off away from a surface is taken for a leak", low=0,
+        high=10,
+    )  # fmt: skip
 
 
 class Lpv(Direct):
@@ -49,6 +53,7 @@ class Lpv(Direct):
         super().__init__(gpu, scene, meshes, settings, size)
         self.lpv = settings
         self.is_paper = settings.scheme == "paper"
+        self.damping = settings.damping
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
         self._is_shaped = settings.occlusion and not self.is_paper
         suns, lamps = _by_kind(scene.lights)

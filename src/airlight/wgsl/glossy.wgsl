@@ -8,7 +8,7 @@
 // of all cells passed shows the air before a wall as much as the wall.
 
 const GLOSSY_CELLS = 32u;           // faces crossed at most
-const GLOSSY_LEAST_LEFT = 0.03;     // transmittance below which a ray ends
+const GLOSSY_LEAST_LEFT = 0.02;     // transmittance that counts as none, and ends a ray
 const GLOSSY_REACH = 0.75;          // cells times alpha: where the lobe is some three cells wide
 const GLOSSY_START = 0.25;          // cells above the surface
 const GLOSSY_OWN = 2.0;             // closed share of a face per projected area, with a margin
@@ -69,9 +69,10 @@ fn glossy_ray(
     // Ends where every ray is sure to come: its number of crossings jumps from pixel to pixel.
     let reach = min(GLOSSY_REACH / alpha, f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
     var t = 0.0;
+    var transmittance = 1.0;
     var left = 1.0;
     var irradiance = vec3f(0.0);
-    for (var i = 0u; i < GLOSSY_CELLS && left > GLOSSY_LEAST_LEFT; i++) {
+    for (var i = 0u; i < GLOSSY_CELLS && left > 0.0; i++) {
         var axis = select(0u, 1u, crossing.y < crossing.x);
         axis = select(axis, 2u, crossing.z < crossing[axis]);
         t = crossing[axis];
@@ -83,12 +84,14 @@ fn glossy_ray(
         var place = start + t * r;
         let own = glossy_own(n, towards, axis, dot(place - surface, n));
         let open = min(1.0, glossy_open(lattice, next, place, axis, towards[axis] > 0.0) + own);
-        if (open < 1.0) {
+        transmittance *= open;
+        let kept = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
+        if (kept < left) {
             place[axis] = cell[axis] + 0.5;
             let uvw = lattice_eased(lattice, glossy_raised(place, lookup, n));
-            irradiance += left * (1.0 - open) * lattice_irradiance_at(lattice, uvw, r);
+            irradiance += (left - kept) * lattice_irradiance_at(lattice, uvw, r);
         }
-        left *= open;
+        left = kept;
         cell = next;
         crossing[axis] += per_cell[axis];
     }

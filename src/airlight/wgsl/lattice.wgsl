@@ -93,3 +93,20 @@ fn lattice_irradiance(lattice: LatticeParams, uvw: vec3f, n: vec3f) -> vec3f {
     let next = lattice_irradiance_at(lattice, uvw + n / vec3f(lattice.count), n);
     return max(here, CREVICE_SHARE * next);
 }
+
+// Intensities of all channels together, stored units.
+fn lattice_grey(uvw: vec3f) -> vec4f {
+    return textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0)
+        + textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0)
+        + textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0);
+}
+
+// 1, or less where the light falls off away from the surface: it then comes from behind it.
+// Source: Kaplanyan2010 section 3.4 and Fig. 3, which leaves the formula open; here the derivative
+// along the normal, per cell, as far as it points against the light, times `strength`.
+fn lattice_damping(lattice: LatticeParams, uvw: vec3f, n: vec3f, strength: f32) -> f32 {
+    let half_cell = 0.5 * n / vec3f(lattice.count);
+    let here = lattice_grey(uvw);
+    let change = lattice_grey(uvw + half_cell) - lattice_grey(uvw - half_cell);
+    return saturate(1.0 + strength * dot(change, here) / max(dot(here, here), 1e-20));
+}
