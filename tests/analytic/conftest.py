@@ -1,0 +1,126 @@
+"""Every technique before scenes whose answer is known; with --slow, Mitsuba too.
+
+Mitsuba stands in line so that the questions themselves are checked: what the truth fails is a
+wrong question.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Scene
+from airlight.scene.image import Image
+from airlight.techniques import TECHNIQUES, technique_class
+
+SMALL = {
+    "resolution": 16, "shadow_resolution": 1024, "lamp_resolution": 256, "map_resolution": 128,
+    "sky_lights": 64, "sky_resolution": 48, "surfels": 30_000,
+    "shaft_resolution": "full", "march_resolution": "full",
+}  # fmt: skip
+MITSUBA = "mitsuba"
+
+BASELINES = {
+    "lpv-march": "it marches bounced light alone, as Billeter2012's Fig. 5 does",
+    "lpv-sum": "it counts bounced light in air that it never takes from the surfaces",
+}
+"""Techniques whose air is wrong by design: they are there to be compared with."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Judged:
+    """One technique, or Mitsuba."""
+
+    name: str
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether air is drawn in every pixel; `auto` takes its half resolution for granted."""
+        if self.name == MITSUBA:
+            return True
+        fields = {f.name for f in dataclasses.fields(technique_class(self.name).Settings)}
+        return "shaft_resolution" in fields
+
+    def picture(
+        self, scene: Scene, size: tuple[int, int] = (24, 24), spp: int = 256, **settings: Any
+    ) -> Image:
+        """The scene in `size` pixels, one sample each: analytic answers are of pixel centres."""
+        return self.pictures(scene, [scene.camera], size, spp, **settings)[0]
+
+    def pictures(
+        self, scene: Scene, cameras: Sequence[Camera], size: tuple[int, int] = (24, 24),
+        spp: int = 256, **settings: Any,
+    ) -> list[Image]:  # fmt: skip
+        """The scene solved once and seen by each camera."""
+        if self.name == MITSUBA:
+            return [_reference(dataclasses.replace(scene, camera=c), size, spp) for c in cameras]
+        known = {f.name for f in dataclasses.fields(technique_class(self.name).Settings)}
+        own = {k: v for k, v in {**SMALL, **settings}.items() if k in known}
+        with Renderer(scene, self.name, size, settings=own) as renderer:
+            return [renderer.frame(camera=camera) for camera in cameras]
+
+    def air_picture(
+        self, scene: Scene, size: tuple[int, int] = (24, 24), needs: Sequence[str] = (),
+        **settings: Any,
+    ) -> Image:  # fmt: skip
+        """The same; skips the test where air is not drawn, or wrong by design.
+
+        `needs` are layers without which the question cannot be put.
+        """
+        if self.name in BASELINES:
+            pytest.skip(f"{self.name} is a baseline: {BASELINES[self.name]}")
+        image = self.picture(scene, size, **settings)
+        for layer in ("transmittance", *needs):
+            if layer not in image.layers:
+                pytest.skip(f"{self.name} draws no layer '{layer}'")
+        return image
+
+
+def _reference(scene: Scene, size: tuple[int, int], spp: int) -> Image:
+    """Mitsuba's picture, its layers named as a technique names them."""
+    from airlight.reference.mitsuba import render_layers
+
+    has_air = scene.medium is not None or bool(scene.volumes)
+    air = ("single_scatter", "multiple_scatter", "transmittance") if has_air else ()
+    pictures = render_layers(scene, ("all", "direct", "indirect", *air), size=size, spp=spp)
+    whole = pictures.pop("all")
+    layers = {name: image.radiance for name, image in pictures.items()}
+    noise = {f"{name}_variance": image.layers["variance"] for name, image in pictures.items()}
+    return Image(whole.radiance, {**layers, **noise, "variance": whole.layers["variance"]})
+
+
+@pytest.fixture(
+    params=[
+        *TECHNIQUES,
+        pytest.param(MITSUBA, marks=(pytest.mark.slow, pytest.mark.reference)),
+    ]
+)
+def judged(request: pytest.FixtureRequest) -> Judged:
+    """Each technique in turn."""
+    if request.param == MITSUBA:
+        pytest.importorskip("mitsuba", reason="needs the `reference` extra")
+    else:
+        request.getfixturevalue("gpu")
+    return Judged(request.param)
+
+
+def _error(image: Image, truth: np.ndarray, layer: str = "") -> float:
+    """Relative L2 beyond three times the picture's own noise (a technique has none)."""
+    pixels = (image.layers[layer] if layer else image.radiance).astype(np.float64)
+    true = np.broadcast_to(np.asarray(truth, np.float64), pixels.shape)
+    norm = max(float(np.sqrt(np.sum(true**2))), 1e-12)
+    variance = image.layers.get(f"{layer}_variance" if layer else "variance", np.zeros(1))
+    noise = math.sqrt(float(np.sum(variance, dtype=np.float64)))
+    return max(0.0, float(np.sqrt(np.sum((pixels - true) ** 2))) - 3.0 * noise) / norm
+
+
+@pytest.fixture(scope="session")
+def error() -> Callable[..., float]:
+    """error(image, truth, layer="") -> relative L2."""
+    return _error

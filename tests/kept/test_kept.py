@@ -1,0 +1,103 @@
+"""No technique is further from the truth than it was: kept references, without Mitsuba."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from airlight.errors import ReferenceFailure
+from airlight.reference.kept import KEPT, SIZE_PX, load_kept, save_kept
+from airlight.reference.metrics import compare
+from airlight.scene.image import Image
+from airlight.techniques import TECHNIQUES
+
+FOLDER = Path(__file__).parent
+
+
+def _script():
+    """The module measure.py, which is a script too."""
+    spec = importlib.util.spec_from_file_location("measure_kept", FOLDER / "measure.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["measure_kept"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+measure = _script()
+CEILINGS = measure.read_ceilings()
+SLOW = ("room", "atrium")
+
+
+@pytest.mark.parametrize("technique", TECHNIQUES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in KEPT]
+)
+def test_errors_stay_below_their_ceilings(gpu, name, technique):
+    if technique not in measure.techniques_for(KEPT[name].load()):
+        pytest.skip(f"without air {technique} is {measure.ALIKE[technique]}")
+    # A technique nobody has measured yet must at least not be worse than direct light alone.
+    known = CEILINGS[name]
+    ceilings = known.get(technique, known["direct"])
+    for layer, score in measure.measure(name, technique).items():
+        if layer in ceilings:
+            assert score.relative_l2 <= ceilings[layer]["relative_l2"], layer
+            assert score.energy_error <= ceilings[layer]["energy_error"], layer
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_a_kept_reference_is_whole_and_adds_up(name):
+    reference = load_kept(FOLDER / f"{name}.exr")
+    assert reference.radiance.shape == (SIZE_PX[1], SIZE_PX[0], 3)
+    parts = ("direct", "indirect", "single_scatter", "multiple_scatter")
+    total = sum(reference.layers[p] for p in parts if p in reference.layers)
+    np.testing.assert_allclose(total, reference.radiance, rtol=4e-3, atol=1e-3)
+    scores = compare(reference, reference, perceptual=False)
+    assert 0.0 < scores.noise_floor_l2 < 0.2
+    assert reference.stats["spp"] >= KEPT[name].spp
+
+
+def test_kept_files_are_small():
+    files = [FOLDER / f"{name}.exr" for name in KEPT]
+    assert sum(f.stat().st_size for f in files) < 4_000_000
+
+
+def test_what_is_kept_comes_back_with_its_noise(tmp_path):
+    rng = np.random.default_rng(1)
+    pixels = rng.uniform(0.5, 1.0, (8, 12, 3)).astype(np.float32)
+    variance = np.full((8, 12, 3), 4e-8, np.float32)  # less than the least half float
+    layers = {"direct": pixels, "direct_variance": variance, "variance": variance}
+    save_kept(Image(pixels, layers), tmp_path / "kept.exr", stats={"spp": 4})
+    again = load_kept(tmp_path / "kept.exr")
+    np.testing.assert_allclose(again.layers["direct"], pixels, rtol=5e-4)
+    np.testing.assert_allclose(again.layers["direct_variance"], 4e-8, rtol=2e-3)
+    half = load_kept(tmp_path / "kept.exr", shrink=2)
+    assert half.radiance.shape == (4, 6, 3)
+    np.testing.assert_allclose(half.radiance[0, 0], pixels[:2, :2].mean(axis=(0, 1)), rtol=5e-4)
+    np.testing.assert_allclose(half.layers["variance"], 1e-8, rtol=2e-3)
+
+
+def test_bad_requests_are_refused(tmp_path):
+    pixels = np.ones((3, 4, 3), np.float32)
+    path = tmp_path / "kept.exr"
+    with pytest.raises(ReferenceFailure, match="the reference has no layer 'variance'"):
+        save_kept(Image(pixels), path, stats={})
+    assert not path.exists()
+    save_kept(Image(pixels, {"variance": pixels}), path, stats={})
+    with pytest.raises(ReferenceFailure, match=r"kept\.exr cannot be shrunk 2 times"):
+        load_kept(path, shrink=2)
+
+
+def test_ceilings_only_fall():
+    ceilings = {}
+    Score = measure.Score
+    measure.lowered(ceilings, "cornell", "lpv", {"whole": Score(0.2, 0.9, 0.01)})
+    first = dict(ceilings["cornell"]["lpv"]["whole"])
+    assert first == {"relative_l2": 0.215, "energy_error": 0.110}
+    measure.lowered(ceilings, "cornell", "lpv", {"whole": Score(0.3, 0.95, 0.01)})
+    assert ceilings["cornell"]["lpv"]["whole"] == {"relative_l2": 0.215, "energy_error": 0.058}
+    text = measure.as_toml(ceilings)
+    assert "whole = { relative_l2 = 0.215, energy_error = 0.058 }" in text
