@@ -97,6 +97,19 @@ class Renderer:
         self.python_ms.append((encoded - begin) * 1e3)
         return self._image(samples) if read else None
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; what was solved stays. Raises SettingsError."""
+        size = checked_size(size)
+        if size == self.size:
+            return
+        self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
+        self.view.release()
+        if self._accumulator:
+            self._accumulator.release()
+        self.size, self._accumulator = size, None
+        self.technique.resize(size)
+        self.view = View(self.gpu, size)
+
     def timed_passes(self) -> dict[str, float]:
         """Milliseconds per stage of one more frame, each stage waited for."""
         self.commands.is_timed, self.commands.stage_ms = True, {}

@@ -148,6 +148,9 @@ class Direct:
         """The radiance layers that `draw` writes, by name; they add up to the picture."""
         return {"direct": view.layers.direct, "indirect": view.layers.indirect}
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; what depends on it here is the view's."""
+
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""

@@ -25,11 +25,19 @@ class Compose:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._pass = _Compose(gpu)
+        self.gpu, self._pass = gpu, _Compose(gpu)
+        self._make_layers(size)
+
+    def _make_layers(self, size: tuple[int, int]) -> None:
         self.direct, self.indirect, self.radiance = (
-            Texture(gpu, f"composed {name}", size, "rgba32float", target=True)
+            Texture(self.gpu, f"composed {name}", size, "rgba32float", target=True)
             for name in ("direct", "indirect", "radiance")
         )
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.release()
+        self._make_layers(size)
 
     def encode(
         self, commands: Commands, *, direct: Texture, indirect: Texture, transmittance: Texture,

@@ -43,10 +43,19 @@ class Rays:
     """`picked` holds, per texel, the distance (m) to the surface and the pixel in its block."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int) -> None:
-        self.size, self.scale = size, scale
-        self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
-        self.picked = Texture(gpu, "picked rays", self.reduced, "rg32float", written=True)
+        self.gpu, self.scale = gpu, scale
+        self._set_size(size)
         self._pass = _Rays(gpu)
+
+    def _set_size(self, size: tuple[int, int]) -> None:
+        self.size, scale = size, self.scale
+        self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
+        self.picked = Texture(self.gpu, "picked rays", self.reduced, "rg32float", written=True)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.release()
+        self._set_size(size)
 
     def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
         """Pick the rays of `view`; returns the parameters that passes over them take."""

@@ -63,17 +63,14 @@ class AirLight:
         solved: Sequence[Volume] = (),
     ) -> None:  # fmt: skip
         """`sources` textures and perhaps a lattice will be marched; see `Air` for `solved`."""
-        self.settings = s = settings or AirSettings()
+        self.gpu, self.settings = gpu, settings or AirSettings()
+        s = self.settings
         self.air = Air(
             gpu,
             scene,
             light_count=lights.count,
             solved=solved,
             column_resolution=s.column_resolution,
-        )
-        self.single_scatter, self.multiple_scatter, self.transmittance = (
-            Texture(gpu, name, size, "rgba32float", target=True, written=True)
-            for name in ("single scatter", "multiple scatter", "transmittance")
         )
         self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
         self.shaft_rays = self.march_rays
@@ -85,12 +82,35 @@ class AirLight:
         self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice)
         self._exact = Transmittance(gpu, self.air)
         self._upsample = Upsample(gpu)
+        self.composed = Compose(gpu, size)
+        self._make_pictures(size)
+
+    def _make_pictures(self, size: tuple[int, int]) -> None:
+        gpu = self.gpu
+        self.single_scatter, self.multiple_scatter, self.transmittance = (
+            Texture(gpu, name, size, "rgba32float", target=True, written=True)
+            for name in ("single scatter", "multiple scatter", "transmittance")
+        )
         self._reduced = {
             name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", written=True)
             for name, rays in (("single", self.shaft_rays), ("multiple", self.march_rays),
                                ("transmittance", self.march_rays))
         }  # fmt: skip
-        self.composed = Compose(gpu, size)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; media, lights and passes stay."""
+        for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
+            rays.resize(size)
+        if isinstance(self.shafts, Jitter):
+            self.shafts.resize(self.shaft_rays.reduced)
+        for texture in (*self._pictures, *self._reduced.values()):
+            texture.release()
+        self._make_pictures(size)
+        self.composed.resize(size)
+
+    @property
+    def _pictures(self) -> tuple[Texture, ...]:
+        return (self.single_scatter, self.multiple_scatter, self.transmittance)
 
     def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | None:
         scheme, s = self.settings.shafts, self.settings
@@ -174,8 +194,7 @@ class AirLight:
 
     def release(self) -> None:
         """Give the memory back."""
-        parts = [self.air, self.single_scatter, self.multiple_scatter, self.transmittance,
-                 self.march_rays, self.shaft_rays, self.march, self.composed, self.shafts,
+        parts = [self.air, *self._pictures, self.shaft_rays, self.march, self.composed, self.shafts,
                  *self._reduced.values()]  # fmt: skip
         for part in parts:
             if part is not None:

@@ -51,7 +51,16 @@ class Jitter:
     def __init__(self, gpu: Gpu, air: Air, reduced: tuple[int, int], *, steps: int = 32) -> None:
         self.air, self.steps = air, steps
         self._pass, self._blur = _Jitter(gpu, air), Blur(gpu)
+        self._make_raw(reduced)
+
+    def _make_raw(self, reduced: tuple[int, int]) -> None:
+        gpu = self.air.gpu
         self._raw = Texture(gpu, "jittered", reduced, "rgba32float", written=True)
+
+    def resize(self, reduced: tuple[int, int]) -> None:
+        """Go on with reduced pictures of this size, pixels."""
+        self.release()
+        self._make_raw(reduced)
 
     def prepare(self, commands: Commands) -> None:
         """Nothing to make beforehand."""

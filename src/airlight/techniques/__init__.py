@@ -38,6 +38,9 @@ class Technique(Protocol):
     def pictures(self, view: View) -> dict[str, Texture]:
         """The radiance layers that `draw` writes, by name; they add up to the picture."""
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; what was solved stays."""
+
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved."""

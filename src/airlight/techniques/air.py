@@ -98,6 +98,10 @@ class InAir(Direct):
             "transmittance": self.air_light.transmittance,
         }
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.air_light.resize(size)
+
     def release(self) -> None:
         """Give the memory back."""
         super().release()

@@ -51,6 +51,10 @@ class Auto:
         """The radiance layers that `draw` writes."""
         return self.chosen.pictures(view)
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.chosen.resize(size)
+
     @property
     def stats(self) -> dict[str, Any]:
         """What was chosen and solved."""

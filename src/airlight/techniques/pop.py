@@ -38,6 +38,12 @@ class Pop(Direct):
         self.composed = Compose(gpu, size)
         self._none = Texture(gpu, "no single scatter", size, "rgba32float")
 
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.composed.resize(size)
+        self._none.release()
+        self._none = Texture(self.gpu, "no single scatter", size, "rgba32float")
+
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Surfaces, then media."""
         super().solve(commands, scene)
