@@ -25,16 +25,39 @@ class LatticeParams(Struct):
     power_scale = f32("stored units per W sr^-1 of the filtered textures")
     lookup_scale = f32("flux through a cell to irradiance on a surface in it")
     is_paper = u32("1: the paper's rule for reading the lattice on surfaces")
-    pad = vec3u()
+    first_row = u32("where its cells begin along y of the textures")
+    fade_low = vec3f("m, where its light begins")
+    fade_low_width = vec3f("m, to where it is whole")
+    fade_high = vec3f("m, where its light ends")
+    fade_high_width = vec3f("m")
+
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Fade:
+    """Where a lattice's light begins and ends on each axis, and over which widths; metres."""
+
+    low: Triple
+    low_width: Triple
+    high: Triple
+    high_width: Triple
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Cubic cells of side `cell` (metres); cell (i, j, k) spans origin + cell * [i, i+1] ..."""
+    """Cubic cells of side `cell` (metres); cell (i, j, k) spans origin + cell * [i, i+1] ...
+
+    `first_row`: nested lattices share their textures, one above the other along y. `fade`: where
+    the next coarser one takes over; over the outermost cell if not given.
+    """
 
     origin: tuple[float, float, float]
     cell: float
     count: tuple[int, int, int]
+    first_row: int = 0
+    fade: Fade | None = None
 
     @property
     def cells(self) -> int:
@@ -52,10 +75,19 @@ class Placement:
         is_paper: bool = False,
     ) -> LatticeParams:  # fmt: skip
         """The struct that shaders read."""
+        fade = self.fade or self._outermost
         return LatticeParams(
             origin=self.origin, cell=self.cell, count=self.count, power_scale=power_scale,
-            lookup_scale=lookup_scale, is_paper=int(is_paper), pad=(0, 0, 0),
+            lookup_scale=lookup_scale, is_paper=int(is_paper), first_row=self.first_row,
+            fade_low=fade.low, fade_low_width=fade.low_width, fade_high=fade.high,
+            fade_high_width=fade.high_width,
         )  # fmt: skip
+
+    @property
+    def _outermost(self) -> Fade:
+        low, high = self.bounds
+        half, width = 0.5 * self.cell, (self.cell,) * 3
+        return Fade(_triple(low - half), width, _triple(high + half), width)
 
 
 def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:
@@ -74,8 +106,8 @@ def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: 
     count = np.minimum(-(-needed // _TILE) * _TILE, -(-resolution // _TILE) * _TILE)
     centre = 0.5 * np.add(low, high)
     origin = centre - 0.5 * cell * count
-    return Placement(
-        (float(origin[0]), float(origin[1]), float(origin[2])),
-        cell,
-        (int(count[0]), int(count[1]), int(count[2])),
-    )
+    return Placement(_triple(origin), cell, (int(count[0]), int(count[1]), int(count[2])))
+
+
+def _triple(v: F64) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))

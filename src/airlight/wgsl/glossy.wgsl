@@ -33,7 +33,7 @@ fn glossy_share(specular_albedo: vec3f, roughness: f32) -> f32 {
 fn glossy_open(lattice: LatticeParams, cell: vec3f, place: vec3f, axis: u32, forward: bool) -> f32 {
     var at = place;
     at[axis] = cell[axis] + 0.5;
-    let uvw = at / vec3f(lattice.count);
+    let uvw = lattice_uvw(lattice, at);
     if (axis == 2u) {
         let z = textureSampleLevel(lattice_open_b, linear_clamp, uvw, 0.0);
         return select(z.y, z.x, forward);

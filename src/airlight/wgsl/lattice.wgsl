@@ -23,17 +23,31 @@ fn lattice_lookup_place(place: vec3f, n: vec3f) -> vec3f {
         lookup_offset(place.z, n.z));
 }
 
+// Texture coordinates of a place among the cells; none between two lattices that share textures.
+fn lattice_uvw(lattice: LatticeParams, place: vec3f) -> vec3f {
+    let inside = clamp(place, vec3f(0.5), vec3f(lattice.count) - 0.5);
+    return (inside + vec3f(0.0, f32(lattice.first_row), 0.0))
+        / vec3f(textureDimensions(lattice_red));
+}
+
+// Texture coordinates some cells farther.
+fn lattice_moved(lattice: LatticeParams, uvw: vec3f, cells: vec3f) -> vec3f {
+    let size = vec3f(textureDimensions(lattice_red));
+    let first = vec3f(0.5, f32(lattice.first_row) + 0.5, 0.5);
+    return clamp(uvw * size + cells, first, first + vec3f(lattice.count) - 1.0) / size;
+}
+
 // Where to sample the textures (texture coordinates) for a place among the cells.
 fn lattice_eased(lattice: LatticeParams, place: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
     let cell = clamp(floor(place), vec3f(0.0), count - 1.0);
-    let xy = textureLoad(lattice_open_a, vec3i(cell), 0);
-    let z = textureLoad(lattice_open_b, vec3i(cell), 0);
+    let xy = textureLoad(lattice_open_a, lattice_texel(lattice, vec3i(cell)), 0);
+    let z = textureLoad(lattice_open_b, lattice_texel(lattice, vec3i(cell)), 0);
     // Hop 0 comes from the low x side, hop 1 from the high, and so on.
     let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
     let eased = vec3f(open_fraction(t.x, xy.x, xy.y), open_fraction(t.y, xy.z, xy.w),
         open_fraction(t.z, z.x, z.y));
-    return (cell + 0.5 + eased) / count;
+    return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
 // The same for a surface point, metres.
@@ -41,11 +55,11 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
     return lattice_eased(lattice, lattice_lookup_place(bent_place(lattice, position), n));
 }
 
-// 1 inside, falling to 0 over the outermost cell.
+// 1 inside, falling to 0 towards the border.
 fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
-    let place = (position - lattice.origin) / lattice.cell;
-    let inside = min(place, vec3f(lattice.count) - place);
-    return saturate(min(inside.x, min(inside.y, inside.z)) + 0.5);
+    let inside = min((position - lattice.fade_low) / lattice.fade_low_width,
+        (lattice.fade_high - position) / lattice.fade_high_width);
+    return saturate(min(inside.x, min(inside.y, inside.z)));
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell: the light is read as a
@@ -90,7 +104,7 @@ const CREVICE_SHARE = 0.5;
 
 fn lattice_irradiance(lattice: LatticeParams, uvw: vec3f, n: vec3f) -> vec3f {
     let here = lattice_irradiance_at(lattice, uvw, n);
-    let next = lattice_irradiance_at(lattice, uvw + n / vec3f(lattice.count), n);
+    let next = lattice_irradiance_at(lattice, lattice_moved(lattice, uvw, n), n);
     return max(here, CREVICE_SHARE * next);
 }
 
@@ -105,8 +119,8 @@ fn lattice_grey(uvw: vec3f) -> vec4f {
 // Source: Kaplanyan2010 section 3.4 and Fig. 3, which leaves the formula open; here the derivative
 // along the normal, per cell, as far as it points against the light, times `strength`.
 fn lattice_damping(lattice: LatticeParams, uvw: vec3f, n: vec3f, strength: f32) -> f32 {
-    let half_cell = 0.5 * n / vec3f(lattice.count);
     let here = lattice_grey(uvw);
-    let change = lattice_grey(uvw + half_cell) - lattice_grey(uvw - half_cell);
+    let change = lattice_grey(lattice_moved(lattice, uvw, 0.5 * n))
+        - lattice_grey(lattice_moved(lattice, uvw, -0.5 * n));
     return saturate(1.0 + strength * dot(change, here) / max(dot(here, here), 1e-20));
 }

@@ -5,16 +5,21 @@
 // to a cell on its other side. So space is bent: a piecewise linear map per axis takes every wall
 // to the face it was rounded to.
 
-fn wall_shifts_low(cell: vec3i) -> vec3f {
-    return textureLoad(lattice_walls, cell, 0).xyz;
+// A cell's place in the textures, which nested lattices share.
+fn lattice_texel(lattice: LatticeParams, cell: vec3i) -> vec3i {
+    return cell + vec3i(0, i32(lattice.first_row), 0);
 }
 
-fn wall_shifts_high(cell: vec3i, count: vec3u) -> vec3f {
-    let last = vec3i(count) - 1;
+fn wall_shifts_low(lattice: LatticeParams, cell: vec3i) -> vec3f {
+    return textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).xyz;
+}
+
+fn wall_shifts_high(lattice: LatticeParams, cell: vec3i) -> vec3f {
+    let last = vec3i(lattice.count) - 1;
     let next = min(cell + 1, last);
-    let shifts = vec3f(textureLoad(lattice_walls, vec3i(next.x, cell.yz), 0).x,
-        textureLoad(lattice_walls, vec3i(cell.x, next.y, cell.z), 0).y,
-        textureLoad(lattice_walls, vec3i(cell.xy, next.z), 0).z);
+    let shifts = vec3f(wall_shifts_low(lattice, vec3i(next.x, cell.yz)).x,
+        wall_shifts_low(lattice, vec3i(cell.x, next.y, cell.z)).y,
+        wall_shifts_low(lattice, vec3i(cell.xy, next.z)).z);
     return select(shifts, vec3f(0.0), cell == last);
 }
 
@@ -22,8 +27,8 @@ fn wall_shifts_high(cell: vec3i, count: vec3u) -> vec3f {
 fn bent_place(lattice: LatticeParams, world: vec3f) -> vec3f {
     let place = (world - lattice.origin) / lattice.cell;
     let cell = clamp(vec3i(floor(place)), vec3i(0), vec3i(lattice.count) - 1);
-    let low = wall_shifts_low(cell);
-    let high = wall_shifts_high(cell, lattice.count);
+    let low = wall_shifts_low(lattice, cell);
+    let high = wall_shifts_high(lattice, cell);
     let t = place - vec3f(cell);
     let between = (t - low) / max(1.0 + high - low, vec3f(0.25));
     let below = (t - low) / (1.0 + low);
@@ -34,8 +39,8 @@ fn bent_place(lattice: LatticeParams, world: vec3f) -> vec3f {
 
 // The world point of a place inside a cell (0..1 on each axis), the other way round.
 fn unbent_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
-    let low = wall_shifts_low(vec3i(cell));
-    let high = wall_shifts_high(vec3i(cell), lattice.count);
+    let low = wall_shifts_low(lattice, vec3i(cell));
+    let high = wall_shifts_high(lattice, vec3i(cell));
     let place = vec3f(cell) + low + inside * (1.0 + high - low);
     return lattice.origin + place * lattice.cell;
 }
