@@ -103,12 +103,11 @@ class Renderer:
         if size == self.size:
             return
         self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
-        self.view.release()
         if self._accumulator:
             self._accumulator.release()
         self.size, self._accumulator = size, None
         self.technique.resize(size)
-        self.view = View(self.gpu, size)
+        self.view.resize(size)
 
     def timed_passes(self) -> dict[str, float]:
         """Milliseconds per stage of one more frame, each stage waited for."""

@@ -34,7 +34,7 @@ def hazy(with_volume: bool = False) -> Scene:
     )
 
 
-@pytest.mark.parametrize("technique", ["direct", "single", "lpv-scatter", "pop"])
+@pytest.mark.parametrize("technique", ["single", "pop"])
 def test_resized_is_as_if_made_so(technique):
     scene = hazy(with_volume=technique == "single")
     settings = SMALL

@@ -23,7 +23,7 @@ class View:
     """G-buffer and radiance of one picture; `aim` sets the camera before each."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.size = size
+        self.gpu, self.size = gpu, size
         self.gbuffer = GBuffer(gpu, size)
         self.layers = RadianceLayers(gpu, size)
         self.occlusion = OcclusionLayers(gpu, size)
@@ -44,6 +44,15 @@ class View:
         self.clip_from_world = jittered(clip, jitter_px, self.size) @ view
         self.world_from_clip = np.asarray(np.linalg.inv(self.clip_from_world), np.float64)
         self.eye = camera.position
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.size = size
+        self.gbuffer.resize(size)
+        self.layers.release()
+        self.occlusion.release()
+        self.layers = RadianceLayers(self.gpu, size)
+        self.occlusion = OcclusionLayers(self.gpu, size)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -33,12 +33,20 @@ class GBuffer:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.size = size
+        self.gpu, self._pass = gpu, MeshPass(gpu, _GBufferPipeline)
+        self._make_textures(size)
+
+    def _make_textures(self, size: tuple[int, int]) -> None:
+        self.size, gpu = size, self.gpu
         self.depth = Texture(gpu, "depth", size, "depth32float", target=True)
         self.albedo = Texture(gpu, "albedo", size, "rgba16float", target=True)
         self.normal = Texture(gpu, "normal", size, "rgba16float", target=True)
         self.emission = Texture(gpu, "emission", size, "rgba16float", target=True)
-        self._pass = MeshPass(gpu, _GBufferPipeline)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.release()
+        self._make_textures(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         """Rasterise the scene as seen through `clip_from_world`."""

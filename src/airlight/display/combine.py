@@ -1,0 +1,87 @@
+"""One picture of a technique's layers: their sum, one of them, or a debug view; a running mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..errors import SettingsError
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec4f
+from ..gpu.memory import Texture
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import texture, uniform
+
+MOST_LAYERS = 4
+RADIANCE, RAW, NORMAL, DEPTH = range(4)
+_SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
+
+
+class CombineParams(Struct):
+    """What is shown, and the new picture's weight in the mean."""
+
+    weights = vec4f("of the layers")
+    weight = f32("of the new picture; 1 starts anew")
+    kind = u32("0 radiance, 1 raw, 2 normal, 3 depth")
+    near = f32("m")
+    reach = f32("m, shown half as bright")
+
+
+class _Combine(FullscreenPass):
+    slots = (
+        uniform("params", CombineParams),
+        *(texture(name, "2d", "unfilterable-float") for name in _SLOTS),
+        texture("depth", "2d", "depth"),
+        texture("mean", "2d", "unfilterable-float"),
+    )
+    targets = ("rgba32float",)
+    file = "combine.wgsl"
+
+
+class Combine:
+    """The mean so far is `picture`: radiance W m^-2 sr^-1, or a debug view's values in [0, 1]."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], near_m: float = 0.01) -> None:
+        self.gpu, self._near, self._pass = gpu, near_m, _Combine(gpu)
+        self._make_means(size)
+
+    def _make_means(self, size: tuple[int, int]) -> None:
+        self._means = [
+            Texture(self.gpu, f"mean {i}", size, "rgba32float", target=True) for i in range(2)
+        ]
+
+    @property
+    def picture(self) -> Texture:
+        """The mean of all pictures since index 0."""
+        return self._means[0]
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; the mean is lost."""
+        self.release()
+        self._make_means(size)
+
+    def encode(
+        self, commands: Commands, layers: Sequence[Texture], depth: Texture, index: int, *,
+        kind: int = RADIANCE, reach_m: float = 1.0,
+    ) -> None:  # fmt: skip
+        """Fold the sum of `layers` in as picture number `index` (0 starts anew).
+
+        Raises SettingsError for more than MOST_LAYERS layers.
+        """
+        if len(layers) > MOST_LAYERS:
+            raise SettingsError(f"{len(layers)} layers cannot be shown at once")
+        filled = [*layers, *[self._means[0]] * (MOST_LAYERS - len(layers))]
+        params = CombineParams(
+            weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],
+            weight=1.0 / (index + 1), kind=kind, near=self._near, reach=reach_m,
+        )  # fmt: skip
+        self._pass.draw(
+            commands, (self._means[1],), params=params, depth=depth, mean=self._means[0],
+            **dict(zip(_SLOTS, filled, strict=True)),
+        )  # fmt: skip
+        self._means.reverse()
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for mean in self._means:
+            mean.release()

@@ -1,0 +1,52 @@
+"""Exposure from the picture itself, without reading it back: `maths.tone.auto_exposure`."""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, vec2u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+
+LOOKED_AT = 96
+"""The picture is looked at in at most this many columns and rows."""
+
+
+class MeterParams(Struct):
+    """The picture's size, and how fast the exposure follows."""
+
+    size = vec2u("px")
+    speed = f32("share of the way to the new exposure; 1 at once")
+
+
+class _Meter(ComputePass):
+    slots = (
+        uniform("params", MeterParams),
+        texture("picture", "2d", "unfilterable-float"),
+        storage("metered", "f32", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "meter.wgsl"
+
+
+class Meter:
+    """`stops` holds one float: the exposure that brings the picture to middle grey.
+
+    differs: a histogram of sixteenths of a stop, over a grid of pixels, instead of a sort.
+    """
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._pass = _Meter(gpu)
+        self.stops = Buffer(gpu, "metered exposure", 16)
+
+    def encode(self, commands: Commands, picture: Texture, speed: float = 1.0) -> None:
+        """Meter `picture`, radiance."""
+        params = MeterParams(size=picture.size[:2], speed=speed)
+        self._pass.dispatch(
+            commands, (256,), params=params, picture=picture, metered=self.stops
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.stops.release()

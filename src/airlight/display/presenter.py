@@ -1,0 +1,101 @@
+"""A renderer's layers to a surface: combine, meter, tone, show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.view import View
+from .combine import DEPTH, NORMAL, RADIANCE, RAW, Combine
+from .meter import Meter
+from .show import Show
+from .tone import Tone
+
+PICTURE = "picture"
+_RAW_LAYERS = {"transmittance": RAW, "albedo": RAW, "normal": NORMAL, "depth": DEPTH}
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is shown, and how.
+
+    `layer`: "picture" (the sum), a radiance layer, transmittance, albedo, normal or depth.
+    `exposure_stops` None: from the picture itself. `reach_m`: the distance that the depth view
+    shows half bright; nearer is brighter.
+    """
+
+    layer: str = PICTURE
+    exposure_stops: float | None = 0.0
+    curve: str = "agx"
+    reach_m: float = 1.0
+
+
+def layer_names(pictures: dict[str, Texture]) -> tuple[str, ...]:
+    """What a technique that draws `pictures` can be looked at by."""
+    radiance = [name for name in pictures if name not in _RAW_LAYERS]
+    raw = [name for name in pictures if name in _RAW_LAYERS]
+    return (PICTURE, *radiance, *raw, "albedo", "normal", "depth")
+
+
+class Presenter:
+    """Pictures of one size at a time, onto surfaces of one format and any size."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
+        self.size = size
+        self._combine, self._meter = Combine(gpu, size), Meter(gpu)
+        self._tone, self._show = Tone(gpu, size), Show(gpu, format)
+        self._is_metered_before = False
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; the mean is lost."""
+        if size != self.size:
+            self.size = size
+            self._combine.resize(size)
+            self._tone.resize(size)
+
+    def take(
+        self, commands: Commands, pictures: dict[str, Texture], view: View, look: Look, index: int
+    ) -> None:
+        """Fold sample number `index` (0 starts anew) of a drawn view into the mean."""
+        kind = _RAW_LAYERS.get(look.layer, RADIANCE)
+        with commands.stage("combine"):
+            self._combine.encode(
+                commands, _chosen(pictures, view, look.layer), view.gbuffer.depth, index,
+                kind=kind, reach_m=look.reach_m,
+            )  # fmt: skip
+
+    def tone(self, commands: Commands, look: Look, *, settled: bool = True) -> None:
+        """Make the mean showable; the metered exposure follows slowly unless `settled`."""
+        is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
+        with commands.stage("tone"):
+            if is_metered and not is_raw:
+                speed = 1.0 if settled or not self._is_metered_before else 0.3
+                self._meter.encode(commands, self._combine.picture, speed)
+                self._is_metered_before = True
+            self._tone.encode(
+                commands, self._combine.picture, self._meter.stops, is_metered=is_metered,
+                exposure_stops=look.exposure_stops or 0.0, curve=look.curve, is_raw=is_raw,
+            )  # fmt: skip
+
+    def show(self, commands: Commands, view: Any) -> None:
+        """Draw what was toned last onto the surface's texture `view`."""
+        self._show.draw(commands, self._tone.shown, view)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self._combine, self._meter, self._tone):
+            part.release()
+
+
+def _chosen(pictures: dict[str, Texture], view: View, layer: str) -> list[Texture]:
+    """The textures whose sum is shown; the picture where a technique has no such layer."""
+    g = view.gbuffer
+    own = {"albedo": g.albedo, "normal": g.normal}
+    if layer == "depth":
+        return []
+    if layer in own or layer in pictures:
+        return [own.get(layer) or pictures[layer]]
+    return [texture for name, texture in pictures.items() if name not in _RAW_LAYERS]
