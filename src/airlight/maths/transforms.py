@@ -81,3 +81,28 @@ def transformed(points: F64, matrix: F64) -> F64:
     homogeneous = points @ matrix[:3, :3].T + matrix[:3, 3]
     w = points @ matrix[3, :3] + matrix[3, 3]
     return np.asarray(homogeneous / w[..., None])
+
+
+def rotation_xyz(angles_deg: Vector) -> F64:
+    """(3, 3): about the world's X axis first, then Y, then Z; counter-clockwise seen against it."""
+    (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians(angles_deg)), np.sin(np.radians(angles_deg))
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
+    about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
+    about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(about_z @ about_y @ about_x)
+
+
+def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
+    """(4, 4): scale, then rotate by the unit quaternion (x, y, z, w), then translate."""
+    x, y, z, w = rotation
+    turned = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = turned * np.asarray(scale)
+    matrix[:3, 3] = translation
+    return matrix

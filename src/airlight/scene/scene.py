@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from .medium import Medium
 from .mesh import Mesh
 from .volume import Volume
 
+if TYPE_CHECKING:
+    from .animation import Animation
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -23,6 +26,7 @@ class Scene:
 
     `settings` holds what a scene file says under [technique.NAME], unchecked until used.
     `warnings` are what a loader dropped, replaced or approximated, for the user to read.
+    `animation` says what moves.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -34,6 +38,14 @@ class Scene:
     settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     name: str = "scene"
     warnings: tuple[str, ...] = ()
+    animation: Animation | None = None
+
+    def at(self, time_s: float) -> Scene:
+        """The scene at a time, seconds; the very same where nothing moves.
+
+        It depends on the time alone, not on what was asked before. Raises SceneError.
+        """
+        return self if self.animation is None else self.animation.at(self, time_s)
 
     @property
     def bounds(self) -> tuple[F64, F64]:

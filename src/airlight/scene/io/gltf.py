@@ -1,4 +1,4 @@
-"""glTF 2.0 and GLB: meshes, materials, punctual lights and the first camera.
+"""glTF 2.0 and GLB: meshes, materials, punctual lights, the first camera, and what moves them.
 
 Photometric units are read as radiometric ones, WATTS_PER_LUMEN = 1: a candela is a W sr^-1, a
 lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lamps and glowing surfaces keep
@@ -9,21 +9,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import SceneError
+from ..animation import Animation
+from ..animation.rig import Part, Rig
 from ..camera import Camera
 from ..checks import F64
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
-from ..mesh import Geometry, Mesh
+from ..mesh import Mesh
 from ..scene import Scene
+from .gltf_animation import read_clips
 from .gltf_buffers import Buffers, read_container
+from .gltf_deform import Deforms
 from .gltf_json import Item
 from .gltf_material import Materials
-from .gltf_mesh import read_geometry
-from .gltf_nodes import Node, read_nodes, scene_roots, world_matrices
+from .gltf_mesh import Primitive, read_primitive
+from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
 
 WATTS_PER_LUMEN = 1.0
 
@@ -79,58 +84,114 @@ class GltfFile:
         self.materials = Materials(document, buffers)
         self.warnings: list[str] = []
         self._meshes = document.items("meshes")
-        self._geometries: dict[tuple[str, int], Geometry | None] = {}
+        self._geometries: dict[tuple[str, int], Primitive | None] = {}
+        self._deforms = Deforms(document, buffers)
 
     def world(self) -> dict[int, F64]:
         """world_from_node of the scene's nodes, as the file places them."""
         return world_matrices(self.nodes, self.roots, [n.local_matrix() for n in self.nodes])
 
     def scene(self) -> Scene:
-        """Everything the file shows."""
+        """Everything the file shows, as its nodes stand; its first animation, where it has one."""
         world = self.world()
-        meshes = self.meshes(world)
-        if not meshes:
+        placed = self._placed(world)
+        if not placed:
             raise SceneError("it has no triangles", where=self.document.file)
-        return Scene(
-            meshes=meshes,
+        camera = self.camera(world)
+        rig = self._rig(world, placed, has_camera=camera is not None)
+        scene = Scene(
+            meshes=tuple(mesh for mesh, _ in placed),
             lights=self.lights(world),
-            camera=self.camera(world) or Camera(),
+            camera=camera or Camera(),
             name=self.document.file.stem,
             warnings=tuple(dict.fromkeys(self.warnings + self.materials.warnings)),
+            animation=Animation((rig,)) if rig.clips else None,
         )
+        return rig.at_rest(scene) if any(part.shape for part in rig.parts) else scene
 
     def meshes(self, world: dict[int, F64]) -> tuple[Mesh, ...]:
-        """All primitives, placed by `world`."""
-        return tuple(
-            mesh
+        """All primitives, placed by `world`, without skins and morph targets."""
+        return tuple(mesh for mesh, _ in self._placed(world))
+
+    def _placed(self, world: dict[int, F64]) -> list[tuple[Mesh, Part]]:
+        """Every primitive, and what moves it."""
+        return [
+            placed
             for k, matrix in world.items()
             if self.nodes[k].item.has("mesh")
-            for mesh in self._node_meshes(self.nodes[k].item, matrix)
-        )
+            for placed in self._node_meshes(k, matrix)
+        ]
 
-    def _node_meshes(self, node: Item, matrix: F64) -> list[Mesh]:
+    def _node_meshes(self, k: int, matrix: F64) -> list[tuple[Mesh, Part]]:
+        node = self.nodes[k].item
         mesh = self._meshes[node.index("mesh", self._meshes, "meshes")]
         name = node.text("name") or mesh.text("name") or mesh.place
         placed = []
         for primitive in mesh.items("primitives"):
             material = self.materials.of(primitive)
-            geometry = self._geometry(primitive, material.uv_set)
-            if geometry is not None:
-                placed.append(Mesh(geometry, material.material, matrix, name))
+            read = self._geometry(primitive, material.uv_set)
+            if read is None:
+                continue
+            geometry, part = read.geometry, Part(k, self._deforms.shape(node, primitive, read))
+            if part.shape is not None:
+                geometry = replace(geometry)  # it moves for itself: not shared with other nodes
+            if part.shape is not None and part.shape.morph is not None:
+                targets = len(part.shape.morph.positions)
+                part = replace(part, weights=self._deforms.weights(node, mesh, targets))
+            placed.append((Mesh(geometry, material.material, matrix, name), part))
         return placed
 
-    def _geometry(self, primitive: Item, uv_set: int) -> Geometry | None:
+    def _geometry(self, primitive: Item, uv_set: int) -> Primitive | None:
         key = (primitive.place, uv_set)
         if key not in self._geometries:
-            geometry = read_geometry(primitive, self.buffers, uv_set)
-            if geometry is None:
+            read = read_primitive(primitive, self.buffers, uv_set)
+            if read is None:
                 self._warn(primitive, "points and lines are left out")
-            self._geometries[key] = geometry
+            self._geometries[key] = read
         return self._geometries[key]
+
+    def _rig(
+        self, world: dict[int, F64], placed: list[tuple[Mesh, Part]], *, has_camera: bool
+    ) -> Rig:
+        """What moves with the file's nodes."""
+        parts = tuple(part for _, part in placed)
+        for part in parts:
+            joints = part.shape.skin.joints if part.shape and part.shape.skin else ()
+            for joint in joints:
+                if int(joint) not in world:
+                    raise self.nodes[int(joint)].item.error("is a joint outside of the scene")
+        targets = {part.node: len(part.weights) for part in parts if part.weights is not None}
+        rest = dict.fromkeys(world, np.eye(4))
+        return Rig(
+            skeleton=skeleton(self.nodes, self.roots),
+            parts=parts,
+            lights=self._hung_lights(rest),
+            camera=self._hung_camera(rest) if has_camera else None,
+            clips=read_clips(self.document, self.buffers, targets, self.warnings),
+        )
+
+    def _hung_lights(self, rest: dict[int, F64]) -> tuple[tuple[int, Light], ...]:
+        """(node, light in its space) in the order of `lights`."""
+        listed = self._listed_lights()
+        return tuple(
+            (k, light)
+            for k, matrix in rest.items()
+            if (light := self._light(self.nodes[k].item, listed, matrix)) is not None
+        )
+
+    def _hung_camera(self, rest: dict[int, F64]) -> tuple[int, Camera] | None:
+        for k, matrix in rest.items():
+            camera = self.camera({k: matrix})
+            if camera is not None:
+                return k, camera
+        return None
+
+    def _listed_lights(self) -> list[Item]:
+        return self.document.at("extensions", "KHR_lights_punctual").items("lights")
 
     def lights(self, world: dict[int, F64]) -> tuple[Light, ...]:
         """The KHR_lights_punctual lights."""
-        listed = self.document.at("extensions", "KHR_lights_punctual").items("lights")
+        listed = self._listed_lights()
         return tuple(
             light
             for k, matrix in world.items()

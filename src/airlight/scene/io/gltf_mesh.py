@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,29 @@ from .normals import compact, creased_normals
 TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
 
 
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """A primitive's triangles, and the file's vertex (V,) that each of theirs comes from.
+
+    `is_flat`: it had no normals.
+    """
+
+    geometry: Geometry
+    rows: NDArray[np.int64]
+    is_flat: bool
+
+
 def read_geometry(primitive: Item, buffers: Buffers, uv_set: int) -> Geometry | None:
     """The triangles of a primitive with TEXCOORD_`uv_set`; None for points and lines.
+
+    Raises SceneError.
+    """
+    read = read_primitive(primitive, buffers, uv_set)
+    return None if read is None else read.geometry
+
+
+def read_primitive(primitive: Item, buffers: Buffers, uv_set: int) -> Primitive | None:
+    """The same, with where its vertices come from.
 
     Without normals it is shaded flat, as the specification (3.7.2.1) demands.
     Raises SceneError.
@@ -51,9 +73,10 @@ def read_geometry(primitive: Item, buffers: Buffers, uv_set: int) -> Geometry | 
 
 def _geometry(
     positions: F32, triangles: NDArray[np.int64], per_vertex: dict[str, F32 | None]
-) -> Geometry:
+) -> Primitive:
     if per_vertex["normals"] is not None:
-        return Geometry(positions, triangles.astype(np.uint32), **per_vertex)
+        whole = Geometry(positions, triangles.astype(np.uint32), **per_vertex)
+        return Primitive(whole, np.arange(len(positions)), is_flat=False)
     flat = np.ones(len(triangles), dtype=bool)
     table, index = creased_normals(positions.astype(np.float64), triangles, flat)
     rows, indices = compact(np.stack([triangles, index], axis=-1))
@@ -63,7 +86,8 @@ def _geometry(
         if values is not None and name != "normals"
     }
     normals = table[rows[:, 1]].astype(np.float32)
-    return Geometry(positions[rows[:, 0]], indices, normals=normals, **others)
+    split = Geometry(positions[rows[:, 0]], indices, normals=normals, **others)
+    return Primitive(split, rows[:, 0], is_flat=True)
 
 
 def _triangles(

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...maths.transforms import trs_matrix
+from ..animation.rig import Skeleton
 from ..checks import F64
 from .gltf_json import Item
 
@@ -55,22 +57,6 @@ def _node(item: Item, items: Sequence[Item]) -> Node:
     )
 
 
-def trs_matrix(translation: F64, rotation: F64, scale: F64) -> F64:
-    """(4, 4): scale, then rotate by the unit quaternion (x, y, z, w), then translate."""
-    x, y, z, w = rotation
-    turned = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix = np.eye(4)
-    matrix[:3, :3] = turned * scale
-    matrix[:3, 3] = translation
-    return matrix
-
-
 def scene_roots(document: Item, nodes: Sequence[Node]) -> list[int]:
     """Root nodes of the default scene; of the first; or all that are nobody's child."""
     scenes = document.items("scenes")
@@ -98,3 +84,21 @@ def world_matrices(
         world[k] = parent @ local[k]
         pending.extend((child, world[k]) for child in reversed(nodes[k].children))
     return world
+
+
+def skeleton(nodes: Sequence[Node], roots: Sequence[int]) -> Skeleton:
+    """The nodes at rest, for animations. The tree has been walked by `world_matrices`."""
+    order: list[tuple[int, int]] = []
+    pending = [(root, -1) for root in reversed(roots)]
+    while pending:
+        k, parent = pending.pop()
+        order.append((k, parent))
+        pending.extend((child, k) for child in reversed(nodes[k].children))
+    count = max(len(nodes), 1)
+    return Skeleton(
+        order=tuple(order),
+        translation=np.array([n.translation for n in nodes]).reshape(count, 3),
+        rotation=np.array([n.rotation for n in nodes]).reshape(count, 4),
+        scale=np.array([n.scale for n in nodes]).reshape(count, 3),
+        matrix={k: n.matrix for k, n in enumerate(nodes) if n.matrix is not None},
+    )

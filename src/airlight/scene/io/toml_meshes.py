@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
+from ...maths.transforms import rotation_xyz
 from ..camera import Camera
-from ..checks import F64, Vec3
-from ..lights import Light, PointLight, SpotLight
+from ..checks import F64
 from ..material import Material, Texture
 from ..mesh import Mesh
+from ..placing import moved_camera, moved_light
 from ..scene import Scene
 from ..shapes import box, quad, sphere
 
@@ -67,16 +68,6 @@ def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
     return matrix
 
 
-def rotation_xyz(angles_deg: Vec3) -> F64:
-    """(3, 3): about the world's X axis first, then Y, then Z; counter-clockwise seen against it."""
-    (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians(angles_deg)), np.sin(np.radians(angles_deg))
-    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
-    about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
-    about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
-    rotation: F64 = about_z @ about_y @ about_x
-    return rotation
-
-
 def _read(path: Path, written: str, label: str) -> Scene:
     from . import MESH_SUFFIXES, load_meshes
 
@@ -96,40 +87,14 @@ def _moved(scene: Scene, world_from_file: F64) -> Scene:
     return replace(
         scene,
         meshes=tuple(meshes),
-        lights=tuple(_moved_light(light, world_from_file) for light in scene.lights),
+        lights=tuple(moved_light(light, world_from_file) for light in scene.lights),
         camera=_moved_camera(scene.camera, world_from_file),
     )
 
 
-def _moved_light(light: Light, matrix: F64) -> Light:
-    if isinstance(light, PointLight):
-        return replace(light, position=_point(light.position, matrix))
-    direction = _vector(light.direction, matrix)
-    if isinstance(light, SpotLight):
-        return replace(light, position=_point(light.position, matrix), direction=direction)
-    return replace(light, direction=direction)
-
-
 def _moved_camera(camera: Camera, matrix: F64) -> Camera:
     """The file's camera, moved; the default one stays, because it says that the file has none."""
-    if camera == Camera():
-        return camera
-    return replace(
-        camera,
-        position=_point(camera.position, matrix),
-        target=_point(camera.target, matrix),
-        up=_vector(camera.up, matrix),
-    )
-
-
-def _point(p: Vec3, matrix: F64) -> Vec3:
-    x, y, z = matrix[:3, :3] @ p + matrix[:3, 3]
-    return (float(x), float(y), float(z))
-
-
-def _vector(v: Vec3, matrix: F64) -> Vec3:
-    x, y, z = matrix[:3, :3] @ v
-    return (float(x), float(y), float(z))
+    return camera if camera == Camera() else moved_camera(camera, matrix)
 
 
 def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:

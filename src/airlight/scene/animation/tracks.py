@@ -1,0 +1,154 @@
+"""Cameras, lights, meshes and environments that follow keyframes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...errors import SceneError
+from ...maths.transforms import rotation_xyz
+from ..checks import F64
+from .curve import Curve
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+
+Curves = Mapping[str, Curve]
+
+
+def _values(curves: Curves, time_s: float) -> dict[str, Any]:
+    """{field: number or tuple} at a time."""
+    values: dict[str, Any] = {}
+    for name, curve in curves.items():
+        value = curve.at(time_s).tolist()
+        values[name] = value[0] if len(value) == 1 else tuple(value)
+    return values
+
+
+def _last(curves: Curves) -> float:
+    return max(curve.end_s for curve in curves.values())
+
+
+@dataclass(frozen=True, eq=False)
+class CameraTrack:
+    """The scene's camera; `curves` by its fields: position, target, up, fov_y_deg ..."""
+
+    curves: Curves
+
+    @property
+    def end_s(self) -> float:
+        """When it comes to rest, seconds."""
+        return _last(self.curves)
+
+    def apply(self, scene: Scene, time_s: float) -> Scene:
+        """The scene seen from where the camera is."""
+        return replace(scene, camera=replace(scene.camera, **_values(self.curves, time_s)))
+
+
+@dataclass(frozen=True, eq=False)
+class LightTrack:
+    """The scene's light number `index`; `curves` by its fields. Light stays at or above zero."""
+
+    index: int
+    curves: Curves
+
+    @property
+    def end_s(self) -> float:
+        """When it comes to rest, seconds."""
+        return _last(self.curves)
+
+    def apply(self, scene: Scene, time_s: float) -> Scene:
+        """The scene with the light as it is."""
+        lights = list(scene.lights)
+        _check_index(self.index, len(lights), "light")
+        values = _values(self.curves, time_s)
+        for name in ("irradiance", "intensity"):  # smooth curves swing through below zero
+            if name in values:
+                values[name] = tuple(max(0.0, c) for c in values[name])
+        lights[self.index] = replace(lights[self.index], **values)
+        return replace(scene, lights=tuple(lights))
+
+
+@dataclass(frozen=True, eq=False)
+class EnvironmentTrack:
+    """The scene's environment; `curves` of rotation_deg and scale."""
+
+    curves: Curves
+
+    @property
+    def end_s(self) -> float:
+        """When it comes to rest, seconds."""
+        return _last(self.curves)
+
+    def apply(self, scene: Scene, time_s: float) -> Scene:
+        """The scene under the environment as it is."""
+        if scene.environment is None:
+            raise SceneError("the scene has no environment to move")
+        values = _values(self.curves, time_s)
+        if "scale" in values:
+            values["scale"] = max(0.0, values["scale"])
+        return replace(scene, environment=replace(scene.environment, **values))
+
+
+@dataclass(frozen=True, eq=False)
+class Placing:
+    """translate (m), rotate_deg and scale by keyframes; `still` gives those without a curve.
+
+    `rotate_deg`: about the world's X axis, then Y, then Z.
+    """
+
+    curves: Curves
+    still: Mapping[str, tuple[float, float, float]]
+
+    def at(self, time_s: float) -> F64:
+        """(4, 4) at a time."""
+        values = {**self.still, **_values(self.curves, time_s)}
+        matrix = np.eye(4)
+        scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
+        matrix[:3, :3] = rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0))) * scale
+        matrix[:3, 3] = values.get("translate", (0.0, 0.0, 0.0))
+        return matrix
+
+    @property
+    def end_s(self) -> float:
+        """When it comes to rest, seconds."""
+        return _last(self.curves)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshTrack:
+    """The meshes from number `first` on, one for each of `world_from_object` (N, 4, 4).
+
+    Those are their places before `placing` moves them.
+    """
+
+    first: int
+    world_from_object: F64
+    placing: Placing
+
+    moves_meshes = True
+
+    @property
+    def end_s(self) -> float:
+        """When it comes to rest, seconds."""
+        return self.placing.end_s
+
+    def apply(self, scene: Scene, time_s: float) -> Scene:
+        """The scene with the meshes where they are."""
+        meshes = list(scene.meshes)
+        _check_index(self.first + len(self.world_from_object) - 1, len(meshes), "mesh")
+        moved = self.placing.at(time_s) @ self.world_from_object
+        for k, matrix in enumerate(moved, start=self.first):
+            meshes[k] = replace(meshes[k], world_from_object=matrix)
+        return replace(scene, meshes=tuple(meshes))
+
+
+def _check_index(index: int, count: int, what: str) -> None:
+    if index >= count:
+        raise SceneError(
+            f"the animation moves {what} {index + 1}, but the scene has {count}",
+            remedy="Keep lights and meshes in their order, or leave out the animation.",
+        )

@@ -1,0 +1,43 @@
+"""Lights and cameras moved by a matrix."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .camera import Camera
+from .checks import F64, Vec3
+from .lights import Light, PointLight, SpotLight
+
+
+def moved_light(light: Light, matrix: F64) -> Light:
+    """The light through a (4, 4) matrix; its strength stays."""
+    if isinstance(light, PointLight):
+        return replace(light, position=moved_point(light.position, matrix))
+    direction = moved_vector(light.direction, matrix)
+    if isinstance(light, SpotLight):
+        return replace(light, position=moved_point(light.position, matrix), direction=direction)
+    return replace(light, direction=direction)
+
+
+def moved_camera(camera: Camera, matrix: F64) -> Camera:
+    """The camera through a (4, 4) matrix; its field of view stays."""
+    return replace(
+        camera,
+        position=moved_point(camera.position, matrix),
+        target=moved_point(camera.target, matrix),
+        up=moved_vector(camera.up, matrix),
+    )
+
+
+def moved_point(p: Vec3, matrix: F64) -> Vec3:
+    """A point through a (4, 4) matrix."""
+    x, y, z = matrix[:3, :3] @ np.asarray(p) + matrix[:3, 3]
+    return (float(x), float(y), float(z))
+
+
+def moved_vector(v: Vec3, matrix: F64) -> Vec3:
+    """A direction through a (4, 4) matrix, of whatever length."""
+    x, y, z = matrix[:3, :3] @ np.asarray(v)
+    return (float(x), float(y), float(z))
