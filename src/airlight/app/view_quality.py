@@ -1,0 +1,83 @@
+"""How finely the next picture is drawn: coarse while anything moves, finer and finer when still.
+
+Resolution follows the time that frames really took, so that a machine without a GPU stays above
+ten frames a second where it can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SETTLE_S = 0.2
+"""Nothing has moved for so long: time to refine."""
+STILL_SAMPLES = 64
+MOST_SCALE = 8.0
+_SLOW_MS, _FAST_MS, _AIM_MS = 90.0, 40.0, 65.0
+_PATIENCE = 6  # fast frames in a row before a finer one is tried
+_STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The next picture: its size in pixels, and its number among those averaged (0 starts anew).
+
+    `sample` None: nothing is left to do.
+    """
+
+    size: tuple[int, int]
+    sample: int | None
+    is_moving: bool = False
+
+
+class Quality:
+    """`plan` before each frame, `took` after it."""
+
+    def __init__(self, *, is_cpu: bool, samples: int = STILL_SAMPLES) -> None:
+        self.samples = samples
+        self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
+        self._quick_frames = 0
+        self._changed_s = float("-inf")
+        self._done = 0
+        self._still_size = (0, 0)
+        self._was_moving = True
+
+    @property
+    def share(self) -> float:
+        """How much of the refinement is done, 0 to 1."""
+        return self._done / self.samples
+
+    def plan(self, now_s: float, full: tuple[int, int], *, changed: bool) -> Plan:
+        """What to draw at `now_s` on a surface of `full` pixels; `changed`: since the last."""
+        if changed:
+            self._changed_s = now_s
+        if now_s - self._changed_s < SETTLE_S:
+            self._was_moving, self._done = True, 0
+            return Plan(self._reduced(full), 0 if changed else None, is_moving=True)
+        if self._was_moving or self._still_size != full:
+            self._was_moving, self._still_size, self._done = False, full, 0
+        if self._done >= self.samples:
+            return Plan(full, None)
+        self._done += 1
+        return Plan(full, self._done - 1)
+
+    def took(self, ms: float, plan: Plan) -> None:
+        """A frame of `plan` took `ms`, with the device done."""
+        if not plan.is_moving:
+            return
+        if ms > _SLOW_MS:
+            self._quick_frames = 0
+            self.scale = _step_above(self.scale * (ms / _AIM_MS) ** 0.5)
+        elif ms < _FAST_MS and self.scale > 1.0:
+            self._quick_frames += 1
+            if self._quick_frames >= _PATIENCE:
+                self._quick_frames = 0
+                self.scale = _STEPS[max(0, _STEPS.index(self.scale) - 1)]
+        else:
+            self._quick_frames = 0
+
+    def _reduced(self, full: tuple[int, int]) -> tuple[int, int]:
+        return (max(1, round(full[0] / self.scale)), max(1, round(full[1] / self.scale)))
+
+
+def _step_above(scale: float) -> float:
+    return next((step for step in _STEPS if step >= scale), MOST_SCALE)
