@@ -5,7 +5,7 @@ import pytest
 
 from airlight.errors import SettingsError
 from airlight.maths import lattice26
-from airlight.scatter.schedule import iterations_to, schedule
+from airlight.scatter.schedule import cycles_to, iterations_to, schedule
 
 
 def test_levels_go_down_to_four_cells():
@@ -16,6 +16,13 @@ def test_levels_go_down_to_four_cells():
     assert schedule("finish", 8, (4, 4, 4)).before == (7,)
     assert schedule("none", 5, (32, 32, 32)).before == (4,)
     assert schedule("finish", 0, (32, 32, 32)).is_empty
+
+
+def test_iterations_pay_for_cycles():
+    assert [schedule("cycle", n, (32, 32, 32)).cycles for n in (1, 8, 16)] == [1, 2, 4]
+    assert schedule("cycle", 8, (32, 32, 32)).iterations == 8
+    assert cycles_to(0.1) == 8
+    assert cycles_to(0.005) > cycles_to(0.05)
 
 
 def test_an_unknown_acceleration_is_refused():

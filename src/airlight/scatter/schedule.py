@@ -2,7 +2,8 @@
 
 none     the given number of iterations on the fine lattice
 finish   those, then 8 at half and 16 at a quarter of the resolution for what is still under way
-cycle    two W(1, 1) multigrid cycles: about 8 iterations' cost, close to the converged field
+cycle    a W(1, 1) multigrid cycle for every 4 iterations, which is about what it costs: close to
+         the converged field after two
 """
 
 from __future__ import annotations
@@ -21,19 +22,23 @@ Count = tuple[int, int, int]
 ACCELERATIONS = ("none", "finish", "cycle")
 _SMALLEST = 4  # cells along the longest side of the coarsest lattice
 _MOST = 512
+_CYCLE_ITERATIONS = 4  # that a cycle costs about as much as
+_CYCLE_LEAVES = 0.3  # of what was under way, in thick air; measured
 
 
 @dataclass(frozen=True)
 class Schedule:
     """Steps `before` and `after` the correction by the next coarser level, per level.
 
-    `visits` of the coarser level per correction (2 makes W cycles), `cycles` in all.
+    `visits` of the coarser level per correction (2 makes W cycles), `cycles` in all;
+    `iterations` is what was asked for.
     """
 
     before: tuple[int, ...]
     after: tuple[int, ...]
     visits: int = 1
     cycles: int = 1
+    iterations: int = 0
     is_empty: bool = False
 
     def counts(self, count: Count) -> list[Count]:
@@ -48,7 +53,7 @@ class Schedule:
 def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
     """The plan for a lattice of `count` cells. Raises SettingsError for an unknown acceleration.
 
-    With n iterations the light of the states 0 .. n - 1 is counted.
+    With n iterations the light of the states 0 .. n - 1 is counted; of cycles there are n / 4.
     """
     if acceleration not in ACCELERATIONS:
         raise SettingsError(
@@ -61,12 +66,20 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
     while max(count) / 2**coarser > _SMALLEST:
         coarser += 1
     if acceleration == "none" or coarser == 0:
-        return Schedule((iterations - 1,), (0,))
+        return Schedule((iterations - 1,), (0,), iterations=iterations)
     if acceleration == "finish":
         depth = min(coarser, 2)
-        return Schedule((iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1])
+        before, after = (iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1]
+        return Schedule(before, after, iterations=iterations)
     ones = (1,) * coarser
-    return Schedule((*ones, 8), (*ones, 0), visits=2, cycles=2)
+    cycles = max(1, round(iterations / _CYCLE_ITERATIONS))
+    return Schedule((*ones, 8), (*ones, 0), visits=2, cycles=cycles, iterations=iterations)
+
+
+def cycles_to(residual: float) -> int:
+    """Iterations whose cycles leave about `residual` of the light under way."""
+    cycles = math.ceil(math.log(1.0 / max(residual, 1e-6)) / math.log(1.0 / _CYCLE_LEAVES))
+    return _CYCLE_ITERATIONS * max(1, cycles)
 
 
 def iterations_to(

@@ -23,11 +23,13 @@ class ScatterSettings:
     scheme: str = setting(
         "auto", "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
         "eq. 3 as printed; paper-gamma: with what it loses put back", choices=SCHEMES)  # fmt: skip
-    iterations: int = setting(8, "propagation steps on the fine lattice", low=0, high=512)
+    iterations: int = setting(
+        8, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512)  # fmt: skip
     residual: float = setting(0.0, "light that may still be under way; chooses the iterations "
                               "where above 0", low=0.0, high=0.9)  # fmt: skip
     acceleration: str = setting(
-        "finish", "coarser lattices for slow light", choices=ACCELERATIONS)  # fmt: skip
+        "cycle", "coarser lattices for slow light: none, to finish with, or in multigrid cycles",
+        choices=ACCELERATIONS)  # fmt: skip
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
     single: str = setting(
         "gather", "how first-scattered light comes into cells: gathered by them, or from points "

@@ -36,7 +36,7 @@ from .emission import Emission
 from .inject_maps import InjectRays, InjectReflected, fixed_point_scale, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
-from .schedule import Schedule, iterations_to, schedule
+from .schedule import Schedule, cycles_to, iterations_to, schedule
 from .settings import ScatterSettings, densest_air, is_varied
 from .similar import similar_scene
 from .surface_light import SurfaceLight
@@ -232,12 +232,14 @@ class ScatterSolver:
 
     def _schedule(self, even: Scene) -> Schedule:
         s, count = self.settings, self.placement.count
-        steps = s.iterations
-        if s.residual > 0.0:
-            sigma_s, sigma_t = densest_air(even)
-            steps = iterations_to(s.residual, sigma_s, sigma_t, self.placement.cell, count)
         # The paper has one lattice.
         faster = "none" if s.scheme.startswith("paper") else s.acceleration
+        steps = s.iterations
+        if s.residual > 0.0 and faster == "cycle":
+            steps = cycles_to(s.residual)
+        elif s.residual > 0.0:
+            sigma_s, sigma_t = densest_air(even)
+            steps = iterations_to(s.residual, sigma_s, sigma_t, self.placement.cell, count)
         return schedule(faster, steps, count)
 
     @property
@@ -245,7 +247,7 @@ class ScatterSolver:
         """What was solved, for --stats."""
         plan = self.levels.schedule
         return {
-            "lattice": list(self.placement.count), "iterations": plan.before[0] + 1,
+            "lattice": list(self.placement.count), "iterations": plan.iterations,
             "levels": len(self.levels.levels), "cycles": plan.cycles,
         }  # fmt: skip
 
