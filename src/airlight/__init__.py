@@ -6,6 +6,7 @@
 
 load, scenes      a scene: from a file, or one that ships
 render, Renderer  a picture of it; or many, with the scene kept on the device
+export_lattice    the light that was solved, as arrays for other programs
 reference         the same scene by unbiased path tracing, and how far apart two pictures are
 Scene, Mesh, ...  what scenes are made of
 """
@@ -43,6 +44,8 @@ from .scene.io import load
 
 if TYPE_CHECKING:
     from . import reference
+    from .exports.light_field import LightField
+    from .exports.solved import export_lattice
     from .rendering import Renderer, render
     from .scene import builtin as scenes
 
@@ -52,6 +55,8 @@ __version__ = "0.1.0"
 _LATER = {
     "render": ("airlight.rendering", "render"),
     "Renderer": ("airlight.rendering", "Renderer"),
+    "LightField": ("airlight.exports.light_field", "LightField"),
+    "export_lattice": ("airlight.exports.solved", "export_lattice"),
     "scenes": ("airlight.scene.builtin", ""),
     "reference": ("airlight.reference", ""),
 }
@@ -65,6 +70,7 @@ __all__ = [
     "Geometry",
     "Image",
     "Light",
+    "LightField",
     "Material",
     "Medium",
     "Mesh",
@@ -78,6 +84,7 @@ __all__ = [
     "SpotLight",
     "Texture",
     "Volume",
+    "export_lattice",
     "load",
     "reference",
     "render",

@@ -26,6 +26,7 @@ COMMANDS: tuple[str, ...] = (
     "info",
     "validate",
     "convert",
+    "export-lattice",
     "scenes",
     "figure",
     "bench",
@@ -47,7 +48,7 @@ class _Commands(click.Group):
 
 
 def _module(command: str) -> str:
-    return f"{__package__}.{command}"
+    return f"{__package__}.{command.replace('-', '_')}"
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -1,0 +1,61 @@
+"""`airlight export-lattice`: the solved light field, for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import OutputError
+from .options import adapter_option, settings_option
+from .outputs import check_writable
+from .scene_argument import load_scene, show_warnings
+
+
+@click.command("export-lattice")
+@click.argument("scene")
+@click.option(
+    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="FILE.npz|DIR",
+    help="An .npz, or a folder for .npy files and header.json.",
+)  # fmt: skip
+@click.option(
+    "-t", "--technique", default="auto", show_default=True,
+    help="lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.",
+)  # fmt: skip
+@settings_option()
+@adapter_option()
+def command(scene: str, output: Path, **options: Any) -> None:
+    """Solve the light in SCENE and write it as NumPy arrays with a JSON header.
+
+    \b
+    airlight export-lattice builtin:room -o room-light.npz -t lpv
+    airlight export-lattice fog.toml -o light/ -D resolution=48
+
+    The header gives placement, units, basis and order. Lattices hold radiance in spherical
+    harmonics of order 1 and irradiance on six sides of every cell; volumes solved by pop hold
+    what they scatter towards the scene's camera.
+    """
+    _check_output(output)
+    from ..exports.solved import export_lattice
+
+    loaded = load_scene(scene)
+    export_lattice(
+        loaded, output, technique=options["technique"], settings=options["settings"],
+        adapter=options["adapter"],
+    )  # fmt: skip
+    show_warnings(loaded)
+    click.echo(str(output))
+
+
+def _check_output(output: Path) -> None:
+    """Refuse, before any work, what could not be written after it. Raises OutputError."""
+    if output.suffix == ".npz":
+        check_writable(output)
+    elif output.suffix:
+        raise OutputError(
+            f"cannot write a light field that ends in '{output.suffix}'", where=output,
+            remedy="End its name in .npz, or name a folder.",
+        )  # fmt: skip
+    elif output.exists() and not output.is_dir():
+        raise OutputError("this is a file, not a folder", where=output)

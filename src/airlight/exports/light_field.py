@@ -1,0 +1,188 @@
+"""Light solved on a lattice or in a volume, as arrays, with the lookup that our shaders do.
+
+Radiance is kept in two bands, L(w) = a + b.w, W m^-2 sr^-1, with w the way the light travels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..maths.lattice6 import surface_irradiance
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+AXES: F64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+"""Normals of an ambient cube's six values."""
+CREVICE_SHARE = 0.5
+"""As in wgsl/lattice.wgsl: the least share of the light in the next cell that a surface gets."""
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeLight:
+    """Cubic cells of side `cell`, m; cell (i, j, k) spans origin + cell * [i, i+1] ...
+
+    fade       (4, 3) m: where its light begins, over which width, where it ends, over which width
+    surfaces   (Z, Y, X, 3, 4) the light that surfaces get: (a, bx, by, bz) for R, G, B
+    air        the same for the light that air scatters, or None: J(w) = sigma_s (a + g b.w)
+    openness   (Z, Y, X, 6) the open share of what comes in from the cells at -x +x -y +y -z +z
+    walls      (Z, Y, X, 3) how far, in cells, the wall that was counted on the cell's low x, y, z
+               face really lies from it
+    rule       how surfaces read it; "lobe": as a lobe that is nowhere negative, "linear": as
+               pi (a - 2/3 b.n), at least 0
+    """
+
+    origin: tuple[float, float, float]
+    cell: float
+    fade: F64
+    surfaces: F32
+    openness: F32
+    walls: F32
+    air: F32 | None = None
+    rule: Literal["lobe", "linear"] = "lobe"
+
+    @property
+    def count(self) -> tuple[int, int, int]:
+        """Cells along x, y, z."""
+        z, y, x = self.surfaces.shape[:3]
+        return x, y, z
+
+    def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
+        """(n, 3), W m^-2, of bounced and scattered light on surfaces at `points` (n, 3), m.
+
+        `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
+        """
+        p, n = np.asarray(points, np.float64), np.asarray(normals, np.float64)
+        place = self._bent(p)
+        uvw = self._eased(place + _raised(place, n))
+        here = self._facing(uvw, n)
+        next_cell = self._facing(uvw + n / np.array(self.count), n)
+        return np.maximum(here, CREVICE_SHARE * next_cell)
+
+    def weight(self, points: ArrayLike) -> F64:
+        """(n,): 1 inside, falling to 0 towards the border. Twin: lattice_weight."""
+        p = np.asarray(points, np.float64)
+        low, low_width, high, high_width = self.fade
+        inside = np.minimum((p - low) / low_width, (high - p) / high_width).min(axis=1)
+        return np.asarray(np.clip(inside, 0.0, 1.0))
+
+    def ambient_cubes(self) -> F32:
+        """(Z, Y, X, 6, 3), W m^-2: irradiance in every cell on surfaces that face AXES."""
+        states = self.surfaces[..., None, :, :]  # (Z, Y, X, 1, 3, 4)
+        return self._read(states, AXES[:, None, :]).astype(np.float32)
+
+    def _facing(self, uvw: F64, n: F64) -> F64:
+        return self._read(_trilinear(self.surfaces, uvw), n[:, None, :])
+
+    def _read(self, states: NDArray[Any], n: F64) -> F64:
+        if self.rule == "lobe":
+            return surface_irradiance(states, n, 1.0, scale=1.0)
+        along = (states[..., 1:] * n).sum(axis=-1)
+        return np.asarray(np.pi * np.maximum(states[..., 0] - 2.0 / 3.0 * along, 0.0), np.float64)
+
+    def _cells(self, place: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
+        """Of places among the cells: the cell (n, 3), and the same as an index of our arrays."""
+        cell = np.clip(np.floor(place), 0, np.array(self.count) - 1).astype(np.intp)
+        return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
+
+    def _bent(self, p: F64) -> F64:
+        """Twin: bent_place in wgsl/lattice_space.wgsl."""
+        place = (p - np.array(self.origin)) / self.cell
+        cell, at = self._cells(place)
+        low = self.walls[at].astype(np.float64)
+        high = np.stack([self._wall_above(cell, axis) for axis in range(3)], axis=1)
+        t = place - cell
+        between = (t - low) / np.maximum(1.0 + high - low, 0.25)
+        below, above = (t - low) / (1.0 + low), 1.0 + (t - 1.0 - high) / (1.0 - high)
+        bent = np.where(t < low, below, np.where(t > 1.0 + high, above, between))
+        return np.asarray(cell + bent)
+
+    def _wall_above(self, cell: NDArray[np.intp], axis: int) -> F64:
+        """The shift of the wall on the high face along `axis`; 0 at the lattice's end."""
+        last = self.count[axis] - 1
+        x, y, z = (np.minimum(cell[:, k] + (k == axis), self.count[k] - 1) for k in range(3))
+        return np.where(cell[:, axis] == last, 0.0, self.walls[z, y, x, axis])
+
+    def _eased(self, place: F64) -> F64:
+        """Twin: lattice_eased in wgsl/lattice.wgsl."""
+        cell, at = self._cells(place)
+        t = np.clip(place - cell, 0.0, 1.0) - 0.5
+        open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
+        share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
+        x = np.clip((share - 0.15) / 0.35, 0.0, 1.0)
+        return np.asarray((cell + 0.5 + t * x * x * (3.0 - 2.0 * x)) / np.array(self.count))
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeLight:
+    """What a volume scatters towards `eye` (world, m).
+
+    `radiance` (Z, Y, X, 3), W m^-2 sr^-1: times sigma_s it is J in W m^-3 sr^-1. Its cells fill
+    the unit cube (x, y, z) that `world_from_unit` (4, 4) places in the world.
+    """
+
+    radiance: F32
+    world_from_unit: F64
+    eye: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class LightField:
+    """All that a technique solved for a scene: nested lattices, the finest first, and volumes."""
+
+    technique: str
+    scene: str
+    lattices: tuple[LatticeLight, ...] = ()
+    volumes: tuple[VolumeLight, ...] = ()
+
+    def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
+        """(n, 3), W m^-2, of bounced and scattered light on surfaces at `points` (n, 3), m.
+
+        Each lattice fades into the next coarser one, the last into nothing. `normals` (n, 3) are
+        unit vectors.
+        """
+        p = np.asarray(points, np.float64)
+        total, left = np.zeros(p.shape), np.ones(len(p))
+        for lattice in self.lattices:
+            share = left * lattice.weight(p)
+            total += share[:, None] * lattice.irradiance(p, normals)
+            left -= share
+        return total
+
+    def save(self, path: Any) -> None:
+        """Write `path`, an .npz or a folder. Raises OutputError."""
+        from .light_field_file import save_light_field
+
+        save_light_field(self, path)
+
+    @staticmethod
+    def load(path: Any) -> LightField:
+        """What `save` wrote. Raises SceneError."""
+        from .light_field_file import load_light_field
+
+        return load_light_field(path)
+
+
+def _raised(place: F64, n: F64) -> F64:
+    """How far before a surface to look, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
+    along = place * np.sign(n)
+    f = along - np.floor(along)
+    return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))
+
+
+def _trilinear(cells: F32, uvw: F64) -> F64:
+    """Values (n, ...) of cells (Z, Y, X, ...) at texture coordinates (n, 3), edges clamped."""
+    count = np.array(cells.shape[2::-1])
+    texel = uvw * count - 0.5
+    low = np.floor(texel)
+    t = texel - low
+    total = np.zeros((len(uvw), *cells.shape[3:]))
+    for corner in np.ndindex(2, 2, 2):
+        x, y, z = np.clip(low + corner, 0, count - 1).astype(np.intp).T
+        weight = np.prod(np.where(corner, t, 1.0 - t), axis=1)
+        total += weight.reshape(-1, *[1] * (cells.ndim - 3)) * cells[z, y, x]
+    return total

@@ -1,0 +1,185 @@
+"""Light fields on disk: NumPy arrays, and a JSON header that says what and where they are.
+
+An .npz holds the arrays and the header as text under `header`; a folder holds NAME.npy each and
+header.json. Radiance is in real spherical harmonics of order 1, as other programs expect it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import OutputError, SceneError
+from ..scene.io.files import whole_file
+from .light_field import LatticeLight, LightField, VolumeLight
+
+FORMAT, VERSION = "airlight light field", 1
+HEADER_FILE = "header.json"
+_Y0 = math.sqrt(1.0 / (4.0 * math.pi))
+_Y1 = math.sqrt(3.0 / (4.0 * math.pi))
+_TO_SH = np.array([1.0 / _Y0, 1.0 / _Y1, 1.0 / _Y1, 1.0 / _Y1])
+_BAND_ORDER = [0, 2, 3, 1]  # (a, bx, by, bz) -> Y00, Y1-1 (y), Y10 (z), Y11 (x)
+
+_ABOUT = {
+    "axes": "arrays are (z, y, x, ...); right-handed, +Y up; metres; linear Rec.709",
+    "fade_m": "per lattice, finest first: where its light begins, over which width, where it "
+    "ends, over which width; beyond, the next lattice has it",
+    "sh": {
+        "order": 1,
+        "basis": f"real, orthonormal: Y00 = {_Y0:.6f}, Y1-1 = {_Y1:.6f} y, Y10 = {_Y1:.6f} z, "
+        f"Y11 = {_Y1:.6f} x",
+        "direction": "the way the light travels; for the way it comes from, change the sign of "
+        "the last three coefficients",
+    },
+}
+_MEANINGS = {
+    "surfaces": (
+        "W m^-2 sr^-1", "(z, y, x, rgb, 4): SH of bounced and scattered radiance, for surfaces"
+    ),
+    "irradiance": (
+        "W m^-2", "(z, y, x, 6, rgb): the same on surfaces that face +x -x +y -y +z -z"
+    ),
+    "air": (
+        "W m^-2 sr^-1",
+        "(z, y, x, rgb, 4): SH of the radiance that air scatters; weigh l = 1 by g, times sigma_s",
+    ),
+    "openness": ("", "(z, y, x, 6): open share towards -x +x -y +y -z +z"),
+    "walls": ("cells", "(z, y, x, 3): how far walls lie from the cell's low faces"),
+}  # fmt: skip
+
+
+def save_light_field(field: LightField, path: str | Path) -> None:
+    """Write `path`: an .npz, or a folder (made where it is missing). Raises OutputError."""
+    target = Path(path)
+    arrays = _arrays(field)
+    header = json.dumps(_header(field, arrays), indent=2)
+    if target.suffix == ".npz":
+        with whole_file(target) as part:
+            np.savez(part, header=np.array(header), **arrays)
+        return
+    _make_folder(target)
+    for name, array in arrays.items():
+        with whole_file(target / f"{name}.npy") as part:
+            np.save(part, array)
+    with whole_file(target / HEADER_FILE) as part:
+        part.write_text(header + "\n", encoding="utf-8")
+
+
+def load_light_field(path: str | Path) -> LightField:
+    """What `save_light_field` wrote. Raises SceneError."""
+    source = Path(path)
+    try:
+        header, arrays = _read_folder(source) if source.is_dir() else _read_npz(source)
+        if header["format"] != FORMAT or header["version"] != VERSION:
+            raise SceneError(f"not an {FORMAT} of version {VERSION}", where=source)
+        return _field(header, arrays)
+    except FileNotFoundError:
+        raise SceneError("file not found", where=source, remedy="Check the path.") from None
+    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, EOFError) as error:
+        raise SceneError(f"not a readable light field ({error})", where=source) from None
+
+
+def _arrays(field: LightField) -> dict[str, NDArray[np.float32]]:
+    made: dict[str, NDArray[np.float32]] = {}
+    for index, cells in enumerate(field.lattices):
+        name = f"lattice{index}_"
+        made[f"{name}surfaces"] = _to_sh(cells.surfaces)
+        made[f"{name}irradiance"] = cells.ambient_cubes()
+        if cells.air is not None:
+            made[f"{name}air"] = _to_sh(cells.air)
+        made[f"{name}openness"], made[f"{name}walls"] = cells.openness, cells.walls
+    for index, volume in enumerate(field.volumes):
+        made[f"volume{index}"] = volume.radiance
+    return made
+
+
+def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
+    from .. import __version__
+
+    header: dict[str, Any] = {
+        "format": FORMAT, "version": VERSION, "airlight": __version__, "scene": field.scene,
+        "technique": field.technique, **_ABOUT,
+    }  # fmt: skip
+    header["lattices"] = [
+        {"arrays": f"lattice{i}_...", "origin_m": list(cells.origin), "cell_m": cells.cell,
+         "count_xyz": list(cells.count), "fade_m": cells.fade.tolist(), "rule": cells.rule}
+        for i, cells in enumerate(field.lattices)
+    ]  # fmt: skip
+    header["volumes"] = [
+        {"array": f"volume{i}", "world_from_unit": v.world_from_unit.tolist(), "eye_m": list(v.eye),
+         "unit": "W m^-2 sr^-1", "meaning": "in-scattered radiance towards the eye, times sigma_s"}
+        for i, v in enumerate(field.volumes)
+    ]  # fmt: skip
+    header["arrays"] = {
+        name: {"shape": list(a.shape), "dtype": str(a.dtype), **_about(name)}
+        for name, a in arrays.items()
+    }
+    return header
+
+
+def _about(name: str) -> dict[str, str]:
+    unit, meaning = _MEANINGS.get(
+        name.partition("_")[2], ("W m^-2 sr^-1", "(z, y, x, rgb): see volumes")
+    )
+    return {"unit": unit, "meaning": meaning}
+
+
+def _to_sh(bands: NDArray[np.float32]) -> NDArray[np.float32]:
+    return (bands * _TO_SH)[..., _BAND_ORDER].astype(np.float32)
+
+
+def _from_sh(sh: NDArray[np.float32]) -> NDArray[np.float32]:
+    return (sh[..., np.argsort(_BAND_ORDER)] / _TO_SH).astype(np.float32)
+
+
+def _make_folder(target: Path) -> None:
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"cannot be made a folder ({error.strerror or error})", where=target,
+            remedy="Choose another place, or end its name in .npz.",
+        ) from None  # fmt: skip
+
+
+def _read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    header = json.loads((folder / HEADER_FILE).read_text(encoding="utf-8"))
+    return header, {n: np.load(folder / f"{n}.npy", allow_pickle=False) for n in header["arrays"]}
+
+
+def _read_npz(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    with np.load(path, allow_pickle=False) as held:
+        header = json.loads(str(held["header"]))
+        return header, {name: held[name] for name in header["arrays"]}
+
+
+def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:
+    lattices = tuple(
+        _lattice(about, f"lattice{i}_", arrays) for i, about in enumerate(header["lattices"])
+    )
+    volumes = tuple(
+        VolumeLight(arrays[v["array"]], np.array(v["world_from_unit"]), _three(v["eye_m"]))
+        for v in header["volumes"]
+    )
+    return LightField(header["technique"], header["scene"], lattices, volumes)
+
+
+def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> LatticeLight:
+    air = arrays.get(f"{name}air")
+    return LatticeLight(
+        origin=_three(about["origin_m"]), cell=about["cell_m"], rule=about["rule"],
+        fade=np.array(about["fade_m"]), surfaces=_from_sh(arrays[f"{name}surfaces"]),
+        openness=arrays[f"{name}openness"], walls=arrays[f"{name}walls"],
+        air=None if air is None else _from_sh(air),
+    )  # fmt: skip
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    x, y, z = values
+    return (float(x), float(y), float(z))

@@ -1,0 +1,124 @@
+"""The light field that a renderer has solved, read back from the device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..gpu.memory import Texture
+from ..lpv.lpv import Lpv
+from ..rendering import Renderer
+from ..scene.scene import Scene
+from ..techniques.air import InAir, LpvScatter
+from .light_field import F32, LatticeLight, LightField, VolumeLight
+
+SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
+"""Techniques that solve a light field."""
+
+
+def export_lattice(
+    scene: Scene, path: Any = None, *, technique: str = "auto",
+    settings: Mapping[str, Any] | None = None, adapter: str = "auto",
+) -> LightField:  # fmt: skip
+    """Solve the light in `scene`, write it to `path` (.npz or a folder) if given, return it.
+
+    `settings` as in `airlight render -D`. Raises SettingsError for a technique that keeps no
+    light, DeviceError, OutputError.
+    """
+    if technique in ("direct", "single"):
+        raise _no_light(technique)
+    with Renderer(scene, technique, (16, 16), settings=settings, adapter=adapter) as renderer:
+        renderer.frame(read=False)
+        field = light_field(renderer, technique)
+    if path is not None:
+        field.save(path)
+    return field
+
+
+def light_field(renderer: Renderer, technique: str = "") -> LightField:
+    """What `renderer` solved for its last frame. Raises SettingsError where it keeps no light."""
+    used: Any = renderer.technique
+    used = getattr(used, "chosen", used)  # auto chooses
+    volumes = _volume_lights(used, renderer)
+    is_lattice = isinstance(used, (Lpv, LpvScatter))
+    if not is_lattice and not volumes:
+        raise _no_light(technique or type(used).__name__)
+    lattices = _lattices(used) if is_lattice else ()
+    return LightField(technique or type(used).__name__, renderer.scene.name, lattices, volumes)
+
+
+def _no_light(technique: str) -> SettingsError:
+    return SettingsError(
+        f"technique '{technique}' keeps no light that could be exported",
+        remedy=f"Choose from {', '.join(SOLVERS)}.",
+    )
+
+
+def _lattices(used: Any) -> tuple[LatticeLight, ...]:
+    """All that surfaces read, the finest first; air is on the last."""
+    blockers = used.blockers
+    held = {
+        "states": _bands(used.lattice_bound),
+        "open": np.concatenate([blockers.open_a.read(), blockers.open_b.read()[..., :2]], axis=-1),
+        "walls": blockers.walls.read()[..., :3],
+    }
+    made = [_lattice_light(params.record, held) for params in used.lattice_params]
+    return (*made[:-1], replace(made[-1], air=_air(used)))
+
+
+def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
+    cell, is_paper = float(record["cell"]), bool(record["is_paper"])
+    first, rows = int(record["first_row"]), int(record["count"][1])
+    states, openness, walls = (
+        held[k][:, first : first + rows] for k in ("states", "open", "walls")
+    )
+    # Stored units to radiance, so that irradiance is pi (a - 2/3 b.n) to first order.
+    scale = 1.0 / (cell**2 * float(record["power_scale"]))
+    if is_paper:
+        weights = scale * 4.0 / np.pi * np.array([1.0, 1.5, 1.5, 1.5])
+    else:
+        weights = scale * float(record["lookup_scale"]) * np.ones(4)
+    fade = [record[k] for k in ("fade_low", "fade_low_width", "fade_high", "fade_high_width")]
+    return LatticeLight(
+        origin=_three(record["origin"]), cell=cell, fade=np.array(fade, np.float64),
+        rule="linear" if is_paper else "lobe", surfaces=(states * weights).astype(np.float32),
+        openness=(openness / 255.0).astype(np.float32),
+        walls=np.maximum(walls / 127.0, -1.0).astype(np.float32),
+    )  # fmt: skip
+
+
+def _air(used: Any) -> F32 | None:
+    """Radiance that the air scatters, where the technique marches a lattice."""
+    source = used.lattice_source() if isinstance(used, InAir) and used.has_lattice else None
+    if source is None:
+        return None
+    weights = source.scale * np.array([1.0, *[source.direct] * 3])
+    return cast(F32, (_bands(source.bound) * weights).astype(np.float32))
+
+
+def _bands(bound: Mapping[str, Texture]) -> np.ndarray[Any, np.dtype[np.float32]]:
+    """(Z, Y, X, 3, 4), stored units."""
+    channels = [bound[f"lattice_{name}"].read() for name in ("red", "green", "blue")]
+    return np.stack(channels, axis=-2).astype(np.float32)
+
+
+def _volume_lights(used: Any, renderer: Renderer) -> tuple[VolumeLight, ...]:
+    media = getattr(used, "media", used)
+    solvers = getattr(media, "solvers", ())
+    eye = _three(renderer.scene.camera.position)
+    return tuple(
+        VolumeLight(
+            (solver.emission.texture.read()[..., :3] * solver.beams.table.scale).astype(np.float32),
+            np.linalg.inv(solver.placement.uvw_from_world), eye,
+        )
+        for solver in solvers
+    )  # fmt: skip
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    x, y, z = values
+    return (float(x), float(y), float(z))
