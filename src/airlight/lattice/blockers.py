@@ -9,6 +9,8 @@ lets 16 to 22% of the light.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,6 +38,7 @@ class BlockerParams(Struct):
     count = vec3u("cells")
     surfel_count = u32()
     units = f32("fixed-point units per fully covered face")
+    first_row = u32("where its cells begin along y of the textures")
 
 
 class _SumSurfels(ComputePass):
@@ -74,35 +77,54 @@ class Blockers:
     """
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int
-    ) -> None:
-        self.placement, self.meshes = placement, meshes
-        samples = surfels(scene.meshes, meshes.order, count, _inside(scene))
-        self.count = len(samples)
-        self.is_emissive = bool(samples["emission"].any())
-        self.surfels = buffer_of(gpu, "surfels", samples)
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
+        size: tuple[int, int, int] | None = None, beside: Blockers | None = None,
+    ) -> None:  # fmt: skip
+        """`count` surfels. `size`: of textures that nested lattices share (cells; the lattice's
+        own if not given); `beside`: the one of them that owns textures and surfels.
+        """
+        self.placement, self.meshes, self._is_owner = placement, meshes, beside is None
+        if beside is None:
+            self._sample(gpu, scene, count)
+            self._make_textures(gpu, size or placement.count)
+        else:
+            self.count, self.is_emissive = beside.count, beside.is_emissive
+            self.surfels, self.walls = beside.surfels, beside.walls
+            self.open_a, self.open_b = beside.open_a, beside.open_b
         corners = int(np.prod([n + 1 for n in placement.count]))
         self._sums = Buffer(gpu, "blocker sums", corners * _CORNER_VALUES * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
         self.openness = Buffer(gpu, "openness", placement.cells * 8)
+        self._sum = _SumSurfels(gpu)
+        self._open = _Openness(gpu)
+        self._made: tuple[int, Placement] | None = None
 
+    def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
+        samples = surfels(scene.meshes, self.meshes.order, count, _inside(scene))
+        self.count = len(samples)
+        self.is_emissive = bool(samples["emission"].any())
+        self.surfels = buffer_of(gpu, "surfels", samples)
+
+    def _make_textures(self, gpu: Gpu, size: tuple[int, int, int]) -> None:
         def texture(name: str, format: str) -> Texture:
-            return Texture(gpu, name, placement.count, format, dimension="3d", written=True)
+            return Texture(gpu, name, size, format, dimension="3d", written=True)
 
         self.open_a, self.open_b = texture("open xy", "rgba8unorm"), texture("open z", "rgba8unorm")
         self.walls = texture("walls", "rgba8snorm")
-        self._sum = _SumSurfels(gpu)
-        self._open = _Openness(gpu)
-        self._version = -1
+
+    def place(self, placement: Placement) -> None:
+        """Move the lattice, as many cells as before, at the next `encode`."""
+        self.placement = placement
 
     def encode(self, commands: Commands) -> bool:
         """Bring the openness up to date; returns whether anything changed."""
-        if self._version == self.meshes.version:
+        made = (self.meshes.version, replace(self.placement, fade=None))
+        if self._made == made:
             return False
-        self._version = self.meshes.version
+        self._made = made
         params = BlockerParams(
             origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
-            surfel_count=self.count, units=_UNITS,
+            surfel_count=self.count, units=_UNITS, first_row=self.placement.first_row,
         )  # fmt: skip
         commands.encoder.clear_buffer(self._sums.handle)
         self._sum.dispatch(
@@ -123,16 +145,11 @@ class Blockers:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (
-            self.surfels,
-            self._sums,
-            self.faces,
-            self.openness,
-            self.open_a,
-            self.open_b,
-            self.walls,
-        ):
+        for part in (self._sums, self.faces, self.openness):
             part.release()
+        if self._is_owner:
+            for shared in (self.surfels, self.open_a, self.open_b, self.walls):
+                shared.release()
 
 
 def _inside(scene: Scene) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ import math
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from .inject import SHAPED_LOBE, forward_share
@@ -27,6 +27,7 @@ class PackParams(Struct):
     scale = f32("stored units per W sr^-1")
     own_even = f32("share of the injected a that surfaces in the cell see")
     own_direct = f32("share of the injected b")
+    first_row = u32("where its cells begin along y of the textures")
 
 
 class Pack(ComputePass):
@@ -45,28 +46,35 @@ class Pack(ComputePass):
 
 
 class LatticeTextures:
-    """What a solved lattice hands on."""
+    """What a solved lattice hands on; nested ones share it."""
 
-    def __init__(self, gpu: Gpu, placement: Placement) -> None:
+    def __init__(
+        self, gpu: Gpu, placement: Placement, size: tuple[int, int, int] | None = None
+    ) -> None:
+        """`size` in cells, if not the lattice's own: that of all who share the textures."""
         self.placement = placement
         self.pack = Pack(gpu)
 
         self.red, self.green, self.blue = (
-            Texture(gpu, f"lattice {name}", placement.count, "rgba16float", dimension="3d",
-                    written=True)
+            Texture(gpu, f"lattice {name}", size or placement.count, "rgba16float",
+                    dimension="3d", written=True)
             for name in ("red", "green", "blue")
         )  # fmt: skip
 
     def encode(
         self, commands: Commands, injected: Buffer, propagated: Buffer, scale: float,
-        *, is_shaped: bool,
+        *, is_shaped: bool, placement: Placement | None = None,
     ) -> None:  # fmt: skip
-        """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are."""
+        """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are.
+
+        `placement`: which of the lattices that share the textures.
+        """
+        place = placement or self.placement
         even, direct = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
-            commands, self.placement.count,
-            params=PackParams(count=self.placement.count, scale=scale, own_even=even,
-                              own_direct=direct),
+            commands, place.count,
+            params=PackParams(count=place.count, scale=scale, own_even=even,
+                              own_direct=direct, first_row=place.first_row),
             injected=injected, propagated=propagated, red=self.red, green=self.green,
             blue=self.blue,
         )  # fmt: skip

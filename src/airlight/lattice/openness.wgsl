@@ -102,8 +102,9 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     faces[2u * cell] = vec4u(leaving[0], leaving[1], leaving[2], leaving[3]);
     faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], pack4x8unorm(xy), pack4x8unorm(zz));
     openness[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
-    textureStore(open_a, id, xy);
-    textureStore(open_b, id, zz);
-    textureStore(walls, id, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
+    let texel = id + vec3u(0u, params.first_row, 0u);
+    textureStore(open_a, texel, xy);
+    textureStore(open_b, texel, zz);
+    textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
         wall_shift(face_of(id, 5u), 2u), 0.0));
 }

@@ -8,7 +8,8 @@
     let r = injected[cell] * own + propagated[cell];
     let g = injected[cell + cells] * own + propagated[cell + cells];
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];
-    textureStore(red, id, r * params.scale);
-    textureStore(green, id, g * params.scale);
-    textureStore(blue, id, b * params.scale);
+    let texel = id + vec3u(0u, params.first_row, 0u);
+    textureStore(red, texel, r * params.scale);
+    textureStore(green, texel, g * params.scale);
+    textureStore(blue, texel, b * params.scale);
 }

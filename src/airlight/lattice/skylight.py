@@ -54,12 +54,18 @@ class _Skylight(ComputePass):
 class Skylight:
     """The ambient cubes of one lattice; made anew only where light or geometry changed."""
 
-    def __init__(self, gpu: Gpu, placement: Placement, capacity: int) -> None:
-        self.placement = placement
-        nx, ny, nz = placement.count
-        self.cube = Texture(
+    def __init__(
+        self, gpu: Gpu, placement: Placement, capacity: int, *,
+        size: tuple[int, int, int] | None = None, beside: Skylight | None = None,
+    ) -> None:  # fmt: skip
+        """For up to `capacity` lights. `size`: in cells, of a texture that nested lattices share
+        (the lattice's own if not given); `beside`: the one of them that owns the texture.
+        """
+        self.placement, self._is_owner = placement, beside is None
+        nx, ny, nz = size or placement.count
+        self.cube = beside.cube if beside else Texture(
             gpu, "sky light", (nx, ny, FACES * nz), "rgba16float", dimension="3d", written=True
-        )
+        )  # fmt: skip
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)
 
@@ -81,5 +87,6 @@ class Skylight:
 
     def release(self) -> None:
         """Give the memory back."""
-        self.cube.release()
+        if self._is_owner:
+            self.cube.release()
         self._lights.release()

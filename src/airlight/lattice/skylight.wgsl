@@ -36,6 +36,7 @@ fn lit(world: vec3f, view: LightViewData, layer: u32) -> f32 {
         faces[5] += e * max(0.0, -towards.z);
     }
     for (var face = 0u; face < 6u; face++) {
-        textureStore(cube, id + vec3u(0u, 0u, face * lattice.count.z), vec4f(faces[face], 1.0));
+        let texel = id + vec3u(0u, lattice.first_row, face * textureDimensions(cube).z / 6u);
+        textureStore(cube, texel, vec4f(faces[face], 1.0));
     }
 }

@@ -11,7 +11,8 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..lattice.blockers import Blockers
 from ..lattice.lookup import LatticeTextures
-from ..lattice.placement import Placement, fitted
+from ..lattice.placement import LatticeParams, Placement, fitted
+from ..lattice.table import LatticeTable
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
@@ -65,7 +66,7 @@ class Direct:
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         self.gpu, self.meshes, self.settings = gpu, meshes, settings
-        self.placement = scene_placement(scene, settings)
+        self.placement = self.outermost(scene)
         self.lights = Lights(
             gpu,
             scene.lights,
@@ -73,11 +74,14 @@ class Direct:
             settings.shadow_resolution,
             settings.lamp_resolution,
         )
+        cells = self.texture_size
         self.sky = Sky(
-            gpu, scene.environment, self.placement, settings.sky_lights, settings.sky_resolution
-        )
-        self.blockers = Blockers(gpu, scene, meshes, self.placement, settings.surfels)
-        self.textures = LatticeTextures(gpu, self.placement)
+            gpu, scene.environment, self.placement, settings.sky_lights, settings.sky_resolution,
+            cells,
+        )  # fmt: skip
+        self.blockers = Blockers(gpu, scene, meshes, self.placement, settings.surfels, size=cells)
+        self.textures = LatticeTextures(gpu, self.placement, cells)
+        self.table = LatticeTable(gpu, self.lattice_count)
         self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
         self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
         self.occlusion = Occlusion(gpu)
@@ -87,6 +91,20 @@ class Direct:
         self.is_paper = False
         self.damping = 0.0
         self.air: LightAir | None = None
+
+    def outermost(self, scene: Scene) -> Placement:
+        """The largest lattice, or the only one."""
+        return scene_placement(scene, self.settings)
+
+    @property
+    def texture_size(self) -> tuple[int, int, int]:
+        """Cells of the textures that the lattices share."""
+        return self.placement.count
+
+    @property
+    def lattice_count(self) -> int:
+        """How many lattices surfaces read."""
+        return 1
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Everything that does not depend on the camera."""
@@ -136,9 +154,13 @@ class Direct:
 
     @property
     def lattice_bound(self) -> dict[str, Any]:
-        """The solved lattice that surfaces take light from, by slot name; black here."""
-        params = self.placement.params(self.power_scale, is_paper=self.is_paper)
-        return {"lattice": params, **self.textures.bound}
+        """The solved lattices that surfaces take light from, by slot name; black here."""
+        return {"lattices": self.table.filled(self.lattice_params), **self.textures.bound}
+
+    @property
+    def lattice_params(self) -> list[LatticeParams]:
+        """Those lattices, the finest first."""
+        return [self.placement.params(self.power_scale, is_paper=self.is_paper)]
 
     def _bounds(self, scene: Scene) -> tuple[Any, Any]:
         """What lights must see, metres; from the instances, since a scene's own take a loop."""
@@ -158,7 +180,8 @@ class Direct:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.lights, self.sky, self.blockers, self.textures, self.black):
+        parts = (self.lights, self.sky, self.blockers, self.textures, self.table, self.black)
+        for part in parts:
             part.release()
 
 

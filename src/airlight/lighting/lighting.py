@@ -55,7 +55,7 @@ class Lighting(FullscreenPass):
 
     slots: ClassVar[tuple[Slot, ...]] = (
         uniform("params", LightingParams),
-        uniform("lattice", LatticeParams),
+        storage("lattices", LatticeParams),
         storage("lights", LightData),
         storage("parallel_views", LightViewData),
         storage("local_views", LightViewData),

@@ -53,8 +53,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
 
 // The face of the ambient cube that looks along one axis: 0 +x, 1 -x, 2 +y ...
 fn sky_face(uvw: vec3f, face: f32) -> vec3f {
-    let half_cell = 0.5 / f32(lattice.count.z);
-    let z = (face + clamp(uvw.z, half_cell, 1.0 - half_cell)) / 6.0;
+    let z = (face + uvw.z) / 6.0;
     return textureSampleLevel(sky_cube, linear_clamp, vec3f(uvw.xy, z), 0.0).rgb;
 }
 
@@ -95,21 +94,61 @@ struct Mirrored {
     bounced: vec3f,
 }
 
-// What comes from around the mirrored direction: of the point's own cell, or along a ray.
+// What comes from around the mirrored direction: of the point's own cell, or along a ray, which
+// goes on in the next larger lattice where it leaves one.
 fn mirrored_light(
-    r: Reflector, n_v: f32, n: vec3f, place: vec3f, lookup: vec3f, uvw: vec3f, mirrored: vec3f,
+    level: u32, p: vec3f, r: Reflector, n_v: f32, n: vec3f, own: vec3f, mirrored: vec3f,
 ) -> Mirrored {
-    var ray = Glossy(vec3f(0.0), 1.0, 1.0, uvw);
+    var k = level;
+    var uvw = own;
+    var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
+    var share = 0.0;
     if (HAS_GLOSS) {
-        let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
-        if (share > 0.0) {
-            let whole = glossy_ray(lattice, place, lookup, n, mirrored, r.alpha);
-            ray = Glossy(share * whole.irradiance, mix(1.0, whole.left, share),
-                mix(1.0, whole.lit, share), mix(uvw, whole.uvw, share));
+        share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
+    }
+    if (share > 0.0) {
+        ray = glossy_begun();
+        let last = arrayLength(&lattices) - 1u;
+        loop {
+            let place = bent_place(lattices[k], p);
+            let lookup = lattice_lookup_place(place, n);
+            uvw = lattice_eased(lattices[k], lookup);
+            let raised = GLOSSY_START * lattices[level].cell / lattices[k].cell;
+            let begin = GlossyRay(n, mirrored, r.alpha, raised);
+            ray = glossy_walk(lattices[k], place, lookup, begin, ray, k == last);
+            if (k == last || !ray.is_cut) {
+                break;
+            }
+            ray.end *= lattices[k].cell / lattices[k + 1u].cell;
+            k++;
         }
     }
-    return Mirrored(ray.left * sky_irradiance(ray.uvw, mirrored),
-        ray.irradiance + ray.lit * lattice_irradiance_at(lattice, ray.uvw, mirrored));
+    let end = mix(uvw, ray.uvw, share);
+    return Mirrored(mix(1.0, ray.left, share) * sky_irradiance(end, mirrored),
+        share * ray.irradiance
+            + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattices[k], end, mirrored));
+}
+
+struct LatticeLight {
+    sky: vec3f,         // radiance, W m^-2 sr^-1
+    bounced: vec3f,
+}
+
+// What one lattice gives to a surface.
+fn lattice_light(
+    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, open: f32,
+) -> LatticeLight {
+    let lattice = lattices[level];
+    let n_v = max(dot(n, v), 1e-4);
+    let mirrored = reflect(-v, n);
+    let uvw = lattice_coordinates(lattice, p, n);
+    var e = lattice_irradiance(lattice, uvw, n);
+    if (DAMPING > 0.0) {
+        e *= lattice_damping(lattice, uvw, n, DAMPING);
+    }
+    let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
+    return LatticeLight(reflected(r, n_v, open, sky_irradiance(uvw, n), mirror.sky),
+        reflected(r, n_v, open, e, mirror.bounced));
 }
 
 // Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss, as far
@@ -140,22 +179,20 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     let glow = textureLoad(emission, pixel, 0);
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
-    let n_v = max(dot(n, v), 1e-4);
     var direct = glow.rgb + direct_light(r, p, n, v);
     if (params.has_lattice != 0u) {
-        let mirrored = reflect(-v, n);
-        let place = bent_place(lattice, p);
-        let start = lattice_lookup_place(place, n);
-        let uvw = lattice_eased(lattice, start);
-        let weight = lattice_weight(lattice, p);
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
-        var e = lattice_irradiance(lattice, uvw, n);
-        if (DAMPING > 0.0) {
-            e *= lattice_damping(lattice, uvw, n, DAMPING);
+        // The finest lattice that has the point; towards its border the next larger one.
+        var left = 1.0;
+        for (var k = 0u; k < arrayLength(&lattices) && left > 0.0; k++) {
+            let weight = left * lattice_weight(lattices[k], p);
+            if (weight > 0.0) {
+                let light = lattice_light(k, p, r, n, v, open);
+                direct += weight * light.sky;
+                out.indirect += vec4f(weight * light.bounced, 0.0);
+                left -= weight;
+            }
         }
-        let mirror = mirrored_light(r, n_v, n, place, start, uvw, mirrored);
-        direct += weight * reflected(r, n_v, open, sky_irradiance(uvw, n), mirror.sky);
-        out.indirect = vec4f(weight * reflected(r, n_v, open, e, mirror.bounced), 1.0);
     }
     out.direct = vec4f(direct, 1.0);
     return out;

@@ -26,15 +26,16 @@ class Sky:
 
     def __init__(
         self, gpu: Gpu, environment: Environment | None, placement: Placement, count: int,
-        resolution: int,
+        resolution: int, size: tuple[int, int, int] | None = None,
     ) -> None:  # fmt: skip
+        """`count` lights, maps of `resolution` px; `size` as `Skylight` has it."""
         self.placement, self._count = placement, count
         self.lights: list[DirectionalLight] = sky_lights(environment, count)
         self._environment = environment
         self._drawn_version = -1
         layers = count if self.lights else 0
         self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
-        self.skylight = Skylight(gpu, placement, count)
+        self.skylight = Skylight(gpu, placement, count, size=size)
         self._compare = comparison_sampler(gpu)
 
     def encode(

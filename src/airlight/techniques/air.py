@@ -172,7 +172,7 @@ class LpvScatter(InAir, Direct):
     def lattice_bound(self) -> dict[str, Any]:
         """The accumulated states, for surfaces."""
         surfaces = self.solver.surfaces
-        return {"lattice": surfaces.params(), **surfaces.bound}
+        return {"lattices": self.table.filled([surfaces.params()]), **surfaces.bound}
 
     @property
     def stats(self) -> dict[str, Any]:

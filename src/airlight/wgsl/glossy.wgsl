@@ -20,6 +20,15 @@ struct Glossy {
     left: f32,          // share of the ray that nothing stopped, through which the sky is seen
     lit: f32,           // share of the lattice's light at its end that arrives
     uvw: vec3f,         // where it ends, texture coordinates of the lattice
+    end: f32,           // the same, cells from its start
+    is_cut: bool,       // whether it would go on in a larger lattice
+}
+
+struct GlossyRay {
+    n: vec3f,           // the surface's normal
+    r: vec3f,           // the mirrored direction
+    alpha: f32,
+    raised: f32,        // cells above the surface at which it starts
 }
 
 // How much of what a surface mirrors deserves a ray: none where it is rough or hardly mirrors.
@@ -60,18 +69,34 @@ fn glossy_raised(place: vec3f, lookup: vec3f, n: vec3f) -> vec3f {
 fn glossy_ray(
     lattice: LatticeParams, surface: vec3f, lookup: vec3f, n: vec3f, r: vec3f, alpha: f32,
 ) -> Glossy {
-    let start = surface + GLOSSY_START * n;
+    let ray = GlossyRay(n, r, alpha, GLOSSY_START);
+    return glossy_walk(lattice, surface, lookup, ray, glossy_begun(), true);
+}
+
+fn glossy_begun() -> Glossy {
+    return Glossy(vec3f(0.0), 1.0, 1.0, vec3f(0.0), 0.0, true);
+}
+
+// The same, from where `before` (of a finer lattice, its end in cells of this one) ended.
+fn glossy_walk(
+    lattice: LatticeParams, surface: vec3f, lookup: vec3f, ray: GlossyRay, before: Glossy,
+    is_outermost: bool,
+) -> Glossy {
+    let n = ray.n;
+    let r = ray.r;
+    let start = surface + ray.raised * n;
     let count = vec3f(lattice.count);
     let towards = select(vec3f(-1.0), vec3f(1.0), r > vec3f(0.0));
     let per_cell = 1.0 / max(abs(r), vec3f(1e-6));
-    var cell = clamp(floor(start), vec3f(0.0), count - 1.0);
+    var cell = clamp(floor(start + before.end * r), vec3f(0.0), count - 1.0);
     var crossing = ((cell + max(towards, vec3f(0.0))) - start) * towards * per_cell;
     // Ends where every ray is sure to come: its number of crossings jumps from pixel to pixel.
-    let reach = min(GLOSSY_REACH / alpha, f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
-    var t = 0.0;
-    var transmittance = 1.0;
-    var left = 1.0;
-    var irradiance = vec3f(0.0);
+    let widest = GLOSSY_REACH / ray.alpha;
+    let reach = min(widest, before.end + f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
+    var t = before.end;
+    var left = before.left;
+    var transmittance = mix(GLOSSY_LEAST_LEFT, 1.0, left);
+    var irradiance = before.irradiance;
     for (var i = 0u; i < GLOSSY_CELLS && left > 0.0; i++) {
         var axis = select(0u, 1u, crossing.y < crossing.x);
         axis = select(axis, 2u, crossing.z < crossing[axis]);
@@ -99,5 +124,6 @@ fn glossy_ray(
     let border = select(-start, count - start, r > vec3f(0.0)) * towards * per_cell;
     let inside = saturate((min(border.x, min(border.y, border.z)) - t) / GLOSSY_BORDER);
     let uvw = lattice_eased(lattice, glossy_raised(start + t * r, lookup, n));
-    return Glossy(irradiance, left, left * inside, uvw);
+    let lit = left * select(1.0, inside, is_outermost);
+    return Glossy(irradiance, left, lit, uvw, t, t < widest && left > 0.0);
 }
