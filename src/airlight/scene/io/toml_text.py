@@ -1,0 +1,187 @@
+"""A scene as the text of a scene file: what was loaded, with what was changed since.
+
+Meshes, grids and maps stay the files that they came from; tables and keys that cannot have
+changed are copied as they were. The twin of `toml`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..camera import Camera
+from ..environment import Environment
+from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..medium import Medium
+from ..scene import Scene
+from ..volume import Volume
+
+_MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
+_NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
+_NO_MAP = "# The environment's picture is no file: its mean stands for it.\n"
+_SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g")
+
+
+def scene_text(
+    scene: Scene, original: Scene, source: str, folder: Path,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+) -> str:  # fmt: skip
+    """A scene file for `scene`, loaded from `source` as `original` and changed since.
+
+    `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will stand. `settings` by technique are written
+    over the scene's own. A comment says what could not be written.
+    """
+    raw, notes = _original(source, folder)
+    raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
+    own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
+    raw["light"] = [_light(light) for light in own_lights]
+    raw["environment"] = _environment(raw.get("environment", {}), scene.environment, notes)
+    raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
+    raw["volume"] = _volumes(scene.volumes, raw.get("volume", []))
+    techniques = dict(scene.settings)
+    for name, values in (settings or {}).items():
+        techniques[name] = {**techniques.get(name, {}), **values}
+    raw["technique"] = {name: dict(values) for name, values in techniques.items() if values}
+    order = ("camera", "mesh", "light", "environment", "medium", "volume")
+    ordered = {name: raw.pop(name) for name in order if raw.get(name)} | raw
+    return "".join(notes) + "\n".join(_lines(ordered, ())).strip() + "\n"
+
+
+def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
+    path = Path(source)
+    if path.suffix.lower() == ".toml":
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+        for table in (*raw.get("mesh", []), *raw.get("volume", []), raw.get("environment", {})):
+            if "file" in table:
+                table["file"] = _relative(path.parent / table["file"], folder)
+        return raw, []
+    if path.suffix.lower() in _MESH_SUFFIXES:
+        return {"mesh": [{"file": _relative(path, folder)}]}, []
+    return {}, [_NO_MESHES.format(source=source)]
+
+
+def _relative(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
+
+
+def _brought(raw: Mapping[str, Any], original: Scene) -> int:
+    """How many lights, the last ones, come with the mesh files and are placed by them."""
+    if "environment" not in raw and original.environment is not None:
+        return 0  # nothing shone: a loader added sun and sky
+    return max(0, len(original.lights) - len(raw.get("light", ())))
+
+
+def _camera(camera: Camera) -> dict[str, Any]:
+    table = {"position": camera.position, "target": camera.target, "fov_y_deg": camera.fov_y_deg}
+    if camera.up != (0.0, 1.0, 0.0):
+        table["up"] = camera.up
+    if camera.exposure_stops is not None:
+        table["exposure_stops"] = camera.exposure_stops
+    return table
+
+
+def _light(light: Light) -> dict[str, Any]:
+    if isinstance(light, DirectionalLight):
+        return {"type": "directional", "direction": light.direction,
+                "irradiance": _colour(light.irradiance)}  # fmt: skip
+    table = {"position": light.position, "intensity": _colour(light.intensity)}
+    if isinstance(light, PointLight):
+        return {"type": "point", **table}
+    assert isinstance(light, SpotLight)
+    return {"type": "spot", **table, "direction": light.direction,
+            "inner_deg": light.inner_deg, "outer_deg": light.outer_deg}  # fmt: skip
+
+
+def _environment(
+    raw: Mapping[str, Any], environment: Environment | None, notes: list[str]
+) -> dict[str, Any]:
+    if environment is None:
+        return {}
+    table = {key: raw[key] for key in ("file",) if key in raw}
+    if not table and environment.map is not None:
+        notes.append(_NO_MAP)
+        mean = np.asarray(environment.map, np.float64).reshape(-1, 3).mean(axis=0)
+        table["radiance"] = _colour(tuple(mean.tolist()))
+    elif not table:
+        table["radiance"] = _colour(environment.radiance)
+    changed = {"scale": 1.0, "rotation_deg": 0.0, "visible": True}
+    return table | {
+        key: getattr(environment, key) for key, usual in changed.items()
+        if getattr(environment, key) != usual or key in raw
+    }  # fmt: skip
+
+
+def _medium(medium: Medium | None, raw: Mapping[str, Any]) -> dict[str, Any]:
+    if medium is None:
+        return {}
+    kept = {key: value for key, value in raw.items() if key not in (*_SCATTERING, "bounds")}
+    bounds = {} if medium.bounds is None else {"bounds": medium.bounds}
+    return {**kept, **_scattering(medium), **bounds}
+
+
+def _scattering(of: Medium | Volume) -> dict[str, Any]:
+    return {"sigma_t": _colour(of.sigma_t), "albedo": _colour(of.albedo), "g": _colour(of.g)}
+
+
+def _volumes(volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    tables = []
+    for volume, table in zip(volumes, raw, strict=False):
+        kept = {key: value for key, value in table.items() if key not in _SCATTERING}
+        tables.append({**kept, **_scattering(volume)})
+    for volume in volumes[len(raw) :]:
+        if volume.density is None:
+            tables.append({"shape": volume.shape, "bounds": volume.bounds, **_scattering(volume)})
+    return tables
+
+
+def _colour(rgb: Sequence[float]) -> Any:
+    """One number for a grey."""
+    return rgb[0] if len(set(rgb)) == 1 else rgb
+
+
+def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
+    """A table's own keys first, then the tables in it, each under its header."""
+    inner = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
+    for key, value in table.items():
+        if key not in inner and value is not None:
+            yield f"{_key(key)} = {_value(value)}"
+    for key, value in inner.items():
+        name = ".".join(_key(part) for part in (*path, key))
+        for one in [value] if isinstance(value, Mapping) else value:
+            has_own = any(not isinstance(v, Mapping) for v in one.values())
+            if has_own or not isinstance(value, Mapping):
+                yield f"\n[{name}]" if isinstance(value, Mapping) else f"\n[[{name}]]"
+            yield from _lines(one, (*path, key))
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
+
+
+def _key(key: str) -> str:
+    is_bare = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
+    return key if is_bare else _value(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    if isinstance(value, (float, np.floating)):
+        text = f"{float(value):.7g}"
+        return text if any(c in text for c in ".en") else f"{text}.0"
+    return str(value)
