@@ -44,7 +44,8 @@ class Air:
     ) -> None:  # fmt: skip
         """`solved` volumes bring their single scattering with their source: no shafts in them."""
         self.gpu = gpu
-        self._solved = {id(volume) for volume in solved}
+        # By place: a frame may bring its volumes with other coefficients.
+        self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
         self._kinds = _kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
         if self.count > MAX_MEDIA or grids > MAX_GRIDS:
@@ -124,11 +125,11 @@ class Air:
             box = medium_box(scene.medium, low, high, scene.camera.position)
             rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
         grid = 0
-        for volume in scene.volumes:
+        for index, volume in enumerate(scene.volumes):
             kind = _kind(volume)
             to_world = np.asarray(volume.world_from_volume)
             matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
-            has_shafts = id(volume) not in self._solved
+            has_shafts = index not in self._solved
             row = _fields(volume, kind, matrix, has_shafts=has_shafts)
             if kind == GRID:
                 row |= {"grid": grid, "voxel": voxel_m(volume)}

@@ -34,8 +34,9 @@ def scene_text(
 ) -> str:  # fmt: skip
     """A scene file for `scene`, loaded from `source` as `original` and changed since.
 
-    `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will stand. `settings` by technique are written
-    over the scene's own. A comment says what could not be written.
+    `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
+    stand. `settings` by technique are written over the scene's own. A comment says what could
+    not be written.
     """
     raw, notes = _original(source, folder)
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
