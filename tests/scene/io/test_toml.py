@@ -183,8 +183,8 @@ SYNTAX = [
 
 MISTAKES = [
     ("[camra]\n", "unknown table 'camra'. Did you mean 'camera'?"),
-    ("fov = 3\n", "unknown key outside any table, 'fov'. Known: camera, environment, light, "
-     "medium, mesh, technique, volume."),
+    ("fov = 3\n", "unknown key outside any table, 'fov'. Known: animation, camera, environment, "
+     "light, medium, mesh, technique, volume."),
     ("[mesh]\nshape = 'box'\n", "'mesh' must be written as a [[mesh]] table"),
     ("[[camera]]\n", "'camera' must be written as a [camera] table"),
     ("camera = 3\n", "[camera] must be a table of keys, not 3"),
@@ -227,7 +227,7 @@ MISTAKES = [
     (BOX + '[[light]]\ntype = "sun"\n', "[[light]] 1: type = 'sun' is unknown. "
      "Known: directional, point, spot."),
     (BOX + SUN + SUN + "intensity = 3\n", "unknown key 'intensity' in [[light]] 2 (directional). "
-     "Known: direction, irradiance, type."),
+     "Known: between, direction, irradiance, type."),
     (BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\n',
      "[[light]] 1 (point) has no intensity. It is intensity (of a spot: on its axis) "
      "(colour, W sr^-1)."),
@@ -256,7 +256,7 @@ MISTAKES = [
     ("[medium]\nsigma_t = 1\ng = 1\n", "[medium]: g = [1.0, 1.0, 1.0] must lie in (-1, 1)"),
     ("[medium]\nsigma_t = 1\nbounds = [[0, 0, 0], [1, 0, 1]]\n",
      "[medium]: bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]"),
-    ("[[volume]]\nsigma_t = 1\n", "[[volume]] 1 needs either a file or a shape"),
+    ("[[volume]]\nsigma_t = 1\n", "[[volume]] 1 needs either a file, a sequence or a shape"),
     ('[[volume]]\nshape = "box"\nsigma_t = 1\ngrid = "density"\n',
      "[[volume]] 1: grid belongs to a file, not to a shape"),
     ('[[volume]]\nshape = "box"\nalbedo = 1\n', "[[volume]] 1 has no sigma_t. "

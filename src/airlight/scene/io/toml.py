@@ -8,23 +8,31 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError, nearest
+from ..animation import Track
+from ..animation.density import VolumeTrack
+from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack
 from ..camera import Camera
-from ..checks import Rgb
 from ..environment import Environment
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
-from ..medium import Medium, extinction_and_albedo
+from ..medium import Medium
 from ..scene import Scene
-from ..volume import Volume
 from .files import read_bytes
+from .toml_animation import (
+    animation,
+    curves,
+    light_curves,
+    shifted,
+    take_keys,
+)
 from .toml_meshes import existing_file, placed_mesh
-from .toml_schema import check_table
-from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MEDIUM, MESH, TABLES, VOLUME
+from .toml_schema import check_table, inside
+from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MEDIUM, MESH, TABLES
+from .toml_volumes import placed_volume, with_extinction
 
 Raw = Mapping[str, Any]
 
@@ -81,31 +89,55 @@ def _check_names(raw: Raw) -> None:
 
 
 def _scene(raw: Raw, path: Path) -> Scene:
-    folder, camera = path.parent, _camera(raw)
-    parts = [
-        placed_mesh(check_table(MESH, table, label), label, folder)
-        for label, table in _numbered(raw, "mesh")
-    ]
-    volumes = [_volume(table, label, folder) for label, table in _numbered(raw, "volume")]
+    folder, (camera, seen) = path.parent, _camera(raw)
+    parts = [_part(table, label, folder) for label, table in _numbered(raw, "mesh")]
+    volumes = [placed_volume(table, label, folder) for label, table in _numbered(raw, "volume")]
     lights = [_light(table, label) for label, table in _numbered(raw, "light")]
     said: list[str] = []
+    environment, turning = _environment(raw, folder, said)
+    tracks = [
+        *_part_tracks(parts, len(lights), has_camera=camera is not None),
+        *([CameraTrack(seen)] if seen else []),
+        *(LightTrack(k, moved) for k, (_, moved) in enumerate(lights) if moved),
+        *([EnvironmentTrack(turning)] if turning else []),
+        *(VolumeTrack(k, files) for k, (_, _, files) in enumerate(volumes) if files),
+    ]
     scene = Scene(
         meshes=tuple(mesh for part in parts for mesh in part.meshes),
-        lights=(*lights, *(light for part in parts for light in part.lights)),
-        environment=_environment(raw, folder, said),
+        lights=(*(light for light, _ in lights), *(x for part in parts for x in part.lights)),
+        environment=environment,
         medium=_medium(raw),
-        volumes=tuple(volume for volume, _ in volumes),
+        volumes=tuple(volume for volume, _, _ in volumes),
         settings=_technique_settings(raw),
         name=path.stem,
         warnings=(
             *(warning for part in parts for warning in part.warnings),
-            *(warning for _, warnings in volumes for warning in warnings),
+            *(warning for _, warnings, _ in volumes for warning in warnings),
             *said,
         ),
+        animation=animation(raw, tracks),
     )
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
     return _with_light(_with_camera(scene, camera, parts))
+
+
+def _part(raw: Any, label: str, folder: Path) -> Scene:
+    table, keys = take_keys(raw, label)
+    return placed_mesh(check_table(MESH, table, label), label, folder, keys)
+
+
+def _part_tracks(parts: list[Scene], lights: int, *, has_camera: bool) -> Iterator[Track]:
+    """What moves in the parts, once they stand one after the other behind `lights` others.
+
+    The first part with a camera brings the scene's where the file itself has none.
+    """
+    meshes = 0
+    for part in parts:
+        for track in part.animation.tracks if part.animation else ():
+            yield shifted(track, meshes, lights, has_camera=has_camera)
+        meshes, lights = meshes + len(part.meshes), lights + len(part.lights)
+        has_camera = has_camera or part.camera != Camera()
 
 
 def _numbered(raw: Raw, name: str) -> Iterator[tuple[str, Any]]:
@@ -114,47 +146,45 @@ def _numbered(raw: Raw, name: str) -> Iterator[tuple[str, Any]]:
         yield f"[[{name}]] {number}", table
 
 
-@contextmanager
-def _inside(label: str) -> Iterator[None]:
-    """Put the key path before what a scene value says of itself."""
-    try:
-        yield
-    except SceneError as error:
-        if error.where or error.problem.startswith(label):
-            raise
-        raise SceneError(f"{label}: {error.problem}", remedy=error.remedy) from None
-
-
-def _camera(raw: Raw) -> Camera | None:
+def _camera(raw: Raw) -> tuple[Camera | None, Curves]:
+    """[camera] and its keyframes."""
+    label = CAMERA.header
     if "camera" not in raw:
-        return None
-    values = check_table(CAMERA, raw["camera"], CAMERA.header)
-    with _inside(CAMERA.header):
-        return Camera(**values)
+        return None, {}
+    table, keys = take_keys(raw["camera"], label)
+    values = check_table(CAMERA, table, label)
+    seen = curves("camera", keys, values.pop("between", "smooth"), label) if keys else {}
+    with inside(label):
+        return Camera(**values), seen
 
 
-def _light(raw: Any, label: str) -> Light:
-    values = check_table(LIGHT, raw, label)
-    with _inside(label):
-        return _LIGHT_CLASSES[values.pop("type")](**values)
+def _light(raw: Any, label: str) -> tuple[Light, Curves]:
+    table, keys = take_keys(raw, label)
+    values = check_table(LIGHT, table, label)
+    between = values.pop("between", "smooth")
+    with inside(label):
+        light = _LIGHT_CLASSES[values.pop("type")](**values)
+    return light, light_curves(light, keys, between, label) if keys else {}
 
 
-def _environment(raw: Raw, folder: Path, said: list[str]) -> Environment | None:
-    """[environment], or None; what its file left to doubt is added to `said`."""
+def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment | None, Curves]:
+    """[environment] and its keyframes; what its file left to doubt is added to `said`."""
     label = ENVIRONMENT.header
     if "environment" not in raw:
-        return None
-    values = check_table(ENVIRONMENT, raw["environment"], label)
+        return None, {}
+    table, keys = take_keys(raw["environment"], label)
+    values = check_table(ENVIRONMENT, table, label)
+    moved = curves("environment", keys, values.pop("between", "smooth"), label) if keys else {}
     if "file" in values and "radiance" in values:
         raise SceneError(f"{label} has both a file and a radiance", remedy="Use one of them.")
-    with _inside(label):
+    with inside(label):
         if "file" in values:
             from .images import read_radiance
 
             written = values.pop("file")
             values["map"] = read_radiance(existing_file(folder / written, written, label), said)
             values["source"] = written
-        return Environment(**values)
+        return Environment(**values), moved
 
 
 def _medium(raw: Raw) -> Medium | None:
@@ -162,47 +192,8 @@ def _medium(raw: Raw) -> Medium | None:
     if "medium" not in raw:
         return None
     values = check_table(MEDIUM, raw["medium"], label)
-    with _inside(label):
-        return Medium(**_with_extinction(values, label))
-
-
-def _with_extinction(values: dict[str, Any], label: str) -> dict[str, Any]:
-    """The values with sigma_s and sigma_a turned into sigma_t and albedo."""
-    scattering = [name for name in ("sigma_s", "sigma_a") if name in values]
-    extinction = [name for name in ("sigma_t", "albedo") if name in values]
-    remedy = "Use sigma_t and albedo, or sigma_s and sigma_a."
-    if scattering and extinction:
-        raise SceneError(f"{label} mixes {scattering[0]} with {extinction[0]}", remedy=remedy)
-    if not scattering and "sigma_t" not in values:
-        raise SceneError(f"{label} has no sigma_t", remedy=remedy)
-    if not scattering:
-        return values
-    nothing: Rgb = (0.0, 0.0, 0.0)
-    pair = (values.pop("sigma_s", nothing), values.pop("sigma_a", nothing))
-    sigma_t, albedo = extinction_and_albedo(*pair)
-    return {**values, "sigma_t": sigma_t, "albedo": albedo}
-
-
-def _volume(raw: Any, label: str, folder: Path) -> tuple[Volume, tuple[str, ...]]:
-    """The volume, and what its file left open."""
-    values = _with_extinction(check_table(VOLUME, raw, label), label)
-    if ("file" in values) == ("shape" in values):
-        raise SceneError(f"{label} needs either a file or a shape")
-    if "shape" in values:
-        for name in ("grid", "channels"):
-            if name in values:
-                raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
-        with _inside(label):
-            return Volume(**values), ()
-    from .volumes import read_volume
-
-    written = values.pop("file")
-    file = existing_file(folder / written, written, label)
-    grid = read_volume(file, values.pop("grid", "density"), values.pop("channels", "density"))
-    warnings = grid.warnings if "bounds" not in values else ()
-    with _inside(label):
-        values = {"bounds": grid.bounds, **values}
-        return Volume(density=grid.density, source=written, **values), warnings
+    with inside(label):
+        return Medium(**with_extinction(values, label))
 
 
 def _technique_settings(raw: Raw) -> dict[str, dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from ...maths.transforms import rotation_xyz
+from ..animation import Animation
 from ..camera import Camera
 from ..checks import F64
 from ..material import Material, Texture
@@ -19,17 +20,20 @@ from ..mesh import Mesh
 from ..placing import moved_camera, moved_light
 from ..scene import Scene
 from ..shapes import box, quad, sphere
+from .toml_animation import mesh_tracks
 
 _SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
 _RED_GREEN_BLUE = (0, 1, 2)
 _ROUGHNESS_CHANNEL, _METALLIC_CHANNEL = (1,), (2,)  # glTF 2.0, section 3.9.2
 
 
-def placed_mesh(values: Mapping[str, Any], label: str, folder: Path) -> Scene:
-    """The meshes, lights and camera of one [[mesh]] table whose keys are checked.
+def placed_mesh(
+    values: Mapping[str, Any], label: str, folder: Path, keys: Sequence[Any] = ()
+) -> Scene:
+    """The meshes, lights, camera and motion of one [[mesh]] table whose keys are checked.
 
-    Raises SceneError where neither or both of file and shape are given, matrix stands beside
-    other transforms, or the file cannot be read.
+    `keys` are its keyframes, unchecked. Raises SceneError where neither or both of file and shape
+    are given, matrix stands beside other transforms, or the file cannot be read.
     """
     if ("file" in values) == ("shape" in values):
         raise SceneError(f"{label} needs either a file or a shape")
@@ -38,7 +42,10 @@ def placed_mesh(values: Mapping[str, Any], label: str, folder: Path) -> Scene:
     else:
         shape = values["shape"]
         scene = Scene(meshes=(Mesh(_SHAPES[shape](), name=shape),))
-    return _coloured(_moved(scene, world_from_mesh(values, label)), values)
+    matrix = world_from_mesh(values, label)
+    tracks = mesh_tracks(scene, values, keys, matrix, label)
+    moving = replace(_moved(scene, matrix), animation=Animation(tracks) if tracks else None)
+    return _coloured(moving, values)
 
 
 def existing_file(path: Path, written: str, label: str) -> Path:

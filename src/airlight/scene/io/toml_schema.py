@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -139,3 +140,14 @@ def _keys_for(table: Table, raw: dict[str, Any], label: str) -> tuple[tuple[Key,
 def _explained(key: Key) -> str:
     unit = f", {key.unit}" if key.unit else ""
     return f"It is {key.doc} ({key.kind}{unit})."
+
+
+@contextmanager
+def inside(label: str) -> Iterator[None]:
+    """Put the key path before what a scene value says of itself."""
+    try:
+        yield
+    except SceneError as error:
+        if error.where or error.problem.startswith(label):
+            raise
+        raise SceneError(f"{label}: {error.problem}", remedy=error.remedy) from None

@@ -7,6 +7,7 @@ the two cannot drift apart.
 from __future__ import annotations
 
 from .. import checks
+from .toml_keys import ANIMATION, BETWEEN, CLIP_KEYS, KEYS, SEQUENCE_KEYS
 from .toml_schema import (
     Key,
     Table,
@@ -31,7 +32,15 @@ CAMERA = Table(
         Key("up", checks.unit_vec3, "vector", "upwards in the picture", default="[0, 1, 0]"),
         Key("fov_y_deg", checks.number, "number", "full vertical field of view", "degrees", "50"),
         Key("exposure_stops", checks.number, "number", "display exposure: 2^stops", "stops", "0"),
+        BETWEEN,
     ),
+)
+
+_PLACEMENT = (
+    Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
+    Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
+    Key("scale", scale_vec3, "number or vector", "stretches it", default="1"),
+    Key("matrix", matrix16, "16 numbers", "instead of those three: 4 x 4, row major"),
 )
 
 MESH = Table(
@@ -48,14 +57,13 @@ MESH = Table(
             '"box", "sphere", "plane" or "quad"',
             "instead of a file: 1 m across, centred at the origin; quad and plane face +Y",
         ),
-        Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
-        Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
-        Key("scale", scale_vec3, "number or vector", "stretches it", default="1"),
-        Key("matrix", matrix16, "16 numbers", "instead of those three: 4 x 4, row major"),
+        *_PLACEMENT,
         Key("base_color", unit_rgb, _COLOUR, "linear reflectance", default="the file's, or 0.8"),
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),
         Key("metallic", fraction, "number", "0 dielectric, 1 metal", default="the file's, or 0"),
         Key("emission", checks.rgb, _COLOUR, "radiance", "W m^-2 sr^-1", "the file's, or 0"),
+        *CLIP_KEYS,
+        BETWEEN,
     ),
     repeated=True,
 )
@@ -76,6 +84,7 @@ LIGHT = Table(
             "its kind",
             required=True,
         ),
+        BETWEEN,
     ),
     repeated=True,
     variant_key="type",
@@ -127,6 +136,7 @@ ENVIRONMENT = Table(
             "false keeps its light, not its picture",
             default="true",
         ),
+        BETWEEN,
     ),
 )
 
@@ -162,16 +172,21 @@ MEDIUM = Table(
 VOLUME = Table(
     "volume",
     "Air of varying density: a density grid, or a shape of density 1. Coefficients hold at "
-    "density 1.",
+    "density 1. It is placed as a mesh is, after its bounds.",
     (
-        Key("file", checks.text, "path", "a density grid: NumPy .npy or .npz, Mitsuba .vol"),
+        Key(
+            "file",
+            checks.text,
+            "path",
+            "a density grid: NumPy .npy or .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb",
+        ),
         Key(
             "shape",
             one_of("box", "sphere"),
             '"box" or "sphere"',
             "instead of a file: fills its bounds with density 1",
         ),
-        Key("grid", checks.text, "text", "which array of an .npz", default='"density"'),
+        Key("grid", checks.text, "text", "which of a file's named grids", default='"density"'),
         Key(
             "channels",
             checks.text,
@@ -187,18 +202,19 @@ VOLUME = Table(
             "m",
             "the file's own",
         ),
+        *SEQUENCE_KEYS,
         *_SCATTERING,
     ),
     repeated=True,
 )
 
-TABLES: tuple[Table, ...] = (CAMERA, MESH, LIGHT, ENVIRONMENT, MEDIUM, VOLUME)
+TABLES: tuple[Table, ...] = (CAMERA, MESH, LIGHT, ENVIRONMENT, MEDIUM, VOLUME, ANIMATION)
 
 
 def schema_markdown() -> str:
     """The scene-file reference page: one section per table, one row per key."""
     parts = [_PREAMBLE]
-    for table in TABLES:
+    for table in (*TABLES, *KEYS.values()):
         parts.append(f"## `{table.header}`\n\n{table.doc}\n\n{_rows(table.keys)}")
         for name, keys in (table.variants or {}).items():
             parts.append(f'With `{table.variant_key} = "{name}"`:\n\n{_rows(keys)}')

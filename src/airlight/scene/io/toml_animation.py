@@ -1,0 +1,177 @@
+"""The keyframes and sequences of a scene file as tracks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import SceneError, nearest
+from ..animation import Animation, Curve, Track
+from ..animation.density import FileSequence
+from ..animation.rig import Rig
+from ..animation.tracks import MeshTrack, Placing
+from ..lights import DirectionalLight, Light, PointLight
+from ..scene import Scene
+from .toml_keys import ANIMATION, KEYS
+from .toml_schema import Table, check_table
+
+Raw = Mapping[str, Any]
+_PLACES = ("translate", "rotate_deg", "scale")
+
+
+def take_keys(raw: Any, label: str) -> tuple[Any, list[Any]]:
+    """A table without its keyframes, and those. Raises SceneError where they are no list."""
+    if not isinstance(raw, dict) or "key" not in raw:
+        return raw, []
+    keys = raw["key"]
+    if not isinstance(keys, list) or not keys:
+        raise SceneError(f"{label}: key must be written as [[{_plain(label)}.key]] tables")
+    return {name: value for name, value in raw.items() if name != "key"}, keys
+
+
+def curves(kind: str, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
+    """The curves of one table's keyframes, by name; `kind` is one of KEYS.
+
+    Raises SceneError for keyframes that are wrong, do not rise in time, or differ in what they set.
+    """
+    return _curves(KEYS[kind], keys, between, label)
+
+
+def light_curves(light: Light, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
+    """The curves of a light's keyframes, by name."""
+    kind = "directional" if isinstance(light, DirectionalLight) else "spot"
+    kind = "point" if isinstance(light, PointLight) else kind
+    table = KEYS["light"]
+    assert table.variants is not None
+    of_kind = Table(table.name, table.doc, table.keys + table.variants[kind], repeated=True)
+    return _curves(of_kind, keys, between, label)
+
+
+def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
+    rows = [
+        check_table(table, key, f"{label} key {number}") for number, key in enumerate(keys, start=1)
+    ]
+    names = [name for name in rows[0] if name != "time_s"]
+    if not names:
+        raise SceneError(f"{label} key 1 changes nothing: it sets time_s alone")
+    for number, row in enumerate(rows, start=1):
+        odd = set(row) ^ set(rows[0])
+        if odd:
+            raise SceneError(
+                f"{label}: key {number} and key 1 differ in whether they set {sorted(odd)[0]}",
+                remedy="All keyframes of a table set the same keys.",
+            )
+    times = np.array([row["time_s"] for row in rows])
+    try:
+        return {
+            name: Curve(
+                times, np.array([row[name] for row in rows]).reshape(len(rows), -1), between
+            )
+            for name in names
+        }
+    except SceneError as error:
+        raise SceneError(f"{label}: {error.problem}") from None
+
+
+def mesh_tracks(
+    part: Scene, values: Raw, keys: Sequence[Any], world_from_mesh: Any, label: str
+) -> tuple[Track, ...]:
+    """What moves the meshes of one [[mesh]]: its file's animation, its keyframes, or both.
+
+    `part` is the file's scene before it is placed, `values` the table's.
+    """
+    rigs = [t for t in (part.animation.tracks if part.animation else ()) if isinstance(t, Rig)]
+    placing: Any = world_from_mesh
+    if keys:
+        if "matrix" in values:
+            raise SceneError(
+                f"{label} has keyframes beside matrix",
+                remedy="Use translate, rotate_deg and scale.",
+            )
+        still = {name: values[name] for name in _PLACES if name in values}
+        placing = Placing(curves("mesh", keys, values.get("between", "smooth"), label), still)
+    if rigs:
+        return tuple(replace(_clip(rig, values, label), world_from_file=placing) for rig in rigs)
+    for name in ("clip", "clip_start_s", "clip_speed", "clip_loop"):
+        if name in values:
+            raise SceneError(f"{label}: {name} is set, but its file is not animated")
+    if not keys:
+        return ()
+    return (MeshTrack(0, np.array([m.world_from_object for m in part.meshes]), placing),)
+
+
+def _clip(rig: Rig, values: Raw, label: str) -> Rig:
+    names = [clip.name for clip in rig.clips]
+    wanted = values.get("clip", names[0])
+    if wanted not in names:
+        raise SceneError(f"{label}: the file has no clip '{wanted}'", remedy=nearest(wanted, names))
+    return replace(
+        rig, clip=names.index(wanted), start_s=values.get("clip_start_s", 0.0),
+        speed=values.get("clip_speed", 1.0), is_loop=values.get("clip_loop", False),
+    )  # fmt: skip
+
+
+def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Track:
+    """A part's track when `meshes` and `lights` of others come before the part's.
+
+    `has_camera`: the scene file has a camera, and does not look through the part's.
+    """
+    if isinstance(track, Rig):
+        camera = None if has_camera else track.camera
+        return replace(track, first_mesh=meshes, first_light=lights, camera=camera)
+    return replace(track, first=meshes) if isinstance(track, MeshTrack) else track
+
+
+def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
+    """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
+    path = folder / pattern
+    base = path if path.is_dir() else path.parent
+    name = "*" if path.is_dir() else path.name
+    if "**" in name:
+        raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
+    found = [f for f in base.glob(name) if f.is_file() and not f.name.startswith(".")]
+    if not found:
+        raise SceneError(
+            f"{label}: sequence '{pattern}' names no files",
+            remedy="Paths are relative to the scene file; * stands for any number.",
+        )
+    return tuple(sorted((f.resolve() for f in found), key=_by_numbers))
+
+
+def _by_numbers(path: Path) -> tuple[Any, ...]:
+    """'smoke.10' comes after 'smoke.9'."""
+    return tuple((int(p), "") if p.isdigit() else (-1, p) for p in re.split(r"(\d+)", path.name))
+
+
+def file_sequence(
+    values: dict[str, Any], files: tuple[Path, ...], shape: tuple[int, ...]
+) -> FileSequence:
+    """The sequence that a [[volume]]'s keys describe; takes them out of `values`."""
+    names = {"sequence_fps": "fps", "sequence_start_s": "start_s", "sequence_loop": "is_loop",
+             "between": "between", "grid": "grid", "channels": "channels"}  # fmt: skip
+    given = {field: values.pop(name) for name, field in names.items() if name in values}
+    return FileSequence(files, shape, **given)
+
+
+def animation(raw: Raw, tracks: Sequence[Track]) -> Animation | None:
+    """The scene's animation; None where nothing moves. Raises SceneError."""
+    values = check_table(ANIMATION, raw.get("animation", {}), ANIMATION.header)
+    if not tracks:
+        if "animation" in raw:
+            raise SceneError(
+                f"there is an {ANIMATION.header}, but nothing moves",
+                remedy="Add [[camera.key]], [[light.key]], [[mesh.key]], [[environment.key]] or a "
+                "volume sequence.",
+            )
+        return None
+    return Animation(tuple(tracks), is_loop=values.pop("loop", False), **values)
+
+
+def _plain(label: str) -> str:
+    found = re.match(r"\[+(\w+)", label)
+    return found[1] if found else label

@@ -1,0 +1,77 @@
+"""[[volume]] tables: a density grid's file, a sequence of them, or a shape."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ...errors import SceneError
+from ..animation.density import FileSequence
+from ..checks import Rgb
+from ..medium import extinction_and_albedo
+from ..volume import Volume
+from .toml_animation import file_sequence, volume_files
+from .toml_keys import SEQUENCE_KEYS
+from .toml_meshes import existing_file, world_from_mesh
+from .toml_schema import check_table, inside
+from .toml_tables import VOLUME
+from .volumes import NOWHERE, read_volume
+
+_PLACING = ("translate", "rotate_deg", "scale", "matrix")
+_OF_FILES = ("grid", "channels")
+
+
+def placed_volume(
+    raw: Any, label: str, folder: Path
+) -> tuple[Volume, tuple[str, ...], FileSequence | None]:
+    """The volume, what its file left open, and the sequence that it is the first file of."""
+    values = with_extinction(check_table(VOLUME, raw, label), label)
+    if sum(name in values for name in ("file", "shape", "sequence")) != 1:
+        raise SceneError(f"{label} needs either a file, a sequence or a shape")
+    if "sequence" not in values:
+        for key in SEQUENCE_KEYS:
+            if key.name in values:
+                raise SceneError(f"{label}: {key.name} belongs to a sequence")
+    matrix = world_from_mesh(values, label)
+    values = {name: value for name, value in values.items() if name not in _PLACING}
+    if "shape" in values:
+        for name in _OF_FILES:
+            if name in values:
+                raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
+        with inside(label):
+            return Volume(world_from_volume=matrix, **values), (), None
+    is_file = "file" in values
+    written = values.pop("file" if is_file else "sequence")
+    files = (
+        (existing_file(folder / written, written, label),)
+        if is_file
+        else volume_files(written, folder, label)
+    )
+    grid = read_volume(files[0], *(values.get(name, "density") for name in _OF_FILES))
+    sequence = file_sequence(values, files, grid.density.shape)
+    warnings = grid.warnings
+    if "bounds" in values:
+        warnings = tuple(text for text in warnings if NOWHERE not in text)
+    else:
+        matrix = matrix @ grid.world_from_volume
+    with inside(label):
+        values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
+        volume = Volume(density=grid.density, source=written, **values)
+    return volume, warnings, None if is_file else sequence
+
+
+def with_extinction(values: dict[str, Any], label: str) -> dict[str, Any]:
+    """The values with sigma_s and sigma_a turned into sigma_t and albedo."""
+    scattering = [name for name in ("sigma_s", "sigma_a") if name in values]
+    extinction = [name for name in ("sigma_t", "albedo") if name in values]
+    remedy = "Use sigma_t and albedo, or sigma_s and sigma_a."
+    if scattering and extinction:
+        raise SceneError(f"{label} mixes {scattering[0]} with {extinction[0]}", remedy=remedy)
+    if not scattering and "sigma_t" not in values:
+        raise SceneError(f"{label} has no sigma_t", remedy=remedy)
+    if not scattering:
+        return values
+    nothing: Rgb = (0.0, 0.0, 0.0)
+    pair = (values.pop("sigma_s", nothing), values.pop("sigma_a", nothing))
+    sigma_t, albedo = extinction_and_albedo(*pair)
+    return {**values, "sigma_t": sigma_t, "albedo": albedo}
