@@ -22,6 +22,10 @@ QUICK_SIZE = (96, 54)
 @click.command("figure")
 @click.argument("names", nargs=-1, metavar="[NAME ...]")
 @click.option("--all", "is_all", is_flag=True, help="Every figure.")
+@click.option(
+    "--gallery", "is_gallery", is_flag=True,
+    help="Write index.html over all figures in DIR; --all does, too.",
+)  # fmt: skip
 @click.option("--list", "is_list", is_flag=True, help="Name them and stop.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="DIR",
@@ -32,23 +36,26 @@ QUICK_SIZE = (96, 54)
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(
-    names: tuple[str, ...], is_all: bool, is_list: bool, output: Path | None, **options: Any
-) -> None:
+    names: tuple[str, ...], is_all: bool, is_gallery: bool, is_list: bool, output: Path | None,
+    **options: Any,
+) -> None:  # fmt: skip
     """Draw figures of the papers: a picture and the JSON of its numbers each.
 
     \b
     airlight figure --list
     airlight figure clpv-5 clpv-6 -o figures/
+    airlight figure --all -o figures/        and a page of all of them, figures/index.html
 
     Path-traced panels need Mitsuba (pip install 'airlight[reference]') and are kept in the cache.
     """
+    from ..figures.gallery import write_gallery
     from ..figures.registry import FIGURES, figure
 
     if is_list:
         _list()
         return
     chosen = tuple(FIGURES) if is_all else tuple(dict.fromkeys(names))
-    if not chosen:
+    if not chosen and not is_gallery:
         raise SettingsError("no figure is named", remedy=f"Name some of {', '.join(FIGURES)}")
     for name in chosen:
         figure(name)
@@ -56,6 +63,8 @@ def command(
     size = QUICK_SIZE if options["quick"] else options["size"]
     with progress(quiet=options["quiet"]) as report:
         failed = _draw_all(chosen, folder, size, options, report)
+    if is_all or is_gallery:
+        click.echo(str(write_gallery(folder)))
     _complain(failed, len(chosen))
 
 
