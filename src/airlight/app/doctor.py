@@ -21,6 +21,7 @@ from .outputs import json_text
 _EXTRA_PURPOSE = {
     "reference": "path-traced references (Mitsuba) and comparisons",
     "view": "the window",
+    "vdb": "OpenVDB files (.vdb)",
     "test": "the project's own tests",
 }
 _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['\"]$")

@@ -141,9 +141,8 @@ DAMAGED = [
      f"has 1,237,940,039,285,380,274,899,124,224 values, {TOO_MANY}"),
     ("a.vol", vol_bytes(np.ones((1, 1, 1, 1)), (0, 0, 0, 0, 1, 1)),
      "the bounding box in its header is empty: [0.0, 0.0, 0.0] to [0.0, 1.0, 1.0]"),
-    ("a.nvdb", b"", ".nvdb files are not read yet. A later version will, with the extra 'vdb'; "
-     "until then save the grid as .npy, .npz or Mitsuba .vol."),
-    ("a.txt", b"", "is not a density grid. Known endings: .npy, .npz, .vol."),
+    ("a.nvdb", b"", "is not a NanoVDB file"),
+    ("a.txt", b"", "is not a density grid. Known endings: .npy, .npz, .vol, .nvdb, .vdb."),
 ]  # fmt: skip
 
 
@@ -176,3 +175,15 @@ def test_a_compressed_npz_whose_content_is_damaged(tmp_path):
 def test_a_missing_file(tmp_path):
     with pytest.raises(SceneError, match="cannot be read: No such file or directory"):
         read_volume(tmp_path / "gone.npy")
+
+
+def test_sides_that_devices_do_not_take_are_averaged(tmp_path):
+    long = np.ones((2, 3, 5000), np.float32)
+    long[..., 0], long[..., -1] = 4.0, 0.0
+    np.save(tmp_path / "a.npy", long)
+    grid = read_volume(tmp_path / "a.npy")
+    assert grid.density.shape == (2, 3, 1667)
+    np.testing.assert_allclose(grid.density[0, 0, [0, 1, -1]], (2.0, 1.0, 0.5))
+    assert grid.warnings[-1] == (
+        "a.npy has 5000 x 3 x 2 voxels, averaged to 1667 x 3 x 2: at most 2048 on a side"
+    )

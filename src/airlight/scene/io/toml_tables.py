@@ -203,7 +203,15 @@ VOLUME = Table(
             "the file's own",
         ),
         *SEQUENCE_KEYS,
+        *_PLACEMENT,
         *_SCATTERING,
+        Key(
+            "detail",
+            checks.number,
+            "number",
+            "finer noise than the grid's where it is drawn; about its deviation at density 1",
+            default="0",
+        ),
     ),
     repeated=True,
 )

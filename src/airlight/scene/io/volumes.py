@@ -1,4 +1,4 @@
-"""Density grids: NumPy .npy and .npz, Mitsuba .vol.
+"""Density grids: NumPy .npy and .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb.
 
 Every header is checked against the file's size before anything is allocated.
 """
@@ -9,7 +9,7 @@ import math
 import struct
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -18,7 +18,15 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError, nearest
 from .. import checks
-from ..checks import F32, Bounds
+from ..checks import F32, F64, Bounds
+from .nanovdb import SparseGrid, read_nanovdb
+from .openvdb import read_openvdb
+
+LONGEST_SIDE = 2048
+"""Voxels along a side; what every graphics device takes. Longer sides are averaged."""
+
+NOWHERE = "does not say where it is"
+"""In the warning of a file without a box."""
 
 LARGEST_VALUE_COUNT = 1 << 30
 """Values in one grid, channels counted; more would need over 4 GiB."""
@@ -35,43 +43,76 @@ class VolumeGrid:
 
     `density` is (z, y, x) float32; `bounds` the world box in metres that the file gives it, or a
     box 2 m along its longest side where the file gives none, which `warnings` then says.
+    `world_from_volume` (4, 4) comes after the box, where the file turns it.
     """
 
     density: F32
     bounds: Bounds
     warnings: tuple[str, ...] = ()
+    world_from_volume: F64 = field(default_factory=lambda: np.eye(4))
 
 
 def read_volume(path: str | Path, grid: str = "density", channels: str = "density") -> VolumeGrid:
     """Read a density grid.
 
-    `grid` names the array of an .npz; `channels` the channel that holds the density: "density"
-    (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or (z, y, x, channel); an .npz may
-    hold `bounds` (2, 3) in metres too. Raises SceneError for what cannot be read.
+    `grid` names the array of an .npz or the grid of a VDB file; `channels` the channel that holds
+    the density: "density" (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or
+    (z, y, x, channel); an .npz may hold `bounds` (2, 3) in metres too. Raises SceneError for what cannot be read.
     """
     path = Path(path)
-    readers = {".npy": _read_npy, ".npz": _read_npz, ".vol": _read_vol}
-    if path.suffix.lower() in (".nvdb", ".vdb"):
-        raise SceneError(
-            f"{path.suffix} files are not read yet",
-            where=path,
-            remedy="A later version will, with the extra 'vdb'; until then save the grid as .npy, "
-            ".npz or Mitsuba .vol.",
-        )
-    reader = readers.get(path.suffix.lower())
-    if reader is None:
-        remedy = "Known endings: .npy, .npz, .vol."
-        raise SceneError("is not a density grid", where=path, remedy=remedy)
+    suffix = path.suffix.lower()
     try:
-        values, bounds = reader(path, grid)
+        if suffix in _SPARSE:
+            return _fitting(_from_sparse(_SPARSE[suffix](path, grid)), path)
+        if suffix not in _DENSE:
+            known = ", ".join((*_DENSE, *_SPARSE))
+            raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
+        values, bounds = _DENSE[suffix](path, grid)
         density = _density(values, channels)
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror or error}", where=path) from None
+    except MemoryError:
+        raise SceneError("does not fit into memory", where=path) from None
     except SceneError as error:
         raise SceneError(error.problem, where=path, remedy=error.remedy) from None
     if bounds is not None:
-        return VolumeGrid(density, bounds)
-    return _in_own_box(density, path)
+        return _fitting(VolumeGrid(density, bounds), path)
+    return _fitting(_in_own_box(density, path), path)
+
+
+def _from_sparse(grid: SparseGrid) -> VolumeGrid:
+    """Voxels at whole numbers; a level set as what it holds, its rim anti-aliased."""
+    matrix = grid.world_from_index
+    low = np.array(grid.first) - 0.5
+    high = low + grid.values.shape
+    values = grid.values
+    if grid.is_level_set:
+        voxel_m = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3]))))
+        values = np.clip(0.5 - values / np.float32(voxel_m), 0.0, 1.0)
+    density = np.ascontiguousarray(values.transpose(2, 1, 0), np.float32)
+    scale = np.diag(matrix[:3, :3])
+    if np.array_equal(matrix[:3, :3], np.diag(scale)) and scale.min() > 0.0:
+        low, high = (corner * scale + matrix[:3, 3] for corner in (low, high))
+        return VolumeGrid(density, checks.bounds((low, high), "its box"))
+    return VolumeGrid(density, checks.bounds((low, high), "its box"), (), matrix)
+
+
+def _fitting(grid: VolumeGrid, path: Path) -> VolumeGrid:
+    """Sides beyond what devices take averaged over whole numbers of voxels, and said so."""
+    density = grid.density
+    for axis, size in enumerate(density.shape):
+        step = -(-size // LONGEST_SIDE)
+        if step > 1:
+            starts = np.arange(0, size, step)
+            shape = [1, 1, 1]
+            shape[axis] = -1
+            held = np.diff(np.append(starts, size)).reshape(shape)
+            density = np.add.reduceat(density, starts, axis) / held.astype(np.float32)
+    if density is grid.density:
+        return grid
+    have, now = (" x ".join(str(n) for n in d.shape[::-1]) for d in (grid.density, density))
+    text = f"{path.name} has {have} voxels, averaged to {now}: at most {LONGEST_SIDE} on a side"
+    return replace(grid, density=density, warnings=(*grid.warnings, text))
 
 
 def _density(values: NDArray[Any], channels: str) -> F32:
@@ -99,7 +140,7 @@ def _in_own_box(density: F32, path: Path) -> VolumeGrid:
     """Cubic voxels, 2 m along the longest side, centred at the origin."""
     half = np.array(density.shape[::-1]) / max(density.shape)
     x, y, z = (float(h) for h in half)
-    text = f"{path.name} does not say where it is: it fills {2 * x:g} x {2 * y:g} x {2 * z:g} m "
+    text = f"{path.name} {NOWHERE}: it fills {2 * x:g} x {2 * y:g} x {2 * z:g} m "
     return VolumeGrid(density, ((-x, -y, -z), (x, y, z)), (text + "around the origin",))
 
 
@@ -184,3 +225,7 @@ def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
         values = np.frombuffer(stream.read(4 * count), dtype="<f4")
     bounds = checks.bounds((box[:3], box[3:]), "the bounding box in its header")
     return values.reshape(nz, ny, nx, channel_count), bounds
+
+
+_DENSE = {".npy": _read_npy, ".npz": _read_npz, ".vol": _read_vol}
+_SPARSE = {".nvdb": read_nanovdb, ".vdb": read_openvdb}
