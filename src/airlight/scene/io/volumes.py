@@ -57,7 +57,8 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
 
     `grid` names the array of an .npz or the grid of a VDB file; `channels` the channel that holds
     the density: "density" (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or
-    (z, y, x, channel); an .npz may hold `bounds` (2, 3) in metres too. Raises SceneError for what cannot be read.
+    (z, y, x, channel); an .npz may hold `bounds` (2, 3) in metres too. Raises SceneError for what
+    cannot be read.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -107,7 +108,8 @@ def _fitting(grid: VolumeGrid, path: Path) -> VolumeGrid:
             shape = [1, 1, 1]
             shape[axis] = -1
             held = np.diff(np.append(starts, size)).reshape(shape)
-            density = np.add.reduceat(density, starts, axis) / held.astype(np.float32)
+            sums = np.add.reduceat(density, starts, axis)
+            density = (sums / held).astype(np.float32)
     if density is grid.density:
         return grid
     have, now = (" x ".join(str(n) for n in d.shape[::-1]) for d in (grid.density, density))
