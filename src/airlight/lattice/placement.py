@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +88,7 @@ class Placement:
     def _outermost(self) -> Fade:
         low, high = self.bounds
         half, width = 0.5 * self.cell, (self.cell,) * 3
-        return Fade(_triple(low - half), width, _triple(high + half), width)
+        return Fade(triple(low - half), width, triple(high + half), width)
 
 
 def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:
@@ -103,11 +104,18 @@ def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: 
         raise SettingsError(f"resolution = {resolution} is too small for a lattice")
     cell = float(extent.max()) / (resolution - 2)
     needed = np.ceil(extent / cell - 1e-9).astype(int) + 2
-    count = np.minimum(-(-needed // _TILE) * _TILE, -(-resolution // _TILE) * _TILE)
+    count = tiled(np.minimum(needed, resolution))
     centre = 0.5 * np.add(low, high)
-    origin = centre - 0.5 * cell * count
-    return Placement(_triple(origin), cell, (int(count[0]), int(count[1]), int(count[2])))
+    origin = centre - 0.5 * cell * np.array(count)
+    return Placement(triple(origin), cell, count)
 
 
-def _triple(v: F64) -> Triple:
+def tiled(cells: NDArray[Any]) -> tuple[int, int, int]:
+    """Numbers of cells (3,) rounded up to what the marching kernel works on."""
+    x, y, z = (int(-(-n // _TILE) * _TILE) for n in cells.tolist())
+    return (x, y, z)
+
+
+def triple(v: F64) -> Triple:
+    """Three plain numbers."""
     return (float(v[0]), float(v[1]), float(v[2]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -82,7 +84,7 @@ class Direct:
         self.blockers = Blockers(gpu, scene, meshes, self.placement, settings.surfels, size=cells)
         self.textures = LatticeTextures(gpu, self.placement, cells)
         self.table = LatticeTable(gpu, self.lattice_count)
-        self.black = Buffer(gpu, "no light", 3 * self.placement.cells * 16)
+        self.black = Buffer(gpu, "no light", 3 * int(np.prod(cells)) * 16)
         self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
         self.occlusion = Occlusion(gpu)
         self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
@@ -149,8 +151,13 @@ class Direct:
             **self.lights.bound, **(self.air.bound if self.air else {}),
             depth=g.depth, albedo=g.albedo, normal=g.normal, emission=g.emission,
             occlusion=view.occlusion.visibility,
-            sky_cube=self.sky.skylight.cube, **self.blockers.bound, linear_clamp=self.linear,
+            sky_cube=self.sky_cube, **self.blockers.bound, linear_clamp=self.linear,
         )  # fmt: skip
+
+    @property
+    def sky_cube(self) -> Texture:
+        """The environment's direct light on surfaces; through the air where that is seen."""
+        return self.sky.skylight.cube
 
     @property
     def lattice_bound(self) -> dict[str, Any]:
@@ -187,8 +194,13 @@ class Direct:
 
 def scene_placement(scene: Scene, settings: SurfaceSettings) -> Placement:
     """The lattice over the scene, or over the box that the settings give."""
+    return fitted(*lattice_box(scene, settings), settings.resolution)
+
+
+def lattice_box(scene: Scene, settings: SurfaceSettings) -> tuple[Any, Any]:
+    """Lower and upper corner, metres, of what lattices cover. Raises SettingsError."""
     if not settings.bounds:
-        return fitted(*scene.bounds, settings.resolution)
+        return scene.whole_bounds
     if len(settings.bounds) != 6:
         raise SettingsError(
             f"setting bounds has {len(settings.bounds)} numbers", remedy="Give x0,y0,z0,x1,y1,z1"
@@ -196,4 +208,4 @@ def scene_placement(scene: Scene, settings: SurfaceSettings) -> Placement:
     low, high = settings.bounds[:3], settings.bounds[3:]
     if any(a >= b for a, b in zip(low, high, strict=True)):
         raise SettingsError(f"setting bounds is empty: {list(low)} to {list(high)}")
-    return fitted(low, high, settings.resolution)
+    return low, high

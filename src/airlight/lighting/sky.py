@@ -56,8 +56,13 @@ class Sky:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
         self.maps.encode(commands, meshes, self.lights, views)
-        self.skylight.encode(commands, self.lights, self.maps, self._compare, walls)
+        self.light(commands, self.skylight, walls)
         return True
+
+    def light(self, commands: Commands, skylight: Skylight, walls: Texture) -> None:
+        """Fill the cubes of a lattice from the maps as they are."""
+        if self.lights and self.maps.layers:
+            skylight.encode(commands, self.lights, self.maps, self._compare, walls)
 
     def release(self) -> None:
         """Give the memory back."""

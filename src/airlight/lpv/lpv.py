@@ -1,4 +1,4 @@
-"""The technique `lpv`: direct light, and light that bounced, on one lattice (Kaplanyan2010)."""
+"""The technique `lpv`: direct light, and light that bounced, on lattices (Kaplanyan2010)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Buffer
+from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
-from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
+from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound
 from ..lattice.lookup import texture_scale
-from ..lighting.direct import Direct, SurfaceSettings
+from ..lattice.nested import nested
+from ..lattice.placement import LatticeParams, Placement
+from ..lattice.skylight import Skylight
+from ..lighting.direct import Direct, SurfaceSettings, lattice_box
 from ..maths.lattice6 import Scheme
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
@@ -21,6 +24,8 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from ..surface.light_views import light_views, view_count
 from ..surface.reflective import ReflectiveShadowMaps
+from .border import Border
+from .cascades import Cascade, cascade, follow
 from .propagate import Propagate
 
 
@@ -35,6 +40,19 @@ class LpvSettings(SurfaceSettings):
     )
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
+    cascades: int = setting(
+        1, "nested lattices; but for the largest they follow the camera", low=1, high=6
+    )
+    cascade_ratio: float = setting(
+        2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
+    )
+    cascade_extent: float = setting(
+        0.0, "side of the finest cascade; 0: such that the largest fits the scene", unit="m",
+        low=0.0, high=1e6,
+    )  # fmt: skip
+    cascade_light: bool = setting(
+        True, "whether finer cascades take in light from beyond their borders"
+    )
     damping: float = setting(
         0.0, "how strongly light that falls off away from a surface is taken for a leak", low=0,
         high=10,
@@ -50,8 +68,12 @@ class Lpv(Direct):
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings,
         size: tuple[int, int],
     ) -> None:  # fmt: skip
-        super().__init__(gpu, scene, meshes, settings, size)
         self.lpv = settings
+        self.nest = nested(
+            *lattice_box(scene, settings), settings.resolution, count=settings.cascades,
+            ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
+        )  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
         self.is_paper = settings.scheme == "paper"
         self.damping = settings.damping
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
@@ -64,50 +86,108 @@ class Lpv(Direct):
         )
         self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
         self._steady_scale, self._emitted = 0.0, emitted_flux(scene.meshes)
-        self.sums = new_sums(gpu, self.placement)
-        nbytes = 3 * self.placement.cells * 16
-        self.steady = Buffer(gpu, "steady light", nbytes)
-        self.injected = Buffer(gpu, "injected", nbytes)
-        self.propagate = Propagate(
+        self.cascades = [self._cascade(scene, level) for level in range(len(self.nest.levels))]
+        self.border: Border | None = None
+        if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
+            self.border = Border(gpu, cast(Scheme, settings.scheme))
+        self._is_first = True
+
+    def outermost(self, scene: Scene) -> Placement:
+        """The largest lattice, or the only one."""
+        return self.nest.levels[-1]
+
+    @property
+    def texture_size(self) -> tuple[int, int, int]:
+        """Cells of the textures that the lattices share."""
+        return self.nest.texture_size
+
+    @property
+    def lattice_count(self) -> int:
+        """How many lattices surfaces read."""
+        return len(self.nest.levels)
+
+    @property
+    def lattice_params(self) -> list[LatticeParams]:
+        """The lattices, the finest first."""
+        return [
+            part.placement.params(self.power_scale, is_paper=self.is_paper)
+            for part in self.cascades
+        ]
+
+    def _cascade(self, scene: Scene, level: int) -> Cascade:
+        gpu, placement = self.gpu, self.nest.levels[level]
+        propagate = Propagate(
             gpu,
-            self.placement,
-            cast(Scheme, settings.scheme),
-            is_blocked=settings.occlusion,
-            is_reflecting=settings.bounces,
+            placement,
+            cast(Scheme, self.lpv.scheme),
+            is_blocked=self.lpv.occlusion,
+            is_reflecting=self.lpv.bounces,
         )
+        if level == len(self.nest.levels) - 1:
+            return cascade(gpu, placement, self.blockers, self.sky.skylight, propagate)
+        blockers = Blockers(gpu, scene, self.meshes, placement, 0, beside=self.blockers)
+        skylight = Skylight(gpu, placement, self.lpv.sky_lights, beside=self.sky.skylight)
+        return cascade(gpu, placement, blockers, skylight, propagate)
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Shadow maps -> inject -> propagate -> textures."""
+        follow(self.nest, self.cascades, scene.camera, is_first=self._is_first)
+        self._is_first = False
+        self.placement = self.cascades[-1].placement
         low, high = self._bounds(scene)
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
         with commands.stage("blockers"):
-            moved = self.blockers.encode(commands)
+            moved = [part.blockers.encode(commands) for part in self.cascades]
         with commands.stage("sky"):
-            sky_changed = self.sky.encode(
-                commands, self.meshes, scene.environment, self.blockers.walls
-            )
+            self._light_sky(commands, scene, moved, scale)
         with commands.stage("reflective shadow maps"):
             self._draw_maps(commands, scene.lights, low, high)
         with commands.stage("inject"):
-            if sky_changed or moved or scale != self._steady_scale:
-                self._inject_steady(commands, scale)
-            for maps in (self.sun_maps, self.lamp_maps):
-                if maps.layers:
-                    self._inject(commands, maps, scale)
+            for part in self.cascades:
+                if part.is_stale:
+                    self._inject_steady(commands, part, scale)
+                for maps in (self.sun_maps, self.lamp_maps):
+                    if maps.layers:
+                        self._inject(commands, part, maps, scale)
+        # The largest first: what lies beyond the next one's borders.
+        for level in range(len(self.cascades) - 1, -1, -1):
+            self._propagate(commands, level, scale)
+
+    def _light_sky(
+        self, commands: Commands, scene: Scene, moved: list[bool], scale: float
+    ) -> None:
+        """The sky's maps and cubes, where light, geometry or a lattice's place changed."""
+        changed = self.sky.encode(commands, self.meshes, scene.environment, self.blockers.walls)
+        for part, has_moved in zip(self.cascades, moved, strict=True):
+            part.is_stale = part.is_stale or changed or has_moved or scale != self._steady_scale
+            if (changed or has_moved) and part.skylight is not self.sky.skylight:
+                self.sky.light(commands, part.skylight, part.blockers.walls)
+        self._steady_scale = scale
+
+    def _propagate(self, commands: Commands, level: int, scale: float) -> None:
+        part = self.cascades[level]
+        with commands.stage("inject"):
+            if self.border and level + 1 < len(self.cascades):
+                solved = {**self.textures.bound, **self.blockers.bound}
+                self.border.encode(
+                    commands, part.placement, self.cascades[level + 1].placement, solved,
+                    self.linear, part.sums, power_scale=self.power_scale, scale=scale,
+                )  # fmt: skip
             self.resolve.encode(
-                commands, self.placement, self.sums, self.steady, self.injected, scale
+                commands, part.placement, part.sums, part.steady, part.injected, scale
             )
         with commands.stage("propagate"):
-            total = self.propagate.encode(
-                commands, self.injected, self.blockers.faces, self.lpv.iterations
+            total = part.propagate.encode(
+                commands, part.injected, part.blockers.faces, self.lpv.iterations
             )
         with commands.stage("pack"):
             self.textures.encode(
-                commands, self.injected, total, self.power_scale, is_shaped=self._is_shaped
-            )
+                commands, part.injected, total, self.power_scale, is_shaped=self._is_shaped,
+                placement=part.placement,
+            )  # fmt: skip
 
     def _draw_maps(
         self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
@@ -117,40 +197,46 @@ class Lpv(Direct):
                 views = light_views(group, np.asarray(low), np.asarray(high), maps.resolution)
                 maps.encode(commands, self.meshes, group, views)
 
-    def _inject(self, commands: Commands, maps: ReflectiveShadowMaps, scale: float) -> None:
+    def _inject(
+        self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
+    ) -> None:
         self.inject.encode(
-            commands, maps, self.placement, self.blockers.walls, self.sums, scale,
+            commands, maps, part.placement, part.blockers.walls, part.sums, scale,
             is_shaped=self._is_shaped,
         )  # fmt: skip
 
-    def _inject_steady(self, commands: Commands, scale: float) -> None:
-        """What changes only with the environment or the geometry: the sky's bounce, emission."""
-        self._steady_scale = scale
+    def _inject_steady(self, commands: Commands, part: Cascade, scale: float) -> None:
+        """What changes only with the environment, the geometry or the lattice's place: the sky's
+        bounce, emission.
+        """
+        part.is_stale = False
         if self.sky.maps.layers:
-            self._inject(commands, self.sky.maps, scale)
+            self._inject(commands, part, self.sky.maps, scale)
         if self.blockers.is_emissive:
             self.emission.encode(
-                commands, self.blockers, self.sums, scale, is_shaped=self._is_shaped
+                commands, part.blockers, part.sums, scale, is_shaped=self._is_shaped
             )
-        self.resolve.encode(commands, self.placement, self.sums, self.black, self.steady, scale)
+        self.resolve.encode(commands, part.placement, part.sums, self.black, part.steady, scale)
 
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
-        return {"lattice": list(self.placement.count), "iterations": self.lpv.iterations}
+        found = {"lattice": list(self.placement.count), "iterations": self.lpv.iterations}
+        if len(self.cascades) > 1:
+            places = [part.placement for part in self.cascades]
+            found |= {"cascades": [{"cell_m": p.cell, "cells": list(p.count)} for p in places]}
+        return found
 
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for part in (
-            self.sun_maps,
-            self.lamp_maps,
-            self.sums,
-            self.steady,
-            self.injected,
-            self.propagate,
-        ):
+        for part in self.cascades:
             part.release()
+        for part in self.cascades[:-1]:
+            part.blockers.release()
+            part.skylight.release()
+        self.sun_maps.release()
+        self.lamp_maps.release()
 
 
 def _by_kind(lights: tuple[Light, ...]) -> tuple[list[Light], list[Light]]:

@@ -1,0 +1,144 @@
+"""Where nested lattices are: the coarsest over the scene, finer ones ahead of the camera.
+
+Kaplanyan2010 section 4: each is finer by a ratio, displaced along the view, and moves in whole
+cells of its own, so that what is put into a cell does not depend on where the camera is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .placement import F64, Fade, Placement, Triple, fitted, tiled, triple
+
+AHEAD = 0.5
+"""How far ahead of the eye a lattice's centre is, in halves of its sides."""
+BORDER = 1.5
+"""Outermost cells that surfaces do not read: a lattice moves in steps, its fading smoothly."""
+FADING = 3.0
+"""Cells over which the next larger lattice takes over."""
+SLACK = 0.75
+"""How far, in cells, a lattice may be from where it should be: an eye that trembles moves none."""
+
+
+@dataclass(frozen=True)
+class Nest:
+    """Lattices from the finest to the coarsest, as `nested` makes them.
+
+    `low`, `high`: the box that they are for, metres.
+    """
+
+    low: Triple
+    high: Triple
+    levels: tuple[Placement, ...]
+    is_fixed: bool
+
+    @property
+    def texture_size(self) -> tuple[int, int, int]:
+        """Cells of textures in which all lie above each other."""
+        counts = np.array([level.count for level in self.levels])
+        rows = int(counts[:, 1].sum())
+        return (int(counts[:, 0].max()), rows, int(counts[:, 2].max()))
+
+    def follows(self, level: int) -> bool:
+        """Whether a lattice moves with the camera."""
+        return not self.is_fixed or level < len(self.levels) - 1
+
+
+def nested(
+    low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int, *,
+    count: int = 1, ratio: float = 2.0, finest_m: float = 0.0,
+) -> Nest:  # fmt: skip
+    """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres).
+
+    Cells of neighbours differ by `ratio`. The coarsest covers the box. With `finest_m` the
+    finest has sides of that many metres, and where the coarsest then is smaller than the box, it
+    follows the camera too; lattices that would be no finer than the next are left out.
+    Raises SettingsError for an empty box.
+    """
+    whole = fitted(low, high, resolution)
+    cells = [whole.cell / ratio**k for k in range(count - 1, -1, -1)]
+    is_fixed = True
+    if finest_m > 0.0 and count > 1:
+        cells = [finest_m / resolution * ratio**k for k in range(count)]
+        is_fixed = cells[-1] >= whole.cell
+        cells = [c for c in cells if c < whole.cell] + [whole.cell] * is_fixed
+    box = np.subtract(high, low)
+    levels, row = [], 0
+    for cell in cells:
+        placement = replace(whole, first_row=row)
+        if cell < whole.cell:
+            needed = np.minimum(np.ceil(box / cell - 1e-9) + 2, resolution)
+            placement = Placement(whole.origin, cell, tiled(needed), first_row=row)
+        levels.append(placement)
+        row += placement.count[1]
+    return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels), is_fixed)
+
+
+def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
+    """Where the middle of a lattice should be (3,), metres.
+
+    Ahead of `eye` along `look`, inside the box where it reaches that far: nothing is lit beyond.
+    """
+    place = nest.levels[level]
+    half = 0.5 * place.cell * np.array(place.count)
+    direction = look / max(float(np.linalg.norm(look)), 1e-30)
+    low, high = _room(nest, place)
+    reach = AHEAD * half * direction
+    inner_low, inner_high = low + half, high - half
+    middle = 0.5 * (low + high)
+    centre = np.clip(eye + reach, inner_low, np.maximum(inner_low, inner_high))
+    return np.where(inner_low >= inner_high, middle, centre)
+
+
+def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Placement:
+    """A lattice around `centre` on the grid of its own cells, or `before` where that is near.
+
+    Grids of all levels have the box's lower corner in common.
+    """
+    place = nest.levels[level]
+    base = np.array(nest.levels[-1].origin)
+    ideal = (centre - base) / place.cell - 0.5 * np.array(place.count)
+    if before is not None:
+        now = np.round((np.array(before.origin) - base) / place.cell)
+        if (np.abs(now - ideal) <= SLACK).all():
+            return replace(before, fade=None)
+    origin = base + place.cell * np.round(ideal)
+    return replace(place, origin=triple(origin))
+
+
+def is_lost(placement: Placement, centre: F64) -> bool:
+    """Whether a lattice is so far from its wanted centre that its borders would be read."""
+    low, high = placement.bounds
+    off = np.abs(0.5 * (low + high) - centre)
+    return bool((off > BORDER * placement.cell).any())
+
+
+def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placement:
+    """The lattice with the borders at which the next larger one takes over.
+
+    They follow `centre`, not the cells: nothing jumps where the lattice does. Where the lattice
+    reaches the box's side there is nothing to take over, and the border narrows towards it.
+    """
+    if not nest.follows(level):
+        return placement
+    cell = placement.cell
+    half = 0.5 * cell * np.array(placement.count)
+    room_low, room_high = _room(nest, placement)
+    shares = [
+        np.clip(gap / (cell * (BORDER + FADING)), 0.0, 1.0)
+        for gap in (centre - half - room_low, room_high - centre - half)
+    ]
+    insets = [np.where(s > 0.0, BORDER * cell * s, -1e6) for s in shares]
+    widths = [np.maximum(FADING * cell * s, 1e-3 * cell) for s in shares]
+    return replace(placement, fade=Fade(
+        triple(centre - half + insets[0]), triple(widths[0]),
+        triple(centre + half - insets[1]), triple(widths[1]),
+    ))  # fmt: skip
+
+
+def _room(nest: Nest, place: Placement) -> tuple[F64, F64]:
+    """The box that a lattice stays in: the scene's, with a cell of margin."""
+    return np.array(nest.low) - place.cell, np.array(nest.high) + place.cell

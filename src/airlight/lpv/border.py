@@ -1,0 +1,67 @@
+"""Light that enters a finer lattice from the larger one around it.
+
+differs: Kaplanyan2010 section 4.1 propagates every lattice alone, so a finer one lacks the light of
+all surfaces beyond its border. Here the larger lattice is solved first; what its light, in the
+layer of cells just outside, would hand on in one hop is put into the finer lattice's outermost
+cells. The steady state of a lattice cut out of another is then the other's.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32
+from ..gpu.memory import Buffer, Sampler, Texture
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..maths.lattice6 import Scheme
+from .propagate import hop_functions
+
+
+class BorderParams(Struct):
+    """How the textures' values become fixed-point units of the finer lattice."""
+
+    units = f32("fixed-point units per stored unit, in a cell as small as the finer lattice's")
+
+
+class Border(ComputePass):
+    """Adds the light that enters through the six sides to a lattice's fixed-point sums."""
+
+    slots: tuple[Slot, ...] = (  # type: ignore[misc]
+        uniform("params", BorderParams),
+        uniform("lattice", LatticeParams),
+        uniform("outer", LatticeParams),
+        texture("lattice_red", "3d"),
+        texture("lattice_green", "3d"),
+        texture("lattice_blue", "3d"),
+        texture("lattice_open_a", "3d"),
+        texture("lattice_open_b", "3d"),
+        texture("lattice_walls", "3d"),
+        sampler("linear_clamp"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (8, 8, 1)
+
+    def __init__(self, gpu: Gpu, scheme: Scheme) -> None:
+        """`scheme` of the hops, as `Propagate` has it."""
+        super().__init__(gpu, generated=hop_functions(scheme))
+
+    def encode(
+        self, commands: Commands, inner: Placement, outer: Placement, solved: dict[str, Texture],
+        linear: Sampler, sums: Buffer, *, power_scale: float, scale: float,
+    ) -> None:  # fmt: skip
+        """Add to `sums` (`scale` units per W sr^-1) what enters `inner` from the solved `outer`.
+
+        `solved`: the textures that both share, of `power_scale` stored units per W sr^-1.
+        """
+        area = (inner.cell / outer.cell) ** 2
+        side = max(inner.count)
+        bound: dict[str, Any] = dict(solved)
+        self.dispatch(
+            commands, (side, side, 6), params=BorderParams(units=area * scale / power_scale),
+            lattice=inner.params(power_scale), outer=outer.params(power_scale), **bound,
+            linear_clamp=linear, sums=sums,
+        )  # fmt: skip
