@@ -114,7 +114,9 @@ class LatticeLight:
         open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
         share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
         x = np.clip((share - 0.15) / 0.35, 0.0, 1.0)
-        return np.asarray((cell + 0.5 + t * x * x * (3.0 - 2.0 * x)) / np.array(self.count))
+        count = np.array(self.count)
+        eased = cell + 0.5 + t * x * x * (3.0 - 2.0 * x)
+        return np.asarray(np.clip(eased, 0.5, count - 0.5) / count)
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,8 @@ def save_light_field(field: LightField, path: str | Path) -> None:
     header = json.dumps(_header(field, arrays), indent=2)
     if target.suffix == ".npz":
         with whole_file(target) as part:
-            np.savez(part, header=np.array(header), **arrays)
+            held: dict[str, Any] = {"header": np.array(header), **arrays}
+            np.savez(part, **held)
         return
     _make_folder(target)
     for name, array in arrays.items():
@@ -131,11 +132,11 @@ def _about(name: str) -> dict[str, str]:
 
 
 def _to_sh(bands: NDArray[np.float32]) -> NDArray[np.float32]:
-    return (bands * _TO_SH)[..., _BAND_ORDER].astype(np.float32)
+    return np.asarray((bands * _TO_SH)[..., _BAND_ORDER], np.float32)
 
 
 def _from_sh(sh: NDArray[np.float32]) -> NDArray[np.float32]:
-    return (sh[..., np.argsort(_BAND_ORDER)] / _TO_SH).astype(np.float32)
+    return np.asarray(sh[..., np.argsort(_BAND_ORDER)] / _TO_SH, np.float32)
 
 
 def _make_folder(target: Path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..gpu.memory import Texture
+from ..lattice.placement import LatticeParams
 from ..lpv.lpv import Lpv
 from ..rendering import Renderer
 from ..scene.scene import Scene
@@ -60,13 +61,14 @@ def _no_light(technique: str) -> SettingsError:
 
 def _lattices(used: Any) -> tuple[LatticeLight, ...]:
     """All that surfaces read, the finest first; air is on the last."""
-    blockers = used.blockers
+    blockers, bound = used.blockers, used.lattice_bound
     held = {
-        "states": _bands(used.lattice_bound),
+        "states": _bands(bound),
         "open": np.concatenate([blockers.open_a.read(), blockers.open_b.read()[..., :2]], axis=-1),
         "walls": blockers.walls.read()[..., :3],
     }
-    made = [_lattice_light(params.record, held) for params in used.lattice_params]
+    rows = bound["lattices"].read(LatticeParams.dtype)
+    made = [_lattice_light(row, held) for row in rows]
     return (*made[:-1], replace(made[-1], air=_air(used)))
 
 

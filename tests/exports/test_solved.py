@@ -1,0 +1,127 @@
+"""The exported lattice read in NumPy against the device's own lookup of the same lattice."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import SettingsError
+from airlight.exports.light_field import LightField
+from airlight.exports.solved import export_lattice, light_field
+from airlight.gpu.memory import Buffer, buffer_of, linear_sampler
+from airlight.gpu.slots import sampler, storage, texture
+from airlight.lattice.placement import LatticeParams
+from airlight.rendering import Renderer
+from airlight.scene import Camera, DirectionalLight, Scene, Volume
+from airlight.scene.builtin import builtin_scene
+
+SMALL = {"resolution": 12, "surfels": 20_000, "sky_lights": 8}
+SLOTS = (
+    storage("lattices", LatticeParams),
+    *(texture(f"lattice_{n}", "3d") for n in ("red", "green", "blue", "open_a", "open_b", "walls")),
+    sampler("linear_clamp"),
+    storage("points", "vec4f"),
+    storage("normals", "vec4f"),
+    storage("results", "vec4f", "read_write"),
+)
+MAIN = """
+//! use lattice
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= arrayLength(&points)) {
+        return;
+    }
+    let p = points[id.x].xyz;
+    let n = normals[id.x].xyz;
+    var left = 1.0;
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < arrayLength(&lattices); k++) {
+        let share = left * lattice_weight(lattices[k], p);
+        sum += share * lattice_irradiance(lattices[k], lattice_coordinates(lattices[k], p, n), n);
+        left -= share;
+    }
+    results[id.x] = vec4f(sum, 0.0);
+}
+"""
+
+
+@pytest.fixture
+def on_device(gpu, commands, kernel, owned):
+    """on_device(technique, points, normals) -> irradiance (n, 3) as the lighting pass reads it."""
+
+    def evaluate(used, points, normals):
+        rows = np.zeros((2, len(points), 4), np.float32)
+        rows[0, :, :3], rows[1, :, :3] = points, normals
+        p, n = (owned(buffer_of(gpu, "rows", r)) for r in rows)
+        results = owned(Buffer(gpu, "results", rows[0].nbytes))
+        kernel(MAIN, SLOTS).dispatch(
+            commands, (len(points),), **used.lattice_bound, **used.blockers.bound,
+            linear_clamp=linear_sampler(gpu), points=p, normals=n, results=results,
+        )  # fmt: skip
+        commands.submit()
+        return results.read().reshape(-1, 4)[:, :3].astype(np.float64)
+
+    return evaluate
+
+
+def some_points(lattice, count):
+    rng = np.random.default_rng(3)
+    low = np.array(lattice.origin)
+    high = low + lattice.cell * np.array(lattice.count)
+    points = rng.uniform(low, high, size=(count, 3))
+    normals = rng.normal(size=(count, 3))
+    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "technique", "settings"),
+    [("cornell", "lpv", {"cascades": 2}), ("cornell", "lpv", {"scheme": "paper"}),
+     ("haze-box", "lpv-scatter", {})],
+)  # fmt: skip
+def test_numpy_reads_the_file_as_the_device_reads_its_textures(
+    on_device, tmp_path, name, technique, settings
+):
+    scene = builtin_scene(name)
+    with Renderer(scene, technique, (16, 16), settings={**SMALL, **settings}) as renderer:
+        renderer.frame(read=False)
+        light_field(renderer, technique).save(tmp_path / "light.npz")
+        field = LightField.load(tmp_path / "light.npz")
+        points, normals = some_points(field.lattices[-1], 500)
+        expected = on_device(renderer.technique, points, normals)
+    found = field.irradiance(points, normals)
+    assert expected.max() > 0.0
+    # Half floats, and texture filtering with 8 bits of fraction.
+    np.testing.assert_allclose(found, expected, atol=0.01 * expected.max(), rtol=0.02)
+
+
+def test_air_comes_along(gpu):
+    haze = export_lattice(builtin_scene("haze-box"), technique="lpv-scatter", settings=SMALL)
+    assert haze.lattices[0].air is not None
+    assert haze.lattices[0].air[..., 0].max() > 0.0
+
+
+def test_volumes_come_along_where_they_are(gpu, tmp_path):
+    bounds = ((1.0, 2.0, 3.0), (2.0, 4.0, 4.0))
+    ball = Volume(sigma_t=2.0, density=np.ones((4, 8, 4), np.float32), bounds=bounds)
+    scene = Scene(
+        lights=(DirectionalLight((0.0, -1.0, 0.0), 3.0),), volumes=(ball,),
+        camera=Camera((1.0, 2.0, 9.0), (1.0, 2.0, 3.0)),
+    )  # fmt: skip
+    small = {"grid": 6, "ordinates": 8, "surfels": 1000}
+    field = export_lattice(scene, tmp_path / "light", technique="pop", settings=small)
+    assert field.lattices == ()
+    (volume,) = field.volumes
+    assert volume.radiance.max() > 0.0
+    ends = volume.world_from_unit @ np.array([[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]]).T
+    np.testing.assert_allclose(ends[:3].T, bounds, atol=1e-5)
+    assert volume.eye == (1.0, 2.0, 9.0)
+    assert (tmp_path / "light" / "volume0.npy").exists()
+
+
+def test_techniques_that_keep_no_light_are_refused():
+    for technique in ("direct", "single"):
+        with pytest.raises(SettingsError) as caught:
+            export_lattice(builtin_scene("cornell"), technique=technique)
+        assert str(caught.value) == (
+            f"technique '{technique}' keeps no light that could be exported. "
+            "Choose from lpv, lpv-march, lpv-sum, lpv-scatter, pop, auto."
+        )
