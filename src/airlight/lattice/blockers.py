@@ -24,7 +24,7 @@ from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene, InstanceData
 from .placement import Placement
-from .surfels import SurfelData, surfels
+from .surfels import SurfelData, follow, surfels
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 _UNITS = 2.0**16  # fixed-point units per fully covered cell face
@@ -104,6 +104,7 @@ class Blockers:
         self.count = len(samples)
         self.is_emissive = bool(samples["emission"].any())
         self.surfels = buffer_of(gpu, "surfels", samples)
+        self._samples, self._followed = samples, self.meshes.original
 
     def _make_textures(self, gpu: Gpu, size: tuple[int, int, int]) -> None:
         def texture(name: str, format: str) -> Texture:
@@ -122,6 +123,8 @@ class Blockers:
         if self._made == made:
             return False
         self._made = made
+        if self._is_owner:
+            self._follow()
         params = BlockerParams(
             origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
             surfel_count=self.count, units=_UNITS, first_row=self.placement.first_row,
@@ -136,6 +139,15 @@ class Blockers:
             openness=self.openness, open_a=self.open_a, open_b=self.open_b, walls=self.walls,
         )  # fmt: skip
         return True
+
+    def _follow(self) -> None:
+        """Move the surfels of meshes whose vertices moved."""
+        meshes = self.meshes
+        pairs = zip(self._followed, meshes.current, strict=True)
+        if any(before.geometry is not now.geometry for before, now in pairs):
+            moved = follow(self._samples, meshes.order, meshes.original, meshes.current)
+            self.surfels.write(moved)
+        self._followed = meshes.current
 
     @property
     def bound(self) -> dict[str, Texture]:

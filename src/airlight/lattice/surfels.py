@@ -68,20 +68,16 @@ def _mesh_surfels(mesh: Mesh, instance: int, count: int, side: int) -> NDArray[n
     made["instance"] = instance
     if areas.sum() <= 0.0:
         return made
-    # Stratified along the running area; the place inside a triangle from a plastic sequence.
-    edges = np.cumsum(areas)
-    strata = (np.arange(count) + 0.5) / count * edges[-1]
-    triangle = np.minimum(np.searchsorted(edges, strata), len(areas) - 1)
-    u, v = _triangle_points(count)
+    triangle, weights = _places(areas, count)
     geometry = mesh.geometry
     corners = geometry.indices[triangle]
-    a, b, c = (geometry.positions[corners[:, k]].astype(np.float64) for k in range(3))
-    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    a, b, c = _corners(geometry, triangle)
+    u, v = weights[:, 1], weights[:, 2]
     made["position"] = a + u[:, None] * (b - a) + v[:, None] * (c - a)
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     # A surfel stands for an equal share of the world area; its object-space area follows.
-    world_area = edges[-1] / count
+    world_area = areas.cumsum()[-1] / count
     stretch = areas[triangle][:, None] / np.maximum(0.5 * length, 1e-30)
     area_normal = normal / np.maximum(length, 1e-30) * world_area / np.maximum(stretch, 1e-30)
     colour, cover = _colour_and_cover(mesh.material, geometry.uvs, corners, weights)
@@ -91,6 +87,43 @@ def _mesh_surfels(mesh: Mesh, instance: int, count: int, side: int) -> NDArray[n
     made["emission"] = mesh.material.emission
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
+
+
+def follow(
+    made: NDArray[np.void], order: list[int], original: tuple[Mesh, ...], now: tuple[Mesh, ...]
+) -> NDArray[np.void]:
+    """The surfels `made` of the `original` meshes, moved with the vertices as they are `now`.
+
+    Each stays at its place of its triangle, and its area changes with the triangle's.
+    """
+    moved = made.copy()
+    for instance, index in enumerate(order):
+        before, after = original[index].geometry, now[index].geometry
+        if before is not after:
+            rows = np.flatnonzero(made["instance"] == instance)
+            triangle, weights = _places(triangle_areas(original[index]), len(rows))
+            old, new = _corners(before, triangle), _corners(after, triangle)
+            cross = np.cross(new[1] - new[0], new[2] - new[0])
+            length = np.linalg.norm(np.cross(old[1] - old[0], old[2] - old[0]), axis=1)
+            share = np.linalg.norm(made["area_normal"][rows], axis=1) / np.maximum(length, 1e-30)
+            moved["position"][rows] = np.einsum("nk,knc->nc", weights, new)
+            moved["area_normal"][rows] = cross * share[:, None]
+    return moved
+
+
+def _places(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
+    """Triangles (n,) and barycentric weights (n, 3) of `count` surfels over them."""
+    # Stratified along the running area; the place inside a triangle from a plastic sequence.
+    edges = np.cumsum(areas)
+    strata = (np.arange(count) + 0.5) / count * edges[-1]
+    u, v = _triangle_points(count)
+    triangle = np.minimum(np.searchsorted(edges, strata), len(areas) - 1)
+    return triangle, np.stack([1.0 - u - v, u, v], axis=1)
+
+
+def _corners(geometry: Geometry, triangle: NDArray[np.int64]) -> F64:
+    """(3, n, 3): the corners of triangles, metres, object space."""
+    return geometry.positions[geometry.indices[triangle].T].astype(np.float64)
 
 
 def _side(mesh: Mesh, outer: dict[int, int], points: F64) -> int:

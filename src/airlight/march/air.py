@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.commands import Commands
@@ -17,10 +18,12 @@ from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..maths.transforms import F64
+from ..scene.checks import F32
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .air_slots import MediumData, column_slots, column_wgsl, medium_slots, medium_wgsl
+from .detail import detail_bias, detail_periods, detail_texture
 from .light_columns import LightColumns
 
 MAX_MEDIA = 8
@@ -32,10 +35,10 @@ _DENSITY_MAX = 65504.0
 
 
 class Air:
-    """All media of a scene. Their number, kinds and grids are fixed; the rest may change.
+    """All media of a scene. Their number, kinds and grids' sizes are fixed; the rest may change.
 
-    `slots`, `wgsl` and `bound` go to every pass that asks the air. Raises SceneError for more
-    media or grids than the device is given.
+    `version` is raised whenever anything did. `slots`, `wgsl` and `bound` go to every pass that
+    asks the air. Raises SceneError for more media or grids than the device is given.
     """
 
     def __init__(
@@ -54,11 +57,17 @@ class Air:
                 remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
             )
         self.table = Buffer(gpu, "air", MediumData.dtype.itemsize * max(1, self.count))
-        self.grids = [_density_texture(gpu, v) for v in scene.volumes if v.density is not None]
+        self._densities = [v.density for v in scene.volumes if v.density is not None]
+        self.grids = [_density_texture(gpu, density) for density in self._densities]
         self._linear = linear_sampler(gpu, "air")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
-        self.medium_slots, self.medium_wgsl = medium_slots(grids), medium_wgsl(self.count, grids)
+        self.version = 0
+        self._noise = detail_texture(gpu) if _has_detail(scene) else None
+        has_detail = self._noise is not None
+        self._repeat = linear_sampler(gpu, "air detail", wrap="repeat")
+        self.medium_slots = medium_slots(grids, has_detail=has_detail)
+        self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
         self.slots = self.medium_slots + column_slots(grids)
         self.wgsl = self.medium_wgsl + column_wgsl(grids, light_count)
         self.columns = self._columns(scene, light_count, column_resolution) if grids else None
@@ -83,12 +92,29 @@ class Air:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
-        changed = packed.tobytes() != self._written
-        if changed:
-            self._written = packed.tobytes()
+        changed = self._take_densities(scene)
+        if packed.tobytes() != self._written:
+            self._written, changed = packed.tobytes(), True
             self.table.write(packed)
+        self.version += int(changed)
         if self.columns is not None:
             self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+
+    def _take_densities(self, scene: Scene) -> bool:
+        """Upload the densities that are not the last frame's; returns whether there were any."""
+        new = [v.density for v in scene.volumes if v.density is not None]
+        changed = False
+        for i, (density, old) in enumerate(zip(new, self._densities, strict=True)):
+            if density is old:
+                continue
+            if density.shape != old.shape:
+                raise SceneError(
+                    f"a volume's grid changed from {old.shape} to {density.shape} cells",
+                    remedy="Make a new Renderer",
+                )
+            self.grids[i].write(_half(density))
+            self._densities[i], changed = density, True
+        return changed
 
     @property
     def medium_bound(self) -> dict[str, Any]:
@@ -97,6 +123,8 @@ class Air:
         if self.grids:
             bound["air_linear"] = self._linear
             bound |= {f"air_grid{i}": grid for i, grid in enumerate(self.grids)}
+        if self._noise is not None:
+            bound |= {"air_repeat": self._repeat, "air_noise": self._noise}
         return bound
 
     @property
@@ -109,6 +137,8 @@ class Air:
         self.table.release()
         for grid in self.grids:
             grid.release()
+        if self._noise is not None:
+            self._noise.release()
         if self.columns:
             self.columns.release()
 
@@ -133,6 +163,8 @@ class Air:
             row = _fields(volume, kind, matrix, has_shafts=has_shafts)
             if kind == GRID:
                 row |= {"grid": grid, "voxel": voxel_m(volume)}
+                if self._noise is not None and volume.detail > 0.0:
+                    row |= _detail_fields(volume)
                 grid += 1
             rows.append(row)
         return rows
@@ -178,13 +210,28 @@ def _fields(
     return {
         "volume_from_world": volume_from_world, "sigma_t": of.sigma_t, "kind": kind,
         "albedo": of.albedo, "grid": 0, "g": of.g, "has_shafts": int(has_shafts), "voxel": 0.0,
+        "detail": 0.0, "detail_bias": 0.0, "detail_periods": (0.0, 0.0, 0.0),
     }  # fmt: skip
 
 
-def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
-    density = volume.density
-    assert density is not None
+def _has_detail(scene: Scene) -> bool:
+    return any(v.detail > 0.0 and v.density is not None for v in scene.volumes)
+
+
+def _detail_fields(volume: Volume) -> dict[str, Any]:
+    """The noise, and steps short enough to see it."""
+    return {
+        "detail": volume.detail, "detail_bias": detail_bias(volume.detail),
+        "detail_periods": detail_periods(volume), "voxel": 0.5 * voxel_m(volume),
+    }  # fmt: skip
+
+
+def _density_texture(gpu: Gpu, density: F32) -> Texture:
     depth, height, width = density.shape
     made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
-    made.write(np.minimum(density, _DENSITY_MAX).astype(np.float16))
+    made.write(_half(density))
     return made
+
+
+def _half(density: F32) -> NDArray[np.float16]:
+    return np.minimum(density, _DENSITY_MAX).astype(np.float16)

@@ -59,7 +59,8 @@ class ScatterSolver:
         even = similar_scene(scene)
         self.air = Air(gpu, even, light_count=lights.count)
         sky_scene = dataclasses.replace(even, lights=tuple(sky.lights))
-        self.sky_air = Air(gpu, sky_scene, light_count=len(sky.lights),
+        most = max(len(sky.lights), sky.maps.layers)  # a turning sky may bring more of them
+        self.sky_air = Air(gpu, sky_scene, light_count=most,
                            column_resolution=_SKY_COLUMNS)  # fmt: skip
         self._make_maps(scene)
         self._make_passes(scene)
@@ -106,7 +107,8 @@ class ScatterSolver:
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
         self._sigma_t = (0.0, 0.0, 0.0)
-        self._air_key = self._walls_key = self._steady_key = b""
+        self._air_version = -1
+        self._walls_key = self._steady_key = b""
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Solve for `scene`, whose surfaces lie in low..high (metres).
@@ -142,10 +144,9 @@ class ScatterSolver:
         self.air.update(commands, even, low, high)
         sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
         self.sky_air.update(commands, sky, low, high)
-        key = repr([{k: np.asarray(v).tolist() for k, v in r.items()} for r in self.air.rows])
-        if key.encode() == self._air_key:
+        if self.air.version == self._air_version:
             return False
-        self._air_key = key.encode()
+        self._air_version = self.air.version
         if self.air_cells is None:
             sigma_s, self._sigma_t = densest_air(even)
             self.levels.set_air(sigma_s, self._sigma_t)

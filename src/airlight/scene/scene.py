@@ -61,6 +61,11 @@ class Scene:
         )
 
     @property
+    def whole_bounds(self) -> tuple[F64, F64]:
+        """The same over all of the animation's time: what a lattice must hold."""
+        return self.bounds if self.animation is None else self.animation.bounds(self)
+
+    @property
     def triangle_count(self) -> int:
         """Triangles in all meshes, instances counted each."""
         return sum(len(mesh.geometry.indices) for mesh in self.meshes)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
@@ -69,7 +70,8 @@ class Draw:
 class GpuScene:
     """Vertex, index, instance and material buffers, and the draws over them.
 
-    Geometry and materials are fixed at creation; `move` places the instances anew.
+    Triangles and materials are fixed at creation; `move` places the instances anew and takes
+    vertices that moved. `current` are the meshes as they are, `version` counts their changes.
     """
 
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
@@ -80,7 +82,10 @@ class GpuScene:
         order = _draw_order(scene.meshes)
         self.order = [index for run in order for index in run]
         geometries = {id(m.geometry): m.geometry for m in scene.meshes}
+        self.original = self.current = scene.meshes
         offsets = self._upload(list(geometries.values()))
+        self._first_vertex = [offsets[id(m.geometry)][1] for m in scene.meshes]
+        self._uploaded = {offsets[key][1]: g for key, g in geometries.items()}
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
         self.materials = buffer_of(
@@ -89,6 +94,7 @@ class GpuScene:
         self.instances = Buffer(
             gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes))
         )
+        self._placed = b""
         self.draws: list[Draw] = []
         first = 0
         for run in order:
@@ -111,7 +117,12 @@ class GpuScene:
         self.move(scene.meshes)
 
     def move(self, meshes: tuple[Mesh, ...]) -> None:
-        """Place the instances as `meshes` (the same meshes, in the same order) stand."""
+        """Take `meshes`, the same as at creation and in their order, as they stand now.
+
+        Their transforms and their vertices may have changed, and nothing else of them. Raises
+        SceneError for meshes with other triangles.
+        """
+        deformed = self._deform(meshes)
         rows = [
             {
                 "world_from_object": m.world_from_object,
@@ -120,13 +131,41 @@ class GpuScene:
             }
             for m in (meshes[i] for i in self.order)
         ]
-        self.instances.write(pack_array(InstanceData, rows))
+        packed = pack_array(InstanceData, rows)
+        self.current = meshes
+        if packed.tobytes() == self._placed and not deformed:
+            return
+        self._placed = packed.tobytes()
+        self.instances.write(packed)
         boxes = [box_corners(*meshes[i].world_bounds) for i in self.order]
         edges = [d.first_instance for d in self.draws]
         corners = np.array(boxes).reshape(-1, 3)
         self._draw_low = _reduce(np.minimum, corners, edges)
         self._draw_high = _reduce(np.maximum, corners, edges)
         self.version += 1
+
+    def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
+        """Upload the vertices of geometries that are not the last ones; whether there were any."""
+        if len(meshes) != len(self._first_vertex):
+            raise SceneError(
+                f"there are {len(meshes)} meshes where there were {len(self._first_vertex)}",
+                remedy="Make a new Renderer",
+            )
+        wanted: dict[int, Geometry] = {}
+        for mesh, first in zip(meshes, self._first_vertex, strict=True):
+            if wanted.setdefault(first, mesh.geometry) is not mesh.geometry:
+                raise SceneError(
+                    f"mesh '{mesh.name}' no longer shares the geometry that it shared",
+                    remedy="Make a new Renderer",
+                )
+        changed = [key for key, geometry in wanted.items() if geometry is not self._uploaded[key]]
+        for first in changed:
+            geometry = wanted[first]
+            _check_same_triangles(self._uploaded[first], geometry)
+            self.positions.write(geometry.positions, 12 * first)
+            self.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
+            self._uploaded[first] = geometry
+        return bool(changed)
 
     @property
     def bounds(self) -> tuple[F64, F64]:
@@ -179,6 +218,18 @@ class GpuScene:
             bound[f"{name}_map"] = self.store.get(texture, defaults.get(name, self.store.white))
             bound[f"{name}_sampler"] = self.store.sampler(texture)
         return self._texture_sets.setdefault(tuple(map(id, bound.values())), bound)
+
+
+def _check_same_triangles(old: Geometry, new: Geometry) -> None:
+    same = len(old.positions) == len(new.positions) and (
+        np.shares_memory(old.indices, new.indices) or np.array_equal(old.indices, new.indices)
+    )
+    if not same:
+        raise SceneError(
+            f"a geometry of {len(old.positions)} vertices and {len(old.indices)} triangles became "
+            f"one of {len(new.positions)} and {len(new.indices)}, or other triangles",
+            remedy="Make a new Renderer",
+        )
 
 
 def _map(m: Material, name: str) -> SceneTexture | None:

@@ -47,8 +47,8 @@ class VolumeTrack:
             raise SceneError(
                 f"the animation changes volume {self.index + 1}, but the scene has {len(volumes)}"
             )
-        density, now = self.density.at(time_s), volumes[self.index].density
-        if now is not None and now.ctypes.data == density.ctypes.data and now.size == density.size:
+        density = self.density.at(time_s)
+        if volumes[self.index].density is density:
             return scene  # what did not change need not be uploaded or solved again
         volumes[self.index] = replace(volumes[self.index], density=density)
         return replace(scene, volumes=tuple(volumes))
@@ -126,4 +126,6 @@ def _density(path: Path, stamp_ns: int, grid: str, channels: str) -> F32:
     """A file's grid as it was at `stamp_ns`; the last few are kept."""
     from ..io.volumes import read_volume
 
-    return read_volume(path, grid, channels).density
+    density = read_volume(path, grid, channels).density
+    density.flags.writeable = False
+    return density
