@@ -39,7 +39,7 @@ def test_hops_conserve_power(scheme: lattice6.Scheme) -> None:
     np.testing.assert_allclose(total[0], [1.0, 0.0, 0.0, 0.0], atol=1e-14)
 
 
-@pytest.mark.parametrize(("scheme", "kept"), [("paper", 0.3686), ("centroid", 0.912)])
+@pytest.mark.parametrize(("scheme", "kept"), [("paper", 0.3686), ("centroid", 0.934)])
 def test_direction_kept_per_hop(scheme: lattice6.Scheme, kept: float) -> None:
     total = sum(hop.matrix for hop in lattice6.hops(scheme))
     np.testing.assert_allclose(total[1:, 1:], kept * np.eye(3), atol=4e-4)
@@ -143,6 +143,7 @@ FLOOR = floor_by_quadrature()
 
 
 def test_floor_lit_by_a_wall() -> None:
-    # The notes measured .057 and, with the paper's own rule for surfaces, 1.072.
-    assert floor_error("centroid") < 0.070
+    # Measured .073 (.057 if hops kept nothing of the spread within a face: maths.lattice6 says why
+    # they do) and, with the paper's own rule for surfaces, 1.072.
+    assert floor_error("centroid") < 0.075
     assert floor_error("paper") == pytest.approx(1.07, abs=0.03)

@@ -6,6 +6,7 @@ from scipy.integrate import dblquad
 from airlight.maths.solid_angle import (
     polygon_mean_direction,
     polygon_solid_angle,
+    quad_mean_square,
     triangle_solid_angle,
     voronoi_cell,
 )
@@ -35,6 +36,15 @@ def test_rectangle_against_quadrature() -> None:
     np.testing.assert_allclose(
         polygon_mean_direction(corners[::-1]), np.array(mean) / omega, rtol=1e-10
     )
+
+
+def test_outer_squares_over_a_cube_add_up_to_those_of_the_sphere() -> None:
+    square = np.array([[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float)
+    top = quad_mean_square(square)
+    np.testing.assert_allclose(np.trace(top), 1.0)
+    # Three pairs of faces, each 2 pi/3 of 4 pi; over the sphere the mean is a third of the identity.
+    turned = [np.roll(np.roll(top, k, axis=0), k, axis=1) for k in range(3)]
+    np.testing.assert_allclose(sum(turned) / 3.0, np.eye(3) / 3.0, atol=1e-12)
 
 
 def test_voronoi_cells_of_the_cube_and_octahedron_directions() -> None:

@@ -5,8 +5,9 @@ Hops are ordered +x -x +y -y +z -z. Two schemes:
 
 paper      Kaplanyan2010 section 3.3: evaluate towards each far face's centre, re-emit a cosine lobe
            along the face's normal
-centroid   ours: receive and emit along the mean direction of the face's solid angle; keeps 0.912
-           of the net direction per hop where the paper keeps 0.369
+centroid   ours: receive and emit along the mean direction of the face's solid angle, and a share of
+           how the light spreads within it; keeps 0.934 of the net direction per hop where the
+           paper keeps 0.369
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .solid_angle import polygon_mean_direction, polygon_solid_angle
+from .solid_angle import polygon_mean_direction, polygon_solid_angle, quad_mean_square
 
 F64 = NDArray[np.float64]
 Scheme = Literal["paper", "centroid"]
@@ -29,21 +30,28 @@ OFFSETS: NDArray[np.int64] = np.array(
 )
 # Irradiance from accumulated states: the share of a cell's flux that a surface there receives.
 # Measured so that the mean irradiance of a floor beside a 12 x 12-cell wall is right.
-LOOKUP_SCALE = 0.73
+LOOKUP_SCALE = 0.69
+# How much of the spread of directions within a face a hop keeps. With 0 light turns too soon (walls
+# that face the source get .4 of their light, the source's own plane .2 of what it sends), with 1
+# it goes straight in beams. Measured on six lit rooms of 16 to 24 cells with black walls, relative L2
+# on all walls: .45 at 0, .41 at 0.25, .39 at 0.5, .40 at 0.6; a floor beside a wall wants little:
+# .056 at 0, .07 at 0.25, .11 at 0.4.
+SPREAD_KEPT = 0.25
 
 
 @dataclass(frozen=True)
 class Face:
     """A face of the destination cell as the source cell's centre sees it.
 
-    Its power is solid_angle_sr (a + b.receive); the destination gains a += P/4pi, b += P emit.
-    `normal` points out of the destination cell.
+    Its power is P = solid_angle_sr (a + b.receive); the destination gains a += P/4pi and
+    b += P emit + 3/4pi solid_angle_sr spread b. `normal` points out of the destination cell.
     """
 
     normal: tuple[float, float, float]
     solid_angle_sr: float
     receive: tuple[float, float, float]
     emit: tuple[float, float, float]
+    spread: F64
 
 
 @dataclass(frozen=True)
@@ -60,6 +68,7 @@ class Hop:
         for face in self.faces:
             gain = np.array([1.0 / (4.0 * np.pi), *face.emit])
             rows += face.solid_angle_sr * np.outer(gain, [1.0, *face.receive])
+            rows[1:, 1:] += 3.0 / (4.0 * np.pi) * face.solid_angle_sr * face.spread
         return rows
 
 
@@ -79,14 +88,15 @@ def face_seen(offset: ArrayLike, normal: ArrayLike, scheme: Scheme = "centroid")
     if scheme == "paper":
         to_centre = centre + 0.5 * n
         receive = to_centre / np.linalg.norm(to_centre)
-        emit = n / (2.0 * np.pi)
+        emit, spread = n / (2.0 * np.pi), np.zeros((3, 3))
     elif scheme == "centroid":
         receive = polygon_mean_direction(corners)
         emit = 3.0 * receive / (4.0 * np.pi)
+        spread = SPREAD_KEPT * (quad_mean_square(corners) - np.outer(receive, receive))
     else:
         raise ValueError(f"scheme '{scheme}' is unknown; known: paper, centroid")
     omega = float(polygon_solid_angle(corners))
-    return Face(_triple(n), omega, _triple(receive), _triple(emit))
+    return Face(_triple(n), omega, _triple(receive), _triple(emit), spread)
 
 
 def _triple(v: F64) -> tuple[float, float, float]:
@@ -211,17 +221,18 @@ def surface_irradiance(
 
     The state is to be looked up trilinearly at x + n cell_size/2. Two bands of a light field that
     streams one way are negative behind: a lit floor would darken itself. So the field is read as
-    the non-negative lobe alpha + (1 - alpha)(p + 1) q^p with the same two moments (Geomerics2015);
-    to first order in b/a it is a - (2/3) b.n.
+    one that has the same two moments and is not negative: up to |b| = 1.5 a, that of light which
+    fills half of all directions, it is a - (2/3) b.n; from there on a share of it is a beam along b.
     differs: Kaplanyan2010 section 3.4, see `paper_surface_irradiance`.
     """
     s, n = np.asarray(accumulated, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     a, b = s[..., 0], np.linalg.norm(s[..., 1:], axis=-1)
     along = np.einsum("...i,...i->...", s[..., 1:], n) / np.maximum(b, 1e-300)
     r = np.minimum(b / np.maximum(3.0 * a, 1e-300), 1.0)
-    p, alpha = 1.0 + 2.0 * r, (1.0 - r) / (1.0 + r)
-    lobe = alpha + (1.0 - alpha) * (p + 1.0) * (0.5 - 0.5 * along) ** p
-    return np.asarray(scale * np.pi * np.maximum(a, 0.0) * lobe / cell_size_m**2)
+    beam = np.maximum(2.0 * r - 1.0, 0.0)
+    spread_out = 1.0 - np.minimum(2.0 * r, 1.0) * along
+    flux = (1.0 - beam) * spread_out + beam * 4.0 * np.maximum(-along, 0.0)
+    return np.asarray(scale * np.pi * np.maximum(a, 0.0) * flux / cell_size_m**2)
 
 
 def paper_surface_irradiance(accumulated: ArrayLike, normal: ArrayLike, cell_size_m: float) -> F64:

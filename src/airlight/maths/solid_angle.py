@@ -48,6 +48,21 @@ def polygon_mean_direction(corners: ArrayLike) -> F64:
     return np.asarray(moment / polygon_solid_angle(p)[..., None])
 
 
+def quad_mean_square(corners: ArrayLike, nodes: int = 24) -> F64:
+    """Mean (3, 3) of the outer square of the unit vectors into a plane parallelogram (4, 3).
+
+    By Gauss-Legendre quadrature of `nodes` squared points; the origin is outside its plane.
+    """
+    p = np.asarray(corners, dtype=np.float64)
+    at, weight = np.polynomial.legendre.leggauss(nodes)
+    u, v = (0.5 + 0.5 * x for x in np.meshgrid(at, at))
+    points = p[0] + u[..., None] * (p[1] - p[0]) + v[..., None] * (p[3] - p[0])
+    distance = np.linalg.norm(points, axis=-1)
+    w = points / distance[..., None]
+    seen = np.outer(weight, weight) / distance**3  # cos/r^2, without the plane's own distance
+    return np.asarray(np.einsum("ij,ija,ijb->ab", seen, w, w) / seen.sum())
+
+
 def voronoi_cell(directions: ArrayLike, index: int) -> F64:
     """Corners (N, 3), unit, in order, of the spherical Voronoi cell of directions[index].
 
