@@ -62,18 +62,16 @@ fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
     return saturate(min(inside.x, min(inside.y, inside.z)));
 }
 
-// pi l/s^2 times this is the irradiance on a surface of normal n in the cell: the light is read as a
-// non-negative lobe with the state's two moments, since two bands of light that streams one way
-// are negative behind (twin: maths.lattice6.surface_irradiance).
+// pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light that
+// streams one way are negative behind: beyond what fills half of all directions, the rest is read
+// as a beam (twin: maths.lattice6.surface_irradiance).
 fn facing_flux(state: vec4f, n: vec3f) -> f32 {
     let a = max(state.x, 0.0);
     let b = length(state.yzw);
     let along = dot(state.yzw, n) / max(b, 1e-20);
     let r = min(b / max(3.0 * a, 1e-20), 1.0);
-    let p = 1.0 + 2.0 * r;
-    let alpha = (1.0 - r) / (1.0 + r);
-    let q = max(0.5 - 0.5 * along, 1e-6);
-    return a * (alpha + (1.0 - alpha) * (p + 1.0) * pow(q, p));
+    let beam = max(2.0 * r - 1.0, 0.0);
+    return a * mix(1.0 - min(2.0 * r, 1.0) * along, 4.0 * max(-along, 0.0), beam);
 }
 
 // The paper's rule: the intensity towards the surface from half a cell away.
