@@ -1,14 +1,13 @@
 """Propagate light between the six face neighbours of every cell (Kaplanyan2010 section 3.3).
 
-What surfaces need is the sum of all steps, A_n = I_0 + I_1 + ... + I_n with I_k+1 = M I_k. The
-step is linear, so the sum itself can be propagated: with B_1 = M I_0 and
-B_k+1 = B_1 + M B_k, A_n = I_0 + B_n: a step reads the sum, adds the source, and no second
-lattice is kept.
-differs: Kaplanyan2010 propagates the state and accumulates it into a second lattice, and ignores
-blockers in the first step; ours block from the first (lattice.inject shapes lobes for it).
+What surfaces need is the sum of all steps, B_n = s + M s + ... + M^(n-1) s, s the state after the
+first. A step costs what it reads and writes, so the sum is made by doubling: B_2k = B_k + M^k B_k
+takes as many steps as adding state after state, but only one addition per doubling.
+differs: Kaplanyan2010 accumulates after every step, and ignores blockers in the first; ours block
+from the first (lattice.inject shapes lobes for it).
 
-The paper's scheme clamps negative intensities, so it is not linear in the state; there the state
-is propagated and accumulated, the first step free, as the paper says.
+The paper's scheme clamps negative intensities, so it is not linear in the state; there every
+state is accumulated, the first step free, as the paper says.
 """
 
 from __future__ import annotations
@@ -18,35 +17,34 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.placement import Placement
 from ..maths.lattice6 import Hop, Scheme, hops
+from .columns import column_march
 
 CHANNELS = 3
-_TILE = 2
-_SLAB = 8  # layers that one invocation marches through
+_CPU_TILE, _CPU_SLAB = (2, 4), 8  # measured best: wider tiles load less but take long to compile
 
 
 class StepParams(Struct):
-    """The lattice's size and how it is cut into columns."""
+    """The lattice's size, and what the step does."""
 
     count = vec3u("cells")
-    slabs = u32("slabs of _SLAB layers along z")
+    kept = f32("share of negative power into closed faces that is handed back")
 
 
 class _Step(ComputePass):
-    """One step in columns of 2 x 2 cells marched along z: three loads a cell instead of six."""
+    """One step of all three channels, in columns marched along z (lpv.columns)."""
 
     slots = (
         uniform("params", StepParams),
         storage("before", "vec4f"),
-        storage("source", "vec4f"),
         storage("after", "vec4f", "read_write"),
         storage("faces", "vec4u"),
     )
-    workgroup = (8, 8, 4)
+    workgroup = (16, 8, 1)
     file = "propagate.wgsl"
 
 
@@ -54,7 +52,6 @@ class AccumulateParams(Struct):
     """The lattice's size."""
 
     values = u32("vec4 values in the lattice")
-    is_first = u32("1: start the sum anew")
 
 
 class _Accumulate(ComputePass):
@@ -86,83 +83,131 @@ class Propagate:
         is_reflecting: bool = False,
     ) -> None:
         self.scheme, self.placement = scheme, placement
-        text = hop_functions(scheme)
+        nx, ny, _ = placement.count
+        self._tile = (min(_CPU_TILE[0], nx), min(_CPU_TILE[1], ny)) if gpu.is_cpu else (1, 1)
+        self._slab = _CPU_SLAB if gpu.is_cpu else 1
+        text = pair_functions(scheme) + column_march(*self._tile, self._slab)
 
-        def step(blocked: bool, first: bool) -> _Step:
-            flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting,
-                     "IS_FIRST": first}  # fmt: skip
+        def step(blocked: bool) -> _Step:
+            flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting}
             return _Step(gpu, generated=text, constants={k: int(v) for k, v in flags.items()})
 
-        # The paper's first step ignores blockers; ours drops what shaped lobes send backwards.
-        self._first = step(is_blocked and scheme != "paper", True)
-        self._later = step(is_blocked, False)
-        nbytes = CHANNELS * placement.cells * 16
-        self._lattices = [Buffer(gpu, f"propagation {k}", nbytes) for k in range(3)]
-        self._zero = Buffer(gpu, "no light", nbytes)
+        self._later = step(is_blocked)
+        # The paper's first step ignores blockers.
+        self._first = step(False) if is_blocked and scheme == "paper" else self._later
+        self._bytes = CHANNELS * placement.cells * 16
+        names = ("first state", "propagated light", "propagation ping", "propagation pong")
+        self._lattices = [Buffer(gpu, name, self._bytes) for name in names]
         self._accumulate = _Accumulate(gpu)
 
     def encode(
         self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int
     ) -> Buffer:
         """The sum of the states after 1 to `iterations` steps from `injected`, without itself."""
+        first, total, ping, pong = self._lattices
         if iterations < 1:
-            return self._zero
+            commands.encoder.clear_buffer(total.handle)
+            return total
+        # Shaped lobes are negative behind their surface, which their power is scaled for: what
+        # they would send there is dropped (lattice.inject).
+        self._step(commands, self._first, injected, first, faces, kept=0.0)
+        commands.encoder.copy_buffer_to_buffer(first.handle, 0, total.handle, 0, self._bytes)
         if self.scheme == "paper":
-            return self._encode_states(commands, injected, faces, iterations)
-        first, ping, pong = self._lattices
-        self._step(commands, self._first, injected, self._zero, first, faces)
-        total = first
-        for _ in range(1, iterations):
-            target = pong if total is ping else ping
-            self._step(commands, self._later, total, first, target, faces)
-            total = target
+            return self._accumulated(commands, faces, iterations - 1)
+        steps = 1
+        for bit in f"{iterations:b}"[1:]:
+            state = self._stepped(commands, total, (ping, pong), faces, steps)
+            self._add(commands, state, total)
+            steps *= 2
+            if bit == "1":
+                self._step(commands, self._later, total, ping, faces)
+                self._add(commands, first, ping)
+                total, ping = ping, total
+                steps += 1
         return total
 
-    def _encode_states(
-        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int
-    ) -> Buffer:
-        total, ping, pong = self._lattices
-        values = CHANNELS * self.placement.cells
-        state = injected
-        for index in range(iterations):
+    def _accumulated(self, commands: Commands, faces: Buffer, steps: int) -> Buffer:
+        """Every one of `steps` more states added to the first."""
+        first, total, ping, pong = self._lattices
+        state = first
+        for _ in range(steps):
             target = pong if state is ping else ping
-            step = self._later if index else self._first
-            self._step(commands, step, state, self._zero, target, faces)
-            self._accumulate.dispatch(
-                commands, (values,), state=target, total=total,
-                params=AccumulateParams(values=values, is_first=int(index == 0)),
-            )  # fmt: skip
+            self._step(commands, self._later, state, target, faces)
+            self._add(commands, target, total)
             state = target
         return total
 
+    def _stepped(
+        self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer,
+        steps: int,
+    ) -> Buffer:  # fmt: skip
+        """What `state` has become after `steps` steps, in one of the `spare` lattices."""
+        for index in range(steps):
+            self._step(commands, self._later, state, spare[index % 2], faces)
+            state = spare[index % 2]
+        return state
+
+    def _add(self, commands: Commands, state: Buffer, total: Buffer) -> None:
+        values = CHANNELS * self.placement.cells
+        self._accumulate.dispatch(
+            commands, (values,), params=AccumulateParams(values=values), state=state, total=total
+        )
+
     def _step(
-        self, commands: Commands, step: _Step, before: Buffer, source: Buffer, after: Buffer,
-        faces: Buffer,
+        self, commands: Commands, step: _Step, before: Buffer, after: Buffer, faces: Buffer,
+        kept: float = 1.0,
     ) -> None:  # fmt: skip
         nx, ny, nz = self.placement.count
-        slabs = -(-nz // _SLAB)
+        columns = (-(-nx // self._tile[0]), -(-ny // self._tile[1]), -(-nz // self._slab))
         step.dispatch(
-            commands, (-(-nx // _TILE), -(-ny // _TILE), CHANNELS * slabs),
-            params=StepParams(count=self.placement.count, slabs=slabs),
-            before=before, source=source, after=after, faces=faces,
+            commands, columns, params=StepParams(count=self.placement.count, kept=kept),
+            before=before, after=after, faces=faces,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        for lattice in (*self._lattices, self._zero):
+        for lattice in self._lattices:
             lattice.release()
 
 
-def hop_functions(scheme: Scheme) -> str:
-    """WGSL of `hop_0` .. `hop_5` (+x -x +y -y +z -z): what a neighbour's light adds.
+def pair_functions(scheme: Scheme) -> str:
+    """WGSL of `along_x`, `along_y`, `along_z`: what two opposite neighbours' light adds.
 
-    Weights are literals: the software driver reads a table ten times slower.
+    Their first argument travels up the axis, the second down. Weights are literals: the software
+    driver reads a table ten times slower.
     """
-    is_clamped = scheme == "paper"
-    text = _clamped_hop if is_clamped else _linear_hop
-    even, direct = hops(scheme)[0].matrix[0, :2]
-    shares = f"const HOP_EVEN = {_literal(even)};\nconst HOP_DIRECT = {_literal(direct)};\n"
-    return shares + "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
+    matrix = hops(scheme)[0].matrix
+    shares = "".join(
+        f"const {name} = {_literal(value)};\n"
+        for name, value in (("HOP_EVEN", matrix[0, 0]), ("HOP_DIRECT", matrix[0, 1]))
+    )
+    if scheme == "paper":
+        pairs = [
+            f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{ "
+            f"return hop_{2 * k}(up) + hop_{2 * k + 1}(down); }}"
+            for k, axis in enumerate("xyz")
+        ]
+        return shares + hop_functions(scheme) + "\n" + "\n".join(pairs) + "\n"
+    return shares + "\n".join(_linear_pair(k, axis) for k, axis in enumerate("xyz")) + "\n"
+
+
+def _linear_pair(index: int, axis: str) -> str:
+    """Opposite hops differ in the sign of what couples a with b along the axis."""
+    matrix, b = hops("centroid")[2 * index].matrix, index + 1
+    same = ", ".join(_literal(matrix[k, k]) for k in range(4))
+    crossed = ["0.0"] * 4
+    crossed[0] = f"odd.{'xyzw'[b]} * {_literal(matrix[0, b])}"
+    crossed[b] = f"odd.x * {_literal(matrix[b, 0])}"
+    return (
+        f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{\n    let odd = up - down;\n"
+        f"    return (up + down) * vec4f({same}) + vec4f({', '.join(crossed)});\n}}"
+    )
+
+
+def hop_functions(scheme: Scheme) -> str:
+    """WGSL of `hop_0` .. `hop_5` (+x -x +y -y +z -z): what a neighbour's light adds."""
+    text = _clamped_hop if scheme == "paper" else _linear_hop
+    return "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
 
 
 def _linear_hop(index: int, hop: Hop) -> str:
