@@ -17,14 +17,19 @@ class MediumData(Struct):
     g = vec3f("mean cosine")
     has_shafts = u32("1: its single scattering is drawn by shafts")
     voxel = f32("m, the grid's shortest cell side; 0 without a grid")
+    detail_periods = vec3f("of the noise along the box's sides")
+    detail = f32("how strong the noise is")
+    detail_bias = f32("keeps the mean density")
 
 
-def medium_slots(grids: int) -> tuple[Slot, ...]:
-    """The table of media, then the density grids."""
+def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
+    """The table of media, then the density grids, then their noise."""
     slots: list[Slot] = [storage("air", MediumData)]
     if grids:
         slots.append(sampler("air_linear"))
         slots += [texture(f"air_grid{i}", "3d") for i in range(grids)]
+    if has_detail:
+        slots += [sampler("air_repeat"), texture("air_noise", "3d")]
     return tuple(slots)
 
 
@@ -33,10 +38,12 @@ def column_slots(grids: int) -> tuple[Slot, ...]:
     return tuple(texture(f"air_column{i}", "3d") for i in range(grids))
 
 
-def medium_wgsl(count: int, grids: int) -> str:
-    """The constants, and `air_grid`: a grid's density in its x."""
+def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
+    """The constants; `air_grid`: a grid's density in its x; `air_noise_at`: 0 without detail."""
+    noise = "textureSampleLevel(air_noise, air_repeat, at, 0.0).x" if has_detail else "0.0"
     return (
         f"const AIR_COUNT = {max(1, count)}u;\nconst AIR_GRIDS = {grids}u;\n"
+        f"fn air_noise_at(at: vec3f) -> f32 {{ return {noise}; }}\n"
         + _chosen("air_grid", "uvw: vec3f", "vec4f", "vec4f(0.0)",
                   [_sample(f"air_grid{i}") for i in range(grids)])
     )  # fmt: skip

@@ -23,6 +23,19 @@ fn air_span(m: u32, origin: vec3f, direction: vec3f) -> vec2f {
     return ray_box_interval(o, d, vec3f(0.0), vec3f(1.0));
 }
 
+// What noise finer than a grid's voxels multiplies its density by; its mean is 1. The noise's own
+// axes are turned, so that its repeats do not line up with the grid.
+const AIR_NOISE_TURN = mat3x3f(
+    0.6667, -0.3333, 0.6667, 0.6667, 0.6667, -0.3333, -0.3333, 0.6667, 0.6667);
+
+fn air_detail(m: u32, place: vec3f) -> f32 {
+    if (air[m].detail <= 0.0) {
+        return 1.0;
+    }
+    let at = AIR_NOISE_TURN * (place * air[m].detail_periods);
+    return exp(air[m].detail * air_noise_at(at) + air[m].detail_bias);
+}
+
 // Dimensionless; 0 outside the medium.
 fn air_density(m: u32, p: vec3f) -> f32 {
     let place = air_place(m, p);
@@ -30,7 +43,7 @@ fn air_density(m: u32, p: vec3f) -> f32 {
         return 0.0;
     }
     if (AIR_GRIDS > 0u && air[m].kind == AIR_GRID) {
-        return air_grid(air[m].grid, place).x;
+        return air_grid(air[m].grid, place).x * air_detail(m, place);
     }
     let off = place - 0.5;
     return select(1.0, 0.0, air[m].kind == AIR_ELLIPSOID && dot(off, off) > 0.25);
