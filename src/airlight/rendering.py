@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-import time
 from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
 from types import TracebackType
 from typing import Any
 
@@ -24,12 +24,14 @@ from .scene.image import Image
 from .scene.lights import Light
 from .scene.mesh import Mesh
 from .scene.scene import Scene
+from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
 
 Progress = Callable[[str, float], None]
 MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
+_KEPT_TIMES = 256
 NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
 
@@ -39,14 +41,17 @@ class Renderer:
     with Renderer(scene, technique="lpv", size=(640, 360)) as r:
         image = r.frame(camera=...)
 
-    The number and kinds of lights and the meshes' geometry are fixed; everything that `frame`
-    takes may change from call to call. Raises SettingsError, DeviceError.
+    The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
+    everything that `frame` takes may change from call to call. A picture depends on the scene that
+    the renderer was made with and on the scene it shows, not on the pictures before it. Raises
+    SettingsError, DeviceError.
     """
 
     def __init__(
         self, scene: Scene, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
         settings: Mapping[str, Any] | None = None, adapter: str = "auto",
     ) -> None:  # fmt: skip
+        self._began_s = perf_counter()
         self.size = checked_size(size)
         self.scene = scene
         self.gpu = open_gpu(adapter)
@@ -65,19 +70,24 @@ class Renderer:
         self._accumulator: Accumulator | None = None
         self.frame_ms: list[float] = []
         self.python_ms: list[float] = []
+        self._first_image_s: float | None = None
 
     def frame(
-        self, *, camera: Camera | None = None, lights: Sequence[Light] | None = None,
-        environment: Environment | None = None, meshes: Sequence[Mesh] | None = None,
+        self, *, time: float | None = None, camera: Camera | None = None,
+        lights: Sequence[Light] | None = None, environment: Environment | None = None,
+        meshes: Sequence[Mesh] | None = None, volumes: Sequence[Volume] | None = None,
         samples: int = 1, read: bool = True, progress: Progress | None = None,
     ) -> Image | None:  # fmt: skip
         """One picture, with what is given changed for good.
 
+        `time`, seconds, moves what the scene's animation moves; what else is given holds over it.
         `samples` jittered pictures are averaged. Without `read` nothing comes back to the host,
         as in a viewer; the call then returns when the device is done.
         """
-        begin = time.perf_counter()
-        self._change(camera, lights, environment, meshes)
+        begin = perf_counter()
+        scene = self.scene if time is None else self.scene.at(time)
+        self._take(scene, camera=camera, lights=lights, environment=environment, meshes=meshes,
+                   volumes=volumes)  # fmt: skip
         self.technique.solve(self.commands, self.scene)
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
@@ -90,11 +100,9 @@ class Renderer:
                     self.gpu.wait()
                     progress("render", (index + 1) / samples)
         self.commands.submit()
-        encoded = time.perf_counter()
+        encoded = perf_counter()
         self.gpu.wait()
-        done = time.perf_counter()
-        self.frame_ms.append((done - begin) * 1e3)
-        self.python_ms.append((encoded - begin) * 1e3)
+        self._count(begin, encoded, perf_counter())
         return self._image(samples) if read else None
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -121,13 +129,15 @@ class Renderer:
         return dict(self.commands.stage_ms)
 
     def stats(self) -> dict[str, Any]:
-        """What --stats writes, as far as the renderer knows it; times in milliseconds."""
-        steady = self.frame_ms[1:] or self.frame_ms
-        python = self.python_ms[1:] or self.python_ms
+        """What --stats writes, as far as the renderer knows it.
+
+        `frame_ms` and `python_ms` are medians of the frames after the first, which compiles
+        shaders; None before there is a second. `first_image_s` counts from the renderer's making.
+        """
         return {
             "device": self.gpu.info.name, "adapter_type": self.gpu.info.adapter_type,
-            "frame_ms": statistics.median(steady) if steady else 0.0,
-            "python_ms": statistics.median(python) if python else 0.0,
+            "frame_ms": _median(self.frame_ms[1:]), "python_ms": _median(self.python_ms[1:]),
+            "first_image_s": self._first_image_s,
             "peak_gpu_bytes": self.gpu.peak_bytes, "size": list(self.size),
             "triangles": self.scene.triangle_count, **self.technique.stats,
         }  # fmt: skip
@@ -149,28 +159,29 @@ class Renderer:
     ) -> None:  # fmt: skip
         self.close()
 
-    def _change(
-        self, camera: Camera | None, lights: Sequence[Light] | None,
-        environment: Environment | None, meshes: Sequence[Mesh] | None,
-    ) -> None:  # fmt: skip
-        changes: dict[str, Any] = {}
-        if camera is not None:
-            changes["camera"] = camera
-        if lights is not None:
-            kinds = [type(light) for light in lights]
-            if kinds != [type(light) for light in self.scene.lights]:
-                raise SettingsError(
-                    "frame() got lights of other kinds than the scene's",
-                    remedy="Make a new Renderer",
-                )
-            changes["lights"] = tuple(lights)
-        if environment is not None:
-            changes["environment"] = environment
-        if meshes is not None:
-            changes["meshes"] = tuple(meshes)
-            self.meshes.move(tuple(meshes))
-        if changes:
-            self.scene = dataclasses.replace(self.scene, **changes)
+    def _take(self, scene: Scene, **changes: Any) -> None:
+        """Go on with `scene`, and what of `changes` is not None put into it."""
+        given = {
+            name: tuple(value) if name in ("lights", "meshes", "volumes") else value
+            for name, value in changes.items()
+            if value is not None
+        }
+        scene = dataclasses.replace(scene, **given) if given else scene
+        if [type(x) for x in scene.lights] != [type(x) for x in self.scene.lights]:
+            raise SettingsError(
+                "frame() got lights of other kinds than the scene's", remedy="Make a new Renderer"
+            )
+        if scene.meshes is not self.scene.meshes:
+            self.meshes.move(scene.meshes)
+        self.scene = scene
+
+    def _count(self, begin: float, encoded: float, done: float) -> None:
+        """Keep a frame's times, seconds; of a long animation the first and the latest."""
+        if self._first_image_s is None:
+            self._first_image_s = done - self._began_s
+        for kept, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
+            del kept[1:-_KEPT_TIMES]
+            kept.append(spent_s * 1e3)
 
     def _accumulate(self, index: int) -> None:
         pictures = self.technique.pictures(self.view)
@@ -238,6 +249,10 @@ def render(
             renderer.frame(read=False)
         stats = {**renderer.stats(), "passes": renderer.timed_passes()}
         return dataclasses.replace(image, stats=stats)
+
+
+def _median(times_ms: Sequence[float]) -> float | None:
+    return statistics.median(times_ms) if times_ms else None
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
