@@ -44,6 +44,7 @@ from .scene.io import load
 
 if TYPE_CHECKING:
     from . import reference
+    from .app.view_notebook import view
     from .exports.light_field import LightField
     from .exports.solved import export_lattice
     from .rendering import Renderer, render
@@ -59,6 +60,7 @@ _LATER = {
     "export_lattice": ("airlight.exports.solved", "export_lattice"),
     "scenes": ("airlight.scene.builtin", ""),
     "reference": ("airlight.reference", ""),
+    "view": ("airlight.app.view_notebook", "view"),
 }
 
 __all__ = [
@@ -89,6 +91,7 @@ __all__ = [
     "reference",
     "render",
     "scenes",
+    "view",
 ]
 
 

@@ -50,8 +50,15 @@ def moving(quality: Quality, cost_ms_per_pixel: float, frames: int, fixed_ms: fl
 
 def test_a_slow_machine_comes_above_ten_frames_a_second_soon():
     per_pixel = 900.0 / (FULL[0] * FULL[1])  # 0.9 s a full frame
-    assert moving(Quality(is_cpu=True), per_pixel, frames=4) < 100.0
+    assert moving(Quality(is_cpu=True), per_pixel, frames=6) < 100.0
     assert moving(Quality(is_cpu=True), per_pixel, frames=60) < 100.0
+
+
+def test_one_slow_frame_is_no_slow_machine():
+    quality = Quality(is_cpu=True)
+    for ms in (30.0, 900.0, 30.0, 60.0, 900.0, 60.0):
+        quality.took(ms, quality.plan(0.0, FULL, changed=True))
+    assert quality.scale == 2.0
 
 
 def test_a_fast_machine_comes_to_full_size():

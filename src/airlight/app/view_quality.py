@@ -36,6 +36,7 @@ class Quality:
         self.samples = samples
         self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
         self._quick_frames = 0
+        self._slow_ms = 0.0  # of the frame before, where that was slow
         self._changed_s = float("-inf")
         self._done = 0
         self._still_size = (0, 0)
@@ -64,9 +65,13 @@ class Quality:
         """A frame of `plan` took `ms`, with the device done."""
         if not plan.is_moving:
             return
+        before, self._slow_ms = self._slow_ms, ms if ms > _SLOW_MS else 0.0
         if ms > _SLOW_MS:
+            # One slow frame may be another program's doing, or a shader's first use.
             self._quick_frames = 0
-            self.scale = _step_above(self.scale * (ms / _AIM_MS) ** 0.5)
+            if before:
+                self._slow_ms = 0.0
+                self.scale = _step_above(self.scale * (min(ms, before) / _AIM_MS) ** 0.5)
         elif ms < _FAST_MS and self.scale > 1.0:
             self._quick_frames += 1
             if self._quick_frames >= _PATIENCE:

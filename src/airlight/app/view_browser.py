@@ -1,0 +1,149 @@
+"""The viewer in a browser: pictures over a websocket, from this machine or through a tunnel."""
+
+from __future__ import annotations
+
+import os
+import socket
+import webbrowser
+from typing import Any
+
+import click
+
+from .view_canvas import CanvasView, missing
+from .view_guard import Guard, bound_socket, is_loopback, new_token
+from .view_session import Session
+
+_LARGEST_SIDE_PX = 4096
+_LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
+_KEPT_FROM_BROWSERS = ("close",)  # a tab that closes must not end the session
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <title>airlight</title>
+  <link rel="stylesheet" href="renderview.css">
+  <style>
+    html, body { margin: 0; height: 100%; overflow: hidden; background: #181818; }
+    #canvas { display: block; border: none; }
+    #status { position: fixed; right: 0; bottom: 0; padding: .5em 1em; color: #ddd;
+              background: #333c; font: 14px sans-serif; }
+    #status.fine { display: none; }
+  </style>
+</head>
+<body>
+  <div id="canvas" style="width:100vw; height:100vh"></div>
+  <div id="status"></div>
+  <script type="module" src="renderview.js"></script>
+  <script type="module" src="renderview-client.js"></script>
+  <script>
+    const status = document.getElementById('status')
+    const said = new MutationObserver(() => {
+      const text = status.innerText
+      const isPassive = text.includes('(passive)')
+      status.classList.toggle('fine', text.includes('Connected') && !isPassive)
+      const note = 'Another tab steers; here you look on.'
+      if (isPassive && text !== note) { status.innerText = note }
+    })
+    said.observe(status, { childList: true, subtree: true, characterData: true })
+  </script>
+</body>
+</html>
+"""
+
+
+def serve(
+    session: Session, size: tuple[int, int], *, port: int = 0, listen: str = "",
+    opens: bool = False,
+) -> None:  # fmt: skip
+    """Serve `session` until interrupted; the link goes to stdout.
+
+    Raises AirlightError where a package is missing, the port is in use or the address is not
+    this machine's.
+    """
+    try:
+        import uvicorn
+        from rendercanvas import http
+        from rendercanvas.utils.asyncs import sleep
+    except ImportError as error:
+        raise missing(error.name or "uvicorn") from None
+    bound = bound_socket(listen, port)
+    token = new_token()
+    canvas = make_canvas(http, session, size)
+    view = CanvasView(canvas, session)
+    http.loop.add_task(view.watch, sleep, name="watch the scene file")
+    config = uvicorn.Config(
+        Guard(http.asgi, token), log_level="error", lifespan="on",
+        ws_max_size=_LARGEST_MESSAGE, timeout_graceful_shutdown=1, access_log=False,
+    )  # fmt: skip
+    link = link_to(bound, listen, token)
+    _say_where(link, bound.getsockname()[1], listen)
+    if opens and not os.environ.get("SSH_CONNECTION"):
+        webbrowser.open(link)
+    try:
+        uvicorn.Server(config).run(sockets=[bound])
+    except KeyboardInterrupt:
+        click.echo("stopped", err=True)
+    finally:
+        bound.close()
+        session.close()
+
+
+def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
+    """A canvas of `rendercanvas.http` that does not believe everything a browser says."""
+
+    class GuardedCanvas(http.HttpRenderCanvas):  # type: ignore[misc]
+        def _on_event(self, event: dict[str, Any], id: int) -> None:
+            kept = believed(event)
+            if kept is not None:
+                super()._on_event(kept, id)
+
+    http.resources["index.html"] = ("text/html; charset=utf-8", PAGE)
+    title = f"{session.state.scene.name} - airlight"
+    canvas = GuardedCanvas(size=size, title=title, max_fps=30, update_mode="ondemand")
+    canvas._size_info.set_physical_size(*size, 1.0)
+    return canvas
+
+
+def believed(event: Any) -> dict[str, Any] | None:
+    """An event from a browser as far as it can be used, sizes within reason; else None."""
+    if not isinstance(event, dict) or event.get("type") in _KEPT_FROM_BROWSERS:
+        return None
+    if event.get("type") != "resize":
+        return event
+    try:
+        width, height = (int(event[key]) for key in ("pwidth", "pheight"))
+        ratio = float(event["ratio"])
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+    if width < 1 or height < 1 or not 0.1 <= ratio <= 10.0:
+        return None  # a tab folded to nothing: the last size stays
+    return {
+        **event, "pwidth": min(width, _LARGEST_SIDE_PX), "pheight": min(height, _LARGEST_SIDE_PX),
+        "ratio": ratio,
+    }  # fmt: skip
+
+
+def link_to(bound: socket.socket, listen: str, token: str) -> str:
+    """The address to open, with its token."""
+    host, port = bound.getsockname()[:2]
+    if host in ("0.0.0.0", "::"):
+        host = socket.gethostname()
+    host = f"[{host}]" if ":" in host else host
+    return f"http://{host}:{port}/{token}/"
+
+
+def _say_where(link: str, port: int, listen: str) -> None:
+    click.echo(link)
+    if not is_loopback(listen):
+        click.echo(
+            f"warning: served on {listen}: whoever gets the link can look and steer, and it is "
+            "not encrypted. Without --listen, only this machine can reach it.",
+            err=True,
+        )
+    elif os.environ.get("SSH_CONNECTION"):
+        click.echo(
+            f"On the machine before you: ssh -N -L {port}:127.0.0.1:{port} {socket.gethostname()}",
+            err=True,
+        )
+    click.echo("Ctrl-C ends it.", err=True)

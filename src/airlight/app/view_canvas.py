@@ -1,0 +1,86 @@
+"""A session on a canvas: a window, a browser's picture, a notebook's, or none at all."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import AirlightError
+from ..gpu.canvas import CanvasSurface, imgui_overlay
+from .view_save import Copy, Saver
+from .view_session import Session
+from .view_watch import INTERVAL_S
+
+EVENTS = (
+    "pointer_down", "pointer_up", "pointer_move", "wheel", "key_down", "key_up", "resize",
+    "pointer_enter", "pointer_leave", "char",
+)  # fmt: skip
+NOT_INSTALLED = "Install it with: pip install 'airlight[view]'"
+_LARGEST_SIDE_PX = 8192
+
+
+class CanvasView:
+    """Draws when something changed, and goes on until the picture is refined."""
+
+    def __init__(
+        self, canvas: Any, session: Session, *, folder: Path | None = None,
+        copy: Copy | None = None,
+    ) -> None:  # fmt: skip
+        self.canvas, self.session = canvas, session
+        self.surface = CanvasSurface(session.gpu, canvas)
+        session.attach(self.surface.format)
+        self.saver = Saver(session, folder or Path.cwd(), copy)
+        # The overlay's handlers come first and keep what is the panel's.
+        self.overlay: Any = None
+        self.panel: Any = None
+        self._make_panel()
+        canvas.add_event_handler(self.on_event, *EVENTS)
+        canvas.request_draw(self.draw)
+
+    def _make_panel(self) -> None:
+        try:
+            self.overlay = imgui_overlay(self.session.gpu, self.canvas)
+            from .view_gui import Panel
+        except ImportError:
+            self.session.state.notice = "no panel: imgui-bundle is not installed"
+            return
+        self.panel = Panel(self.session, self.saver)
+        self.overlay.set_gui(self.panel.draw)
+
+    def draw(self) -> None:
+        """One frame. A window folded to nothing is not drawn."""
+        width, height = self.surface.size
+        if width < 1 or height < 1:
+            return
+        size = (min(width, _LARGEST_SIDE_PX), min(height, _LARGEST_SIDE_PX))
+        wants_more = self.session.frame(self.surface.view(), size, time.monotonic())
+        if self.overlay:
+            self.overlay.render()
+        if wants_more:
+            self.canvas.request_draw()
+
+    def on_event(self, event: dict[str, Any]) -> None:
+        """What the panel left: keys of the viewer, and the camera's."""
+        key = event.get("key") if event["event_type"] == "key_down" else None
+        if key == "Tab" and self.panel:
+            self.panel.is_shown = not self.panel.is_shown
+        elif key == "r":
+            self.session.controls.reset()
+        elif key == "f":
+            self.session.controls.is_flying = not self.session.controls.is_flying
+        self.session.controls.handle(event)
+        self.canvas.request_draw()
+
+    async def watch(self, sleep: Callable[[float], Any]) -> None:
+        """Draw again after every edit of the scene file."""
+        while not self.canvas.get_closed():
+            await sleep(INTERVAL_S)
+            if self.session.has_edit():
+                self.canvas.request_draw()
+
+
+def missing(what: str) -> AirlightError:
+    """For a part of the extra `view` that is not installed."""
+    return AirlightError(f"the viewer needs {what}, which is not installed", remedy=NOT_INSTALLED)
