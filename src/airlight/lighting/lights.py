@@ -51,8 +51,9 @@ class Lights:
             self.table.write(pack_array(LightData, light_rows(lights)))
         if environment is not self._environment:
             self._environment = environment
-            self.background.texture.release()
-            self.background = EnvironmentTexture(self.gpu, environment)
+            if not self.background.turn(environment):
+                self.background.texture.release()
+                self.background = EnvironmentTexture(self.gpu, environment)
         suns = [x for x in lights if isinstance(x, DirectionalLight)]
         lamps = [x for x in lights if not isinstance(x, DirectionalLight)]
         low, high = np.asarray(low), np.asarray(high)

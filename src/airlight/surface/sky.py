@@ -78,6 +78,7 @@ class EnvironmentTexture:
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
         visible = environment is not None and environment.visible
         radiance = environment_map(environment) if environment and visible else np.zeros((1, 1, 3))
+        self._shown = environment
         self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
         pixels = np.ones((*radiance.shape[:2], 4), np.float16)
         pixels[..., :3] = np.minimum(radiance, _HALF_MAX)
@@ -88,3 +89,17 @@ class EnvironmentTexture:
             gpu, "environment", mag_filter="linear", min_filter="linear",
             address_mode_u="repeat", address_mode_v="clamp-to-edge",
         )  # fmt: skip
+
+    def turn(self, environment: Environment | None) -> bool:
+        """Take an environment that differs in its rotation alone; False for any other."""
+        old = self._shown
+        if old is None or environment is None or _pixels_of(old) != _pixels_of(environment):
+            return False
+        self._shown, self.rotation = environment, np.radians(environment.rotation_deg)
+        return True
+
+
+def _pixels_of(environment: Environment) -> tuple[object, ...]:
+    """What the texture's pixels depend on; maps are told apart by where they lie in memory."""
+    where = None if environment.map is None else environment.map.ctypes.data
+    return (environment.radiance, where, environment.scale, environment.visible)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import cast
 
 import numpy as np
 
+from ..animation import Animation
+from ..animation.density import MadeDensity, VolumeTrack
 from ..camera import Camera
 from ..checks import F32, Bounds, Rgb, Vec3, number
 from ..lights import DirectionalLight
@@ -40,8 +42,9 @@ _TRACE_STEPS = 14
 
 
 def smoke(*, time: float = 0.0, seed: int = 11) -> Scene:
-    """Smoke from a bowl before a shaded wall, sun behind it; `time` in seconds moves it.
+    """Smoke from a bowl before a shaded wall, sun behind it; it rises with time, seconds.
 
+    `time` is when it is shown; `scene.at` moves it on from there or anywhere.
     One grid of 48 x 96 x 48 over 2.4 x 4.8 x 2.4 m; extinction 8 per metre at density 1,
     albedo 0.95, g 0.6. Raises SceneError for a time that is not a number.
     """
@@ -61,6 +64,7 @@ def smoke(*, time: float = 0.0, seed: int = 11) -> Scene:
         environment=clear_sky(SUN_TRAVEL),
         camera=Camera((0.6, 2.0, 7.2), (0.0, 2.45, 0.0), fov_y_deg=45.0, exposure_stops=-1.6),
         volumes=(volume,),
+        animation=Animation((VolumeTrack(0, MadeDensity(partial(plume_density, seed=seed))),)),
     )
 
 
