@@ -10,7 +10,6 @@ marching knows.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,19 +20,16 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..march.march import Source
-from ..maths.ordinates import Ordinates, even_sky
+from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import Light
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .density import Density
-from .deposit import Deposit
-from .diffuse import GROUP, Diffuse
+from .diffuse import GROUP
 from .emission import Emission
-from .near_light import NearLight
-from .ordinates import Lamp, OrdinateTable, SceneOrdinates, lamps_of
-from .paths import Paths
+from .ordinates import SceneOrdinates, lamps_of
 from .placement import (
     SPHERE_SIDE,
     MediumParams,
@@ -42,6 +38,8 @@ from .placement import (
     placed,
     shape_density,
 )
+from .schemes import SCHEMES, Beams, HoppingBeams
+from .visibility import Surfaces
 
 _DENSITY_MAX = 65504.0
 
@@ -50,66 +48,25 @@ _DENSITY_MAX = 65504.0
 class PopSettings:
     """What principal-ordinates propagation can be told."""
 
-    scheme: str = setting("delta-beam", "how light spreads", choices=("delta-beam",))
+    scheme: str = setting(
+        "delta-beam",
+        "how light spreads: beams and diffusion; hops, corrected; hops as printed, "
+        "3 to 17 times too bright",
+        choices=SCHEMES,
+    )
     ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
     )
+    iterations: int = setting(20, "most hops of light (split, paper)", low=1, high=400)
+    residuum: bool = setting(True, "hand nearly isotropic light to one shared grid (paper)")
+    residuum_iterations: int = setting(20, "hops of the shared grid (paper)", low=0, high=400)
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
     furnace_correction: float = setting(
         1.0, "share of the error under an even sky that is taken off multiple scattering; 0: none",
         low=0.0, high=1.0,
     )  # fmt: skip
-
-
-class _Beams:
-    """Ordinates of one sky in one medium, marched and solved."""
-
-    def __init__(self, gpu: Gpu, solver: PopSolver, capacity: int) -> None:
-        self.table = OrdinateTable(gpu, capacity)
-        self.paths = Paths(gpu, solver.placement, self.table.capacity)
-        self.diffuse = Diffuse(gpu, solver.placement)
-        self._deposit, self._near = Deposit(gpu), NearLight(gpu)
-        self._has_lamps = False
-        self._solver = solver
-
-    def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], volume: Volume, scale: float = 0.0
-    ) -> None:
-        """Upload the light; `scale` as in `OrdinateTable.write`."""
-        s = self._solver
-        self._has_lamps = bool(lamps)
-        if lamps:
-            self._near.write(volume.g, volume.albedo)
-        self.table.write(ordinates, lamps, s.placement, volume.g,
-                         prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
-
-    def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
-        """Take a changed medium."""
-        self.diffuse.encode_medium(commands, params, density.cells)
-
-    def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
-        """March to the light, deposit, solve."""
-        with commands.stage("pop paths"):
-            self.paths.encode(commands, params, self.table.rows, self.table.count, density)
-        with commands.stage("pop deposit"):
-            self._deposit.encode(
-                commands, params, self._solver.placement.cells, ordinates=self.table.rows,
-                passed=self.paths.passed, density=density.cells, deposits=self.diffuse.deposits,
-            )  # fmt: skip
-        with commands.stage("pop diffuse"):
-            self.diffuse.encode(commands, params, density.cells,
-                                self._solver.settings.solver_steps)  # fmt: skip
-            if self._has_lamps:
-                self._near.encode(
-                    commands, params, self._solver.placement.cells, ordinates=self.table.rows,
-                    passed=self.paths.passed, diffuse=self.diffuse.diffuse,
-                )  # fmt: skip
-
-    def release(self) -> None:
-        for part in (self.table, self.paths, self.diffuse, self._near):
-            part.release()
 
 
 class PopSolver:
@@ -129,10 +86,12 @@ class PopSolver:
         self.placement = placed(volume, settings.grid)
         self.density = Density(gpu, self.placement)
         self.emission = Emission(gpu, self.placement)
-        self.beams = _Beams(gpu, self, settings.ordinates + lights)
-        self.furnace = (
-            _Beams(gpu, self, settings.ordinates) if settings.furnace_correction else None
-        )
+        is_beam = settings.scheme == "delta-beam"
+        kind = Beams if is_beam else HoppingBeams
+        self._width = medium_width(volume, self.placement)
+        self.beams = kind(gpu, self, settings.ordinates + lights)
+        has_furnace = is_beam and settings.furnace_correction > 0.0
+        self.furnace = Beams(gpu, self, settings.ordinates) if has_furnace else None
         self._scene_ordinates = SceneOrdinates(settings.ordinates)
         self._even = even_sky(settings.ordinates) if self.furnace else None
         self._own_voxels = voxels is None
@@ -140,16 +99,16 @@ class PopSolver:
         self._medium_key: tuple[Any, ...] = ()
         self._light_key: tuple[Any, ...] = ()
         self._view_key: tuple[Any, ...] = ()
-        self._width = medium_width(volume, self.placement)
         self._density_key: Any = None
 
     def encode(
         self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
-        eye: F64, volume: Volume | None = None,
+        eye: F64, volume: Volume | None = None, surfaces: Surfaces | None = None,
     ) -> Texture:  # fmt: skip
         """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
 
         `volume`: the medium as it is now; of the same box and grid size as at the start.
+        `surfaces`: what shades it.
         """
         if volume is not None and volume is not self.volume:
             self._take(volume)
@@ -157,11 +116,14 @@ class PopSolver:
         lamps = lamps_of(lights)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params)
-        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes(), *lamps)
+        seen = () if surfaces is None else surfaces.version
+        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes(), *lamps, *seen)
         new_light = new_medium or light_key != self._light_key
         if new_light:
             self._light_key = light_key
             self.beams.write(ordinates, lamps, self.volume)
+            if surfaces is not None:
+                self.beams.write_surfaces(ordinates, lights, surfaces)
             self.beams.encode(commands, params, self.density)
         self._encode_view(commands, params, np.asarray(eye, np.float64), new_medium, new_light)
         return self.emission.texture
@@ -174,8 +136,15 @@ class PopSolver:
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
+        hopped = getattr(self.beams, "iterations", 0)
         return {"ordinates": self.beams.table.count, "grid": list(self.placement.count),
+                "scheme": self.settings.scheme, "hops": hopped,
                 "iterations": self.settings.solver_steps}  # fmt: skip
+
+    @property
+    def mean_density(self) -> float:
+        """Of the medium, over its mass."""
+        return self._width.density
 
     def release(self) -> None:
         """Give the memory back."""
@@ -211,17 +180,14 @@ class PopSolver:
             return
         self._view_key = view_key
         local = self.placement.point(eye)
-        with commands.stage("pop emission"):
-            if new_view and self.furnace is not None:
+        if new_view and self.furnace is not None:
+            with commands.stage("pop emission"):
                 white = self._params(self.furnace.table.count, (1.0, 1.0, 1.0))
                 self.emission.encode_furnace(
                     commands, white, local, self.furnace.table, self.furnace.paths.passed,
                     self.furnace.diffuse.diffuse, self.density.reach,
                 )  # fmt: skip
-            self.emission.encode(
-                commands, params, local, self.beams.table, self.beams.paths.passed,
-                self.beams.diffuse.diffuse, self.density.reach, self.settings.furnace_correction,
-            )  # fmt: skip
+        self.beams.encode_view(commands, params, local, self.emission, self.density)
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
         fields = medium_fields(self.volume, self.placement, ordinates, self._width, GROUP)

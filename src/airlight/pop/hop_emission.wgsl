@@ -1,0 +1,27 @@
+//! use beam_emission
+
+const HALF_MAX = 65504.0;
+const RESIDUAL_LOBE = 0.5;
+
+// The residuum's; see maths/propagate.py, residual_emission.
+fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
+    let phi = diffuse[cell].xyz;
+    let along = diffuse[cell + params.cells].xyz * travel.x
+        + diffuse[cell + 2u * params.cells].xyz * travel.y
+        + diffuse[cell + 3u * params.cells].xyz * travel.z;
+    let shown = phi + 3.0 * RESIDUAL_LOBE * params.g * along;
+    return max(0.1 * phi, shown) * PHASE_ISOTROPIC;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    let travel = normalize(hops.eye - cell_centre(cell) + vec3f(1e-12));
+    var light = merged[id.x].xyz + residual_emission(id.x, travel);
+    if (hops.is_paper == 0u && reach[id.x] != 0u) {
+        light += beam_emission(id.x, travel).beams;
+    }
+    textureStore(emission, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));
+}

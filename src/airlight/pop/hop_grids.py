@@ -1,0 +1,162 @@
+"""The grids that light hops in, one per ordinate and lamp, and the air in them.
+
+See `maths.ordinate_grid` and `maths.radial_grid`. All have room for the same number of cells, so
+that one dispatch goes through all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.memory import Buffer, buffer_of
+from ..gpu.slots import sampler, storage, texture, uniform
+from ..maths.octahedron import octahedron_cell_solid_angles
+from ..maths.ordinate_grid import ordinate_grids
+from ..maths.ordinates import Ordinates
+from ..maths.radial_grid import RadialGrid, radial_grid
+from .density import Density
+from .ordinates import Lamp
+from .placement import MediumParams, MediumPlacement
+
+FAR = 2.0
+"""A lamp this many half diagonals from the middle of a medium gets a parallel grid: seen from
+there, a shell's cells are wider than the medium."""
+_FIXED_POINT_BITS = 30
+
+
+class HopGridData(Struct):
+    """One grid in the medium's frame: parallel to an ordinate, or shells around a lamp."""
+
+    axis_x = vec3f()
+    cell = f32("m; of a parallel grid")
+    axis_y = vec3f()
+    radius = f32("m; outer, of a radial grid")
+    axis_z = vec3f("travel of parallel light")
+    mean_cosine = f32("of the ordinate's part of the sky")
+    corner = vec3f("m; a radial grid's centre")
+    growth = f32("of shells")
+    count = vec3u("cells; z along the light")
+    is_radial = u32()
+
+
+class HopParams(Struct):
+    """One dispatch over all grids."""
+
+    eye = vec3f("m, in the medium's frame")
+    capacity = u32("cells that each grid has room for")
+    fixed_scale = f32("integers per W of residuum around lamps")
+    first_lamp = u32("row of the first lamp")
+    is_paper = u32()
+    is_last = u32("1: what is left joins the residuum")
+
+
+class _Fill(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        uniform("hops", HopParams),
+        storage("grids", HopGridData),
+        storage("solid_angles", "f32"),
+        texture("fine", "3d"),
+        sampler("linear_clamp"),
+        storage("hop_rho", "f32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "hop_density.wgsl"
+
+
+class HopGrids:
+    """`rows`, HopGridData of every ordinate, then every lamp; `density`, f32 [grid][z][y][x]."""
+
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, side: int, most: int) -> None:
+        """At most `most` grids of about `side`^3 cells."""
+        self._placement = placement
+        self._side = side + side % 2
+        self.shells = side
+        self.capacity = self._side**2 * side
+        self.rows = Buffer(gpu, "hop grids", HopGridData.dtype.itemsize * most)
+        self.density = Buffer(gpu, "density of hop grids", 4 * self.capacity * most)
+        angles = octahedron_cell_solid_angles(self._side).astype(np.float32)
+        self.solid_angles = buffer_of(gpu, "solid angles", angles)
+        self._fill = _Fill(gpu)
+        self.columns = 1
+        self.ordinates = self.lamps = 0
+        self.fixed_scale = 1.0
+
+    def write(
+        self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
+        *, prefilter: bool, scale: float,
+    ) -> None:  # fmt: skip
+        """Place the grids; `scale` W m^-2 as in the ordinates' table."""
+        self._placement = placement
+        self.ordinates, self.lamps = ordinates.count, len(lamps)
+        cells = self.capacity
+        rows = hop_rows(ordinates, lamps, placement, cells, self._side, self.shells)
+        if not prefilter:
+            rows["mean_cosine"] = 1.0
+        self.columns = int(np.max(rows["count"][:, 0] * rows["count"][:, 1], initial=1))
+        self.rows.write(rows)
+        power = sum(4.0 * np.pi * max(lamp.intensity) / scale for lamp in lamps)
+        self.fixed_scale = float(2**_FIXED_POINT_BITS) / power if power > 0.0 else 1.0
+
+    def params(self, eye: Any, *, is_paper: bool, is_last: bool = False) -> HopParams:
+        """For an eye (3,), m in the medium's frame."""
+        return HopParams(
+            eye=eye, capacity=self.capacity, fixed_scale=self.fixed_scale,
+            first_lamp=self.ordinates, is_paper=int(is_paper), is_last=int(is_last),
+        )  # fmt: skip
+
+    def encode(
+        self, commands: Commands, params: MediumParams, hops: HopParams, density: Density
+    ) -> None:
+        """Fill `density`."""
+        self._fill.dispatch(
+            commands, (self.capacity, max(1, self.ordinates + self.lamps)), params=params,
+            hops=hops, grids=self.rows, solid_angles=self.solid_angles, fine=density.fine,
+            linear_clamp=density.linear, hop_rho=self.density,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for buffer in (self.rows, self.density, self.solid_angles):
+            buffer.release()
+
+
+def hop_rows(
+    ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement, cells: int,
+    side: int, shells: int,
+) -> np.ndarray[Any, np.dtype[Any]]:  # fmt: skip
+    """`HopGridData` of ordinates and lamps; `side`^2 cells a shell."""
+    n = ordinates.count
+    rows = np.zeros(n + len(lamps), HopGridData.dtype)
+    rows["mean_cosine"], rows["growth"] = 1.0, 1.0
+    if n:
+        _along(rows[:n], placement, placement.direction(ordinates.direction), cells)
+        rows["mean_cosine"][:n] = ordinates.mean_cosine
+    for row, lamp in zip(rows[n:].reshape(-1, 1), lamps, strict=True):
+        position = placement.point(np.array(lamp.position))
+        away = 0.5 * placement.extent - position
+        distance = float(np.linalg.norm(away))
+        if distance > FAR * 0.5 * float(np.linalg.norm(placement.extent)):
+            _along(row, placement, away[None] / distance, cells)
+        else:
+            _around(row, radial_grid(placement.extent, position, side, shells))
+    return rows
+
+
+def _along(rows: Any, placement: MediumPlacement, directions: Any, cells: int) -> None:
+    grids = ordinate_grids(placement.extent, directions, cells)
+    for index, name in enumerate(("axis_x", "axis_y", "axis_z")):
+        rows[name] = grids.axes[:, index]
+    rows["corner"], rows["cell"], rows["count"] = grids.corner, grids.cell, grids.count
+
+
+def _around(row: Any, grid: RadialGrid) -> None:
+    row["corner"], row["radius"], row["growth"] = grid.centre, grid.radius, grid.growth
+    row["count"], row["is_radial"] = (grid.side, grid.side, grid.shells), 1

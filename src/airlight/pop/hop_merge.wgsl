@@ -1,0 +1,87 @@
+//! use hop_grid
+
+struct Read {
+    weight: f32,
+    seen: vec3f,
+    residual: vec3f,  // W m^-3 per density
+    carried: vec3f,
+}
+
+// A cell of a shell's square or of the rim around it, which the octahedron's seams sew on.
+fn sewn(n: u32, at: vec2i) -> vec2u {
+    let side = i32(grids[n].count.x);
+    let inside = clamp(at, vec2i(0), vec2i(side - 1));
+    let over = at - inside;
+    let step = select(over, vec2i(over.x, 0), over.x != 0);
+    return vec2u(octahedron_neighbour(inside, step, side));
+}
+
+// Trilinear, weighted by density: empty cells have no say.
+fn read_grid(n: u32, place: vec3f) -> Read {
+    var sum = Read(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    let g = grids[n];
+    let is_radial = g.is_radial == 1u;
+    let top = vec3f(g.count) - 1.0;
+    var at = clamp(place - 0.5, vec3f(0.0), top);
+    if (is_radial) {
+        at = vec3f(place.xy - 0.5, at.z);
+    }
+    let low = floor(at);
+    let part = at - low;
+    for (var k = 0u; k < 8u; k++) {
+        let upper = vec3u(k, k >> 1u, k >> 2u) & vec3u(1u);
+        let share = select(1.0 - part, part, upper == vec3u(1u));
+        var cell = vec3u(min(vec3f(low) + vec3f(upper), top));
+        if (is_radial) {
+            cell = vec3u(sewn(n, vec2i(low.xy) + vec2i(upper.xy)), cell.z);
+        }
+        let index = hop_index(n, cell);
+        let rho = hop_rho[n * hops.capacity + index];
+        let w = share.x * share.y * share.z * rho;
+        if (w <= 0.0) {
+            continue;
+        }
+        let slot = 3u * (n * hops.capacity + index);
+        let density = w / (rho * hop_volume(n, cell));
+        sum.weight += w;
+        sum.seen += w * gathered[slot].xyz;
+        if (!is_radial) {
+            sum.residual += density * gathered[slot + 1u].xyz;
+            sum.carried += density * gathered[slot + 2u].xyz;
+        }
+    }
+    return sum;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let rho = density[id.x];
+    let point = cell_centre(cell_of(id.x));
+    var seen = vec3f(0.0);
+    var power = vec3f(0.0);
+    var forward = array<vec3f, 3>(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    for (var n = 0u; n < params.ordinate_count; n++) {
+        let got = read_grid(n, hop_place(n, point));
+        if (got.weight <= 0.0) {
+            continue;
+        }
+        seen += got.seen / got.weight;
+        power += got.residual / got.weight;
+        let d = grids[n].axis_z;
+        for (var axis = 0u; axis < 3u; axis++) {
+            forward[axis] += got.carried / got.weight * d[axis];
+        }
+    }
+    let fill = rho * params.cell.x * params.cell.y * params.cell.z;
+    merged[id.x] = vec4f(seen, 0.0);
+    var thrown = vec3f(0.0);
+    for (var c = 0u; c < 3u; c++) {
+        thrown[c] = f32(atomicExchange(&splatted[3u * id.x + c], 0)) / hops.fixed_scale;
+    }
+    deposits[id.x] = vec4f(fill * power + thrown, 0.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        deposits[id.x + (1u + axis) * params.cells] = vec4f(fill * forward[axis], 0.0);
+    }
+}

@@ -1,0 +1,29 @@
+//! use hop_grid
+
+// The residuum around lamps, whose cells are smaller than the medium's where it matters, added to
+// the medium's cells in fixed point.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let n = hops.first_lamp + id.y;
+    if (n >= params.ordinate_count || id.x >= hop_cells(n) || grids[n].is_radial == 0u) {
+        return;
+    }
+    let power = gathered[3u * (n * hops.capacity + id.x) + 1u].xyz * hops.fixed_scale;
+    if (all(power <= vec3f(0.0))) {
+        return;
+    }
+    let point = hop_point(n, vec3f(hop_cell(n, id.x)) + 0.5);
+    let top = vec3f(params.count) - 1.0;
+    let at = clamp(point / params.cell - 0.5, vec3f(0.0), top);
+    let low = floor(at);
+    let part = at - low;
+    for (var k = 0u; k < 8u; k++) {
+        let upper = vec3u(k, k >> 1u, k >> 2u) & vec3u(1u);
+        let share = select(1.0 - part, part, upper == vec3u(1u));
+        let cell = vec3u(min(low + vec3f(upper), top));
+        let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+        let amount = share.x * share.y * share.z * power;
+        for (var c = 0u; c < 3u; c++) {
+            atomicAdd(&splatted[3u * index + c], i32(round(amount[c])));
+        }
+    }
+}

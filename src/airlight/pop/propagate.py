@@ -1,0 +1,88 @@
+"""Light hopping through all ordinates' grids at once (Elek2014 sections 4.1 to 4.3, 5.4, 6).
+
+A chain of dispatches, each over all cells of all grids. See `maths.propagate`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, uniform
+from .hop_grids import HopGridData, HopGrids, HopParams
+from .ordinates import OrdinateData
+from .placement import MediumParams
+
+_PARTS = 3  # vec4 per cell of a state (ahead, side, behind) and of what is gathered
+
+_common = (
+    uniform("params", MediumParams), uniform("hops", HopParams), storage("grids", HopGridData),
+    storage("solid_angles", "f32"), storage("hop_rho", "f32"),
+)  # fmt: skip
+_out = (
+    storage("states_out", "vec4f", "read_write"),
+    storage("gathered", "vec4f", "read_write"),
+)
+
+
+class _Begin(ComputePass):
+    slots = (*_common, storage("ordinates", OrdinateData), *_out)
+    workgroup = (64, 1, 1)
+    file = "hop_begin.wgsl"
+
+
+class _Hop(ComputePass):
+    slots = (*_common, storage("states_in", "vec4f"), *_out)
+    workgroup = (64, 1, 1)
+    file = "propagate.wgsl"
+
+
+class Propagate:
+    """Fills `gathered`: vec4 [grid][cell][seen, residual, carried]; see `maths.Propagated`."""
+
+    def __init__(self, gpu: Gpu, capacity: int, most: int) -> None:
+        """For at most `most` grids of `capacity` cells."""
+        nbytes = 16 * _PARTS * capacity * most
+        self.gathered = Buffer(gpu, "light of hop grids", nbytes)
+        self._states = [Buffer(gpu, f"hop states {k}", nbytes) for k in (0, 1)]
+        self._begin, self._hop = _Begin(gpu), _Hop(gpu)
+
+    def encode_begin(
+        self, commands: Commands, params: MediumParams, grids: HopGrids, ordinates: Buffer,
+        eye: Any, *, is_paper: bool,
+    ) -> None:  # fmt: skip
+        """Put the light in."""
+        self._begin.dispatch(
+            commands, (grids.columns, max(1, grids.ordinates + grids.lamps)), params=params,
+            hops=grids.params(eye, is_paper=is_paper), **_bound(grids), ordinates=ordinates,
+            states_out=self._states[0], gathered=self.gathered,
+        )  # fmt: skip
+
+    def encode(
+        self, commands: Commands, params: MediumParams, grids: HopGrids, eye: Any,
+        iterations: int, *, is_paper: bool,
+    ) -> None:  # fmt: skip
+        """Hop `iterations` times."""
+        going = grids.params(eye, is_paper=is_paper)
+        last = grids.params(eye, is_paper=is_paper, is_last=True)
+        for k in range(iterations):
+            self._hop.dispatch(
+                commands, (grids.capacity, max(1, grids.ordinates + grids.lamps)), params=params,
+                hops=last if k == iterations - 1 else going, **_bound(grids),
+                states_in=self._states[k % 2], states_out=self._states[1 - k % 2],
+                gathered=self.gathered,
+            )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for buffer in (self.gathered, *self._states):
+            buffer.release()
+
+
+def _bound(grids: HopGrids) -> dict[str, Buffer]:
+    return {
+        "grids": grids.rows, "solid_angles": grids.solid_angles, "hop_rho": grids.density,
+    }  # fmt: skip

@@ -1,0 +1,108 @@
+//! use hop_light
+
+const SHARE = 0.6;
+const SHARE_RADIAL = 0.5;
+const SHARE_RADIAL_PEAKED = 0.25;
+const PEAKED = 0.8;
+const HAND_OVER_HIGH = 0.65;
+const HAND_OVER_LOW = 0.45;
+const CARRIED = 0.15;
+
+struct Arrival {
+    power: vec3f,
+    along: vec3f,
+}
+
+fn sent(n: u32, cell: vec3u) -> Outflow {
+    let slot = hop_slot(n, hop_index(n, cell));
+    let x = states_in[slot];
+    let y = states_in[slot + 1u];
+    let z = states_in[slot + 2u];
+    return Outflow(x.xyz, y.xyz, z.xyz, vec3f(x.w, y.w, z.w));
+}
+
+fn take(sum: ptr<function, Arrival>, power: vec3f, a: vec3f) {
+    (*sum).power += power;
+    (*sum).along += power * a;
+}
+
+// All that the six neighbours send here.
+fn arriving(n: u32, cell: vec3u) -> Arrival {
+    var sum = Arrival(vec3f(0.0), vec3f(0.0));
+    let count = grids[n].count;
+    let is_radial = grids[n].is_radial == 1u;
+    if (cell.z > 0u) {
+        let o = sent(n, cell - vec3u(0u, 0u, 1u));
+        take(&sum, o.ahead, o.a);
+    }
+    if (cell.z + 1u < count.z) {
+        let o = sent(n, cell + vec3u(0u, 0u, 1u));
+        take(&sum, o.behind, o.a);
+    }
+    var stays = 0.0;
+    for (var side = 0u; side < 4u; side++) {
+        let other = hop_beside(n, cell, side);
+        if (other.z != 0xffffffffu) {
+            let o = sent(n, other);
+            take(&sum, hop_side_gain(n, other, cell) * o.side, o.a);
+            stays += 1.0 - hop_side_gain(n, cell, other);
+        }
+    }
+    if (is_radial) {
+        let own = sent(n, cell);
+        take(&sum, stays * own.side + select(vec3f(0.0), own.behind, cell.z == 0u), own.a);
+    }
+    return sum;
+}
+
+struct Scattered {
+    leaving: vec3f,  // share that joins the residuum
+    a: vec3f,        // the rest's
+}
+
+fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
+    let path = hop_path(n, cell.z);
+    let depth = rho * params.sigma_t * params.albedo * path;
+    if (hops.is_paper == 1u) {
+        let g = max(params.g, vec3f(0.0));
+        let kept = select(vec3f(0.0), pow(max(g, vec3f(1e-9)), depth), g > vec3f(0.0));
+        return Scattered(vec3f(0.0), a * select(vec3f(1.0), kept, depth > vec3f(0.0)));
+    }
+    let lost = depth * (1.0 - params.g);
+    if (grids[n].is_radial == 1u) {
+        let peaked = params.g >= vec3f(PEAKED);
+        let share = select(vec3f(SHARE_RADIAL), vec3f(SHARE_RADIAL_PEAKED), peaked);
+        let bent = path / max(shell_radius(n, cell.z), path);
+        let after = a * exp(-(1.0 - share) * lost) + 2.0 / 3.0 * (1.0 - a * a) * bent;
+        return Scattered(1.0 - exp(-share * lost), clamp(after, vec3f(0.0), vec3f(LARGEST_A)));
+    }
+    let after = a * exp(-(1.0 - SHARE) * lost);
+    let handed = saturate((HAND_OVER_HIGH - after) / (HAND_OVER_HIGH - HAND_OVER_LOW));
+    return Scattered(1.0 - exp(-SHARE * lost) * (1.0 - handed), after);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let n = id.y;
+    if (n >= params.ordinate_count || id.x >= hop_cells(n)) {
+        return;
+    }
+    let cell = hop_cell(n, id.x);
+    let slot = hop_slot(n, id.x);
+    let rho = hop_rho[n * hops.capacity + id.x];
+    let sum = arriving(n, cell);
+    let some = sum.power > vec3f(1e-30);
+    var a = select(vec3f(0.0), sum.along / select(vec3f(1.0), sum.power, some), some);
+    let absorption = rho * params.sigma_t * (1.0 - params.albedo);
+    let power = sum.power * exp(-absorption * hop_path(n, cell.z));
+    let gone = scattered(n, cell, rho, a);
+    a = gone.a;
+    let left = power * (1.0 - gone.leaving);
+    if (rho > 0.0) {
+        gathered[slot] += vec4f(seen_light(n, cell, rho, left, a), 0.0);
+    }
+    let handed = select(power * gone.leaving, power, hops.is_last == 1u);
+    let carried = select(CARRIED, 0.0, hops.is_paper == 1u || grids[n].is_radial == 1u);
+    gathered[slot + 1u] += vec4f(handed, 0.0);
+    gathered[slot + 2u] += vec4f(carried * handed * a, 0.0);
+    send_out(slot, left, a);
+}

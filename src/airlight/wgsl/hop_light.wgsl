@@ -1,0 +1,45 @@
+//! use hop_grid
+//! use phase
+
+// What a cell's light is and sends out; see maths/propagate.py. The including pass binds what
+// hop_grid wants, `hops` (HopParams), `states_out` and `gathered` (array<vec4f>).
+
+const LARGEST_A = 0.999;
+
+// What leaves a cell ahead, to each side and behind, W, and the mean cosine of all of it.
+struct Outflow {
+    ahead: vec3f,
+    side: vec3f,
+    behind: vec3f,
+    a: vec3f,
+}
+
+fn hop_slot(n: u32, index: u32) -> u32 {
+    return 3u * (n * hops.capacity + index);
+}
+
+fn send_out(slot: u32, power: vec3f, a: vec3f) {
+    let r = cap_fractions(a.r);
+    let g = cap_fractions(a.g);
+    let b = cap_fractions(a.b);
+    states_out[slot] = vec4f(power * vec3f(r.x, g.x, b.x), a.r);
+    states_out[slot + 1u] = vec4f(power * vec3f(r.y, g.y, b.y), a.g);
+    states_out[slot + 2u] = vec4f(power * vec3f(r.z, g.z, b.z), a.b);
+}
+
+// Mean of exp(-x t) over t = 0..1.
+fn mean_on_the_way(x: vec3f) -> vec3f {
+    let safe = max(x, vec3f(1e-3));
+    return select(1.0 - 0.5 * x, (1.0 - exp(-safe)) / safe, x > vec3f(1e-3));
+}
+
+// In-scattered radiance towards the eye, per unit scattering coefficient.
+fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f) -> vec3f {
+    let path = hop_path(n, cell.z);
+    let point = hop_point(n, vec3f(cell) + 0.5);
+    let absorbed = rho * params.sigma_t * (1.0 - params.albedo) * path;
+    let light = mean_on_the_way(absorbed) * power * path / hop_volume(n, cell);
+    let mu = clamp(dot(hop_travel(n, point), normalize(hops.eye - point)), -1.0, 1.0);
+    let lobe = select(a * params.g, a, hops.is_paper == 1u);
+    return light * henyey_greenstein_rgb(mu, min(lobe, vec3f(LARGEST_A)));
+}
