@@ -1,0 +1,130 @@
+"""The folder that a sequence's frames are in, and how a broken-off one goes on.
+
+Every frame appears whole or not at all, under its own number. `sequence.json` says what was asked,
+so frames of another scene or of other settings never come between.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import OutputError
+from ..scene.io.files import whole_file
+from .outputs import json_text
+from .sequence_plan import Plan
+
+MANIFEST = "sequence.json"
+_FRAME = re.compile(r"frame-(\d{5,7})\.(png|exr)")
+_PART = re.compile(r"\.(?:frame-\d{5,7}|sequence)\.(\d+)\.part\.(?:png|exr|json)")
+_ENOUGH = "Choose another folder, or delete this one."
+
+
+class FrameFolder:
+    """Frames of one sequence in one folder. Raises OutputError wherever it cannot go on."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.manifest: dict[str, Any] = {}
+
+    def open(self, asked: Mapping[str, Any], *, resume: bool) -> None:
+        """Make the folder, or take up the sequence in it, which must be what is `asked` now."""
+        self._make()
+        found = sorted(f.name for f in self.path.iterdir() if _FRAME.fullmatch(f.name))
+        if (self.path / MANIFEST).exists() and (found or resume):
+            self._take_up(asked, len(found), resume=resume)
+        else:
+            if found:
+                raise OutputError(
+                    f"holds {found[0]}, but no {MANIFEST} that says what it shows",
+                    where=self.path, remedy=_ENOUGH,
+                )  # fmt: skip
+            self.note(asked=dict(asked))
+        self._sweep()
+
+    def note(self, **more: Any) -> None:
+        """Keep something about the sequence in its `sequence.json`."""
+        self.manifest |= more
+        with whole_file(self.path / MANIFEST) as part:
+            part.write_text(json_text(self.manifest) + "\n", encoding="utf-8")
+
+    def file(self, plan: Plan, frame: int) -> Path:
+        """Where a frame is, or will be."""
+        return self.path / f"frame-{frame:05d}{plan.ending}"
+
+    def missing(self, plan: Plan) -> list[int]:
+        """The frames of the plan that are not there yet."""
+        return [frame for frame in plan.frames if not _is_there(self.file(plan, frame))]
+
+    def _make(self) -> None:
+        if self.path.exists() and not self.path.is_dir():
+            raise OutputError("is a file, not a folder for frames", where=self.path)
+        if not self.path.parent.is_dir():
+            raise OutputError(
+                f"the folder '{self.path.parent}' does not exist", where=self.path,
+                remedy="Create it first.",
+            )  # fmt: skip
+        try:
+            self.path.mkdir(exist_ok=True)
+        except OSError as error:
+            raise OutputError(
+                f"cannot be made ({error.strerror or error})", where=self.path,
+                remedy="Choose another folder, or check its permissions and free space.",
+            ) from None  # fmt: skip
+
+    def _take_up(self, asked: Mapping[str, Any], count: int, *, resume: bool) -> None:
+        path = self.path / MANIFEST
+        try:
+            self.manifest = json.loads(path.read_text(encoding="utf-8"))
+            there = dict(self.manifest["asked"])
+        except (OSError, ValueError, KeyError, TypeError):
+            raise OutputError("is damaged", where=path, remedy=_ENOUGH) from None
+        if not resume:
+            raise OutputError(
+                f"holds a sequence already ({count} frames)", where=self.path,
+                remedy="Go on with it by --resume, or choose another folder.",
+            )  # fmt: skip
+        now = json.loads(json_text(asked))
+        for name in [*now, *there]:
+            if now.get(name) != there.get(name):
+                raise OutputError(
+                    f"holds another sequence: {_difference(name, there.get(name), now.get(name))}",
+                    where=self.path, remedy=_ENOUGH,
+                )  # fmt: skip
+
+    def _sweep(self) -> None:
+        """Remove what killed runs left half-written."""
+        for file in self.path.iterdir():
+            part = _PART.fullmatch(file.name)
+            if part and not _is_alive(int(part[1])):
+                file.unlink(missing_ok=True)
+
+
+def _difference(name: str, there: Any, now: Any) -> str:
+    if name == "scene":
+        return "the scene, or a file it names, has changed"
+    return f"its {name} is {json.dumps(there)}, here it is {json.dumps(now)}"
+
+
+def _is_there(file: Path) -> bool:
+    try:
+        return file.stat().st_size > 0
+    except OSError:
+        return False
+
+
+def _is_alive(pid: int) -> bool:
+    """Whether a process of that number runs here; True where that cannot be known."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

@@ -1,0 +1,77 @@
+"""A text that tells scenes apart: equal where every value, array and file behind them is."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from ..errors import SceneError
+
+_CHUNK_BYTES = 1 << 20
+_UNTOLD = ("warnings", "source")  # what no picture depends on
+
+
+def fingerprint(value: Any) -> str:
+    """32 hexadecimal digits for scenes and whatever they are made of.
+
+    A path counts with its file's name and contents, a function with its module's and its own name.
+    Raises SceneError for a file that cannot be read, TypeError for what has no fixed content.
+    """
+    told = hashlib.blake2b(digest_size=16)
+    for part in _parts(value):
+        told.update(part)
+    return told.hexdigest()
+
+
+def _parts(value: Any) -> Iterator[bytes | memoryview]:
+    """The value as bytes: each kind opens with its own mark, and lists say how long they are."""
+    if value is None or isinstance(value, (bool, int, float, str, np.generic)):
+        yield f"{type(value).__name__}:{value!r};".encode()
+    elif isinstance(value, np.ndarray):
+        yield f"array:{value.dtype.str}{value.shape};".encode()
+        yield memoryview(np.ascontiguousarray(value)).cast("B") if value.size else b""
+    elif isinstance(value, Path):
+        yield f"file:{value.name};".encode()
+        yield from _file(value)
+    elif isinstance(value, Mapping):
+        yield f"map:{len(value)};".encode()
+        for key in sorted(value, key=repr):
+            yield from _parts(key)
+            yield from _parts(value[key])
+    elif isinstance(value, (tuple, list)):
+        yield f"list:{len(value)};".encode()
+        for item in value:
+            yield from _parts(item)
+    else:
+        yield from _made(value)
+
+
+def _made(value: Any) -> Iterator[bytes | memoryview]:
+    if is_dataclass(value) and not isinstance(value, type):
+        yield f"{type(value).__qualname__};".encode()
+        for field in fields(value):
+            if field.name not in _UNTOLD:
+                yield f"{field.name}=".encode()
+                yield from _parts(getattr(value, field.name))
+    elif isinstance(value, functools.partial):
+        yield from _parts((value.func, value.args, value.keywords))
+    elif isinstance(value, FunctionType):
+        yield f"function:{value.__module__}.{value.__qualname__};".encode()
+    else:
+        raise TypeError(f"{type(value).__name__} has no fixed content to tell scenes apart by")
+
+
+def _file(path: Path) -> Iterator[bytes]:
+    try:
+        with path.open("rb") as file:
+            while chunk := file.read(_CHUNK_BYTES):
+                yield chunk
+    except OSError as error:
+        raise SceneError(f"cannot be read ({error.strerror or error})", where=path) from None
