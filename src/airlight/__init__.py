@@ -5,6 +5,7 @@
 >>> image.save("cornell.png")
 
 load, scenes      a scene: from a file, or one that ships
+with_defaults     a camera that frames it, and daylight, where a scene has none
 render, Renderer  a picture of it; or many, with the scene kept on the device
 export_lattice    the light that was solved, as arrays for other programs
 reference         the same scene by unbiased path tracing, and how far apart two pictures are
@@ -40,7 +41,7 @@ from .scene import (
     Volume,
 )
 from .scene.image import Image
-from .scene.io import load
+from .scene.io import load, with_defaults
 
 if TYPE_CHECKING:
     from . import reference
@@ -92,6 +93,7 @@ __all__ = [
     "render",
     "scenes",
     "view",
+    "with_defaults",
 ]
 
 

@@ -46,7 +46,7 @@ def test_a_toml_scene(tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.fbx", "a scene file cannot end in '.fbx'. Known: .glb, .gltf, .obj, .ply, .stl, "),
+        ("a.fbx", "a scene file cannot end in '.fbx'. Known: .glb, .gltf, .npy, "),
         ("a.tmol", "Did you mean '.toml'?"),
         ("a", "file not found. For a scene that ships with airlight, write builtin:NAME."),
         ("a.obj", "a.obj: file not found. Check the path."),

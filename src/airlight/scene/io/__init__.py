@@ -3,6 +3,7 @@
 toml         the scene format of airlight      mitsuba      a subset of Mitsuba's XML
 obj, mtl     Wavefront                         gltf         glTF 2.0 and GLB
 meshfile     PLY and STL                       images       textures, radiance maps, pictures
+volumes      density grids                     volume_scene   one of them on its own
 defaults     the camera and the daylight of a file that has none
 """
 
@@ -17,15 +18,17 @@ from ..scene import Scene
 
 BUILTIN_PREFIX = "builtin:"
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
-SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES)
+VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
+SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
 def load(path: str | Path) -> Scene:
     """A scene from a file, or from `builtin:NAME`.
 
     Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
-    camera one that frames them; scene files (TOML, Mitsuba XML) say themselves. What was
-    dropped, replaced or approximated is in the scene's `warnings`. Raises SceneError.
+    camera one that frames them, as density grids (NumPy, VDB, Mitsuba .vol) do; scene files
+    (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
+    scene's `warnings`. Raises SceneError.
     """
     written = str(path)
     if written.startswith(BUILTIN_PREFIX):
@@ -42,6 +45,10 @@ def load(path: str | Path) -> Scene:
         from .mitsuba import load_mitsuba
 
         return load_mitsuba(file)
+    if suffix in VOLUME_SUFFIXES:
+        from .volume_scene import load_volume_scene
+
+        return with_defaults(load_volume_scene(file))
     return with_defaults(load_meshes(file))
 
 
@@ -89,7 +96,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """The scene with a framing camera and daylight where it has none."""
+    """The scene with a framing camera, and a sun and a sky, where it has none.
+
+    A camera like Camera() counts as none; lights, an environment or bright surfaces as light.
+    """
     from .defaults import with_default_camera, with_default_lights
 
     if scene.camera == Camera():
@@ -97,4 +107,11 @@ def with_defaults(scene: Scene) -> Scene:
     return with_default_lights(scene)
 
 
-__all__ = ["MESH_SUFFIXES", "SCENE_SUFFIXES", "load", "load_meshes", "with_defaults"]
+__all__ = [
+    "MESH_SUFFIXES",
+    "SCENE_SUFFIXES",
+    "VOLUME_SUFFIXES",
+    "load",
+    "load_meshes",
+    "with_defaults",
+]

@@ -8,7 +8,7 @@ from ..camera import Camera
 from ..lights import PointLight
 from ..scene import Scene
 from .daylight import sun_and_sky, sun_for
-from .framing import find_room, framing_camera
+from .framing import find_room, framing_box, framing_camera
 from .probe import Probe
 
 LAMP_RADIANCE = 8.0
@@ -18,6 +18,8 @@ a sky of 1 to 4 they would hardly show."""
 
 def with_default_camera(scene: Scene) -> Scene:
     """The scene with a camera that shows it well; the one it had is replaced."""
+    if scene.volumes and not scene.meshes:
+        return replace(scene, camera=framing_box(*scene.bounds))
     return replace(scene, camera=framing_camera(Probe.of(scene)))
 
 

@@ -44,10 +44,16 @@ def framing_camera(probe: Probe) -> Camera:
         return Camera()
     room = find_room(probe)
     if room is None:
-        return _around(probe, np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
+        return _around(np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
     if not np.isfinite(room.size[[0, 2]]).all():
         return _through_open_side(probe, room)
     return _inside(probe, room)
+
+
+def framing_box(low: F64, high: F64) -> Camera:
+    """A camera that shows the box low..high (3,), metres, from outside."""
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    return _around(np.array(_VIEW_FROM), corners)
 
 
 def find_room(probe: Probe) -> Room | None:
@@ -189,10 +195,10 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
     )
     direction = np.zeros(3)
     direction[axis] = side
-    return _around(probe, direction, probe.corners.reshape(-1, 3))
+    return _around(direction, probe.corners.reshape(-1, 3))
 
 
-def _around(probe: Probe, direction: F64, points: F64) -> Camera:
+def _around(direction: F64, points: F64) -> Camera:
     """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 picture."""
     towards = direction / np.linalg.norm(direction)
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0

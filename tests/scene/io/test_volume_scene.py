@@ -1,0 +1,47 @@
+"""A density grid alone: whitish smoke in daylight, seen whole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.scene.io import load
+from airlight.scene.io.framing import framing_box
+from airlight.scene.io.volume_scene import DEPTH, fitting_sigma_t, load_volume_scene
+
+
+def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path):
+    density = np.zeros((4, 8, 6), np.float32)
+    density[1:3, 2:6, 1:5] = 2.0
+    np.save(tmp_path / "plume.npy", density)
+    scene = load(tmp_path / "plume.npy")
+    (volume,) = scene.volumes
+    np.testing.assert_array_equal(volume.density, density)
+    assert scene.name == "plume"
+    assert len(scene.lights) == 1
+    assert scene.environment is not None
+    assert scene.camera == framing_box(*scene.bounds)
+    assert scene.warnings[-1] == (
+        f"plume.npy says nothing about light: sigma_t = {volume.sigma_t[0]:g} m^-1 and albedo = "
+        "0.9 were chosen; a scene file with [[volume]] sets them"
+    )
+
+
+def test_its_denser_parts_are_six_deep():
+    # 4 m of density .5 along x, the longest side
+    density = np.full((3, 3, 3), 0.5, np.float32)
+    assert fitting_sigma_t(density, ((0, 0, 0), (4, 1, 2))) == DEPTH / 2.0
+    assert fitting_sigma_t(0.0 * density, ((0, 0, 0), (4, 1, 2))) == 1.0
+
+
+def test_a_box_is_seen_whole():
+    camera = framing_box(np.array([0.0, 0.0, 0.0]), np.array([4.0, 2.0, 1.0]))
+    assert camera.target == (2.0, 1.0, 0.5)
+    assert np.linalg.norm(np.subtract(camera.position, camera.target)) > 4.0
+
+
+def test_a_damaged_grid_is_one_message(tmp_path):
+    (tmp_path / "a.npy").write_bytes(b"no")
+    with pytest.raises(SceneError, match=r"a\.npy"):
+        load_volume_scene(tmp_path / "a.npy")
