@@ -1,10 +1,14 @@
 """Propagate light between the six face neighbours of every cell (Kaplanyan2010 section 3.3).
 
-What surfaces need is the sum of all steps, B_n = s + M s + ... + M^(n-1) s, s the state after the
-first. A step costs what it reads and writes, so the sum is made by doubling: B_2k = B_k + M^k B_k
-takes as many steps as adding state after state, but only one addition per doubling.
+What surfaces need is the sum of all steps, s + M s + M^2 s + ..., s the state after the first. A
+step costs what it reads and writes, so states are not added one by one: eight are summed by
+doubling, S = (1 + M^4)(1 + M^2)(1 + M) s, and then M^8 S, M^16 S ... are added.
 differs: Kaplanyan2010 accumulates after every step, and ignores blockers in the first; ours block
 from the first (lattice.inject shapes lobes for it).
+
+The tail: late states have the shape of the slowest mode and shrink by one factor, so what all
+later steps would add is the last block times q / (1 - q), q the ratio of the last two blocks'
+power. In a closed room 64 steps hold .82 of the light and .99 with the tail.
 
 The paper's scheme clamps negative intensities, so it is not linear in the state; there every
 state is accumulated, the first step free, as the paper says.
@@ -25,6 +29,8 @@ from ..maths.lattice6 import Hop, Scheme, hops
 from .columns import column_march
 
 CHANNELS = 3
+BLOCK = 8  # states that are summed by doubling
+_TAIL_BLOCKS = 4  # fewer do not know the slowest mode yet
 _CPU_TILE, _CPU_SLAB = (2, 4), 8  # measured best: wider tiles load less but take long to compile
 
 
@@ -52,16 +58,37 @@ class AccumulateParams(Struct):
     """The lattice's size."""
 
     values = u32("vec4 values in the lattice")
+    is_tail = u32("1: add what the states after this block would add")
 
 
 class _Accumulate(ComputePass):
     slots = (
         uniform("params", AccumulateParams),
         storage("state", "vec4f"),
+        storage("powers", "vec4f"),
         storage("total", "vec4f", "read_write"),
     )
     workgroup = (256, 1, 1)
     file = "accumulate.wgsl"
+
+
+class PowerParams(Struct):
+    """What is summed, and where the sum goes."""
+
+    cells = u32()
+    place = u32("in `powers`")
+
+
+class _Power(ComputePass):
+    """The power of a lattice, per channel, always added in the same order."""
+
+    slots = (
+        uniform("params", PowerParams),
+        storage("state", "vec4f"),
+        storage("powers", "vec4f", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "power.wgsl"
 
 
 class Propagate:
@@ -96,46 +123,60 @@ class Propagate:
         # The paper's first step ignores blockers.
         self._first = step(False) if is_blocked and scheme == "paper" else self._later
         self._bytes = CHANNELS * placement.cells * 16
-        names = ("first state", "propagated light", "propagation ping", "propagation pong")
+        names = ("light of a block", "propagated light", "propagation ping", "propagation pong")
         self._lattices = [Buffer(gpu, name, self._bytes) for name in names]
-        self._accumulate = _Accumulate(gpu)
+        self._powers = Buffer(gpu, "power of the last blocks", 32)
+        self._accumulate, self._power = _Accumulate(gpu), _Power(gpu)
 
     def encode(
-        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int
-    ) -> Buffer:
-        """The sum of the states after 1 to `iterations` steps from `injected`, without itself."""
-        first, total, ping, pong = self._lattices
+        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, *,
+        has_tail: bool = False,
+    ) -> Buffer:  # fmt: skip
+        """The sum of the states after 1 to `iterations` steps from `injected`, without itself.
+
+        `has_tail`: with what all later steps would add, estimated (from 32 iterations on).
+        """
+        block, total, ping, pong = self._lattices
+        commands.encoder.clear_buffer(total.handle)
         if iterations < 1:
-            commands.encoder.clear_buffer(total.handle)
             return total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
-        self._step(commands, self._first, injected, first, faces, kept=0.0)
-        commands.encoder.copy_buffer_to_buffer(first.handle, 0, total.handle, 0, self._bytes)
-        if self.scheme == "paper":
-            return self._accumulated(commands, faces, iterations - 1)
-        steps = 1
-        for bit in f"{iterations:b}"[1:]:
-            state = self._stepped(commands, total, (ping, pong), faces, steps)
-            self._add(commands, state, total)
-            steps *= 2
-            if bit == "1":
-                self._step(commands, self._later, total, ping, faces)
-                self._add(commands, first, ping)
-                total, ping = ping, total
-                steps += 1
+        self._step(commands, self._first, injected, block, faces, kept=0.0)
+        blocks = 0 if self.scheme == "paper" else iterations // BLOCK
+        for left in range(iterations - BLOCK * blocks, 0, -1):
+            self._add(commands, block, total)
+            if left > 1 or blocks:
+                self._step(commands, self._later, block, ping, faces)
+                block, ping = ping, block
+        if blocks:
+            spare = (ping, pong)
+            self._sum_blocks(commands, block, total, spare, faces, blocks, has_tail=has_tail)
         return total
 
-    def _accumulated(self, commands: Commands, faces: Buffer, steps: int) -> Buffer:
-        """Every one of `steps` more states added to the first."""
-        first, total, ping, pong = self._lattices
-        state = first
-        for _ in range(steps):
-            target = pong if state is ping else ping
-            self._step(commands, self._later, state, target, faces)
-            self._add(commands, target, total)
-            state = target
-        return total
+    def _sum_blocks(
+        self, commands: Commands, block: Buffer, total: Buffer, spare: tuple[Buffer, Buffer],
+        faces: Buffer, blocks: int, *, has_tail: bool,
+    ) -> None:  # fmt: skip
+        """Add `blocks` times BLOCK states to `total`, the first of them in `block`."""
+        for doubling in range(BLOCK.bit_length() - 1):
+            self._add(commands, self._stepped(commands, block, spare, faces, 1 << doubling), block)
+        self._add(commands, block, total)
+        for index in range(1, blocks):
+            if has_tail and index == blocks - 1:
+                self._measure(commands, block, 0)
+            later = self._stepped(commands, block, spare, faces, BLOCK)
+            self._add(commands, later, total)
+            block, spare = later, (spare[0], block)
+        if has_tail and blocks >= _TAIL_BLOCKS:
+            self._measure(commands, block, 1)
+            self._add(commands, block, total, is_tail=True)
+
+    def _measure(self, commands: Commands, state: Buffer, place: int) -> None:
+        self._power.dispatch(
+            commands, (1,), params=PowerParams(cells=self.placement.cells, place=place),
+            state=state, powers=self._powers,
+        )  # fmt: skip
 
     def _stepped(
         self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer,
@@ -147,11 +188,14 @@ class Propagate:
             state = spare[index % 2]
         return state
 
-    def _add(self, commands: Commands, state: Buffer, total: Buffer) -> None:
+    def _add(
+        self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False
+    ) -> None:
         values = CHANNELS * self.placement.cells
         self._accumulate.dispatch(
-            commands, (values,), params=AccumulateParams(values=values), state=state, total=total
-        )
+            commands, (values,), params=AccumulateParams(values=values, is_tail=int(is_tail)),
+            state=state, powers=self._powers, total=total,
+        )  # fmt: skip
 
     def _step(
         self, commands: Commands, step: _Step, before: Buffer, after: Buffer, faces: Buffer,
@@ -166,8 +210,8 @@ class Propagate:
 
     def release(self) -> None:
         """Give the memory back."""
-        for lattice in self._lattices:
-            lattice.release()
+        for buffer in (*self._lattices, self._powers):
+            buffer.release()
 
 
 def pair_functions(scheme: Scheme) -> str:
