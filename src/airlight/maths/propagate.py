@@ -14,6 +14,7 @@ Arrays are (z, y, x, channel): z along the light. Radial grids: `radial_grid`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from .diffusion import solve
 from .phase import cap_fractions, henyey_greenstein
 
 F64 = NDArray[np.float64]
+Watch = Callable[[F64, F64], None]
 
 SHARE, SHARE_RADIAL, SHARE_RADIAL_PEAKED = 0.6, 0.5, 0.25  # of lost anisotropy: to the residuum
 HAND_OVER = (0.65, 0.45)  # a between which a cell of light along z joins the residuum
@@ -104,10 +106,12 @@ def first_light(
 def propagate(
     hops: Hops, medium: MediumGrid, density: F64, power: F64, mean_cosine: float,
     towards: list[F64], *, is_paper: bool = False, iterations: int = 24,
+    watch: Watch | None = None,
 ) -> Propagated:  # fmt: skip
     """`iterations` hops of `power`; what is left goes to the residuum.
 
     `density` (z, y, x); `towards`: the cosine (z, y, x) of the light's direction to each view.
+    `watch(fluence, a)` is told every iteration's light.
     """
     sigma_s = density[..., None] * medium.sigma_t * medium.albedo
     passed = np.exp(-(density[..., None] * medium.sigma_t - sigma_s) * hops.path)
@@ -120,6 +124,8 @@ def propagate(
         weight = (1.0 if m else 0.0) if is_paper else (1.0 if m else 0.5)
         light = weight * _mean_on_the_way(passed) * power * hops.path / hops.volume
         out["fluence"] += light
+        if watch is not None:
+            watch(light, a)
         for v, mu in enumerate(towards):
             lobe = a if is_paper else a * g
             seen[v] += light * henyey_greenstein(mu[..., None], np.minimum(lobe, _LARGEST_A))
