@@ -1,4 +1,4 @@
-//! use ordinate_light
+//! use beam_light
 //! use delta_beam
 
 fn passed_here(n: u32, cell: u32) -> vec3f {
@@ -44,7 +44,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     var z = vec3f(0.0);
     let rho = density[id.x];
     for (var n = 0u; n < params.ordinate_count && rho > 0.0; n++) {
-        let light = ordinate_light(n, point);
+        let light = beam_light(n, id.x, point);
         if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }

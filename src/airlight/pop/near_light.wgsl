@@ -25,7 +25,8 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let scattering = params.sigma_t * params.albedo * (1.0 - forward_share(params.g));
     let filled = depth / r;
     let share = filled * min(1.0, filled / max(params.mean_density, 1e-30));
-    return o.irradiance.rgb * o.spot.z * scattering * lost * share / r;
+    let lit = passed[(params.ordinate_count + n) * params.cells + cell];
+    return o.irradiance.rgb * lit * o.spot.z * scattering * lost * share / r;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

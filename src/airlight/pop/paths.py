@@ -17,7 +17,11 @@ from .placement import MediumParams, MediumPlacement
 
 
 class Paths(ComputePass):
-    """Fills `passed`: m, f32 [ordinate][z][y][x]; see `maths.voxels.density_behind`."""
+    """Fills `passed`, f32 [2][ordinate][z][y][x].
+
+    First m of density 1, see `maths.voxels.density_behind`; then the share of light that surfaces
+    let through: 1, until `Visibility` says otherwise.
+    """
 
     slots = (
         uniform("params", MediumParams),
@@ -33,7 +37,7 @@ class Paths(ComputePass):
         """For up to `capacity` ordinates."""
         super().__init__(gpu)
         self._cells = placement.cells
-        self.passed = Buffer(gpu, "density passed", 4 * capacity * placement.cells)
+        self.passed = Buffer(gpu, "density passed", 8 * capacity * placement.cells)
 
     def encode(
         self, commands: Commands, params: MediumParams, ordinates: Buffer, count: int,

@@ -5,6 +5,7 @@
     if (id.x >= params.cells || id.y >= params.ordinate_count) {
         return;
     }
+    passed[(params.ordinate_count + id.y) * params.cells + id.x] = 1.0;
     if (reach[id.x] == 0u) {
         passed[id.y * params.cells + id.x] = 0.0;
         return;

@@ -1,4 +1,4 @@
-//! use ordinate_light
+//! use beam_light
 //! use delta_beam
 //! use phase
 
@@ -27,7 +27,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     let loss = beam_loss(params.g, params.albedo);
     let point = cell_centre(cell_of(cell));
     for (var n = 0u; n < params.ordinate_count; n++) {
-        let light = ordinate_light(n, point);
+        let light = beam_light(n, cell, point);
         if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
