@@ -24,6 +24,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .solver import PopSettings, PopSolver
+from .visibility import Surfaces
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,11 @@ class PopMedia:
 
     Settings = PopMediaSettings
 
-    def __init__(self, gpu: Gpu, scene: Scene, settings: PopMediaSettings) -> None:
-        self.gpu, self.settings = gpu, settings
+    def __init__(
+        self, gpu: Gpu, scene: Scene, settings: PopMediaSettings, surfaces: Surfaces | None = None
+    ) -> None:
+        """`surfaces`: what shades the media, solved before them in every frame."""
+        self.gpu, self.settings, self._surfaces = gpu, settings, surfaces
         self._fog = (
             None
             if scene.medium is None
@@ -75,7 +79,8 @@ class PopMedia:
         """Fill `scattered` and `transmittance` for a view whose G-buffer is drawn."""
         scene, picture = self._scene, self._of_size(view.size)
         for solver, volume in zip(self.solvers, self._volumes(scene), strict=True):
-            solver.encode(commands, scene.lights, scene.environment, np.asarray(view.eye), volume)
+            solver.encode(commands, scene.lights, scene.environment, np.asarray(view.eye), volume,
+                          self._surfaces)  # fmt: skip
         with commands.stage("march"):
             rays = picture.rays.encode(commands, view)
             self._march.encode(

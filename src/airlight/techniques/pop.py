@@ -13,6 +13,7 @@ from ..lighting.view import View
 from ..march.air import Air
 from ..march.compose import Compose
 from ..pop.media import PopMedia, PopMediaSettings
+from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 
@@ -32,7 +33,8 @@ class Pop(Direct):
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         super().__init__(gpu, scene, meshes, settings, size)
-        self.media = PopMedia(gpu, scene, settings)
+        surfaces = Surfaces(meshes, self.lights, self.sky) if scene.meshes else None
+        self.media = PopMedia(gpu, scene, settings, surfaces)
         self.shadow = Air(gpu, scene, light_count=self.lights.count)
         self.air = self.shadow
         self.composed = Compose(gpu, size)

@@ -13,6 +13,7 @@ from ..lighting.direct import Direct
 from ..lighting.view import View
 from ..march.march import Source
 from ..pop.solver import PopSettings, PopSolver
+from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from ..surface.geometry import GpuScene
@@ -28,6 +29,7 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             self.source_count = len(scene.volumes)
             super().__init__(gpu, scene, meshes, settings, size)
             self._scene = scene
+            self._surfaces = Surfaces(meshes, self.lights, self.sky) if scene.meshes else None
             grids = iter(self.air_light.air.grids)
             self.solvers = [
                 PopSolver(gpu, volume, PopSettings(), lights=len(scene.lights),
@@ -52,7 +54,9 @@ def with_pop(base: type[Direct]) -> type[Direct]:
         def draw(self, commands: Commands, view: View) -> None:
             scene, eye = self._scene, np.asarray(view.eye)
             for solver, volume in zip(self.solvers, scene.volumes, strict=True):
-                solver.encode(commands, scene.lights, scene.environment, eye, volume)
+                solver.encode(
+                    commands, scene.lights, scene.environment, eye, volume, self._surfaces
+                )
             super().draw(commands, view)
 
         def release(self) -> None:
