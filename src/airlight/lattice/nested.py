@@ -21,6 +21,7 @@ FADING = 3.0
 """Cells over which the next larger lattice takes over."""
 SLACK = 0.75
 """How far, in cells, a lattice may be from where it should be: an eye that trembles moves none."""
+_NEVER_M = 1e6
 
 
 @dataclass(frozen=True)
@@ -120,23 +121,22 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
     """The lattice with the borders at which the next larger one takes over.
 
     They follow `centre`, not the cells: nothing jumps where the lattice does. Where the lattice
-    reaches the box's side there is nothing to take over, and the border narrows towards it.
+    nears the box's side there is less and less to take over, and the border moves out of it.
     """
     if not nest.follows(level):
         return placement
     cell = placement.cell
     half = 0.5 * cell * np.array(placement.count)
     room_low, room_high = _room(nest, placement)
-    shares = [
-        np.clip(gap / (cell * (BORDER + FADING)), 0.0, 1.0)
-        for gap in (centre - half - room_low, room_high - centre - half)
-    ]
-    insets = [np.where(s > 0.0, BORDER * cell * s, -1e6) for s in shares]
-    widths = [np.maximum(FADING * cell * s, 1e-3 * cell) for s in shares]
-    return replace(placement, fade=Fade(
-        triple(centre - half + insets[0]), triple(widths[0]),
-        triple(centre + half - insets[1]), triple(widths[1]),
-    ))  # fmt: skip
+    low, high = centre - half, centre + half
+    inset_low, inset_high = (
+        np.where(gap > 0.0, np.minimum(gap, (BORDER + FADING) * cell) - FADING * cell, -_NEVER_M)
+        for gap in (low - room_low, room_high - high)
+    )
+    width = (FADING * cell,) * 3
+    return replace(
+        placement, fade=Fade(triple(low + inset_low), width, triple(high - inset_high), width)
+    )
 
 
 def _room(nest: Nest, place: Placement) -> tuple[F64, F64]:

@@ -1,0 +1,138 @@
+"""Where nested lattices are, and where one hands over to the next."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from airlight.lattice.nested import BORDER, SLACK, faded, is_lost, nested, snapped, wanted_centre
+from airlight.lattice.placement import fitted
+
+HALL = ((-20.0, -1.0, -8.0), (20.0, 9.0, 8.0))
+STEPS = np.linspace(-30.0, 30.0, 601)
+RIGHT = np.array([1.0, 0.0, 0.0])
+
+
+def weight(placement, point):
+    """As wgsl/lattice.wgsl has it."""
+    f = placement.fade
+    low = (point - np.array(f.low)) / np.array(f.low_width)
+    high = (np.array(f.high) - point) / np.array(f.high_width)
+    return float(np.clip(np.minimum(low, high).min(), 0.0, 1.0))
+
+
+def walk(nest, level, eyes):
+    """(placement, centre) after each step of the eye, looking along +x."""
+    place = None
+    for eye in eyes:
+        centre = wanted_centre(nest, level, np.asarray(eye, float), RIGHT)
+        place = snapped(nest, level, centre, place)
+        yield faded(nest, level, place, centre), centre
+
+
+def test_one_lattice_is_the_fitted_one():
+    nest = nested(*HALL, 32)
+    assert nest.levels == (fitted(*HALL, 32),)
+    assert not nest.follows(0)
+
+
+def test_cells_shrink_by_the_ratio_and_the_coarsest_covers_the_box():
+    nest = nested(*HALL, 32, count=3, ratio=2.0)
+    cells = [level.cell for level in nest.levels]
+    assert cells[1] / cells[0] == pytest.approx(2.0)
+    assert cells[2] / cells[1] == pytest.approx(2.0)
+    low, high = nest.levels[-1].bounds
+    assert (low < HALL[0]).all() and (high > HALL[1]).all()
+    assert [nest.follows(k) for k in range(3)] == [True, True, False]
+
+
+def test_rows_of_shared_textures_do_not_overlap():
+    nest = nested(*HALL, 16, count=4)
+    ends = [(p.first_row, p.first_row + p.count[1]) for p in nest.levels]
+    assert all(a[1] == b[0] for a, b in pairwise(ends))
+    assert nest.texture_size[1] == ends[-1][1]
+    assert all(c <= s for p in nest.levels for c, s in zip(p.count, nest.texture_size, strict=True))
+
+
+def test_with_a_given_extent_the_coarsest_may_follow_too():
+    nest = nested(*HALL, 16, count=2, ratio=2.0, finest_m=4.0)
+    assert nest.levels[0].cell == pytest.approx(0.25)
+    assert nest.levels[1].cell == pytest.approx(0.5)
+    assert nest.follows(1)
+
+
+def test_lattices_that_would_be_no_finer_are_left_out():
+    nest = nested(*HALL, 16, count=4, ratio=4.0, finest_m=8.0)
+    cells = [level.cell for level in nest.levels]
+    assert cells == sorted(cells) and len(cells) == 3  # .5, 2, and the hall's own
+    assert nest.is_fixed
+    assert nest.levels[-1].cell == pytest.approx(fitted(*HALL, 16).cell)
+
+
+def test_a_lattice_moves_in_whole_cells_of_the_common_grid():
+    nest = nested(*HALL, 32, count=3)
+    base = np.array(nest.levels[-1].origin)
+    for level in (0, 1):
+        cell = nest.levels[level].cell
+        for place, _ in walk(nest, level, [(x, 2.0, 1.0) for x in STEPS]):
+            offset = (np.array(place.origin) - base) / cell
+            np.testing.assert_allclose(offset, np.round(offset), atol=1e-6)
+
+
+def test_an_eye_that_trembles_moves_nothing():
+    nest = nested(*HALL, 32, count=2)
+    tremble = 0.2 * nest.levels[0].cell * np.random.default_rng(1).uniform(-1, 1, (50, 3))
+    origins = {p.origin for p, _ in walk(nest, 0, [(0.3, 2.0, 1.0), *(tremble + (0.3, 2.0, 1.0))])}
+    assert len(origins) == 1
+
+
+def test_a_lattice_is_displaced_along_the_view():
+    nest = nested(*HALL, 32, count=2)
+    eye = np.array([0.0, 4.0, 0.0])
+    ahead = wanted_centre(nest, 0, eye, RIGHT)
+    back = wanted_centre(nest, 0, eye, -RIGHT)
+    half = 0.5 * nest.levels[0].cell * nest.levels[0].count[0]
+    assert ahead[0] == pytest.approx(0.5 * half)
+    assert back[0] == pytest.approx(-0.5 * half)
+
+
+def test_a_lattice_stays_at_the_scene_when_the_camera_is_far_outside():
+    nest = nested(*HALL, 32, count=3)
+    for place, centre in walk(nest, 0, [(-500.0, 90.0, 3.0), (900.0, -50.0, 0.0)]):
+        low, high = place.bounds
+        assert (high > HALL[0]).all() and (low < HALL[1]).all()
+        assert not is_lost(place, centre)
+
+
+def test_what_surfaces_read_is_at_hand_and_changes_as_little_as_the_eye():
+    nest = nested(*HALL, 32, count=2)
+    cell = nest.levels[0].cell
+    inside = np.random.default_rng(2).uniform(*HALL, (200, 3))
+    before, largest = None, 0.0
+    for place, _ in walk(nest, 0, [(x, 2.0, 1.0) for x in STEPS]):
+        weights = np.array([weight(place, p) for p in inside])
+        low, high = place.bounds
+        read = inside[weights > 0.0]
+        # past the last cell only by the slack and, near the hall's ends, a cell
+        over = (1.0 + SLACK) * cell
+        assert (read > low - over).all() and (read < high + over).all()
+        if before is not None:
+            largest = max(largest, np.abs(weights - before).max())
+        before = weights
+    step = STEPS[1] - STEPS[0]
+    assert largest <= step / cell
+
+
+def test_a_lattice_as_large_as_the_box_hands_nothing_over():
+    nest = nested((0, 0, 0), (4, 1, 1), 16, count=2)
+    centre = wanted_centre(nest, 0, np.array([2.0, 0.5, 0.5]), RIGHT)
+    place = faded(nest, 0, snapped(nest, 0, centre, None), centre)
+    for y in (0.0, 0.5, 1.0):  # the finer one is as high as the box
+        assert weight(place, np.array([centre[0], y, 0.5])) == 1.0
+    assert weight(place, np.array([centre[0] - 3.0, 0.5, 0.5])) == 0.0
+
+
+def test_slack_leaves_room_for_the_border():
+    assert SLACK < BORDER
