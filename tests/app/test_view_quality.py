@@ -34,6 +34,18 @@ def test_a_resized_window_starts_anew():
     assert quality.plan(4.0, (640, 480), changed=False).sample == 0
 
 
+def test_a_hand_at_work_holds_fine_pictures_back_and_loses_none():
+    quality = Quality(is_cpu=True, samples=4)
+    assert quality.plan(1.0, FULL, changed=False).sample == 0
+    assert quality.plan(1.1, FULL, changed=False, is_busy=True).sample is None
+    assert quality.plan(1.2, FULL, changed=False).sample == 1
+    quality.plan(2.0, FULL, changed=True)
+    held = quality.plan(3.0, FULL, changed=False, is_busy=True)  # a held button, at rest
+    assert held.is_moving
+    assert held.sample is None
+    assert quality.plan(3.1, FULL, changed=False).sample == 0
+
+
 def test_a_gpu_starts_at_full_size():
     assert Quality(is_cpu=False).plan(0.0, FULL, changed=True).size == FULL
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import socket
 import webbrowser
@@ -76,17 +77,26 @@ def serve(
         Guard(http.asgi, token), log_level="error", lifespan="on",
         ws_max_size=_LARGEST_MESSAGE, timeout_graceful_shutdown=1, access_log=False,
     )  # fmt: skip
-    link = link_to(bound, listen, token)
+    server = uvicorn.Server(config)
+
+    def stop(event: dict[str, Any]) -> None:
+        server.should_exit = True
+
+    # Ctrl-C reaches rendercanvas first, which closes its canvas.
+    canvas.add_event_handler(stop, "close")
+    logging.getLogger("rendercanvas").setLevel(logging.ERROR)
+    link = link_to(bound, token)
     _say_where(link, bound.getsockname()[1], listen)
     if opens and not os.environ.get("SSH_CONNECTION"):
         webbrowser.open(link)
     try:
-        uvicorn.Server(config).run(sockets=[bound])
+        server.run(sockets=[bound])
     except KeyboardInterrupt:
-        click.echo("stopped", err=True)
+        pass
     finally:
         bound.close()
         session.close()
+    click.echo("stopped", err=True)
 
 
 def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
@@ -124,7 +134,7 @@ def believed(event: Any) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def link_to(bound: socket.socket, listen: str, token: str) -> str:
+def link_to(bound: socket.socket, token: str) -> str:
     """The address to open, with its token."""
     host, port = bound.getsockname()[:2]
     if host in ("0.0.0.0", "::"):

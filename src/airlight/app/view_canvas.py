@@ -71,6 +71,7 @@ class CanvasView:
         elif key == "f":
             self.session.controls.is_flying = not self.session.controls.is_flying
         self.session.controls.handle(event)
+        self.session.touch(time.monotonic())
         self.canvas.request_draw()
 
     async def watch(self, sleep: Callable[[float], Any]) -> None:

@@ -47,13 +47,21 @@ class Quality:
         """How much of the refinement is done, 0 to 1."""
         return self._done / self.samples
 
-    def plan(self, now_s: float, full: tuple[int, int], *, changed: bool) -> Plan:
-        """What to draw at `now_s` on a surface of `full` pixels; `changed`: since the last."""
+    def plan(
+        self, now_s: float, full: tuple[int, int], *, changed: bool, is_busy: bool = False
+    ) -> Plan:
+        """What to draw at `now_s` on a surface of `full` pixels.
+
+        `changed`: since the last. `is_busy`: a hand is at work, and must not wait for a fine
+        picture to be done before the next coarse one.
+        """
         if changed:
             self._changed_s = now_s
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done = True, 0
             return Plan(self._reduced(full), 0 if changed else None, is_moving=True)
+        if is_busy and (self._was_moving or self._still_size == full):
+            return Plan(full, None, is_moving=self._was_moving)
         if self._was_moving or self._still_size != full:
             self._was_moving, self._still_size, self._done = False, full, 0
         if self._done >= self.samples:

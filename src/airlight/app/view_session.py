@@ -29,6 +29,7 @@ from .view_state import ViewState, reloaded, structure
 from .view_watch import Watch
 
 _SAVED_SAMPLES = 16
+_HAND_S = 0.25
 
 
 class Session:
@@ -65,6 +66,8 @@ class Session:
         self._solved: tuple[Any, ...] = ()
         self._toned: Look | None = None
         self._before_s: float | None = None
+        self._touched_s = float("-inf")
+        self._solve_ms = 0.0
 
     def attach(self, format: str) -> None:
         """The surface's textures have this format."""
@@ -73,6 +76,10 @@ class Session:
             if self._presenter:
                 self._presenter.release()
             self._presenter = None
+
+    def touch(self, now_s: float) -> None:
+        """A hand is at the mouse or the keys: fine pictures wait a moment."""
+        self._touched_s = now_s
 
     @property
     def layers(self) -> tuple[str, ...]:
@@ -113,13 +120,15 @@ class Session:
             self.controls.advance(now_s - self._before_s)
         self._before_s = now_s if self.controls.is_moving else None
         self.state.turn_light(self.controls.take_turn())
-        plan = self.quality.plan(now_s, size, changed=self._has_changed())
+        is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
+        plan = self.quality.plan(now_s, size, changed=self._has_changed(), is_busy=is_busy)
         if plan.sample is not None:
             self._draw_or_say(plan)
         elif self._presenter and self._toned not in (None, self.state.look):
             self._tone(settled=True)
         self._show(target)
-        return plan.is_moving or plan.sample is not None or self.controls.is_moving
+        is_unfinished = self.quality.share < 1.0 and self._presenter is not None
+        return plan.is_moving or plan.sample is not None or is_unfinished
 
     def frame_size(self, size: tuple[int, int]) -> None:
         """The size of pictures until a frame says another."""
@@ -162,7 +171,7 @@ class Session:
         return True
 
     def _draw_or_say(self, plan: Plan) -> None:
-        begin = time.perf_counter()
+        begin, self._solve_ms = time.perf_counter(), 0.0
         made = self._made
         try:
             self._make_renderer(plan.size)
@@ -174,7 +183,8 @@ class Session:
             self.state.message = f"internal error: {type(error).__name__}: {text}"
         self.frame_ms = (time.perf_counter() - begin) * 1e3
         if self._made == made:  # making is no frame
-            self.quality.took(self.frame_ms, plan)
+            # Solving costs the same at every resolution.
+            self.quality.took(self.frame_ms - self._solve_ms, plan)
 
     def _make_renderer(self, size: tuple[int, int]) -> None:
         """A renderer for the state's structure; where it is refused, the one before stays."""
@@ -230,8 +240,13 @@ class Session:
             for i, (a, b) in enumerate(zip(now, self._solved, strict=True))
         ):
             return
+        begin = time.perf_counter()
         r.technique.solve(r.commands, scene)
         self._solved = now
+        if r.gpu.is_cpu:
+            r.commands.submit()
+            r.gpu.wait()
+            self._solve_ms = (time.perf_counter() - begin) * 1e3
 
     def _presented(self, r: Renderer, plan: Plan) -> None:
         if self._presenter is None:

@@ -50,7 +50,7 @@ def scene_text(
         techniques[name] = {**techniques.get(name, {}), **values}
     raw["technique"] = {name: dict(values) for name, values in techniques.items() if values}
     order = ("camera", "mesh", "light", "environment", "medium", "volume")
-    ordered = {name: raw.pop(name) for name in order if raw.get(name)} | raw
+    ordered = {name: raw[name] for name in (*order, *raw) if raw.get(name)}
     return "".join(notes) + "\n".join(_lines(ordered, ())).strip() + "\n"
 
 

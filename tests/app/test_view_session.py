@@ -1,0 +1,243 @@
+"""A session draws onto any surface: progressively, through errors, and after edits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.app.view_controls import Turn
+from airlight.app.view_save import Saver
+from airlight.app.view_session import Session
+from airlight.errors import DeviceError, SettingsError
+from airlight.gpu.device import open_gpu
+from airlight.gpu.memory import Texture
+from airlight.scene.io import load
+from airlight.scene.io.images import load_image
+
+SIZE = (48, 28)
+SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
+         "ambient_occlusion": False}  # fmt: skip
+SCENE = """
+[camera]
+position = [1.5, 1.4, 3.2]
+target = [0, 0.4, 0]
+[[mesh]]
+shape = "box"
+translate = [0, 0.5, 0]
+base_color = [0.8, 0.3, 0.2]
+[[light]]
+type = "directional"
+direction = [0.4, -1, -0.3]
+irradiance = [3, 2.8, 2.5]
+[environment]
+radiance = 0.3
+"""
+
+
+@pytest.fixture(scope="module")
+def gpu():
+    try:
+        return open_gpu()
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+class Screen:
+    """A session on an offscreen surface, its clock in our hands."""
+
+    def __init__(self, gpu, session: Session) -> None:
+        self.session, self.now = session, 0.0
+        self.surface = Texture(gpu, "surface", SIZE, "rgba8unorm", target=True)
+        session.attach("rgba8unorm")
+        self.frame()  # says that it is preparing
+
+    def frame(self, seconds: float = 0.01) -> bool:
+        self.now += seconds
+        return self.session.frame(self.surface.resource, SIZE, self.now)
+
+    @property
+    def pixels(self) -> np.ndarray:
+        return self.surface.read()[..., :3].astype(int)
+
+    def settle(self, frames: int = 3) -> np.ndarray:
+        for _ in range(frames):
+            self.frame(0.5)
+        return self.pixels
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def screen(gpu, scene_file):
+    session = Session(
+        load(scene_file), source=str(scene_file), technique="direct", settings=SMALL
+    )  # fmt: skip
+    made = Screen(gpu, session)
+    yield made
+    session.close()
+
+
+def test_coarse_then_fine_and_then_it_rests(screen):
+    assert screen.frame()
+    coarse = screen.session.renderer.size
+    assert coarse[0] <= SIZE[0]
+    screen.session.quality.samples = 3
+    assert screen.frame(0.5)
+    assert screen.session.renderer.size == SIZE
+    wants_more = [screen.frame(0.1) for _ in range(4)]
+    assert wants_more[-1] is False
+    assert screen.pixels.max() > 100
+
+
+def test_a_drag_changes_the_picture_and_the_sun_its_shadow(screen):
+    before = screen.settle()
+    controls = screen.session.controls
+    controls.handle({"event_type": "pointer_down", "x": 10, "y": 10, "button": 1})
+    controls.handle({"event_type": "pointer_move", "x": 18, "y": 10})
+    controls.handle({"event_type": "pointer_up", "button": 1})
+    turned = screen.settle()
+    assert np.abs(turned - before).mean() > 2.0
+    controls.turn = Turn(120.0, -20.0)
+    sunny = screen.settle()
+    assert np.abs(sunny - turned).mean() > 1.0
+    light = screen.session.state.scene.lights[0]
+    assert np.linalg.norm(light.direction) == pytest.approx(1.0)
+
+
+def test_solving_is_skipped_while_only_the_camera_moves(screen):
+    screen.settle()
+    solved = []
+    technique = screen.session.renderer.technique
+    inner = technique.solve
+    technique.solve = lambda *a: (solved.append(1), inner(*a))
+    screen.session.controls.camera = replace(screen.session.controls.camera, fov_y_deg=40.0)
+    screen.settle()
+    assert not solved
+    screen.session.state.turn_light(Turn(1.0, 0.0))
+    screen.settle()
+    assert len(solved) == 1
+
+
+def test_exposure_and_curve_only_tone_anew(screen):
+    before = screen.settle()
+    state = screen.session.state
+    drawn = screen.session._drawn
+    state.look = replace(state.look, exposure_stops=2.0)
+    screen.session.quality._done = screen.session.quality.samples  # resting
+    screen.frame()
+    assert screen.session._drawn is drawn
+    assert screen.pixels.mean() > before.mean() + 10
+
+
+def test_a_broken_edit_says_so_and_keeps_the_picture(screen, scene_file):
+    before = screen.settle()
+    scene_file.write_text(SCENE.replace("irradiance", "iradiance"))
+    screen.session.reload()
+    assert "iradiance" in screen.session.state.message
+    assert "irradiance" in screen.session.state.message  # the nearest known name
+    assert np.abs(screen.settle() - before).mean() < 1.0  # only refined a little more
+    scene_file.write_text(SCENE.replace("[0.8, 0.3, 0.2]", "[0.1, 0.1, 0.9]"))
+    screen.session.reload()
+    blue = screen.settle()
+    assert screen.session.state.message == ""
+    box = before[..., 0] > before[..., 2] + 30
+    assert box.any()
+    assert (blue[box][:, 2] > blue[box][:, 0] + 20).mean() > 0.8
+
+
+def test_an_edit_keeps_what_was_changed_by_hand(screen, scene_file):
+    screen.settle()
+    session = screen.session
+    session.state.turn_light(Turn(40.0, 0.0))
+    light, camera = session.state.scene.lights[0], session.controls.camera
+    scene_file.write_text(SCENE.replace("radiance = 0.3", "radiance = 0.6"))
+    session.reload()
+    assert session.state.scene.environment.radiance == (0.6, 0.6, 0.6)
+    assert session.state.scene.lights[0] is light
+    assert session.controls.camera is camera
+    scene_file.write_text(SCENE.replace("target = [0, 0.4, 0]", "target = [0, 0.9, 0]"))
+    session.reload()
+    assert session.controls.camera.target == (0.0, 0.9, 0.0)
+
+
+def test_a_refused_setting_says_so_and_the_old_renderer_goes_on(screen):
+    screen.settle()
+    before = screen.session.renderer
+    screen.session.state.settings["direct"] = {**SMALL, "bounds": "1,2"}
+    shown = screen.settle()
+    assert "setting bounds has 2 numbers" in screen.session.state.message
+    assert screen.session.renderer is before
+    assert shown.max() > 100
+    screen.session.state.settings["direct"] = {**SMALL, "resolution": 9}
+    screen.settle()
+    assert screen.session.state.message == ""
+    assert screen.session.renderer is not before
+
+
+def test_fog_can_be_added_thickened_and_taken_away(gpu, scene_file):
+    session = Session(load(scene_file), technique="single", settings=SMALL)
+    screen = Screen(gpu, session)
+    clear = screen.settle(2)
+    from airlight.app.view_state import fog_for
+
+    session.state.scene = replace(session.state.scene, medium=fog_for(session.state.scene))
+    thin = screen.settle(2)
+    fog = session.state.scene.medium
+    session.state.scene = replace(session.state.scene, medium=replace(fog, sigma_t=(2, 2, 2)))
+    thick = screen.settle(2)
+    assert session.state.message == ""
+    assert np.abs(thin - clear).mean() < np.abs(thick - clear).mean()
+    session.close()
+
+
+def test_times_of_passes_are_measured_when_wanted(screen):
+    screen.settle()
+    assert screen.session.times_ms == {}
+    screen.session.state.shows_times = True
+    screen.settle(1)
+    assert {"g-buffer", "lighting", "combine"} <= screen.session.times_ms.keys()
+
+
+def test_pictures_and_scenes_are_saved_under_new_names(screen, tmp_path):
+    screen.settle()
+    screen.session.state.look = replace(screen.session.state.look, exposure_stops=1.0)
+    screen.session.state.turn_light(Turn(15.0, 0.0))
+    copied: list[str] = []
+    saver = Saver(screen.session, tmp_path, copied.append)
+    first, second = saver.save_picture(".exr"), saver.save_picture(".exr")
+    assert (first.name, second.name) == ("scene-view-0001.exr", "scene-view-0002.exr")
+    image = load_image(first)
+    assert image.radiance.shape == (SIZE[1], SIZE[0], 3)
+    assert "direct" in image.layers
+    assert saver.save_picture(".png").stat().st_size > 100
+    again = load(saver.save_scene())
+    assert again.camera.exposure_stops == 1.0
+    assert again.lights[0].direction == pytest.approx(
+        screen.session.state.scene.lights[0].direction, rel=1e-5
+    )
+    assert again.settings["direct"]["resolution"] == 8
+    saver.copy_scene()
+    assert copied and copied[0].startswith("[camera]")
+    assert "clipboard" in screen.session.state.notice
+
+
+def test_a_folder_that_cannot_be_written_is_said(screen, tmp_path):
+    saver = Saver(screen.session, tmp_path / "missing")
+    screen.settle(1)
+    assert saver.save_picture(".png") is None
+    assert "missing" in screen.session.state.message
+    screen.session.state.message = ""
+    assert saver.save_scene() is None
+    assert "missing" in screen.session.state.message
+
+
+def test_an_unknown_technique_is_refused_at_once(scene_file):
+    with pytest.raises(SettingsError, match="unknown technique 'lvp'"):
+        Session(load(scene_file), technique="lvp")
