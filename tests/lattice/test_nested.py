@@ -84,7 +84,8 @@ def test_a_lattice_moves_in_whole_cells_of_the_common_grid():
 def test_an_eye_that_trembles_moves_nothing():
     nest = nested(*HALL, 32, count=2)
     tremble = 0.2 * nest.levels[0].cell * np.random.default_rng(1).uniform(-1, 1, (50, 3))
-    origins = {p.origin for p, _ in walk(nest, 0, [(0.3, 2.0, 1.0), *(tremble + (0.3, 2.0, 1.0))])}
+    eyes = np.array([0.3, 2.0, 1.0]) + np.concatenate([np.zeros((1, 3)), tremble])
+    origins = {place.origin for place, _ in walk(nest, 0, eyes)}
     assert len(origins) == 1
 
 

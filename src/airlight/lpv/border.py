@@ -17,8 +17,7 @@ from ..gpu.layout import Struct, f32
 from ..gpu.memory import Buffer, Sampler, Texture
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
-from ..maths.lattice6 import Scheme
-from .propagate import hop_functions
+from ..maths.lattice6 import hops
 
 
 class BorderParams(Struct):
@@ -45,9 +44,8 @@ class Border(ComputePass):
     )
     workgroup = (8, 8, 1)
 
-    def __init__(self, gpu: Gpu, scheme: Scheme) -> None:
-        """`scheme` of the hops, as `Propagate` has it."""
-        super().__init__(gpu, generated=hop_functions(scheme))
+    def __init__(self, gpu: Gpu) -> None:
+        super().__init__(gpu, generated=_hops_wgsl())
 
     def encode(
         self, commands: Commands, inner: Placement, outer: Placement, solved: dict[str, Texture],
@@ -65,3 +63,14 @@ class Border(ComputePass):
             lattice=inner.params(power_scale), outer=outer.params(power_scale), **bound,
             linear_clamp=linear, sums=sums,
         )  # fmt: skip
+
+
+def _hops_wgsl() -> str:
+    """`HOPS`: what a cell gains of the state of its neighbour, by hop (+x -x +y -y +z -z)."""
+    columns = [
+        "vec4f(" + ", ".join(f"{v:.9e}" for v in column) + ")"
+        for hop in hops("centroid")
+        for column in hop.matrix.T
+    ]
+    matrices = [f"mat4x4f({', '.join(columns[4 * k : 4 * k + 4])})" for k in range(6)]
+    return f"const HOPS = array<mat4x4f, 6>({', '.join(matrices)});"

@@ -12,18 +12,7 @@ fn side_cell(u: u32, v: u32, axis: u32, is_high: bool) -> vec3u {
     return cell;
 }
 
-// Through a low side light goes along the positive axis.
-fn hopped(hop: u32, state: vec4f) -> vec4f {
-    switch (hop) {
-        case 0u: { return hop_0(state); }
-        case 1u: { return hop_1(state); }
-        case 2u: { return hop_2(state); }
-        case 3u: { return hop_3(state); }
-        case 4u: { return hop_4(state); }
-        default: { return hop_5(state); }
-    }
-}
-
+// Through a low side light goes along the positive axis: side and hop have the same number.
 fn side_openness(cell: vec3u, hop: u32) -> f32 {
     let texel = lattice_texel(lattice, vec3i(cell));
     if (hop < 4u) {
@@ -33,7 +22,8 @@ fn side_openness(cell: vec3u, hop: u32) -> f32 {
 }
 
 fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
-    let units = vec4i(round(hopped(hop, state) * open * params.units));
+    var matrices = HOPS;
+    let units = vec4i(round(matrices[hop] * state * (open * params.units)));
     for (var k = 0u; k < 4u; k++) {
         if (units[k] != 0) { atomicAdd(&sums[4u * index + k], units[k]); }
     }

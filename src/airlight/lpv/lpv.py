@@ -89,7 +89,7 @@ class Lpv(Direct):
         self.cascades = [self._cascade(scene, level) for level in range(len(self.nest.levels))]
         self.border: Border | None = None
         if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
-            self.border = Border(gpu, cast(Scheme, settings.scheme))
+            self.border = Border(gpu)
         self._is_first = True
 
     def outermost(self, scene: Scene) -> Placement:
