@@ -5,7 +5,8 @@ section 4.3; the volume rendering equation of Max 1995). Steps end at the border
 are no longer than the voxels of a grid inside it.
 
 Sources come in two forms: a texture of emission J (W m^-3 sr^-1; or, times the scattering
-coefficient of one or all media, of mean radiance), and a solved lattice of two-band states.
+coefficient of one or all media, of mean radiance), and a solved lattice of two-band states. What
+arrives from the sky is a lattice of its own, and a picture of its own: light scattered once.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ class MarchParams(Struct):
     cutoff = f32("transmittance below which a ray ends")
     lattice_scale = f32("W m^-2 sr^-1 per stored unit of a")
     lattice_direct = f32("share of b that the phase function keeps, per g")
+    sky_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    sky_direct = f32("share of b that the phase function keeps, per g")
 
 
 class SourceData(Struct):
@@ -75,7 +78,8 @@ class Source:
 class LatticeSource:
     """A solved lattice of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
 
-    `bound`: lattice_red/green/blue and the blockers' lattice_open_a/b and lattice_walls. For the
+    `bound`: lattice_red/green/blue (or sky_red/green/blue) and the blockers' lattice_open_a/b and
+    lattice_walls. For the
     lookup's normalisation (NOTES section 1) scale = (2/3)/(s^2 power_scale), direct = 1; for
     accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
     """
@@ -104,9 +108,14 @@ class March(ComputePass):
 
     workgroup = (8, 8, 1)
 
-    def __init__(self, gpu: Gpu, air: Air, *, sources: int = 0, has_lattice: bool = False) -> None:
-        self.slots = _slots(air, sources, has_lattice)  # type: ignore[misc]
-        generated = air.medium_wgsl + _sources_wgsl(sources, has_lattice)
+    def __init__(
+        self, gpu: Gpu, air: Air, *, sources: int = 0, has_lattice: bool = False,
+        has_sky: bool = False,
+    ) -> None:  # fmt: skip
+        self.slots = _slots(air, sources, has_lattice, has_sky)  # type: ignore[misc]
+        generated = (
+            air.medium_wgsl + _sources_wgsl(sources, has_lattice, has_sky) + _sky_wgsl(has_sky)
+        )
         super().__init__(gpu, generated=generated)
         self._air, self._linear = air, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
@@ -115,23 +124,30 @@ class March(ComputePass):
     def encode(
         self, commands: Commands, params: RayParams, rays: Rays, *,
         sources: Sequence[Source] = (), lattice: LatticeSource | None = None,
-        scattered: Texture, transmittance: Texture, steps_per_cell: float = 1.0,
-        max_steps: int = 128, cutoff: float = 1e-3,
+        sky: LatticeSource | None = None, scattered: Texture, transmittance: Texture,
+        skylit: Texture | None = None, steps_per_cell: float = 1.0, max_steps: int = 128,
+        cutoff: float = 1e-3,
     ) -> None:  # fmt: skip
-        """Fill `scattered` and `transmittance`, of the size of `rays.reduced`."""
+        """Fill `scattered`, `transmittance` and, from `sky`, `skylit`: of `rays.reduced` size."""
         values: dict[str, Any] = {}
         if sources:
             self._write(sources)
             values |= {"sources": self._table, "source_linear": self._linear}
             values |= {f"source{i}": s.texture for i, s in enumerate(sources)}
-        if lattice is not None:
-            values |= {"lattice": lattice.placement.params(), "linear_clamp": self._linear}
-            values |= lattice.bound
-        cells = [s.cell_m for s in (*sources, *((lattice,) if lattice else ()))]
+        lattices = [x for x in (lattice, sky) if x is not None]
+        for one in lattices:
+            values |= {"lattice": one.placement.params(), "linear_clamp": self._linear}
+            values |= one.bound
+        if sky is not None:
+            # wgsl/lattice wants a lattice's textures.
+            own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
+            values = {"skylit": skylit, **own, **values}
+        cells = [s.cell_m for s in sources] + [s.cell_m for s in lattices]
         march = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
             max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
             lattice_direct=lattice.direct if lattice else 0.0,
+            sky_scale=sky.scale if sky else 0.0, sky_direct=sky.direct if sky else 0.0,
         )  # fmt: skip
         self.dispatch(
             commands, rays.reduced, rays=params, march=march, picked=rays.picked,
@@ -152,25 +168,29 @@ class March(ComputePass):
         self._table.release()
 
 
-def _slots(air: Air, sources: int, has_lattice: bool) -> tuple[Slot, ...]:
+def _slots(air: Air, sources: int, has_lattice: bool, has_sky: bool) -> tuple[Slot, ...]:
     slots = [uniform("rays", RayParams), uniform("march", MarchParams),
              texture("picked", "2d", "unfilterable-float"), *air.medium_slots]  # fmt: skip
     if sources:
         slots += [storage("sources", SourceData), sampler("source_linear")]
         slots += [texture(f"source{i}", "3d") for i in range(sources)]
-    if has_lattice:
+    if has_lattice or has_sky:
         slots += [uniform("lattice", LatticeParams), sampler("linear_clamp")]
         slots += [
             texture(f"lattice_{name}", "3d")
             for name in ("red", "green", "blue", "open_a", "open_b", "walls")
         ]
+    if has_sky:
+        slots += [texture(f"sky_{name}", "3d") for name in ("red", "green", "blue")]
+        slots += [image("skylit", "rgba32float")]
     slots += [image("scattered", "rgba32float"), image("passed", "rgba32float")]
     return tuple(slots)
 
 
-def _sources_wgsl(sources: int, has_lattice: bool) -> str:
+def _sources_wgsl(sources: int, has_lattice: bool, has_sky: bool) -> str:
     """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed."""
-    parts = [
+    parts = ["    lattice_enter(p);\n"] if has_lattice or has_sky else []
+    parts += [
         f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
         f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
         f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
@@ -179,9 +199,48 @@ def _sources_wgsl(sources: int, has_lattice: bool) -> str:
     ]
     if has_lattice:
         parts.append("    sum += lattice_emission(p, travel);\n")
-    uses = "//! use march_lattice\n" if has_lattice else ""
+    uses = "//! use march_lattice\n" if has_lattice or has_sky else ""
+    if has_lattice:
+        uses += _emission_wgsl("lattice", "1.0")
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
         + "".join(parts)
         + "    return sum;\n}\n"
+    )
+
+
+def _sky_wgsl(has_sky: bool) -> str:
+    """`skylit_at`, after `emission_at` of the same place, and `store_skylit`."""
+    if not has_sky:
+        return (
+            "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+            "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
+        )
+    return (
+        # Whose single scattering comes with a source of its own has it from the sky too.
+        _emission_wgsl("sky", "f32(air[m].has_shafts)")
+        + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return sky_emission(p, travel); }\n"
+        "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
+        "    textureStore(skylit, texel, vec4f(radiance, 1.0));\n}\n"
+    )
+
+
+def _emission_wgsl(name: str, share: str) -> str:
+    """`{name}_emission`, W m^-3 sr^-1: the phase function keeps g of the two-band direction."""
+    samples = "".join(
+        f"    let {c} = textureSampleLevel({name}_{c}, linear_clamp, lattice_at.xyz, 0.0);\n"
+        for c in ("red", "green", "blue")
+    )
+    channels = ", ".join(
+        f"lattice_radiance({c}, travel, march.{name}_direct * g.{c[0]})"
+        for c in ("red", "green", "blue")
+    )
+    return (
+        f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"    let weight = march.{name}_scale * lattice_at.w;\n"
+        f"    if (weight <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
+        f"        let g = air[m].g;\n        sum += {share} * air_density(m, p) * air[m].sigma_t\n"
+        f"            * air[m].albedo * vec3f({channels});\n    }}\n"
+        "    return weight * sum;\n}\n"
     )

@@ -21,6 +21,7 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
     let hull = air_enter(rays.eye, ray.direction, ray.distance);
     var T = vec3f(1.0);
     var L = vec3f(0.0);
+    var sky = vec3f(0.0);
     var t = hull.x;
     let longest = max(march.step, (hull.y - hull.x) / f32(march.max_steps));
     // Borders of media cut steps short and grids want steps of their own.
@@ -29,7 +30,9 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         let dt = min(air_step_limit(t, longest), hull.y - t);
         let p = rays.eye + (t + 0.5 * dt) * ray.direction;
         let depth = air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
-        L += T * emission_at(p, -ray.direction) * dt * mean_transmittance_rgb(depth);
+        let reached = T * dt * mean_transmittance_rgb(depth);
+        L += reached * emission_at(p, -ray.direction);
+        sky += reached * skylit_at(p, -ray.direction);
         T *= exp(-depth);
         t += dt;
         if (max(T.r, max(T.g, T.b)) < march.cutoff) {
@@ -37,5 +40,6 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         }
     }
     textureStore(scattered, id.xy, vec4f(L, 1.0));
+    store_skylit(id.xy, sky);
     textureStore(passed, id.xy, vec4f(T, 1.0));
 }

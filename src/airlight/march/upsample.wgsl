@@ -30,5 +30,5 @@ fn depth_weight(a: f32, b: f32) -> f32 {
         sum += weight * textureLoad(reduced, texel, 0);
         total += weight;
     }
-    return sum / total;
+    return sum / total + base_at(vec2i(position.xy));
 }

@@ -49,9 +49,15 @@ class Scene:
 
     @property
     def bounds(self) -> tuple[F64, F64]:
-        """Lower and upper corner, metres, of all surfaces and volumes; else around the camera."""
+        """Lower and upper corner, metres, of all surfaces and volumes.
+
+        Else of the medium, where it has bounds; else around the camera.
+        """
         boxes = [mesh.world_bounds for mesh in self.meshes]
         boxes += [volume_world_bounds(volume) for volume in self.volumes]
+        if not boxes and self.medium is not None and self.medium.bounds is not None:
+            low, high = self.medium.bounds
+            return np.array(low), np.array(high)
         if not boxes:
             eye = np.array(self.camera.position)
             return eye - 1.0, eye + 1.0

@@ -22,7 +22,7 @@ from ..march.compose import Compose
 from ..march.march import LatticeSource, March, Source
 from ..march.rays import RESOLUTIONS, RayParams, Rays
 from ..march.transmittance import Transmittance
-from ..march.upsample import Upsample
+from ..march.upsample import Upsample, UpsampleOnto
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -42,6 +42,13 @@ class AirSettings:
         choices=("auto", "minmax", "jitter", "off"),
     )
     shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
+    shaft_contrast: float = setting(
+        0.1,
+        "between neighbouring texels of reduced single scattering, beyond which pixels "
+        "are drawn anew; 1: nowhere",
+        low=0.0,
+        high=1.0,
+    )
     shaft_steps: int = setting(32, "steps of the jittered scheme", low=1, high=1024)
     shaft_nodes: int = setting(
         256, "squares of a shadow map that one ray may visit", low=16, high=65536
@@ -60,9 +67,9 @@ class AirLight:
     def __init__(
         self, gpu: Gpu, scene: Scene, size: tuple[int, int], lights: Lights,
         settings: AirSettings | None = None, *, sources: int = 0, has_lattice: bool = False,
-        solved: Sequence[Volume] = (),
+        has_sky: bool = False, solved: Sequence[Volume] = (),
     ) -> None:  # fmt: skip
-        """`sources` textures and perhaps a lattice will be marched; see `Air` for `solved`."""
+        """`sources` textures and perhaps lattices will be marched; see `Air` for `solved`."""
         self.gpu, self.settings = gpu, settings or AirSettings()
         s = self.settings
         self.air = Air(
@@ -77,11 +84,13 @@ class AirLight:
         if s.shaft_resolution != s.march_resolution:
             self.shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
         self.shafts = self._shafts(gpu, lights)
-        wanted = sources or has_lattice or self.air.has_grids
+        self.has_sky = has_sky and bool(self.air.count) and s.shafts != "off"
+        wanted = sources or has_lattice or self.has_sky or self.air.has_grids
         self.is_marched = bool(self.air.count and wanted)
-        self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice)
+        self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice,
+                           has_sky=self.has_sky)  # fmt: skip
         self._exact = Transmittance(gpu, self.air)
-        self._upsample = Upsample(gpu)
+        self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self.composed = Compose(gpu, size)
         self._make_pictures(size)
 
@@ -91,10 +100,15 @@ class AirLight:
             Texture(gpu, name, size, "rgba32float", target=True, written=True)
             for name in ("single scatter", "multiple scatter", "transmittance")
         )
+        # Of lamps and suns alone; the sky's is added to it.
+        self._shafts_alone = self.single_scatter
+        if self.has_sky:
+            self._shafts_alone = Texture(gpu, "shafts", size, "rgba32float", target=True,
+                                         written=True)  # fmt: skip
         self._reduced = {
             name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", written=True)
             for name, rays in (("single", self.shaft_rays), ("multiple", self.march_rays),
-                               ("transmittance", self.march_rays))
+                               ("transmittance", self.march_rays), ("sky", self.march_rays))
         }  # fmt: skip
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -110,7 +124,8 @@ class AirLight:
 
     @property
     def _pictures(self) -> tuple[Texture, ...]:
-        return (self.single_scatter, self.multiple_scatter, self.transmittance)
+        alone = (self._shafts_alone,) if self.has_sky else ()
+        return (self.single_scatter, self.multiple_scatter, self.transmittance, *alone)
 
     def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | None:
         scheme, s = self.settings.shafts, self.settings
@@ -136,31 +151,48 @@ class AirLight:
 
     def encode(
         self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
-        lattice: LatticeSource | None = None, *, frame: int = 0,
+        lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *, frame: int = 0,
     ) -> None:  # fmt: skip
         """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter."""
         with commands.stage("shafts"):
             shaft_params = self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
-                target = self._target("single")
-                self.shafts.encode(commands, shaft_params, self.shaft_rays, lights, target)
-                self._finish(commands, shaft_params, self.shaft_rays, view, "single")
+                self._draw_shafts(commands, shaft_params, view, lights)
         with commands.stage("march"):
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
-            self._march(commands, params, view, sources, lattice)
+            self._march(commands, params, view, sources, lattice, sky)
+
+    def _draw_shafts(
+        self, commands: Commands, params: RayParams, view: View, lights: Lights
+    ) -> None:
+        assert self.shafts
+        reduced = self._target("single")
+        self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
+        self._finish(commands, params, self.shaft_rays, view, "single")
+        if self.shaft_rays.scale > 1 and self.settings.shaft_contrast < 1.0:
+            self.shafts.refine(
+                commands, params, lights, view.gbuffer.depth, reduced, self._full("single"),
+                self.settings.shaft_contrast,
+            )  # fmt: skip
 
     def _march(
         self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
-        lattice: LatticeSource | None,
+        lattice: LatticeSource | None, sky: LatticeSource | None,
     ) -> None:  # fmt: skip
         if self.is_marched:
             self.march.encode(
-                commands, params, self.march_rays, sources=sources, lattice=lattice,
+                commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
                 scattered=self._target("multiple"), transmittance=self._target("transmittance"),
-                steps_per_cell=self.settings.steps_per_cell, max_steps=self.settings.march_steps,
+                skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
+                max_steps=self.settings.march_steps,
             )  # fmt: skip
             self._finish(commands, params, self.march_rays, view, "multiple")
+        if sky is not None:
+            self._upsample_onto.encode(
+                commands, params, self.march_rays, view.gbuffer.depth, self._reduced["sky"],
+                self._shafts_alone, self.single_scatter,
+            )  # fmt: skip
         if self.air.has_grids:
             self._finish(commands, params, self.march_rays, view, "transmittance")
         else:
@@ -176,7 +208,7 @@ class AirLight:
             )  # fmt: skip
 
     def _full(self, name: str) -> Texture:
-        return {"single": self.single_scatter, "multiple": self.multiple_scatter,
+        return {"single": self._shafts_alone, "multiple": self.multiple_scatter,
                 "transmittance": self.transmittance}[name]  # fmt: skip
 
     def _target(self, name: str) -> Texture:

@@ -10,18 +10,26 @@ renders the light volumes of Billeter et al. 2010, whose integral along the ray 
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Texture
-from ..gpu.slots import image, storage, texture, uniform
+from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lighting.lights import Lights
 from ..march.air import Air
 from ..march.rays import RayParams, Rays
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from .bounds import DepthBounds
+
+
+class RefineParams(Struct):
+    """Which pixels of a picture from reduced texels are drawn anew."""
+
+    contrast = f32("(most - least)/most among texels around, beyond which they are")
 
 
 class ShaftParams(Struct):
@@ -37,20 +45,36 @@ class ShaftParams(Struct):
     local_top = u32("level a ray starts at")
 
 
+def _slots(air: Air, *more: Slot) -> tuple[Slot, ...]:
+    """Of passes that use wgsl/shaft_rays.wgsl."""
+    return (
+        uniform("rays", RayParams), uniform("shafts", ShaftParams), *air.slots,
+        storage("lights", LightData), storage("parallel_views", LightViewData),
+        storage("local_views", LightViewData),
+        texture("parallel_shadows", "2d-array", "depth"),
+        texture("local_shadows", "2d-array", "depth"),
+        storage("parallel_bounds", "vec2f"), storage("local_bounds", "vec2f"), *more,
+        image("scattered", "rgba32float"),
+    )  # fmt: skip
+
+
 class _Shafts(ComputePass):
     workgroup = (8, 8, 1)
     file = "shafts.wgsl"
 
     def __init__(self, gpu: Gpu, air: Air) -> None:
-        self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), uniform("shafts", ShaftParams),
-            texture("picked", "2d", "unfilterable-float"), *air.slots,
-            storage("lights", LightData), storage("parallel_views", LightViewData),
-            storage("local_views", LightViewData),
-            texture("parallel_shadows", "2d-array", "depth"),
-            texture("local_shadows", "2d-array", "depth"),
-            storage("parallel_bounds", "vec2f"), storage("local_bounds", "vec2f"),
-            image("scattered", "rgba32float"),
+        self.slots = _slots(air, texture("picked", "2d", "unfilterable-float"))  # type: ignore[misc]
+        super().__init__(gpu, generated=air.wgsl)
+
+
+class _Refine(ComputePass):
+    workgroup = (8, 8, 1)
+    file = "refine.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air) -> None:
+        self.slots = _slots(  # type: ignore[misc]
+            air, uniform("refine", RefineParams), texture("depth", "2d", "depth"),
+            texture("reduced", "2d", "unfilterable-float"),
         )  # fmt: skip
         super().__init__(gpu, generated=air.wgsl)
 
@@ -63,6 +87,7 @@ class Shafts:
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
         self._pass = _Shafts(gpu, air)
+        self._refine = _Refine(gpu, air)
 
     def prepare(self, commands: Commands) -> None:
         """Bring the hierarchies up to date, where shadow maps changed."""
@@ -74,6 +99,26 @@ class Shafts:
         scattered: Texture,
     ) -> None:  # fmt: skip
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
+        self._pass.dispatch(
+            commands, rays.reduced, rays=params, picked=rays.picked, **self._bound(lights),
+            scattered=scattered,
+        )  # fmt: skip
+
+    def refine(
+        self, commands: Commands, params: RayParams, lights: Lights, depth: Texture,
+        reduced: Texture, scattered: Texture, contrast: float,
+    ) -> None:  # fmt: skip
+        """Draw the full-size `scattered` anew where texels of `reduced` differ.
+
+        Beside a lamp and at the edges of shafts, a reduced picture cannot be interpolated.
+        """
+        self._refine.dispatch(
+            commands, scattered.size[:2], rays=params, refine=RefineParams(contrast=contrast),
+            depth=depth, reduced=reduced, **self._bound(lights), scattered=scattered,
+        )  # fmt: skip
+
+    def _bound(self, lights: Lights) -> dict[str, Any]:
+        """What both passes bind."""
         shafts = ShaftParams(
             light_count=lights.count, max_nodes=self.max_nodes,
             parallel_resolution=self.parallel.maps.depth.size[0],
@@ -81,13 +126,12 @@ class Shafts:
             local_resolution=self.local.maps.depth.size[0], local_side=self.local.side,
             local_top=max(0, self.local.top - 3),
         )  # fmt: skip
-        self._pass.dispatch(
-            commands, rays.reduced, rays=params, shafts=shafts, picked=rays.picked,
-            **self.air.bound, lights=lights.table, parallel_views=lights.parallel.views,
-            local_views=lights.local.views, parallel_shadows=lights.parallel.depth,
-            local_shadows=lights.local.depth, parallel_bounds=self.parallel.buffer,
-            local_bounds=self.local.buffer, scattered=scattered,
-        )  # fmt: skip
+        return {
+            "shafts": shafts, **self.air.bound, "lights": lights.table,
+            "parallel_views": lights.parallel.views, "local_views": lights.local.views,
+            "parallel_shadows": lights.parallel.depth, "local_shadows": lights.local.depth,
+            "parallel_bounds": self.parallel.buffer, "local_bounds": self.local.buffer,
+        }  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

@@ -19,6 +19,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from ..shafts.air_light import AirLight, AirSettings
+from ..shafts.sky_air import SkyAir
 from ..surface.geometry import GpuScene
 
 
@@ -52,12 +53,16 @@ class InAir(Direct):
     ) -> None:  # fmt: skip
         super().__init__(gpu, scene, meshes, settings, size)
         air = _air_settings(settings, has_single=self.has_single)
+        has_sky = bool(self.sky.lights and self.sky.maps.layers)
         self.air_light = AirLight(
             gpu, scene, size, self.lights, air, sources=self.source_count,
-            has_lattice=self.has_lattice, solved=self.solved(scene),
+            has_lattice=self.has_lattice, has_sky=has_sky, solved=self.solved(scene),
         )  # fmt: skip
         self.air = self.air_light.air
-        self._shadows = (-1, -1)
+        self.sky_air: SkyAir | None = None
+        if has_sky and self.air.count:
+            self.sky_air = SkyAir(gpu, scene, self.sky, self.placement, solved=self.solved(scene))
+        self._shadows, self._sky_version = (-1, -1), -1
 
     def solved(self, scene: Scene) -> tuple[Volume, ...]:
         """Volumes whose single scattering comes with their source."""
@@ -71,6 +76,10 @@ class InAir(Direct):
         """The lattice to march."""
         return None
 
+    def bounced_source(self) -> LatticeSource | None:
+        """The lattice that solved volumes take reflected light from."""
+        return self.lattice_source()
+
     def solve(self, commands: Commands, scene: Scene) -> None:
         """The surfaces' part, then the air."""
         super().solve(commands, scene)
@@ -79,14 +88,29 @@ class InAir(Direct):
             commands, scene, *self._bounds(scene), shadows_changed=versions != self._shadows
         )
         self._shadows = versions
+        if self.sky_air:
+            is_moved = self.meshes.version != self._sky_version
+            self._sky_version = self.meshes.version
+            with commands.stage("sky"):
+                self.sky_air.encode(commands, scene, *self._bounds(scene), self.blockers.walls,
+                                    shadows_changed=is_moved)  # fmt: skip
 
     def draw(self, commands: Commands, view: View) -> None:
         """Surfaces, shafts, marching, and all of it together."""
         super().draw(commands, view)
+        sky = None
+        if self.sky_air and self.air_light.has_sky:
+            sky = self.sky_air.source(self.blockers.bound)
         self.air_light.encode(
-            commands, view, self.lights, self.sources(), self.lattice_source(), frame=view.sample
-        )
+            commands, view, self.lights, self.sources(), self.lattice_source(), sky,
+            frame=view.sample,
+        )  # fmt: skip
         self.air_light.compose(commands, view)
+
+    @property
+    def sky_cube(self) -> Texture:
+        """The environment's light on surfaces, through the air."""
+        return self.sky_air.cube if self.sky_air else self.sky.skylight.cube
 
     def pictures(self, view: View) -> dict[str, Texture]:
         """Surfaces through the air, the light the air scatters, and what it lets through."""
@@ -106,6 +130,8 @@ class InAir(Direct):
         """Give the memory back."""
         super().release()
         self.air_light.release()
+        if self.sky_air:
+            self.sky_air.release()
 
 
 class Single(InAir):
@@ -123,14 +149,17 @@ class LpvMarch(InAir, Lpv):
 
     def lattice_source(self) -> LatticeSource | None:
         """In-scattered radiance from the lattice's fluence."""
-        scale = LOOKUP_SCALE / (self.placement.cell**2 * self.power_scale)
-        return LatticeSource(self.placement, {**self.textures.bound, **self.blockers.bound}, scale)
+        return _bounced(self)
 
 
 class LpvWithVolumes(InAir, Lpv):
     """Bounced light on a lattice that knows no air, seen through air."""
 
     Settings = LpvMarchSettings
+
+    def bounced_source(self) -> LatticeSource | None:
+        """In-scattered radiance from the lattice's fluence."""
+        return _bounced(self)
 
 
 class LpvSum(LpvMarch):
@@ -183,6 +212,13 @@ class LpvScatter(InAir, Direct):
         """Give the memory back."""
         super().release()
         self.solver.release()
+
+
+def _bounced(technique: Lpv) -> LatticeSource:
+    """Mean radiance of a lattice of bounced light."""
+    scale = LOOKUP_SCALE / (technique.placement.cell**2 * technique.power_scale)
+    bound = {**technique.textures.bound, **technique.blockers.bound}
+    return LatticeSource(technique.placement, bound, scale)
 
 
 def _air_settings(settings: Any, *, has_single: bool) -> AirSettings:

@@ -1,0 +1,133 @@
+"""The environment's light in air: once scattered towards the eye, and attenuated on surfaces.
+
+For each cell and each of the directional lights that stand for the environment, shadow maps say
+how much arrives and the air how much of it is left. Fluence and net flux are stored, from which
+marching draws what is scattered once; and the six irradiances of an ambient cube, for surfaces.
+Low frequency by construction: shafts of a sun belong to a directional light.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, pack_array, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..lattice.skylight import FACES
+from ..lighting.sky import Sky
+from ..march.air import Air
+from ..march.march import LatticeSource
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from ..surface.light_table import LightData, light_rows
+from ..surface.light_views import LightViewData
+from ..surface.shadow import comparison_sampler
+
+COLUMN_TEXELS = 16
+"""Along a density grid's columns towards each sky light."""
+_LARGEST = 1000.0  # what the whole sky's irradiance becomes; half floats go to 65504
+
+
+class SkyAirParams(Struct):
+    """How many sky lights there are, and how light is stored."""
+
+    light_count = u32()
+    scale = f32("stored units per W m^-2")
+
+
+class _SkyAir(ComputePass):
+    workgroup = (8, 8, 4)
+
+    def __init__(self, gpu: Gpu, air: Air) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", SkyAirParams),
+            uniform("lattice", LatticeParams),
+            storage("lights", LightData),
+            storage("views", LightViewData),
+            texture("depth", "2d-array", "depth"),
+            sampler("compare", "comparison"),
+            texture("lattice_walls", "3d"),
+            *air.slots,
+            image("red", "rgba16float", "3d"),
+            image("green", "rgba16float", "3d"),
+            image("blue", "rgba16float", "3d"),
+            image("cube", "rgba16float", "3d"),
+        )
+        super().__init__(gpu, generated=air.wgsl)
+
+
+class SkyAir:
+    """What arrives in each cell of a lattice from an environment, through the air."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, sky: Sky, placement: Placement, *,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`solved` volumes as for Air: their source brings what they scatter once."""
+        self.sky, self.placement = sky, placement
+        self.air = Air(
+            # A turning sky may bring more of them.
+            gpu, _under(scene, sky), light_count=max(len(sky.lights), sky.maps.layers),
+            column_resolution=COLUMN_TEXELS, solved=solved,
+        )  # fmt: skip
+        self.scale = 1.0
+        self._pass = _SkyAir(gpu, self.air)
+        count = max(1, len(sky.lights), sky.maps.layers)
+        self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
+        self._compare = comparison_sampler(gpu)
+        nx, ny, nz = placement.count
+
+        def made(name: str, depth: int) -> Texture:
+            return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), "rgba16float",
+                           dimension="3d", written=True)  # fmt: skip
+
+        self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
+        self.cube = made("cube", FACES * nz)
+        self._written = (b"", -1)
+
+    def encode(
+        self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture, *,
+        shadows_changed: bool,
+    ) -> None:  # fmt: skip
+        """Bring the cells up to date; `sky` and its maps have been. low..high as for Air."""
+        self.air.update(commands, _under(scene, self.sky), low, high)
+        table = pack_array(LightData, light_rows(tuple(self.sky.lights)))
+        written = (table.tobytes(), self.air.version)
+        if written == self._written and not shadows_changed:
+            return
+        self._written = written
+        total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
+        self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
+        self._lights.write(table)
+        self._pass.dispatch(
+            commands, self.placement.count,
+            params=SkyAirParams(light_count=len(self.sky.lights), scale=self.scale),
+            lattice=self.placement.params(), lights=self._lights, views=self.sky.maps.views,
+            depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
+            red=self.red, green=self.green, blue=self.blue, cube=self.cube, **self.air.bound,
+        )  # fmt: skip
+
+    def source(self, walls: dict[str, Any]) -> LatticeSource:
+        """For marching; `walls` as Blockers.bound."""
+        bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
+        return LatticeSource(
+            self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0
+        )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube):
+            part.release()
+
+
+def _under(scene: Scene, sky: Sky) -> Scene:
+    """The scene lit by the sky's lights alone."""
+    return dataclasses.replace(scene, lights=tuple(sky.lights))

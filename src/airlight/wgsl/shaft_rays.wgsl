@@ -1,0 +1,109 @@
+// Single scattering along one eye ray, by lit runs over every shadow map. The including pass binds
+// rays, shafts, the lights, their maps and bounds, and the air.
+//! use eye_ray
+//! use lit_run
+//! use depth_bounds
+//! use shadow_walk
+
+fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
+    if (is_parallel) {
+        return parallel_views[view].clip_from_world;
+    }
+    return local_views[view].clip_from_world;
+}
+
+// The nearest and farthest shadow depth of a square of 2^level texels.
+fn shadow_bounds(is_parallel: bool, view: u32, level: u32, square: vec2u) -> vec2f {
+    if (is_parallel) {
+        if (level == 0u) {
+            return vec2f(shadow_depth(textureLoad(parallel_shadows, vec2i(square), view, 0)));
+        }
+        return parallel_bounds[bounds_index(shafts.parallel_side, view, level, square)];
+    }
+    if (level == 0u) {
+        return vec2f(shadow_depth(textureLoad(local_shadows, vec2i(square), view, 0)));
+    }
+    return local_bounds[bounds_index(shafts.local_side, view, level, square)];
+}
+
+// Narrow `u` to where f + u df >= 0.
+fn cut(u: vec2f, f: f32, df: f32) -> vec2f {
+    if (df == 0.0) {
+        return select(vec2f(1.0, 0.0), u, f >= 0.0);
+    }
+    let at = -f / df;
+    return select(vec2f(u.x, min(u.y, at)), vec2f(max(u.x, at), u.y), df > 0.0);
+}
+
+fn cut_sides(u: vec2f, c: vec4f, dc: vec4f) -> vec2f {
+    let x = cut(cut(u, c.w + c.x, dc.w + dc.x), c.w - c.x, dc.w - dc.x);
+    return cut(cut(x, c.w + c.y, dc.w + dc.y), c.w - c.y, dc.w - dc.y);
+}
+
+// The light that one shadow map lets through to the stretch t0..t1 of the eye ray, scattered to
+// the eye. Squares of the map that are wholly lit or dark are crossed at once, others are opened,
+// and adjacent lit stretches are integrated as one run.
+fn view_radiance(
+    light: LightData, index: u32, view: u32, direction: vec3f, t0: f32, t1: f32,
+) -> vec3f {
+    walk.is_parallel = light.kind == LIGHT_DIRECTIONAL;
+    walk.view = view;
+    walk.resolution = f32(
+        select(shafts.local_resolution, shafts.parallel_resolution, walk.is_parallel));
+    walk.top = select(shafts.local_top, shafts.parallel_top, walk.is_parallel);
+    let to_clip = clip_from_world(walk.is_parallel, view);
+    let clip0 = to_clip * vec4f(rays.eye + t0 * direction, 1.0);
+    let step = to_clip * vec4f((t1 - t0) * direction, 0.0);
+    // Outside a sun's map, and before a lamp's near plane, nothing shadows; the rest of space is
+    // another map's.
+    let sides = cut_sides(vec2f(0.0, 1.0), clip0, step);
+    let outer = select(sides, vec2f(0.0, 1.0), walk.is_parallel);
+    let inner = select(cut(sides, clip0.z, step.z), sides, walk.is_parallel);
+    var sum = vec3f(0.0);
+    if (outer.x >= outer.y) {
+        return sum;
+    }
+    if (inner.x >= inner.y) {
+        let t = t0 + outer * (t1 - t0);
+        return lit_run(light, index, rays.eye, direction, t.x, t.y);
+    }
+    enter_map(clip0, step, outer, inner, t0, t1);
+    while (walk.s < FINISHED) {
+        let run = next_run();
+        if (run.y > run.x) {
+            sum += lit_run(light, index, rays.eye, direction, run.x, run.y);
+        }
+    }
+    return sum;
+}
+
+// Radiance towards the eye from light scattered once before `reach`, m.
+fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
+    let hull = visible_hull(air_enter(rays.eye, direction, reach));
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < shafts.light_count; i++) {
+        let light = lights[i];
+        var span = hull;
+        if (light.kind == LIGHT_SPOT) {
+            let cone = ray_cone_interval(
+                rays.eye, direction, light.position, light.direction, light.cos_outer);
+            span = vec2f(max(span.x, cone.x), min(span.y, cone.y));
+        }
+        if (span.x < span.y && any(light.color > vec3f(0.0))) {
+            run_prepare(light, rays.eye, direction);
+            for (var v = 0u; v < light.view_count; v++) {
+                sum += view_radiance(light, i, light.first_view + v, direction, span.x, span.y);
+            }
+        }
+    }
+    return sum;
+}
+
+// In one dense medium, no farther than light can come from.
+fn visible_hull(hull: vec2f) -> vec2f {
+    if (AIR_COUNT > 1u || AIR_GRIDS > 0u) {
+        return hull;
+    }
+    let thinnest = min(air[0].sigma_t.x, min(air[0].sigma_t.y, air[0].sigma_t.z));
+    return vec2f(hull.x, min(hull.y, hull.x + 16.0 / max(thinnest, 1e-12)));
+}
