@@ -47,7 +47,7 @@ class Sky:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)
             self._drawn_version = -1
-        if meshes.version == self._drawn_version or not self.lights or not self.maps.layers:
+        if meshes.version == self._drawn_version or not self.maps.layers:
             return False
         self._drawn_version = meshes.version
         low, high = self.placement.bounds
@@ -61,7 +61,7 @@ class Sky:
 
     def light(self, commands: Commands, skylight: Skylight, walls: Texture) -> None:
         """Fill the cubes of a lattice from the maps as they are."""
-        if self.lights and self.maps.layers:
+        if self.maps.layers:
             skylight.encode(commands, self.lights, self.maps, self._compare, walls)
 
     def release(self) -> None:

@@ -8,6 +8,7 @@ it; its reader multiplies by the measure.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -77,11 +78,21 @@ class ReflectiveShadowMaps:
             self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         for layer in stale:
             self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
-        return bool(stale)
+        gone = [layer for layer in self._drawn if layer >= len(views)]
+        for layer in gone:
+            del self._drawn[layer]
+            self._clear(commands, layer)
+        return bool(stale or gone)
 
-    def _draw(
-        self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
-    ) -> None:
+    def _clear(self, commands: Commands, layer: int) -> None:
+        """A light that is no longer there brings nothing."""
+        colors, depth = self._attachments(layer)
+        with commands.render(
+            "no reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
+        ):
+            pass
+
+    def _attachments(self, layer: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         colors = [
             {"view": t.layer(layer), "load_op": "clear", "store_op": "store",
              "clear_value": (0, 0, 0, 0)}
@@ -89,6 +100,12 @@ class ReflectiveShadowMaps:
         ]  # fmt: skip
         depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
                  "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        return colors, depth
+
+    def _draw(
+        self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
+    ) -> None:
+        colors, depth = self._attachments(layer)
         fields = light_fields(light)
         names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
         params = ReflectiveParams(
