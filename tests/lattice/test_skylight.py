@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.lattice.placement import Placement
+from airlight.lattice.skylight import Skylight
 from airlight.lighting.sky import Sky
 from airlight.scene import Environment, Material, Mesh, shapes
 
@@ -78,3 +79,22 @@ def test_no_sky_needs_no_maps(gpu, commands, owned, cells_texture, on_device, sq
     assert not sky.encode(commands, on_device(speck(square)), None, walls)
     assert sky.lights == []
     assert not sky.skylight.cube.read()[..., :3].any()
+
+
+def test_a_lattice_that_moves_keeps_what_it_knows(gpu, commands, owned, cells_texture, on_device):
+    scene, sky_of = on_device(box(1.5)), Environment()
+    sky = owned(Sky(gpu, sky_of, ROOM, 128, 64, (N, 2 * N, N)))
+    walls = cells_texture(Placement(ROOM.origin, ROOM.cell, (N, 2 * N, N)), "rgba8snorm")
+    sky.encode(commands, scene, sky_of, walls)
+    finer = Placement((-1.0, -1.0, -1.0), 0.25, (N, N, N), first_row=N)
+    moving = owned(Skylight(gpu, finer, 128, beside=sky.skylight))
+    sky.light(commands, moving, walls)
+    moving.placement = Placement((-0.5, -1.25, -1.0), 0.25, (N, N, N), first_row=N)
+    sky.light(commands, moving, walls, is_same_light=True)
+    commands.submit()
+    kept = moving.cube.read()
+    again = owned(Skylight(gpu, moving.placement, 128, beside=sky.skylight))
+    sky.light(commands, again, walls)
+    commands.submit()
+    np.testing.assert_array_equal(kept, again.cube.read())
+    assert kept[:, N:, :, :3].max() > 1.0 and kept[:, N:, :, :3].min() < 0.1

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, pack_array, u32, vec4f
+from ..gpu.layout import Struct, i32, pack_array, u32, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture
 from ..gpu.slots import image, sampler, storage, texture, uniform
 from ..scene.lights import DirectionalLight
@@ -24,9 +26,13 @@ FACES = 6  # +x -x +y -y +z -z, stacked along the texture's z
 
 
 class SkylightParams(Struct):
-    """How many sky lights there are."""
+    """How many sky lights there are, and what is known from before."""
 
     lights = u32()
+    has_before = u32("1: the lattice moved, its light did not change")
+    shift_x = i32("cells that the lattice moved")
+    shift_y = i32("cells")
+    shift_z = i32("cells")
 
 
 class SkyLightData(Struct):
@@ -45,6 +51,7 @@ class _Skylight(ComputePass):
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
         texture("lattice_walls", "3d"),
+        texture("before", "3d"),
         image("cube", "rgba16float", "3d"),
     )
     workgroup = (8, 8, 4)
@@ -66,27 +73,69 @@ class Skylight:
         self.cube = beside.cube if beside else Texture(
             gpu, "sky light", (nx, ny, FACES * nz), "rgba16float", dimension="3d", written=True
         )  # fmt: skip
+        # Of a lattice that moves: its cubes before.
+        columns, rows, _ = placement.count
+        kept = (1, 1, 1) if beside is None else (columns, rows, FACES * self._depth)
+        self._before = Texture(gpu, "sky light before", kept, "rgba16float", dimension="3d")
+        self._made: Placement | None = None
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)
 
     def encode(
         self, commands: Commands, lights: Sequence[DirectionalLight], maps: ReflectiveShadowMaps,
-        compare: Sampler, walls: Texture,
+        compare: Sampler, walls: Texture, *, is_same_light: bool = False,
     ) -> None:  # fmt: skip
-        """Fill the cubes from the depth maps of `lights`."""
+        """Fill the cubes from the depth maps of `lights`.
+
+        `is_same_light`: neither lights nor geometry changed since the last time, only the
+        lattice's place: only the cells that are new to it are made.
+        """
+        shift = self._shift() if is_same_light and not self._is_owner else None
+        if shift is not None:
+            self._keep(commands)
+        self._made = self.placement
         rows = [
             {"direction": (*light.direction, 0.0), "irradiance": (*light.irradiance, 0.0)}
             for light in lights
         ]
         self._lights.write(pack_array(SkyLightData, rows))
         self._pass.dispatch(
-            commands, self.placement.count, params=SkylightParams(lights=len(lights)),
+            commands, self.placement.count, params=_params(len(lights), shift),
             lattice=self.placement.params(), sky=self._lights, views=maps.views,
-            depth=maps.depth, compare=compare, lattice_walls=walls, cube=self.cube,
+            depth=maps.depth, compare=compare, lattice_walls=walls, before=self._before,
+            cube=self.cube,
         )  # fmt: skip
+
+    @property
+    def _depth(self) -> int:
+        return self.cube.size[2] // FACES
+
+    def _shift(self) -> tuple[int, int, int] | None:
+        """Cells that the lattice moved since its cubes were made; None: they are of no use."""
+        if self._made is None or self._made.cell != self.placement.cell:
+            return None
+        moved = np.subtract(self.placement.origin, self._made.origin) / self.placement.cell
+        x, y, z = (int(v) for v in np.round(moved))
+        return (x, y, z) if np.abs(moved - (x, y, z)).max() < 1e-3 else None
+
+    def _keep(self, commands: Commands) -> None:
+        columns, rows, _ = self.placement.count
+        commands.encoder.copy_texture_to_texture(
+            {"texture": self.cube.handle, "origin": (0, self.placement.first_row, 0)},
+            {"texture": self._before.handle},
+            (columns, rows, FACES * self._depth),
+        )
 
     def release(self) -> None:
         """Give the memory back."""
         if self._is_owner:
             self.cube.release()
+        self._before.release()
         self._lights.release()
+
+
+def _params(lights: int, shift: tuple[int, int, int] | None) -> SkylightParams:
+    x, y, z = shift or (0, 0, 0)
+    return SkylightParams(
+        lights=lights, has_before=int(shift is not None), shift_x=x, shift_y=y, shift_z=z
+    )

@@ -15,8 +15,30 @@ fn lit(world: vec3f, view: LightViewData, layer: u32) -> f32 {
     return textureSampleCompareLevel(depth, compare, uv, layer, clip.z);
 }
 
+// The cell's place in the lattice before it moved. Border cells see no wall on the far side.
+fn place_before(id: vec3u) -> vec3i {
+    return vec3i(id) + vec3i(params.shift_x, params.shift_y, params.shift_z);
+}
+
+fn is_inner(cell: vec3i) -> bool {
+    return all(cell > vec3i(0)) && all(cell < vec3i(lattice.count) - 1);
+}
+
+fn kept(id: vec3u) {
+    let depth = textureDimensions(cube).z / 6u;
+    for (var face = 0u; face < 6u; face++) {
+        let layer = vec3u(0u, 0u, face * depth);
+        let value = textureLoad(before, place_before(id) + vec3i(layer), 0);
+        textureStore(cube, id + layer + vec3u(0u, lattice.first_row, 0u), value);
+    }
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
+        return;
+    }
+    if (params.has_before != 0u && is_inner(vec3i(id)) && is_inner(place_before(id))) {
+        kept(id);
         return;
     }
     var faces = array<vec3f, 6>();

@@ -59,10 +59,19 @@ class Sky:
         self.light(commands, self.skylight, walls)
         return True
 
-    def light(self, commands: Commands, skylight: Skylight, walls: Texture) -> None:
-        """Fill the cubes of a lattice from the maps as they are."""
+    def light(
+        self, commands: Commands, skylight: Skylight, walls: Texture, *,
+        is_same_light: bool = False,
+    ) -> None:  # fmt: skip
+        """Fill the cubes of a lattice from the maps as they are.
+
+        `is_same_light`: they did not change, only the lattice's place.
+        """
         if self.maps.layers:
-            skylight.encode(commands, self.lights, self.maps, self._compare, walls)
+            skylight.encode(
+                commands, self.lights, self.maps, self._compare, walls,
+                is_same_light=is_same_light,
+            )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

@@ -164,7 +164,9 @@ class Lpv(Direct):
         for part, has_moved in zip(self.cascades, moved, strict=True):
             part.is_stale = part.is_stale or changed or has_moved or scale != self._steady_scale
             if (changed or has_moved) and part.skylight is not self.sky.skylight:
-                self.sky.light(commands, part.skylight, part.blockers.walls)
+                self.sky.light(
+                    commands, part.skylight, part.blockers.walls, is_same_light=not changed
+                )
         self._steady_scale = scale
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:
