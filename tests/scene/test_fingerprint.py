@@ -1,0 +1,87 @@
+"""Fingerprints: equal for equal scenes, another for every change that a picture could show."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene, Volume, shapes
+from airlight.scene.animation import Animation, Curve
+from airlight.scene.animation.density import FileSequence, MadeDensity, VolumeTrack
+from airlight.scene.animation.tracks import CameraTrack
+from airlight.scene.builtin.smoke import plume_density
+from airlight.scene.fingerprint import fingerprint
+
+
+def make_scene():
+    fov = Curve(np.array([0.0, 1.0]), np.array([[40.0], [50.0]]))
+    return Scene(
+        meshes=(Mesh(shapes.box(), Material(base_color=(0.5, 0.1, 0.2))),),
+        lights=(PointLight((0, 2, 0), (1, 1, 1)),),
+        environment=Environment(map=np.ones((4, 8, 3), np.float32)),
+        volumes=(Volume((1, 1, 1), density=np.zeros((2, 3, 4), np.float32)),),
+        settings={"lpv": {"resolution": 16}},
+        animation=Animation((
+            CameraTrack({"fov_y_deg": fov}), VolumeTrack(0, MadeDensity(partial(plume_density,
+                                                                                seed=3))),
+        )),
+    )  # fmt: skip
+
+
+def test_equal_scenes_have_one_fingerprint():
+    scene = make_scene()
+    assert fingerprint(scene) == fingerprint(make_scene())
+    assert fingerprint(scene) == fingerprint(pickle.loads(pickle.dumps(scene)))
+    assert fingerprint(replace(scene, warnings=("said",))) == fingerprint(scene)
+
+
+def changed(scene, kind):
+    texels = np.ones((4, 8, 3), np.float32)
+    texels[2, 5, 1] = 1.0 + 1e-6
+    material = replace(scene.meshes[0].material, roughness=0.3)
+    track = scene.animation.tracks[0]
+    slower = Curve(track.curves["fov_y_deg"].times * 2.0, track.curves["fov_y_deg"].values)
+    other_smoke = VolumeTrack(0, MadeDensity(partial(plume_density, seed=4)))
+    return {
+        "camera": lambda: replace(scene, camera=Camera(fov_y_deg=50.5)),
+        "light": lambda: replace(scene, lights=(PointLight((0, 2, 0), (1, 1, 1.5)),)),
+        "texel": lambda: replace(scene, environment=Environment(map=texels)),
+        "material": lambda: replace(scene, meshes=(replace(scene.meshes[0], material=material),)),
+        "settings": lambda: replace(scene, settings={"lpv": {"resolution": 17}}),
+        "times": lambda: replace(scene, animation=Animation((
+            CameraTrack({"fov_y_deg": slower}), scene.animation.tracks[1]))),
+        "seed": lambda: replace(scene, animation=Animation((track, other_smoke))),
+        "rate": lambda: replace(scene, animation=replace(scene.animation, fps=25.0)),
+        "none": lambda: replace(scene, animation=None),
+    }[kind]()  # fmt: skip
+
+
+KINDS = ["camera", "light", "texel", "material", "settings", "times", "seed", "rate", "none"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_change_shows(kind):
+    scene = make_scene()
+    assert fingerprint(changed(scene, kind)) != fingerprint(scene)
+
+
+def test_files_count_by_what_is_in_them(tmp_path):
+    files = (tmp_path / "a.npy", tmp_path / "b.npy")
+    for file in files:
+        np.save(file, np.zeros((2, 2, 2)))
+    before = fingerprint(FileSequence(files, (2, 2, 2)))
+    np.save(files[1], np.ones((2, 2, 2)))
+    assert fingerprint(FileSequence(files, (2, 2, 2))) != before
+    files[0].unlink()
+    with pytest.raises(SceneError, match=r"a\.npy: cannot be read"):
+        fingerprint(FileSequence(files, (2, 2, 2)))
+
+
+def test_what_has_no_fixed_content_is_refused():
+    with pytest.raises(TypeError, match="object has no fixed content"):
+        fingerprint(object())
