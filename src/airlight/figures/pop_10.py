@@ -1,0 +1,82 @@
+"""A lamp in a ball of air beside Monte Carlo (Elek2014 Fig. 10)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..app.compare_pictures import U8, contact_sheet, shown
+from ..scene.camera import Camera
+from ..scene.checks import F64
+from ..scene.lights import PointLight
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .panels import Drawn, Request, exposure_of
+from .pop_scenes import drawn, errors, traced
+
+RADIUS_M = 2.5
+SIGMA_S = (0.8, 1.0, 1.3)
+ANISOTROPIES = (0.0, 0.5, 0.9)
+SCHEMES = {"delta-beam": "near field in closed form", "split": "radial grid"}
+_VIEW_M = 60.0  # so far away that rays are parallel, nearly
+
+
+def ball(g: float) -> Scene:
+    """The ball alone, a lamp of 1 W/sr at its middle, seen from far away."""
+    box = ((-RADIUS_M,) * 3, (RADIUS_M,) * 3)
+    made = Volume(SIGMA_S, shape="sphere", bounds=box, g=(g,) * 3, source="ball")
+    angle = 2.0 * np.degrees(np.arctan(1.05 * RADIUS_M / _VIEW_M))
+    camera = Camera((0.0, 0.0, _VIEW_M), (0.0, 0.0, 0.0), fov_y_deg=float(angle))
+    lamp = PointLight((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    return Scene(name="ball", camera=camera, lights=(lamp,), volumes=(made,))
+
+
+def draw(request: Request) -> Drawn:
+    """Pictures and what leaves the ball towards the eye, W/sr; the 32^3 grids of the paper."""
+    small = Request((request.size[1], request.size[1]), request.quick, request.adapter)
+    rows: list[Any] = []
+    numbers: dict[str, Any] = {"radius_m": RADIUS_M, "sigma_s": SIGMA_S}
+    for g in ANISOTROPIES[: 1 if request.quick else 3]:
+        request.report(f"g = {g}", g)
+        scene, cells = ball(g), []
+        told: dict[str, Any] = {}
+        leaving = intensity(g, 20_000 if request.quick else 1_000_000)
+        truth = traced(small, scene)
+        for scheme, name in SCHEMES.items():
+            settings = {"scheme": scheme, "grid": 32, "iterations": 55, "march": "full"}
+            image = drawn(small, scene, settings)
+            light = image.layers["scattered"]
+            told[scheme] = errors(light, truth)
+            told[scheme]["intensity_over_monte_carlo"] = (seen(scene, light) / leaving).tolist()
+            cells.append((name, shown(light, stops := exposure_of(scene, light))))
+        if truth is not None:
+            cells.append(("Monte Carlo", shown(truth.radiance, stops)))
+        numbers[f"g {g}"] = told
+        rows.append((f"g = {g}", cells))
+    sheet: U8 = contact_sheet("A lamp in a ball", rows, cell_width_px=max(request.size[1], 240))
+    return Drawn(sheet, numbers)
+
+
+def seen(scene: Scene, light: F64) -> F64:
+    """Intensity (3,), W/sr, of a square picture from far away: radiance times its pixels' area."""
+    side = 2.0 * _VIEW_M * np.tan(0.5 * np.radians(scene.camera.fov_y_deg))
+    return np.asarray(light.mean(axis=(0, 1), dtype=np.float64) * side**2)
+
+
+def intensity(g: float, photons: int) -> F64:
+    """Intensity (3,), W/sr, of scattered light towards one side by our own tracer.
+
+    Raises ReferenceFailure.
+    """
+    from ..reference.tracer import BoxMedium, PointSource, trace
+
+    box = ((-RADIUS_M,) * 3, (RADIUS_M,) * 3)
+    found = [
+        trace(
+            BoxMedium(sigma, 1.0, g, box, shape="sphere"), PointSource((0.0, 0.0, 0.0)),
+            cells=(1, 1, 1), photons=photons, views=[(0.0, 0.0, 1.0)],
+        ).brightness.sum()
+        for sigma in SIGMA_S
+    ]  # fmt: skip
+    return np.array(found)

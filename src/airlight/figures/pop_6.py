@@ -1,0 +1,35 @@
+"""What prefiltering does to a thin, strongly forward-scattering medium (Elek2014 Fig. 6)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .panels import Drawn, Request, exposed, exposure_of, sheet
+from .pop_scenes import drawn, errors, slab, traced
+
+ANISOTROPIES = (0.95, 0.98, 0.99, 0.999)
+
+
+def draw(request: Request) -> Drawn:
+    """A slab of optical depth 1.5: above each ordinate a point, below it its part of the map."""
+    rows: dict[str, list[Any]] = {"points": [], "prefiltered": [], "Monte Carlo": []}
+    numbers: dict[str, Any] = {}
+    chosen = ANISOTROPIES[:1] if request.quick else ANISOTROPIES
+    stops = 0.0
+    for index, g in enumerate(chosen):
+        request.report(f"g = {g}", index / len(chosen))
+        scene = slab(g)
+        truth = traced(request, scene)
+        pictures = {
+            "points": drawn(request, scene, {"prefilter": False}).radiance,
+            "prefiltered": drawn(request, scene).radiance,
+        }  # fmt: skip
+        if index == 0:
+            stops = exposure_of(scene, pictures["prefiltered"])
+        for name, radiance in pictures.items():
+            rows[name] += exposed(request, [(f"g = {g}", radiance)], stops)
+        if truth is not None:
+            rows["Monte Carlo"] += exposed(request, [(f"g = {g}", truth.radiance)], stops)
+        numbers[f"g {g}"] = {name: errors(p, truth) for name, p in pictures.items()}
+    kept = [(name, cells) for name, cells in rows.items() if cells]
+    return Drawn(sheet(request, "Prefiltered ordinates", kept), numbers)

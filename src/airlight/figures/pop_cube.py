@@ -1,0 +1,112 @@
+"""The unit cube of Elek2014 Figs. 12 and 13: light along +z, its directions in the middle slice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..maths import delta_beam as db
+from ..maths import propagate as hop
+from ..maths.phase import henyey_greenstein
+from ..scene.checks import F64
+
+CELLS, SIGMA_S = 16, 4.0
+MU_BINS, PHI_BINS, FINER = 5, 36, 3
+SLICE = CELLS // 2
+SHOWN = (1, 4, 8, 11, 14)  # cells of a row and of a column that are plotted
+
+
+@dataclass(frozen=True, eq=False)
+class Angular:
+    """Scattered radiance (z, x, phi) in the slice y = 1/2 near the plane, W m^-2 sr^-1."""
+
+    radiance: F64
+
+    @property
+    def shown(self) -> F64:
+        """Plots (row, column, phi) of SHOWN: the light comes from below."""
+        return self.radiance[np.ix_(SHOWN, SHOWN)]
+
+    def error(self, truth: Angular) -> float:
+        """Relative L2 over all cells and azimuths."""
+        return float(
+            np.linalg.norm(self.radiance - truth.radiance) / np.linalg.norm(truth.radiance)
+        )
+
+
+def directions() -> F64:
+    """Directions (mu, phi, finer, 3) of the bins that are plotted, `tracer`'s middle ones."""
+    part = (np.arange(FINER) + 0.5) / FINER - 0.5
+    mu = 2.0 * part / MU_BINS
+    phi = 2.0 * np.pi * (np.arange(PHI_BINS)[:, None] + part) / PHI_BINS
+    sine = np.sqrt(1.0 - mu**2)
+    x = sine[:, None, None] * np.cos(phi)
+    z = sine[:, None, None] * np.sin(phi)
+    return np.stack([x, np.broadcast_to(mu[:, None, None], x.shape), z], axis=-1)
+
+
+def _binned(of_direction: F64) -> F64:
+    """(mu, phi, finer, z, x) -> (z, x, phi)."""
+    return np.moveaxis(of_direction.mean(axis=(0, 2)), 0, -1)
+
+
+def truth(g: float, photons: int) -> Angular:
+    """Monte Carlo. Raises ReferenceFailure."""
+    from ..reference.tracer import Beam, BoxMedium, Slice, trace
+
+    light = trace(
+        BoxMedium(SIGMA_S, 1.0, g), Beam((0.0, 0.0, 1.0)), cells=(CELLS,) * 3, photons=photons,
+        plane=Slice(1, SLICE), directions=(MU_BINS, PHI_BINS),
+    )  # fmt: skip
+    return Angular(light.slice_radiance[1][:, :, MU_BINS // 2])
+
+
+def _air(g: float) -> db.MediumGrid:
+    one = np.ones((CELLS,) * 3)
+    return db.MediumGrid(np.ones(3), one, one, np.array([SIGMA_S]), np.ones(1), np.array([g]))
+
+
+def by_beams(g: float, steps: int = 60) -> Angular:
+    """The scheme delta-beam."""
+    air = _air(g)
+    done = db.light(air, [db.beam(air, (0.0, 0.0, 1.0), np.ones(1), 1.0)], steps)
+    d = directions()
+    _, quasi, a = done.quasi_forward(done.beams[0])
+    q, lobe = (np.broadcast_to(v, done.fluence.shape)[:, SLICE, :, 0] for v in (quasi, a))
+    way = d[..., 2][..., None, None]
+    forward = q * henyey_greenstein(way, lobe)
+    flux, phi = done.flux[:, :, SLICE, :, 0], np.maximum(done.fluence[:, SLICE, :, 0], 0.0)
+    size = np.maximum(np.linalg.norm(flux, axis=0), 1e-30)
+    mu = np.clip(np.einsum("mpfa,azx->mpfzx", d, flux / size), -1.0, 1.0)
+    strength = np.minimum(db.STRONGEST_FLUX, size / np.maximum(phi, 1e-30))
+    return Angular(_binned(forward + phi * henyey_greenstein(mu, strength)))
+
+
+def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
+    """The schemes split and paper."""
+    air = _air(g)
+    hops = hop.parallel_hops((CELLS,) * 3, 1.0 / CELLS)
+    d = directions()
+    way = d[..., 2][..., None, None]
+    total = np.zeros((*d.shape[:3], CELLS, CELLS))
+
+    def watch(light: F64, a: F64) -> None:
+        lobe = np.minimum(a[:, SLICE, :, 0], 0.999)
+        total[...] += light[:, SLICE, :, 0] * henyey_greenstein(way, lobe)
+
+    power = hop.first_light(
+        hops, air, air.density, np.ones((*air.density.shape, 1)), is_paper=is_paper
+    )
+    done = hop.propagate(
+        hops, air, air.density, power, 1.0, [], is_paper=is_paper, iterations=iterations,
+        watch=watch,
+    )  # fmt: skip
+    if not is_paper:
+        carried = np.zeros((3, *done.carried.shape))
+        carried[2] = done.carried
+        phi, flux = (v[..., 0] for v in hop.residual_light(air, done.residual, carried))
+        along = np.einsum("mpfa,azx->mpfzx", d, flux[:, :, SLICE])
+        shown = phi[:, SLICE] + 3.0 * hop.RESIDUAL_LOBE * along
+        total += np.maximum(0.1 * phi[:, SLICE], shown) / (4.0 * np.pi)
+    return Angular(_binned(total))
