@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -40,10 +41,30 @@ class LobeParams(Struct):
 
 
 class InjectParams(Struct):
-    """The size of the maps."""
+    """The size of the maps, and which objects are too small for the lattice."""
 
     resolution = u32("texels")
     layers = u32()
+    least = f32("m, objects up to this size are left out, wholly in from half as much more on")
+    next_least = f32("m, the same for the next larger lattice")
+    has_still = u32("1: objects that never moved are left out like others")
+
+
+@dataclass(frozen=True)
+class SmallObjects:
+    """Which objects a lattice leaves out (Kaplanyan2010 section 4): `least` up to which size in
+    metres, `next_least` the next larger lattice; what is too small for that fades out towards this
+    lattice's border. `has_still`: also those that never moved, whose light cannot flicker.
+    differs: the paper leaves all small objects out.
+    """
+
+    least: float = 0.0
+    next_least: float = 0.0
+    has_still: bool = False
+
+
+EVERYTHING = SmallObjects()
+"""Nothing is left out."""
 
 
 class Inject(ComputePass):
@@ -65,14 +86,19 @@ class Inject(ComputePass):
     def encode(
         self, commands: Commands, maps: ReflectiveShadowMaps, placement: Placement,
         walls: Texture, sums: Buffer, scale: float, *, is_shaped: bool,
+        small: SmallObjects = EVERYTHING,
     ) -> None:  # fmt: skip
         """Add all texels of `maps` to `sums` (fixed point, `scale` units per W sr^-1).
 
         `is_shaped`: surfaces stop light from the first step on, so the lobe may be narrow.
+        `small`: which objects are left out.
         """
         self.dispatch(
             commands, (maps.resolution, maps.resolution, maps.layers),
-            params=InjectParams(resolution=maps.resolution, layers=maps.layers),
+            params=InjectParams(
+                resolution=maps.resolution, layers=maps.layers, least=small.least,
+                next_least=small.next_least, has_still=int(small.has_still),
+            ),
             lobes=lobe_params(scale, is_shaped=is_shaped), lattice=placement.params(),
             views=maps.views, depth=maps.depth, normal=maps.normal, flux=maps.flux,
             lattice_walls=walls, sums=sums,

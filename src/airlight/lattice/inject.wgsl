@@ -11,6 +11,21 @@ fn texel_measure(view: LightViewData, centre: vec2f) -> f32 {
     return area * pow(1.0 + dot(tangent, tangent), -1.5);
 }
 
+fn large_enough(size: f32, least: f32) -> f32 {
+    return select(smoothstep(least, 1.5 * least, size), 1.0, least <= 0.0);
+}
+
+// The share that counts of an object's light: small ones would flicker from cell to cell. What is
+// too small for the next larger lattice fades out where that takes over.
+fn object_share(size: f32, p: vec3f) -> f32 {
+    if (size <= 0.0 && params.has_still == 0u) {
+        return 1.0;
+    }
+    let beyond = large_enough(abs(size), params.next_least);
+    let share = large_enough(abs(size), params.least);
+    return share * select(mix(lattice_weight(lattice, p), 1.0, beyond), 1.0, beyond >= 1.0);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
         return;
@@ -25,7 +40,12 @@ fn texel_measure(view: LightViewData, centre: vec2f) -> f32 {
     let centre = (vec2f(id.xy) + 0.5) / f32(params.resolution) * vec2f(2.0, -2.0)
         + vec2f(-1.0, 1.0);
     let world = view.world_from_clip * vec4f(centre, d, 1.0);
-    let n = normalize(textureLoad(normal, texel, id.z, 0).xyz);
-    let place = bent_place(lattice, world.xyz / world.w) + 0.5 * n;
-    add_lobe(place, n, power_density * texel_measure(view, centre));
+    let facing = textureLoad(normal, texel, id.z, 0);
+    let n = normalize(facing.xyz);
+    let p = world.xyz / world.w;
+    let share = object_share(facing.w, p);
+    if (share > 0.0) {
+        let place = bent_place(lattice, p) + 0.5 * n;
+        add_lobe(place, n, power_density * (share * texel_measure(view, centre)));
+    }
 }

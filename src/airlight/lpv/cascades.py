@@ -16,7 +16,7 @@ import numpy as np
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..lattice.blockers import Blockers
-from ..lattice.inject import new_sums
+from ..lattice.inject import SmallObjects, new_sums
 from ..lattice.nested import Nest, faded, is_lost, snapped, wanted_centre
 from ..lattice.placement import Placement
 from ..lattice.skylight import Skylight
@@ -35,6 +35,7 @@ class Cascade:
     sums: Buffer
     steady: Buffer
     injected: Buffer
+    small: SmallObjects
     is_stale: bool = True  # whether the steady light must be put in anew
 
     def place(self, placement: Placement) -> None:
@@ -50,13 +51,14 @@ class Cascade:
 
 
 def cascade(
-    gpu: Gpu, placement: Placement, blockers: Blockers, skylight: Skylight, propagate: Propagate
-) -> Cascade:
+    gpu: Gpu, placement: Placement, blockers: Blockers, skylight: Skylight,
+    propagate: Propagate, small: SmallObjects,
+) -> Cascade:  # fmt: skip
     """A lattice with nothing in it."""
     nbytes = 3 * placement.cells * 16
     return Cascade(
         placement, blockers, skylight, propagate, new_sums(gpu, placement),
-        Buffer(gpu, "steady light", nbytes), Buffer(gpu, "injected", nbytes),
+        Buffer(gpu, "steady light", nbytes), Buffer(gpu, "injected", nbytes), small,
     )  # fmt: skip
 
 

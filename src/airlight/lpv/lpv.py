@@ -11,7 +11,14 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
-from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound
+from ..lattice.inject import (
+    EVERYTHING,
+    Inject,
+    Resolve,
+    SmallObjects,
+    fixed_point_scale,
+    flux_bound,
+)
 from ..lattice.lookup import texture_scale
 from ..lattice.nested import nested
 from ..lattice.placement import LatticeParams, Placement
@@ -49,6 +56,10 @@ class LpvSettings(SurfaceSettings):
     cascade_extent: float = setting(
         0.0, "side of the finest cascade; 0: such that the largest fits the scene", unit="m",
         low=0.0, high=1e6,
+    )  # fmt: skip
+    small_objects: str = setting(
+        "moving", "objects smaller than a cell that larger cascades leave out",
+        choices=("moving", "all", "none"),
     )  # fmt: skip
     cascade_light: bool = setting(
         True, "whether finer cascades take in light from beyond their borders"
@@ -124,10 +135,21 @@ class Lpv(Direct):
             is_reflecting=self.lpv.bounces,
         )
         if level == len(self.nest.levels) - 1:
-            return cascade(gpu, placement, self.blockers, self.sky.skylight, propagate)
+            return cascade(
+                gpu, placement, self.blockers, self.sky.skylight, propagate, self._small(level)
+            )
         blockers = Blockers(gpu, scene, self.meshes, placement, 0, beside=self.blockers)
         skylight = Skylight(gpu, placement, self.lpv.sky_lights, beside=self.sky.skylight)
-        return cascade(gpu, placement, blockers, skylight, propagate)
+        return cascade(gpu, placement, blockers, skylight, propagate, self._small(level))
+
+    def _small(self, level: int) -> SmallObjects:
+        """What a lattice leaves out; the finest nothing, but for what the next one does."""
+        cells = [0.0, *(place.cell for place in self.nest.levels[1:]), 0.0]
+        if self.lpv.small_objects == "none":
+            return EVERYTHING
+        return SmallObjects(
+            cells[level], cells[level + 1], has_still=self.lpv.small_objects == "all"
+        )
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Shadow maps -> inject -> propagate -> textures."""
@@ -204,7 +226,7 @@ class Lpv(Direct):
     ) -> None:
         self.inject.encode(
             commands, maps, part.placement, part.blockers.walls, part.sums, scale,
-            is_shaped=self._is_shaped,
+            is_shaped=self._is_shaped, small=part.small,
         )  # fmt: skip
 
     def _inject_steady(self, commands: Commands, part: Cascade, scale: float) -> None:

@@ -33,6 +33,7 @@ class InstanceData(Struct):
     world_from_object = mat4x4f()
     normal_from_object = mat4x4f()
     material = u32("index into materials")
+    size = f32("m, longest side of its box; negative where it never moved")
 
 
 class MaterialData(Struct):
@@ -95,6 +96,7 @@ class GpuScene:
             gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes))
         )
         self._placed = b""
+        self._first = scene.meshes
         self.draws: list[Draw] = []
         first = 0
         for run in order:
@@ -128,8 +130,9 @@ class GpuScene:
                 "world_from_object": m.world_from_object,
                 "normal_from_object": _normal_matrix(m.world_from_object),
                 "material": self._material_index[id(m.material)],
+                "size": _size(m, first),
             }
-            for m in (meshes[i] for i in self.order)
+            for m, first in ((meshes[i], self._first[i]) for i in self.order)
         ]
         packed = pack_array(InstanceData, rows)
         self.current = meshes
@@ -293,6 +296,16 @@ def _normal_matrix(world_from_object: F64) -> F64:
     if np.linalg.det(linear) < 0.0:
         normal[:3, :3] *= -1.0
     return normal
+
+
+def _size(mesh: Mesh, first: Mesh) -> float:
+    """`InstanceData.size` of a mesh that stood as `first` does."""
+    low, high = mesh.world_bounds
+    is_still = mesh.geometry is first.geometry and np.array_equal(
+        mesh.world_from_object, first.world_from_object
+    )
+    size = float(np.max(high - low))
+    return -size if is_still else size
 
 
 def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:

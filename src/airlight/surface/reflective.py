@@ -45,7 +45,7 @@ class _ReflectivePipeline(MeshPipeline):
 class ReflectiveShadowMaps:
     """Arrays of square maps; drawn anew only where a light, its view or the geometry changed.
 
-    normal  xyz world, facing the light
+    normal  xyz world, facing the light; w as `InstanceData.size`
     flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel
     """
 

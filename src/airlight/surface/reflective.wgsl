@@ -23,7 +23,7 @@ struct ReflectiveOut {
         power *= smoothstep(params.cos_outer, max(params.cos_inner, params.cos_outer + 1e-4), c);
     }
     var out: ReflectiveOut;
-    out.normal = vec4f(facing_normal(in, is_front), 0.0);
+    out.normal = vec4f(facing_normal(in, is_front), in.size);
     out.flux = vec4f(power, 0.0);
     return out;
 }

@@ -55,13 +55,6 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
     return lattice_eased(lattice, lattice_lookup_place(bent_place(lattice, position), n));
 }
 
-// 1 inside, falling to 0 towards the border.
-fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
-    let inside = min((position - lattice.fade_low) / lattice.fade_low_width,
-        (lattice.fade_high - position) / lattice.fade_high_width);
-    return saturate(min(inside.x, min(inside.y, inside.z)));
-}
-
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light that
 // streams one way are negative behind: beyond what fills half of all directions, the rest is read
 // as a beam (twin: maths.lattice6.surface_irradiance).

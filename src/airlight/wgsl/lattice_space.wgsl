@@ -44,3 +44,10 @@ fn unbent_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
     let place = vec3f(cell) + low + inside * (1.0 + high - low);
     return lattice.origin + place * lattice.cell;
 }
+
+// 1 inside, falling to 0 towards the border.
+fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
+    let inside = min((position - lattice.fade_low) / lattice.fade_low_width,
+        (lattice.fade_high - position) / lattice.fade_high_width);
+    return saturate(min(inside.x, min(inside.y, inside.z)));
+}

@@ -15,6 +15,7 @@ struct VertexOut {
     @location(2) uv: vec2f,
     @location(3) color: vec4f,
     @location(4) @interpolate(flat) material: u32,
+    @location(5) @interpolate(flat) size: f32,
 }
 
 fn placed_vertex(in: VertexIn, clip_from_world: mat4x4f) -> VertexOut {
@@ -27,5 +28,6 @@ fn placed_vertex(in: VertexIn, clip_from_world: mat4x4f) -> VertexOut {
     out.uv = in.uv;
     out.color = in.color;
     out.material = instance.material;
+    out.size = instance.size;
     return out;
 }
