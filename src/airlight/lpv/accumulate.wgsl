@@ -1,3 +1,5 @@
+override IS_SCALED: bool = false;   // the state is in stored units, the total is not
+
 const LARGEST_RATIO = 0.97;
 
 // What all blocks after the last would add, per unit of it: powers of one ratio.
@@ -14,5 +16,8 @@ fn tail(channel: u32) -> f32 {
     if (params.is_tail != 0u) {
         gain = tail(id.x / (params.values / 3u));
     }
-    total[id.x] += gain * state[id.x];
+    if (IS_SCALED) {
+        gain /= range[0];
+    }
+    total[id.x] = added(total[id.x], gain * unpacked(state[id.x]));
 }

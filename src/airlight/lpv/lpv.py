@@ -21,7 +21,7 @@ from ..lattice.inject import (
 )
 from ..lattice.lookup import texture_scale
 from ..lattice.nested import nested
-from ..lattice.placement import LatticeParams, Placement
+from ..lattice.placement import Placement
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
 from ..maths.lattice6 import Scheme
@@ -34,6 +34,7 @@ from ..surface.reflective import ReflectiveShadowMaps
 from .border import Border
 from .cascades import Cascade, cascade, follow
 from .propagate import Propagate
+from .storage import STORAGES
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,10 @@ class LpvSettings(SurfaceSettings):
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
     iterations: int = setting(64, "propagation steps", low=0, high=1024)
+    tail: bool = setting(
+        True, "whether what all later steps would add is estimated, from 32 iterations on"
+    )
+    storage: str = setting("float32", "how lattices are kept between steps", choices=STORAGES)
     map_resolution: int = setting(
         256, "side of reflective shadow maps", unit="px", low=8, high=4096
     )
@@ -118,12 +123,9 @@ class Lpv(Direct):
         return len(self.nest.levels)
 
     @property
-    def lattice_params(self) -> list[LatticeParams]:
-        """The lattices, the finest first."""
-        return [
-            part.placement.params(self.power_scale, is_paper=self.is_paper)
-            for part in self.cascades
-        ]
+    def placements(self) -> tuple[Placement, ...]:
+        """Where they are, the finest first."""
+        return tuple(part.placement for part in self.cascades)
 
     def _cascade(self, scene: Scene, level: int) -> Cascade:
         gpu, placement = self.gpu, self.nest.levels[level]
@@ -133,6 +135,7 @@ class Lpv(Direct):
             cast(Scheme, self.lpv.scheme),
             is_blocked=self.lpv.occlusion,
             is_reflecting=self.lpv.bounces,
+            storage=self.lpv.storage,
         )
         if level == len(self.nest.levels) - 1:
             return cascade(
@@ -205,8 +208,9 @@ class Lpv(Direct):
             )
         with commands.stage("propagate"):
             total = part.propagate.encode(
-                commands, part.injected, part.blockers.faces, self.lpv.iterations
-            )
+                commands, part.injected, part.blockers.faces, self.lpv.iterations,
+                has_tail=self.lpv.tail,
+            )  # fmt: skip
         with commands.stage("pack"):
             self.textures.encode(
                 commands, part.injected, total, self.power_scale, is_shaped=self._is_shaped,

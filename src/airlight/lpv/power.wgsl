@@ -3,8 +3,8 @@ var<workgroup> partial: array<vec3f, WX>;
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) own: u32) {
     var sum = vec3f(0.0);
     for (var cell = own; cell < params.cells; cell += WX) {
-        sum += vec3f(state[cell].x, state[cell + params.cells].x,
-            state[cell + 2u * params.cells].x);
+        sum += vec3f(unpacked(state[cell]).x, unpacked(state[cell + params.cells]).x,
+            unpacked(state[cell + 2u * params.cells]).x);
     }
     partial[own] = sum;
     for (var stride = WX / 2u; stride > 0u; stride /= 2u) {

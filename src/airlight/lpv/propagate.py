@@ -21,12 +21,14 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3u
+from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.placement import Placement
 from ..maths.lattice6 import Hop, Scheme, hops
 from .columns import column_march
+from .storage import Format, Pack
+from .sums import Sums
 
 CHANNELS = 3
 BLOCK = 8  # states that are summed by doubling
@@ -41,92 +43,39 @@ class StepParams(Struct):
     kept = f32("share of negative power into closed faces that is handed back")
 
 
-class _Step(ComputePass):
-    """One step of all three channels, in columns marched along z (lpv.columns)."""
-
-    slots = (
-        uniform("params", StepParams),
-        storage("before", "vec4f"),
-        storage("after", "vec4f", "read_write"),
-        storage("faces", "vec4u"),
-    )
-    workgroup = (16, 8, 1)
-    file = "propagate.wgsl"
-
-
-class AccumulateParams(Struct):
-    """The lattice's size."""
-
-    values = u32("vec4 values in the lattice")
-    is_tail = u32("1: add what the states after this block would add")
-
-
-class _Accumulate(ComputePass):
-    slots = (
-        uniform("params", AccumulateParams),
-        storage("state", "vec4f"),
-        storage("powers", "vec4f"),
-        storage("total", "vec4f", "read_write"),
-    )
-    workgroup = (256, 1, 1)
-    file = "accumulate.wgsl"
-
-
-class PowerParams(Struct):
-    """What is summed, and where the sum goes."""
-
-    cells = u32()
-    place = u32("in `powers`")
-
-
-class _Power(ComputePass):
-    """The power of a lattice, per channel, always added in the same order."""
-
-    slots = (
-        uniform("params", PowerParams),
-        storage("state", "vec4f"),
-        storage("powers", "vec4f", "read_write"),
-    )
-    workgroup = (256, 1, 1)
-    file = "power.wgsl"
-
-
 class Propagate:
     """Iterates steps between lattices of its own.
 
     `scheme` is "centroid" or "paper"; with `is_blocked` each hop loses its blocked share, and
     with `is_reflecting` that share bounces into its own cell (Kaplanyan2010 section 7), coloured
-    by the face's reflectance.
+    by the face's reflectance. `storage` is how states are kept (lpv.storage).
     differs: the paper injects the bounce one cell further, beyond the blocker's plane.
     """
 
     def __init__(
-        self,
-        gpu: Gpu,
-        placement: Placement,
-        scheme: Scheme = "centroid",
-        *,
-        is_blocked: bool,
-        is_reflecting: bool = False,
-    ) -> None:
+        self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool,
+        is_reflecting: bool = False, storage: str = "float32",
+    ) -> None:  # fmt: skip
         self.scheme, self.placement = scheme, placement
         nx, ny, _ = placement.count
         self._tile = (min(_CPU_TILE[0], nx), min(_CPU_TILE[1], ny)) if gpu.is_cpu else (1, 1)
         self._slab = _CPU_SLAB if gpu.is_cpu else 1
-        text = pair_functions(scheme) + column_march(*self._tile, self._slab)
+        self._pack = Pack(gpu, storage)
+        format = self._pack.format
+        text = format.wgsl + pair_functions(scheme) + column_march(*self._tile, self._slab)
 
-        def step(blocked: bool) -> _Step:
+        def step(blocked: bool) -> ComputePass:
             flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting}
-            return _Step(gpu, generated=text, constants={k: int(v) for k, v in flags.items()})
+            return _step_pass(gpu, format, text, {k: float(v) for k, v in flags.items()})
 
         self._later = step(is_blocked)
         # The paper's first step ignores blockers.
         self._first = step(False) if is_blocked and scheme == "paper" else self._later
-        self._bytes = CHANNELS * placement.cells * 16
-        names = ("light of a block", "propagated light", "propagation ping", "propagation pong")
-        self._lattices = [Buffer(gpu, name, self._bytes) for name in names]
-        self._powers = Buffer(gpu, "power of the last blocks", 32)
-        self._accumulate, self._power = _Accumulate(gpu), _Power(gpu)
+        names = ("light of a block", "propagation ping", "propagation pong")
+        self._values = CHANNELS * placement.cells
+        self._states = [Buffer(gpu, name, self._values * format.nbytes) for name in names]
+        self._total = Buffer(gpu, "propagated light", self._values * 16)
+        self._sums = Sums(gpu, placement.cells, format, self._pack.range)
 
     def encode(
         self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, *,
@@ -136,16 +85,17 @@ class Propagate:
 
         `has_tail`: with what all later steps would add, estimated (from 32 iterations on).
         """
-        block, total, ping, pong = self._lattices
+        block, ping, pong = self._states
+        total = self._total
         commands.encoder.clear_buffer(total.handle)
         if iterations < 1:
             return total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
-        self._step(commands, self._first, injected, block, faces, kept=0.0)
+        self._step(commands, self._first, self._stored(commands, injected), block, faces, kept=0.0)
         blocks = 0 if self.scheme == "paper" else iterations // BLOCK
         for left in range(iterations - BLOCK * blocks, 0, -1):
-            self._add(commands, block, total)
+            self._sums.add_to_total(commands, block, total)
             if left > 1 or blocks:
                 self._step(commands, self._later, block, ping, faces)
                 block, ping = ping, block
@@ -160,23 +110,27 @@ class Propagate:
     ) -> None:  # fmt: skip
         """Add `blocks` times BLOCK states to `total`, the first of them in `block`."""
         for doubling in range(BLOCK.bit_length() - 1):
-            self._add(commands, self._stepped(commands, block, spare, faces, 1 << doubling), block)
-        self._add(commands, block, total)
+            later = self._stepped(commands, block, spare, faces, 1 << doubling)
+            self._sums.add(commands, later, block)
+        self._sums.add_to_total(commands, block, total)
+        has_tail = has_tail and blocks >= _TAIL_BLOCKS
         for index in range(1, blocks):
             if has_tail and index == blocks - 1:
-                self._measure(commands, block, 0)
+                self._sums.measure(commands, block, 0)
             later = self._stepped(commands, block, spare, faces, BLOCK)
-            self._add(commands, later, total)
+            self._sums.add_to_total(commands, later, total)
             block, spare = later, (spare[0], block)
-        if has_tail and blocks >= _TAIL_BLOCKS:
-            self._measure(commands, block, 1)
-            self._add(commands, block, total, is_tail=True)
+        if has_tail:
+            self._sums.measure(commands, block, 1)
+            self._sums.add_to_total(commands, block, total, is_tail=True)
 
-    def _measure(self, commands: Commands, state: Buffer, place: int) -> None:
-        self._power.dispatch(
-            commands, (1,), params=PowerParams(cells=self.placement.cells, place=place),
-            state=state, powers=self._powers,
-        )  # fmt: skip
+    def _stored(self, commands: Commands, injected: Buffer) -> Buffer:
+        """The injected light as states are kept."""
+        if self._pack.format.largest == 0.0:
+            return injected
+        stored = self._states[1]
+        self._pack.encode(commands, injected, stored, self._values)
+        return stored
 
     def _stepped(
         self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer,
@@ -188,17 +142,8 @@ class Propagate:
             state = spare[index % 2]
         return state
 
-    def _add(
-        self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False
-    ) -> None:
-        values = CHANNELS * self.placement.cells
-        self._accumulate.dispatch(
-            commands, (values,), params=AccumulateParams(values=values, is_tail=int(is_tail)),
-            state=state, powers=self._powers, total=total,
-        )  # fmt: skip
-
     def _step(
-        self, commands: Commands, step: _Step, before: Buffer, after: Buffer, faces: Buffer,
+        self, commands: Commands, step: ComputePass, before: Buffer, after: Buffer, faces: Buffer,
         kept: float = 1.0,
     ) -> None:  # fmt: skip
         nx, ny, nz = self.placement.count
@@ -210,8 +155,26 @@ class Propagate:
 
     def release(self) -> None:
         """Give the memory back."""
-        for buffer in (*self._lattices, self._powers):
+        for buffer in (*self._states, self._total):
             buffer.release()
+        self._sums.release()
+        self._pack.release()
+
+
+def _step_pass(gpu: Gpu, format: Format, text: str, constants: dict[str, float]) -> ComputePass:
+    """One step of all three channels, in columns marched along z (lpv.columns)."""
+
+    class Step(ComputePass):
+        slots = (
+            uniform("params", StepParams),
+            storage("before", format.element),
+            storage("after", format.element, "read_write"),
+            storage("faces", "vec4u"),
+        )
+        workgroup = (16, 8, 1)
+        file = "propagate.wgsl"
+
+    return Step(gpu, generated=text, constants=constants)
 
 
 def pair_functions(scheme: Scheme) -> str:

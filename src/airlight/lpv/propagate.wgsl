@@ -9,22 +9,25 @@ const BOUNCE_LOBE = 2.0;                // a cosine lobe off the face
 
 fn light_at(cell: u32) -> mat3x4f {
     let channel = params.count.x * params.count.y * params.count.z;
-    return mat3x4f(before[cell], before[cell + channel], before[cell + 2u * channel]);
+    return mat3x4f(unpacked(before[cell]), unpacked(before[cell + channel]),
+        unpacked(before[cell + 2u * channel]));
 }
 
 fn put(cell: u32, light: mat3x4f) {
     let channel = params.count.x * params.count.y * params.count.z;
-    after[cell] = light[0];
-    after[cell + channel] = light[1];
-    after[cell + 2u * channel] = light[2];
+    after[cell] = packed(light[0]);
+    after[cell + channel] = packed(light[1]);
+    after[cell + 2u * channel] = packed(light[2]);
 }
 
 // What a face makes of the share p of a cell's power that goes to it. The two-band light of a
-// stream is negative behind it: such power is handed back whole, so that energy does not grow.
-fn returned(p: vec3f, face: u32) -> vec3f {
+// stream has the wrong sign behind it: such power is handed back whole, so that energy does not
+// grow. What was handed back is negative all over, and surfaces absorb it like the light that it
+// takes back: kept for ever, it would end up as a dark fog (`even` has the sign of the light).
+fn returned(p: vec3f, even: vec3f, face: u32) -> vec3f {
     let shares = unpack4x8unorm(face);
     let reflected = select(vec3f(0.0), shares.rgb, IS_REFLECTING);
-    return p * select(vec3f(shares.w * params.kept), reflected, p > vec3f(0.0));
+    return p * select(vec3f(shares.w * params.kept), reflected, p * even > vec3f(0.0));
 }
 
 // Light that leaves towards closed faces comes back into its own cell.
@@ -33,10 +36,10 @@ fn bounced(v: mat3x4f, side: vec4u, rest: vec4u) -> mat3x4f {
     let x = HOP_DIRECT * vec3f(v[0].y, v[1].y, v[2].y);
     let y = HOP_DIRECT * vec3f(v[0].z, v[1].z, v[2].z);
     let z = HOP_DIRECT * vec3f(v[0].w, v[1].w, v[2].w);
-    let plus = mat3x3f(returned(even + x, side.x), returned(even + y, side.z),
-        returned(even + z, rest.x));
-    let minus = mat3x3f(returned(even - x, side.y), returned(even - y, side.w),
-        returned(even - z, rest.y));
+    let plus = mat3x3f(returned(even + x, even, side.x), returned(even + y, even, side.z),
+        returned(even + z, even, rest.x));
+    let minus = mat3x3f(returned(even - x, even, side.y), returned(even - y, even, side.w),
+        returned(even - z, even, rest.y));
     let a = plus[0] + plus[1] + plus[2] + minus[0] + minus[1] + minus[2];
     let b = BOUNCE_LOBE * (minus - plus);
     return mat3x4f(a.r, b[0].r, b[1].r, b[2].r, a.g, b[0].g, b[1].g, b[2].g,

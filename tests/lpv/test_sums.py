@@ -1,0 +1,52 @@
+"""Sums of states, and what all later ones would add."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from airlight.gpu.memory import Buffer, buffer_of
+from airlight.lpv.storage import FORMATS
+from airlight.lpv.sums import Sums
+
+CELLS = 300
+
+
+def test_the_tail_is_a_geometric_series_per_channel(gpu, commands, owned):
+    rng = np.random.default_rng(2)
+    before = rng.random((3, CELLS, 4)).astype(np.float32)
+    ratios = np.array([0.5, 0.25, 0.0], np.float32)
+    last = before * ratios[:, None, None]
+    sums = owned(Sums(gpu, CELLS, FORMATS["float32"], owned(Buffer(gpu, "range", 16))))
+    total = owned(Buffer(gpu, "total", before.nbytes))
+    block = owned(buffer_of(gpu, "last", last))
+    sums.measure(commands, owned(buffer_of(gpu, "before", before)), 0)
+    sums.measure(commands, block, 1)
+    sums.add_to_total(commands, block, total, is_tail=True)
+    commands.submit()
+    expected = last * (ratios / (1.0 - ratios))[:, None, None]
+    np.testing.assert_allclose(total.read().reshape(3, CELLS, 4), expected, rtol=1e-5)
+
+
+def test_light_that_does_not_shrink_is_not_added_for_ever(gpu, commands, owned):
+    light = np.ones((3, CELLS, 4), np.float32)
+    block = owned(buffer_of(gpu, "block", light))
+    sums = owned(Sums(gpu, CELLS, FORMATS["float32"], owned(Buffer(gpu, "range", 16))))
+    total = owned(Buffer(gpu, "total", light.nbytes))
+    sums.measure(commands, block, 0)
+    sums.measure(commands, block, 1)
+    sums.add_to_total(commands, block, total, is_tail=True)
+    commands.submit()
+    assert total.read().max() < 33.0
+
+
+def test_half_floats_add_up_in_their_own_units(gpu, commands, owned):
+    states = np.full((3, CELLS, 4), 2.0, np.float16)
+    scale = owned(buffer_of(gpu, "range", np.array([4.0, 0, 0, 0], np.float32)))
+    sums = owned(Sums(gpu, CELLS, FORMATS["float16"], scale))
+    state, other = (owned(buffer_of(gpu, name, states)) for name in ("state", "other"))
+    total = owned(Buffer(gpu, "total", 3 * CELLS * 16))
+    sums.add(commands, state, other)
+    sums.add_to_total(commands, other, total)
+    commands.submit()
+    assert np.unique(other.read(np.float16)) == 4.0
+    assert np.unique(total.read()) == 1.0
