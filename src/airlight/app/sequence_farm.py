@@ -11,6 +11,7 @@ import asyncio
 import importlib.util
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -46,7 +47,7 @@ def farm_frames(
     has no workers, and what a frame's making raises.
     """
     with _client(address, answer_s) as client:
-        sent = client.submit(_Sent, plan, scene, key=f"airlight-scene-{id(scene):x}", pure=False)
+        sent = client.submit(_Sent, plan, scene, pure=False)
         futures = {
             client.submit(_made, sent, frame, priority=-frame, pure=False): frame
             for frame in frames
@@ -74,8 +75,9 @@ def _client(address: str, answer_s: float) -> Iterator[Any]:
     except (OSError, ValueError, TimeoutError, CommClosedError):
         raise lost from None
     try:
-        yield client
-    except (OSError, CommClosedError, asyncio.CancelledError):
+        with client.as_current():
+            yield client
+    except (OSError, CommClosedError, asyncio.CancelledError, CancelledError):
         raise _gone(address) from None
     finally:
         client.close(timeout=2)
