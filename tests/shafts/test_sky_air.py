@@ -60,7 +60,8 @@ def test_air_under_a_white_sky(gpu: Any, look: Any, g: float) -> None:
     want = scattered_once(look(scene, SIZE).directions())
     got = image.layers["single_scatter"]
     for c in range(3):
-        assert np.linalg.norm(got[..., c] - want[..., c]) < 0.08 * np.linalg.norm(want[..., c])
+        limit = 0.08 if g == 0.0 else 0.15  # two bands of a lobe
+        assert np.linalg.norm(got[..., c] - want[..., c]) < limit * np.linalg.norm(want[..., c])
     assert abs(got.sum() / want.sum() - 1.0) < 0.03
 
 

@@ -29,6 +29,8 @@ class Figure:
 
 
 _PAPER = "Kaplanyan2010"
+_POP = "Elek2014"
+_SCATTER = "Billeter2012"
 
 FIGURES: dict[str, Figure] = {
     "clpv-1": Figure(f"{_PAPER} Fig. 1", "the atrium, in clear and in hazy air", "clpv_1"),
@@ -55,7 +57,41 @@ FIGURES: dict[str, Figure] = {
     "clpv-table1": Figure(
         f"{_PAPER} Table 1", "what each stage costs, beside the paper's machines", "clpv_table1"
     ),
+    "lpvms-1": Figure(
+        f"{_SCATTER} Fig. 1", "fog lit many times, shafts alone, and no fog at all", "lpvms_1"
+    ),
+    "lpvms-2": Figure(
+        f"{_SCATTER} Fig. 2", "the lattice on surfaces, in the air, and with the beam", "lpvms_2"
+    ),
+    "lpvms-3": Figure(
+        f"{_SCATTER} Fig. 3", "one hop: what is passed on, lost and scattered", "lpvms_3"
+    ),
+    "lpvms-5": Figure(f"{_SCATTER} Fig. 5", "six ways to draw a foggy scene", "lpvms_5"),
+    "lpvms-6": Figure(
+        f"{_SCATTER} Fig. 6", "failures: bleeding, light smaller than a cell, one iteration",
+        "lpvms_6",
+    ),
+    "lpvms-7": Figure(
+        f"{_SCATTER} Fig. 7", "foggy scenes beside a path tracer's, with scores", "lpvms_7"
+    ),
+    "lpvms-table1": Figure(
+        f"{_SCATTER} Table 1", "what each stage costs, beside the paper's machine", "lpvms_table1"
+    ),
     "clpv-debug": Figure("", "the lattice cut open: light, its direction, and walls", "clpv_debug"),
+    "pop-1": Figure(f"{_POP} Fig. 1", "smoke under a complex map", "pop_1"),
+    "pop-6": Figure(f"{_POP} Fig. 6", "what prefiltering does to a thin medium", "pop_6"),
+    "pop-7": Figure(f"{_POP} Fig. 7", "ordinates where the camera needs them", "pop_7"),
+    "pop-8": Figure(f"{_POP} Fig. 8", "milk: what the isotropic residuum saves", "pop_8"),
+    "pop-10": Figure(f"{_POP} Fig. 10", "a lamp in a ball of air beside Monte Carlo", "pop_10"),
+    "pop-11": Figure(f"{_POP} Fig. 11", "a plume beside SHDOM and Monte Carlo", "pop_11"),
+    "pop-12": Figure(
+        f"{_POP} Fig. 12", "directions of light in a cube beside Monte Carlo", "pop_12"
+    ),
+    "pop-13": Figure(f"{_POP} Fig. 13", "the same after more and more iterations", "pop_13"),
+    "pop-14": Figure(f"{_POP} Fig. 14", "more and more ordinates", "pop_14"),
+    "pop-15": Figure(f"{_POP} Fig. 15", "clouds with and without forward scattering", "pop_15"),
+    "pop-16": Figure(f"{_POP} Fig. 16", "a plume in motion, and how steady its light is", "pop_16"),
+    "pop-17": Figure(f"{_POP} Fig. 17", "smoke and surfaces in each other's light", "pop_17"),
 }  # fmt: skip
 """Figure by name."""
 

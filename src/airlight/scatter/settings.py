@@ -34,7 +34,8 @@ class ScatterSettings:
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
     single: str = setting(
         "gather", "how first-scattered light comes into cells: gathered by them, or from points "
-        "of every map texel's ray", choices=("gather", "random", "stratified"))  # fmt: skip
+        "of every map texel's ray; off: what surfaces reflect alone",
+        choices=("gather", "random", "stratified", "off"))  # fmt: skip
     samples: int = setting(8, "points of a map texel's ray", low=1, high=64)
     seed: int = setting(0, "of random points", low=0)
     map_resolution: int = setting(256, "side of reflective shadow maps", unit="px", low=8,

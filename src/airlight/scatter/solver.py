@@ -128,6 +128,8 @@ class ScatterSolver:
             self._inject_steady(commands, scale, is_new=is_new)
         with commands.stage("reflected"):
             self._inject_reflected(commands, scale)
+        with commands.stage("aggregate"):
+            self._resolve(commands, self.steady, self.reflected, scale)
         with commands.stage("single-scattered"):
             self._inject_single(commands)
         with commands.stage("propagate"):
@@ -195,7 +197,8 @@ class ScatterSolver:
             maps = self.sky.maps
             bound = {**self.lights.bound, "lights": self._sky_table,
                      "parallel_views": maps.views, "parallel_shadows": maps.depth}  # fmt: skip
-            self.sky_single.encode(commands, place, bound, len(self.sky.lights), walls=walls,
+            count = len(self.sky.lights) if self.settings.single != "off" else 0
+            self.sky_single.encode(commands, place, bound, count, walls=walls,
                                    base=self.black, cells=self.source)  # fmt: skip
             self.sky_reflected.encode(commands, maps, self._sky_table, self._sky_owners, place,
                                       walls, self.sums, scale)  # fmt: skip
@@ -212,12 +215,11 @@ class ScatterSolver:
                 continue
             given = (commands, maps, self.lights.table, owners, place, walls, self.sums, scale)
             self.inject_reflected.encode(*given)
-            if self.settings.single != "gather":
+            if self.settings.single in ("random", "stratified"):
                 self.inject_rays.encode(
                     *given, samples=self.settings.samples, seed=self.settings.seed,
                     is_stratified=self.settings.single == "stratified",
                 )  # fmt: skip
-        self._resolve(commands, self.steady, self.reflected, scale)
 
     def _inject_single(self, commands: Commands) -> None:
         count = self.lights.count if self.settings.single == "gather" else 0

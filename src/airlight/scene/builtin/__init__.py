@@ -7,6 +7,7 @@
     room         a furnished room with the sun in its window
     foggy-room   the room full of fog
     wall-floor   a lit wall over a floor, for form factors
+    bleeding, pinpoint, one-iteration    what light on a lattice is bad at
     smoke        a plume of smoke, animated
     cloud        a cumulus cloud
 
@@ -24,6 +25,7 @@ from ..scene import Scene
 from .atrium import atrium, atrium_fog
 from .cloud import cloud
 from .cornell import cornell, haze_box
+from .failures import bleeding, one_iteration, pinpoint
 from .room import foggy_room, room
 from .smoke import smoke
 from .wall_floor import wall_floor
@@ -32,11 +34,14 @@ __all__ = [
     "BUILTIN",
     "atrium",
     "atrium_fog",
+    "bleeding",
     "builtin_scene",
     "cloud",
     "cornell",
     "foggy_room",
     "haze_box",
+    "one_iteration",
+    "pinpoint",
     "room",
     "smoke",
     "wall_floor",
@@ -50,6 +55,9 @@ BUILTIN: dict[str, Callable[..., Scene]] = {
     "room": room,
     "foggy-room": foggy_room,
     "wall-floor": wall_floor,
+    "bleeding": bleeding,
+    "pinpoint": pinpoint,
+    "one-iteration": one_iteration,
     "smoke": smoke,
     "cloud": cloud,
 }

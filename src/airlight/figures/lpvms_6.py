@@ -1,0 +1,54 @@
+"""Where light on a lattice fails (Billeter2012 Fig. 6): bleeding, blocks, too few iterations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ..app.compare_pictures import shown
+from ..scene.builtin import bleeding, one_iteration, pinpoint
+from ..scene.scene import Scene
+from .clpv_6 import scores, truth_of
+from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
+
+PAPER = {"scheme": "paper"}
+CASES: dict[str, tuple[Callable[[], Scene], dict[str, Any]]] = {
+    "a  a thin board, lit behind": (bleeding, {"resolution": 32}),
+    "b  a spot smaller than a cell": (pinpoint, {"resolution": 32}),
+    "c  one iteration": (one_iteration, {"resolution": 32}),
+}
+
+
+def draw(request: Request) -> Drawn:
+    """Each scene by the paper's scheme and by ours, beside the truth; bounced and air's light."""
+    rows, numbers = [], {}
+    for label, (make, settings) in CASES.items():
+        request.report(label, len(numbers) / len(CASES))
+        scene = make()
+        rows.append((label, _row(request, scene, settings, numbers.setdefault(label, {}))))
+    return Drawn(sheet(request, "Where a lattice fails", rows), numbers)
+
+
+def _row(
+    request: Request, scene: Scene, settings: dict[str, Any], told: dict[str, Any]
+) -> list[Any]:
+    truth = truth_of(request, scene)
+    kept = {} if request.quick else settings
+    once = scene.settings.get("lpv-scatter", {})
+    modes = {"the paper's": {**kept, **PAPER, "acceleration": "none"}, "ours": kept}
+    if once:
+        modes["ours, iterated"] = {**kept, "iterations": 8, "acceleration": "cycle"}
+    images = {
+        name: rendered(request, scene, mode, technique="lpv-scatter")
+        for name, mode in modes.items()
+    }
+    stops = exposure_of(scene, images["ours"].layers["indirect"] + images["ours"].radiance)
+    cells: list[Any] = []
+    for name, image in images.items():
+        cells.append((name, shown(image.radiance, stops)))
+        told[name] = {"mean_indirect": mean_light(image.layers["indirect"])}
+        if truth is not None:
+            told[name] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
+    if truth is not None:
+        cells.append(("path traced", shown(truth.image.radiance, stops)))
+    return cells

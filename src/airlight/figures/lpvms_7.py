@@ -1,0 +1,47 @@
+"""Foggy scenes beside a path tracer's (Billeter2012 Fig. 7 and 8), with scores."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..app.compare_pictures import U8, shown, signed_map
+from ..app.compare_reference import reference_for
+from ..reference.metrics import Metrics, compare
+from ..scene.builtin import atrium_fog, foggy_room, haze_box
+from ..scene.scene import Scene
+from .panels import Drawn, Request, exposure_of, rendered, sheet
+
+SCORES = ("relmse", "relative_l2", "noise_floor_l2", "flip", "hdr_flip", "energy_ratio")
+LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
+Cells = list[tuple[str, U8 | None]]
+
+
+def draw(request: Request) -> Drawn:
+    """A row per scene: path traced, ours, and where ours is too bright or too dark."""
+    scenes = (haze_box(),) if request.quick else (atrium_fog(), foggy_room(), haze_box())
+    rows, numbers = [], {}
+    for index, scene in enumerate(scenes):
+        request.report(scene.name, index / len(scenes))
+        cells, numbers[scene.name] = _beside(request, scene)
+        rows.append((scene.name, cells))
+    return Drawn(sheet(request, "Fog, beside a path tracer", rows), numbers)
+
+
+def _beside(request: Request, scene: Scene) -> tuple[Cells, dict[str, Any]]:
+    truth = reference_for(scene, request.size, request.reference_spp, report=request.report)
+    image = rendered(request, scene, technique="lpv-scatter")
+    found = compare(image, truth.image)
+    stops = exposure_of(scene, truth.image.radiance)
+    cells: Cells = [
+        (f"path traced, {truth.spp} samples", shown(truth.image.radiance, stops)),
+        ("ours", shown(image.radiance, stops)),
+        ("too bright green, too dark red",
+         signed_map(image.radiance, truth.image.radiance, stops)),
+    ]  # fmt: skip
+    told: dict[str, Any] = {"spp": truth.spp, "seconds": truth.seconds, **_scores(found)}
+    told["layers"] = {n: _scores(found.layers[n]) for n in LAYERS if n in found.layers}
+    return cells, told
+
+
+def _scores(found: Metrics) -> dict[str, float | None]:
+    return {name: found[name] for name in SCORES}

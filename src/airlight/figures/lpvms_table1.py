@@ -1,0 +1,104 @@
+"""What each stage costs, under the names of Billeter2012 Table 1 and beside its numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
+
+from ..app.bench_frames import moved
+from ..app.compare_pictures import FAINT, INK, PAPER, U8
+from ..maths.transforms import F64
+from ..scene.builtin import atrium_fog, haze_box
+from ..scene.mesh import Mesh
+from ..scene.scene import Scene
+from .panels import Drawn, Request, renderer
+
+PAPER_MS: dict[str, tuple[float, float]] = {
+    "reflected": (0.87, 0.84), "blockers": (4.5, 3.9), "single-scattered": (0.47, 0.58),
+    "aggregate input": (0.02, 0.16), "prepare blockers": (0.40, 2.8),
+    "propagate 8x": (1.49, 12.3), "copy results": (0.18, 1.24),
+}  # fmt: skip
+"""Billeter2012 Table 1, ms on a GTX 480, at 32^3 and 64^3."""
+STAGES: dict[str, tuple[str, ...]] = {
+    "reflected": ("reflected",), "blockers": ("blockers",),
+    "single-scattered": ("single-scattered",), "aggregate input": ("aggregate",),
+    "prepare blockers": ("prepare blockers",), "propagate 8x": ("propagate",),
+    "copy results": ("copy",),
+}  # fmt: skip
+"""Our stages under the paper's names."""
+SIDES = (32, 64)
+LATTICE: Mapping[str, Any] = {"iterations": 8, "acceleration": "none", "map_resolution": 256}
+STEP_M = 1e-4  # that surfaces are moved by, so that blockers are made anew as in the paper
+COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
+
+
+def draw(request: Request) -> Drawn:
+    """The foggy atrium, its surfaces and its light moving: medians of a few frames."""
+    scene, frames = (haze_box(), 1) if request.quick else (atrium_fog(), 5)
+    sides = (8, 12) if request.quick else SIDES
+    found, device = {}, ""
+    for side in sides:
+        request.report(f"{side} cells", len(found) / len(sides))
+        found[side], device = measured(request, scene, side, frames)
+    ours = {
+        name: tuple(sum(found[side].get(stage, 0.0) for stage in stages) for side in sides)
+        for name, stages in STAGES.items()
+    }
+    numbers = {
+        "stages_ms": {"ours": ours, "paper": PAPER_MS}, "device": device, "cells": list(sides),
+        "triangles": scene.triangle_count, "size": list(request.size), "passes": found,
+    }  # fmt: skip
+    return Drawn(_table(device, sides, ours), numbers)
+
+
+def measured(
+    request: Request, scene: Scene, side: int, frames: int
+) -> tuple[dict[str, float], str]:
+    """Milliseconds per stage with `side` cells, and the device."""
+    settings = {**LATTICE, "resolution": side}
+    with renderer(request, scene, settings, technique="lpv-scatter") as made:
+        made.frame(read=False)
+        told = []
+        for step in range(1, frames + 1):
+            lights = moved(scene.lights, step)
+            made.scene = dataclasses.replace(made.scene, lights=lights)
+            made.meshes.move(shifted(scene.meshes, STEP_M * step))
+            told.append(made.timed_passes())
+        device = str(made.stats()["device"])
+    return {name: statistics.median(p.get(name, 0.0) for p in told) for name in told[0]}, device
+
+
+def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
+    """The meshes a little further along +x."""
+    offset: F64 = np.zeros((4, 4))
+    offset[0, 3] = step_m
+    return tuple(
+        dataclasses.replace(mesh, world_from_object=mesh.world_from_object + offset)
+        for mesh in meshes
+    )
+
+
+def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ...]]) -> U8:
+    """The table as a picture."""
+    head = [f"{side}^3" for side in sides]
+    lines: list[tuple[str, ...]] = [("Stage, ms", *(f"here {h}" for h in head),
+                                     *(f"GTX480 {side}^3" for side in SIDES))]  # fmt: skip
+    for name, times in ours.items():
+        lines.append((name, *(f"{t:.3g}" for t in (*times, *PAPER_MS[name]))))
+    lines.append((device[:60], "", "", "", ""))
+    starts = [MARGIN_PX + COLUMN_PX * k for k in range(5)]
+    size = (MARGIN_PX + COLUMN_PX * 5, 2 * MARGIN_PX + LINE_PX * len(lines))
+    picture = PIL.Image.new("RGB", size, PAPER)
+    pen, font = PIL.ImageDraw.Draw(picture), PIL.ImageFont.load_default(18)
+    for row, cells in enumerate(lines):
+        for start, text in zip(starts, cells, strict=True):
+            place = (float(start), float(MARGIN_PX + LINE_PX * row))
+            pen.text(place, text, FAINT if row in (0, len(lines) - 1) else INK, font=font)
+    return np.asarray(picture, dtype=np.uint8)

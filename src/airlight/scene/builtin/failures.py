@@ -1,0 +1,92 @@
+"""What light on a lattice is bad at: the failure cases of Billeter2012 Fig. 6."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..camera import Camera
+from ..lights import SpotLight
+from ..material import Material
+from ..medium import Medium, extinction_and_albedo
+from ..mesh import Mesh
+from ..scene import Scene
+from .patch import Finish, placed_at
+from .solids import box
+
+HALL_M = (8.0, 4.0, 6.0)
+"""Inside, x y z; with 32 cells along x a cell is 0.28 m."""
+BOARD_M = 0.02
+_SHELL_M = 0.2
+_SIGMA_S = 0.06
+_LAMP = (-3.2, 2.6, 0.0)
+
+
+def bleeding() -> Scene:
+    """A thin board lit hard from its far side: its near side glows with light that bleeds."""
+    return _hall("bleeding", _spot(9.0, 14.0), _behind())
+
+
+def pinpoint() -> Scene:
+    """A strong light on a spot smaller than a cell: a blocky glow around it."""
+    return _hall("pinpoint", _spot(1.6, 2.2), _before())
+
+
+def one_iteration() -> Scene:
+    """Light that moved by one cell only: the cells themselves show."""
+    settings = {"lpv-scatter": {"iterations": 1, "acceleration": "none"}}
+    return _hall("one-iteration", _spot(9.0, 14.0), _before(), settings)
+
+
+def _hall(
+    name: str, lamp: SpotLight, camera: Camera, settings: dict[str, dict[str, Any]] | None = None
+) -> Scene:
+    sigma_t, albedo = extinction_and_albedo(_SIGMA_S, 0.0)
+    x, y, z = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0
+    air = Medium(sigma_t, albedo, bounds=((-x, 0.0, -z), (x, y, z)))
+    return Scene(
+        name=name, meshes=(*_walls(), _board()), lights=(lamp,), camera=camera, medium=air,
+        settings=settings or {},
+    )  # fmt: skip
+
+
+def _spot(inner_deg: float, outer_deg: float) -> SpotLight:
+    """From beside the left wall onto the board's left side, all of its light on the board."""
+    aim = (0.0 - _LAMP[0], 1.5 - _LAMP[1], 0.0)
+    power = 6000.0 / (outer_deg * outer_deg)
+    color = (power * 1.0, power * 0.9, power * 0.75)
+    return SpotLight(_LAMP, aim, color, inner_deg, outer_deg)
+
+
+def _behind() -> Camera:
+    """The board's dark side."""
+    return Camera((3.4, 1.7, 1.2), (0.0, 1.4, 0.0), fov_y_deg=50.0, exposure_stops=None)
+
+
+def _before() -> Camera:
+    """Its lit side, from beside the lamp."""
+    return Camera((-3.4, 1.7, 1.4), (0.0, 1.4, -0.2), fov_y_deg=50.0, exposure_stops=None)
+
+
+def _walls() -> tuple[Mesh, ...]:
+    """Six slabs around the hall."""
+    x, y, z, t = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0, _SHELL_M
+    slabs = [
+        box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
+        box((-x - t, y, -z - t), (x + t, y + t, z + t)),
+        box((-x - t, 0.0, -z - t), (-x, y, z + t)), box((x, 0.0, -z - t), (x + t, y, z + t)),
+        box((-x, 0.0, -z - t), (x, y, -z)), box((-x, 0.0, z), (x, y, z + t)),
+    ]  # fmt: skip
+    grey = _lambert("grey", 0.5)
+    here = [placed_at(0.0, 0.0, 0.0)]
+    return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, here, "wall"))
+
+
+def _board() -> Mesh:
+    """2.4 x 2.4 m, thinner than a tenth of a cell, upright on the floor across the hall."""
+    body = box((-0.5 * BOARD_M, 0.0, -1.2), (0.5 * BOARD_M, 2.4, 1.2))
+    return _lambert("board", 0.8).meshes(body, [placed_at(0.0, 0.0, 0.0)], "board")[0]
+
+
+def _lambert(name: str, reflectance: float) -> Finish:
+    color = (reflectance,) * 3
+    return Finish(Material(name=name, base_color=color, specular=0.0, two_sided=False))
