@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 
 import numpy as np
+import PIL.Image
 import pytest
 
-from airlight.errors import OutputError
+from airlight.errors import OutputError, SettingsError
 from airlight.scene.image import Image
 
 BLACK = np.zeros((4, 6, 3), np.float32)
@@ -35,3 +37,24 @@ def test_an_unknown_ending_leaves_nothing_behind(tmp_path):
     with pytest.raises(OutputError):
         Image(BLACK).save(tmp_path / "out.xyz")
     assert not list(tmp_path.iterdir())
+
+
+def test_it_shows_itself_as_it_is_saved(tmp_path):
+    ramp = np.broadcast_to(np.linspace(0.0, 2.0, 6, dtype=np.float32)[None, :, None], (4, 6, 3))
+    image = Image(ramp, {"direct": 0.5 * ramp, "depth": ramp[..., 0]}, exposure_stops=-1.0)
+    image.save(tmp_path / "a.png")
+    saved = np.asarray(PIL.Image.open(tmp_path / "a.png"))
+    np.testing.assert_array_equal(image.display(), saved)
+    in_notebook = PIL.Image.open(io.BytesIO(image._repr_png_()))
+    np.testing.assert_array_equal(np.asarray(in_notebook), saved)
+    np.testing.assert_array_equal(image.display("direct"), Image(0.25 * ramp).display())
+
+
+@pytest.mark.parametrize(
+    ("layer", "remedy"), [("dirct", "Did you mean 'direct'?"), ("depth", "Known: direct.")]
+)
+def test_what_is_no_colour_is_not_shown(layer, remedy):
+    image = Image(BLACK, {"direct": BLACK, "depth": BLACK[..., 0]})
+    with pytest.raises(SettingsError) as caught:
+        image.display(layer)
+    assert str(caught.value) == f"the picture has no colour layer '{layer}'. {remedy}"

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
+from ..errors import SettingsError, nearest
+from ..maths.tone import display_srgb8
 from .checks import F32
 
 
@@ -34,3 +41,22 @@ class Image:
         from .io.images import save_image
 
         save_image(self, Path(path), layers=layers)
+
+    def display(self, layer: str = "") -> NDArray[np.uint8]:
+        """As on a screen, 8-bit sRGB (H, W, 3): the picture, or a colour layer exposed as it is.
+
+        Raises SettingsError for a layer that it does not have or that is no colour.
+        """
+        pixels = self.layers.get(layer) if layer else self.radiance
+        if pixels is None or pixels.ndim != 3:
+            colours = [name for name, values in self.layers.items() if values.ndim == 3]
+            raise SettingsError(
+                f"the picture has no colour layer '{layer}'", remedy=nearest(layer, colours)
+            )
+        return display_srgb8(pixels, self.exposure_stops, self.tone_map)
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        held = io.BytesIO()
+        PIL.Image.fromarray(self.display()).save(held, "PNG")
+        return held.getvalue()
