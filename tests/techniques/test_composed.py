@@ -21,9 +21,13 @@ def test_fog_is_solved_on_the_lattice(foggy_box):
     assert chosen(foggy_box) == "LpvScatter"
 
 
-def test_smoke_under_a_lamp_is_part_of_the_lattice(smoke_over_floor):
+def test_smoke_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
     lamp = (PointLight((0.0, 4.0, 0.0), (9.0, 9.0, 9.0)),)
-    assert chosen(dataclasses.replace(smoke_over_floor, lights=lamp)) == "LpvScatter"
+    under_lamp = dataclasses.replace(smoke_over_floor, lights=lamp)
+    assert chosen(under_lamp) == "LpvScatter"
+    (smoke,) = smoke_over_floor.volumes
+    thin = dataclasses.replace(smoke, sigma_t=(0.02, 0.02, 0.02))
+    assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "WithPop"
 
 
 def test_all_three_solvers_in_one_frame(smoke_over_floor):

@@ -30,6 +30,7 @@ class _Emission(ComputePass):
         storage("diffuse", "vec4f"),
         storage("reach", "u32"),
         storage("corrections", "vec4f"),
+        storage("bounced", "vec4f"),
         image("emission", "rgba16float", "3d"),
     )
     workgroup = (64, 1, 1)
@@ -57,6 +58,8 @@ class Emission:
             gpu, "emission", placement.count, "rgba16float", dimension="3d", written=True
         )
         self.corrections = Buffer(gpu, "furnace corrections", 16 * placement.cells)
+        # What surfaces reflect into the medium; 0 until `Bounce` says otherwise.
+        self.bounced = Buffer(gpu, "bounced light", 16 * placement.cells)
         self._emission, self._furnace = _Emission(gpu), _Furnace(gpu)
 
     def encode(
@@ -68,7 +71,7 @@ class Emission:
             commands, (self.cells,), params=params,
             view=ViewParams(eye=eye, correction=correction), ordinates=table.rows,
             phase=table.phase, passed=passed, diffuse=diffuse, reach=reach,
-            corrections=self.corrections, emission=self.texture,
+            corrections=self.corrections, bounced=self.bounced, emission=self.texture,
         )  # fmt: skip
 
     def encode_furnace(
@@ -86,3 +89,4 @@ class Emission:
         """Give the memory back."""
         self.texture.release()
         self.corrections.release()
+        self.bounced.release()

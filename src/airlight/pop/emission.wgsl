@@ -18,5 +18,6 @@ const HALF_MAX = 65504.0;
     if (view.correction > 0.0) {
         scattered *= pow(corrections[id.x].rgb, vec3f(view.correction));
     }
-    textureStore(emission, cell, vec4f(min(light.beams + scattered, vec3f(HALF_MAX)), 1.0));
+    let all = light.beams + scattered + bounced[id.x].rgb;
+    textureStore(emission, cell, vec4f(min(all, vec3f(HALF_MAX)), 1.0));
 }

@@ -26,6 +26,7 @@ from ..scene.environment import Environment
 from ..scene.lights import Light
 from ..scene.settings import setting
 from ..scene.volume import Volume
+from .bounce import Bounce, Bounced
 from .density import Density
 from .diffuse import GROUP
 from .emission import Emission
@@ -94,6 +95,7 @@ class PopSolver:
         self.furnace = Beams(gpu, self, settings.ordinates) if has_furnace else None
         self._scene_ordinates = SceneOrdinates(settings.ordinates)
         self._even = even_sky(settings.ordinates) if self.furnace else None
+        self._bounce: Bounce | None = None
         self._own_voxels = voxels is None
         self.voxels = _density_texture(gpu, volume) if voxels is None else voxels
         self._medium_key: tuple[Any, ...] = ()
@@ -104,28 +106,35 @@ class PopSolver:
     def encode(
         self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
         eye: F64, volume: Volume | None = None, surfaces: Surfaces | None = None,
+        bounced: Bounced | None = None,
     ) -> Texture:  # fmt: skip
         """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
 
         `volume`: the medium as it is now; of the same box and grid size as at the start.
-        `surfaces`: what shades it.
+        `surfaces`: what shades it; `bounced`: what light they reflect into it.
         """
         if volume is not None and volume is not self.volume:
             self._take(volume)
         ordinates = self._scene_ordinates.of(lights, environment)
         lamps = lamps_of(lights)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
-        new_medium = self._encode_density(commands, params)
+        new_medium = self._encode_density(commands, params, bounced)
         seen = () if surfaces is None else surfaces.version
+        seen += () if bounced is None else bounced.version
         light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes(), *lamps, *seen)
         new_light = new_medium or light_key != self._light_key
         if new_light:
             self._light_key = light_key
-            self.beams.write(ordinates, lamps, self.volume)
+            # Where surfaces are all the light there is, the lattice's unit is the scale.
+            is_dark = bounced is not None and not ordinates.count and not lamps
+            scale = bounced.source.scale if bounced and is_dark else 0.0
+            self.beams.write(ordinates, lamps, self.volume, scale)
             if surfaces is not None:
                 self.beams.write_surfaces(ordinates, lights, surfaces)
             self.beams.encode(commands, params, self.density)
-        self._encode_view(commands, params, np.asarray(eye, np.float64), new_medium, new_light)
+        self._encode_view(
+            commands, params, np.asarray(eye, np.float64), new_medium, new_light, bounced
+        )
         return self.emission.texture
 
     def source(self, medium: int) -> Source:
@@ -148,13 +157,15 @@ class PopSolver:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.density, self.emission, self.beams, self.furnace):
+        for part in (self.density, self.emission, self.beams, self.furnace, self._bounce):
             if part is not None:
                 part.release()
         if self._own_voxels:
             self.voxels.release()
 
-    def _encode_density(self, commands: Commands, params: MediumParams) -> bool:
+    def _encode_density(
+        self, commands: Commands, params: MediumParams, bounced: Bounced | None
+    ) -> bool:
         """Whether the medium changed; its cells are made anew where its density did."""
         v = self.volume
         key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
@@ -169,11 +180,16 @@ class PopSolver:
             self.furnace.write(self._even, (), v, 1.0)
             self.furnace.encode_medium(commands, white, self.density)
             self.furnace.encode(commands, white, self.density)
+        if bounced is not None:
+            self._bounce = self._bounce or Bounce(self)
+            even = self._params(self._bounce.count, v.albedo)
+            self._bounce.encode_medium(commands, even, self.density)
         return True
 
     def _encode_view(
-        self, commands: Commands, params: MediumParams, eye: F64, new_medium: bool, new_light: bool
-    ) -> None:
+        self, commands: Commands, params: MediumParams, eye: F64, new_medium: bool, new_light: bool,
+        bounced: Bounced | None,
+    ) -> None:  # fmt: skip
         view_key = (eye.tobytes(),)
         new_view = new_medium or view_key != self._view_key
         if not (new_view or new_light):
@@ -187,6 +203,10 @@ class PopSolver:
                     commands, white, local, self.furnace.table, self.furnace.paths.passed,
                     self.furnace.diffuse.diffuse, self.density.reach,
                 )  # fmt: skip
+        if bounced is not None and self._bounce is not None:
+            with commands.stage("pop bounce"):
+                even = self._params(self._bounce.count, self.volume.albedo)
+                self._bounce.encode(commands, even, local, bounced.source, self.density)
         self.beams.encode_view(commands, params, local, self.emission, self.density)
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:

@@ -1,8 +1,11 @@
 """The technique `auto`: the solvers that suit a scene, together in one frame.
 
 surfaces  no air: lpv; air: lpv-scatter, whose lattice carries bounced and scattered light
-volumes   lit by suns and sky alone: pop, a solver each, marched as sources; else they are part
-          of the lattice's air
+volumes   pop, a solver each for the light of suns, lamps and sky, marched as sources; light that
+          surfaces reflect into them comes from the lattice. Part of the lattice's air where
+          there are more than four, or where one takes much of a lamp's light from the room,
+          which a lattice without air does not know: a thick ball of a fifth of the Cornell
+          box's section is 7 to 37% too bright by pop, 1 to 6% too dark as the lattice's air
 """
 
 from __future__ import annotations
@@ -10,17 +13,22 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+import numpy as np
+
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..lighting.direct import Direct, SurfaceSettings
 from ..lighting.view import View
 from ..lpv.lpv import Lpv, LpvSettings
+from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight
-from ..scene.scene import Scene
+from ..scene.scene import Scene, volume_world_bounds
+from ..scene.volume import Volume
 from ..surface.geometry import GpuScene
 
 _MOST_SOLVED = 4  # volumes that can be marched as sources of their own
+_SHADED_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -73,12 +81,35 @@ def _chosen(
         return Lpv(gpu, scene, meshes, LpvSettings(**common), size)
     from .air import LpvMarchSettings, LpvScatter, LpvScatterSettings, LpvWithVolumes
 
-    is_distant = all(isinstance(light, DirectionalLight) for light in scene.lights)
-    if not scene.volumes or not is_distant or len(scene.volumes) > _MOST_SOLVED:
+    is_air = len(scene.volumes) > _MOST_SOLVED or _shades_a_room(scene)
+    if not scene.volumes or is_air:
         return LpvScatter(gpu, scene, meshes, LpvScatterSettings(**common), size)
     from .with_pop import with_pop
 
     if scene.medium is None:
-        base, own = LpvWithVolumes, LpvMarchSettings(**common)
-        return with_pop(base)(gpu, scene, meshes, own, size)
+        own = LpvMarchSettings(**common)
+        return with_pop(LpvWithVolumes)(gpu, scene, meshes, own, size)
     return with_pop(LpvScatter)(gpu, scene, meshes, LpvScatterSettings(**common), size)
+
+
+def _shades_a_room(scene: Scene) -> bool:
+    """Whether a volume takes more than a few percent of the lamps' light from the surfaces."""
+    if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
+        return False
+    low, high = scene.bounds
+    room = _section(high - low)
+    return any(_shading(volume) > _SHADED_SHARE * room for volume in scene.volumes)
+
+
+def _shading(volume: Volume) -> float:
+    """About how much a volume's box stops: its section, m^2, times the share it takes."""
+    low, high = volume_world_bounds(volume)
+    density = 1.0 if volume.density is None else float(volume.density.mean())
+    depth = max(volume.sigma_t) * density * float(np.cbrt(np.prod(high - low)))
+    return _section(high - low) * -float(np.expm1(-depth))
+
+
+def _section(size: F64) -> float:
+    """Mean area of a box's sides, m^2."""
+    x, y, z = size
+    return float(x * y + y * z + z * x) / 3.0

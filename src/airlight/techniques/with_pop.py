@@ -12,6 +12,7 @@ from ..gpu.device import Gpu
 from ..lighting.direct import Direct
 from ..lighting.view import View
 from ..march.march import Source
+from ..pop.bounce import Bounced
 from ..pop.solver import PopSettings, PopSolver
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
@@ -55,9 +56,16 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             scene, eye = self._scene, np.asarray(view.eye)
             for solver, volume in zip(self.solvers, scene.volumes, strict=True):
                 solver.encode(
-                    commands, scene.lights, scene.environment, eye, volume, self._surfaces
-                )
+                    commands, scene.lights, scene.environment, eye, volume, self._surfaces,
+                    self._bounced(),
+                )  # fmt: skip
             super().draw(commands, view)
+
+        def _bounced(self) -> Bounced | None:
+            """What surfaces reflect, and fog scatters, into the volumes."""
+            scene, source = self._scene, self.bounced_source()
+            version = (scene.lights, scene.environment, scene.medium, self.meshes.version)
+            return None if source is None or not scene.meshes else Bounced(source, version)
 
         def release(self) -> None:
             super().release()

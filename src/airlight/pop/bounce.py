@@ -1,0 +1,119 @@
+"""Light that surfaces reflect into a medium, taken from a solved lattice around it.
+
+The lattice knows no medium. Under an even light of radiance 1 the medium's own solution says how
+much of it reaches each cell, absorption and all; times the lattice's radiance there, that is what
+arrives. Exact where the lattice is even, or nothing is absorbed in thin air. Elek2014 section 6
+lights the medium by virtual point lights, of which one needs hundreds; differs: see above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
+from ..gpu.memory import linear_sampler
+from ..gpu.slots import sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams
+from ..march.march import LatticeSource
+from ..maths.ordinates import even_sky
+from ..maths.transforms import F64
+from .density import Density
+from .ordinates import OrdinateData
+from .placement import MediumParams
+from .schemes import Beams
+
+if TYPE_CHECKING:
+    from .solver import PopSolver
+
+_WHITE = 0.999
+
+
+@dataclass(frozen=True, eq=False)
+class Bounced:
+    """A lattice of reflected light, and what tells its versions apart."""
+
+    source: LatticeSource
+    version: tuple[Any, ...]
+
+
+class BounceParams(Struct):
+    """The eye, and how the lattice is read."""
+
+    world_from_medium = mat4x4f()
+    eye = vec3f("m, in the medium's frame")
+    scale = f32("radiance per stored unit, in units of the emission's scale")
+    direct = f32("share of the states' direction that the phase function keeps, per g")
+    is_white = u32("1: nothing is absorbed")
+
+
+class _Bounce(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        uniform("bounce", BounceParams),
+        storage("ordinates", OrdinateData),
+        storage("passed", "f32"),
+        storage("diffuse", "vec4f"),
+        storage("reach", "u32"),
+        uniform("lattice", LatticeParams),
+        sampler("linear_clamp"),
+        *(
+            texture(f"lattice_{name}", "3d")
+            for name in ("red", "green", "blue", "open_a", "open_b", "walls")
+        ),
+        storage("bounced", "vec4f", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "bounce.wgsl"
+
+
+class Bounce:
+    """Fills `Emission.bounced`, per unit scattering coefficient."""
+
+    def __init__(self, solver: PopSolver) -> None:
+        settings = solver.settings
+        self._solver = solver
+        self._sky = even_sky(settings.ordinates)
+        self._even = Beams(solver.gpu, solver, settings.ordinates)
+        self._pass, self._linear = _Bounce(solver.gpu), linear_sampler(solver.gpu)
+
+    def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
+        """Take a changed medium; `params` count the even sky's ordinates."""
+        self._even.write(self._sky, (), self._solver.volume, 1.0)
+        self._even.encode_medium(commands, params, density)
+        if not self._is_white:
+            self._even.encode(commands, params, density)
+
+    def encode(
+        self, commands: Commands, params: MediumParams, eye: F64, source: LatticeSource,
+        density: Density,
+    ) -> None:  # fmt: skip
+        """For an eye at `eye` (3,), m in the medium's frame."""
+        s = self._solver
+        bounce = BounceParams(
+            world_from_medium=s.placement.world_from_medium, eye=eye,
+            scale=source.scale / s.beams.table.scale, direct=source.direct,
+            is_white=int(self._is_white),
+        )  # fmt: skip
+        self._pass.dispatch(
+            commands, (s.placement.cells,), params=params, bounce=bounce,
+            ordinates=self._even.table.rows, passed=self._even.paths.passed,
+            diffuse=self._even.diffuse.diffuse, reach=density.reach,
+            lattice=source.placement.params(), linear_clamp=self._linear, **source.bound,
+            bounced=s.emission.bounced,
+        )  # fmt: skip
+
+    @property
+    def count(self) -> int:
+        """Ordinates of the even sky."""
+        return self._sky.count
+
+    @property
+    def _is_white(self) -> bool:
+        return min(self._solver.volume.albedo) > _WHITE
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._even.release()
