@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import PIL.Image
 import PIL.ImageDraw
-import PIL.ImageFont
 from numpy.typing import NDArray
 
-from ..app.compare_pictures import FAINT, INK, PAPER, U8
+from ..app.compare_pictures import PAPER, U8
 from ..scene.checks import F64
 
 TRUTH = (232, 84, 72)
@@ -51,36 +50,3 @@ def _outline(values: F64, largest: float, radius_px: float) -> list[tuple[float,
     size = radius_px * np.sqrt(np.maximum(np.append(values, values[0]), 0.0) / max(largest, 1e-30))
     points: NDArray[np.float64] = np.stack([size * np.cos(angle), size * np.sin(angle)], axis=-1)
     return [(float(px), float(py)) for px, py in points]
-
-
-def curves_plot(
-    title: str, series: Sequence[tuple[str, tuple[int, int, int], Sequence[float], Sequence[float]]],
-    size: tuple[int, int], *, labels: tuple[str, str],
-) -> U8:  # fmt: skip
-    """A line chart with logarithmic axes: (name, colour, x, y) per series."""
-    width, height = size
-    picture = PIL.Image.new("RGB", size, PAPER)
-    pen, font = PIL.ImageDraw.Draw(picture), PIL.ImageFont.load_default(14)
-    left, right, top, bottom = 64, width - 16, 40, height - 36
-    xs = np.log(np.concatenate([np.asarray(s[2], float) for s in series]))
-    ys = np.log(np.maximum(np.concatenate([np.asarray(s[3], float) for s in series]), 1e-12))
-    (x0, x1), (y0, y1) = _span(xs), _span(ys)
-    pen.text((left, 12), title, INK, font=font)
-    pen.rectangle((left, top, right, bottom), outline=_GRID)
-    pen.text((left, bottom + 10), f"{labels[0]}: {np.exp(x0):.3g} to {np.exp(x1):.3g}", FAINT, font)
-    for value, at in ((y1, top), (y0, bottom - 14)):
-        pen.text((4, at), f"{np.exp(value):.3g}", FAINT, font=font)
-    pen.text((right - font.getlength(labels[1]), 12), labels[1], FAINT, font=font)
-    for index, (name, colour, x, y) in enumerate(series):
-        px = left + (np.log(np.asarray(x, float)) - x0) / (x1 - x0) * (right - left)
-        py = bottom - (np.log(np.maximum(np.asarray(y, float), 1e-12)) - y0) / (y1 - y0) * (
-            bottom - top
-        )
-        pen.line([(float(a), float(b)) for a, b in zip(px, py, strict=True)], colour, 2)
-        pen.text((left + 8, top + 6 + 18 * index), name, colour, font=font)
-    return np.asarray(picture, dtype=np.uint8)
-
-
-def _span(values: F64) -> tuple[float, float]:
-    low, high = float(values.min()), float(values.max())
-    return (low, high) if high > low else (low - 0.5, high + 0.5)

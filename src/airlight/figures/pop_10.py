@@ -8,7 +8,7 @@ import numpy as np
 
 from ..app.compare_pictures import U8, contact_sheet, shown
 from ..scene.camera import Camera
-from ..scene.checks import F64
+from ..scene.checks import F32, F64
 from ..scene.lights import PointLight
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -58,7 +58,7 @@ def draw(request: Request) -> Drawn:
     return Drawn(sheet, numbers)
 
 
-def seen(scene: Scene, light: F64) -> F64:
+def seen(scene: Scene, light: F32) -> F64:
     """Intensity (3,), W/sr, of a square picture from far away: radiance times its pixels' area."""
     side = 2.0 * _VIEW_M * np.tan(0.5 * np.radians(scene.camera.fov_y_deg))
     return np.asarray(light.mean(axis=(0, 1), dtype=np.float64) * side**2)

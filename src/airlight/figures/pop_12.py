@@ -33,9 +33,7 @@ def draw(request: Request) -> Drawn:
             plot = polar_plots([(TRUTH, true.shown), (OURS, mine.shown)], side)
             error = mine.error(true)
             rows[name].append((f"g = {g}: off by {error:.2f}", plot))
-            told[name] = {
-                "relative_l2": error, "energy_ratio": float(mine.radiance.mean() / true.radiance.mean()),
-            }  # fmt: skip
+            told[name] = mine.scores(true)
         numbers[f"g {g}"] = told
     picture = contact_sheet(
         "Directions of scattered light in a cube; Monte Carlo red, ours blue",

@@ -29,15 +29,15 @@ def draw(request: Request) -> Drawn:
         cells = []
         told = {}
         for n in values:
-            mine = by_beams(G, n) if name == "delta-beam" else by_hops(G, n, is_paper=name == "paper")
+            mine = (
+                by_beams(G, n) if name == "delta-beam" else by_hops(G, n, is_paper=name == "paper")
+            )
             if name == "paper":
                 mine = Angular(scale * mine.radiance)
             plot = polar_plots([(TRUTH, true.shown), (OURS, mine.shown)], side)
             error = mine.error(true)
             cells.append((f"{n}: off by {error:.2f}", plot))
-            told[str(n)] = {
-                "relative_l2": error, "energy_ratio": float(mine.radiance.mean() / true.radiance.mean()),
-            }  # fmt: skip
+            told[str(n)] = mine.scores(true)
         unit = "solver steps" if name == "delta-beam" else "hops"
         rows.append((f"{name}, {unit}", cells))
         numbers[name] = {unit: told}

@@ -28,6 +28,11 @@ class Angular:
         """Plots (row, column, phi) of SHOWN: the light comes from below."""
         return self.radiance[np.ix_(SHOWN, SHOWN)]
 
+    def scores(self, truth: Angular) -> dict[str, float]:
+        """The error, and the light of all cells and azimuths over the truth's."""
+        ratio = float(self.radiance.mean() / truth.radiance.mean())
+        return {"relative_l2": self.error(truth), "energy_ratio": ratio}
+
     def error(self, truth: Angular) -> float:
         """Relative L2 over all cells and azimuths."""
         return float(

@@ -32,7 +32,8 @@ def courtyard(height_px: int = 64) -> Environment:
     Radiance 0.05 to 40 W m^-2 sr^-1.
     """
     v, u = np.meshgrid(
-        (np.arange(height_px) + 0.5) / height_px, (np.arange(2 * height_px) + 0.5) / height_px - 1.0,
+        (np.arange(height_px) + 0.5) / height_px,
+        (np.arange(2 * height_px) + 0.5) / height_px - 1.0,
         indexing="ij",
     )  # fmt: skip
     wall = 0.34 + 0.08 * np.sign(np.sin(9.0 * np.pi * u))
@@ -91,7 +92,9 @@ def milk(position: Vec3 = (1.5, 2.0, 7.0)) -> Scene:
     z, y, x = np.meshgrid(at, at, at, indexing="ij")
     t = np.linspace(0.0, 2.0 * np.pi, 160)
     ring = 0.62 + 0.26 * np.cos(3.0 * t)
-    knot = np.stack([ring * np.cos(2.0 * t), 0.4 * np.sin(3.0 * t), ring * np.sin(2.0 * t)], axis=-1)
+    knot = np.stack(
+        [ring * np.cos(2.0 * t), 0.4 * np.sin(3.0 * t), ring * np.sin(2.0 * t)], axis=-1
+    )
     away = np.full(x.shape, np.inf)
     for px, py, pz in knot:
         away = np.minimum(away, (x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2)

@@ -1,0 +1,120 @@
+"""Beside discrete ordinates with harmonics, and Monte Carlo (Elek2014 Fig. 11)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..maths.delta_beam import MediumGrid
+from ..maths.medium import ray_box_interval
+from ..maths.voxels import box_averaged, trilinear
+from ..scene.checks import F32, F64
+from ..scene.image import Image
+from ..scene.scene import Scene
+from .panels import Drawn, Request, exposed, exposure_of, sheet
+from .pop_scenes import drawn, errors, plume, traced
+
+POP: Mapping[str, Mapping[str, Any]] = {
+    "POP, 64 ordinates of 20^3": {},
+    "POP, 125 ordinates of 32^3": {"ordinates": 125, "grid": 32},
+    "POP split, 64 of 20^3": {"scheme": "split"},
+}
+BANDS = (5, 10)
+SHDOM_CELLS = (14, 28, 14)  # about 20^3 of the plume
+_STEPS = 96
+
+
+def draw(request: Request) -> Drawn:
+    """The plume of Fig. 11: ours, the baseline with its prefilter and without, and the truth."""
+    scene = plume()
+    truth = traced(request, scene)
+    pictures: dict[str, Image] = {}
+    for index, (name, settings) in enumerate(POP.items()):
+        if request.quick and index:
+            continue
+        request.report(name, index / len(POP))
+        pictures[name] = drawn(request, scene, settings)
+    first = next(iter(pictures.values()))
+    shown = {name: image.radiance for name, image in pictures.items()}
+    behind = first.radiance - first.layers["scattered"]
+    for bands in BANDS[: 1 if request.quick else 2]:
+        for prefilter in (True, False):
+            name = f"SHDOM, {bands} bands, {'smoothed' if prefilter else 'as it rings'}"
+            request.report(name, 0.8)
+            light = by_shdom(scene, request.size, bands, prefilter=prefilter)
+            shown[name] = (behind + light).astype(np.float32)
+    numbers = {name: errors(p, truth) for name, p in shown.items()}
+    stops = exposure_of(scene, first.radiance)
+    ours = [(k, v) for k, v in shown.items() if k in pictures]
+    if truth is not None:
+        ours.append(("Monte Carlo", truth.radiance))
+    theirs = [(k, v) for k, v in shown.items() if k not in pictures]
+    rows = [("ours", exposed(request, ours, stops)), ("baseline", exposed(request, theirs, stops))]
+    return Drawn(sheet(request, "A plume beside SHDOM and Monte Carlo", rows), numbers)
+
+
+def medium_of(scene: Scene, count: tuple[int, int, int]) -> MediumGrid:
+    """The first volume (not turned) on `count` = (x, y, z) cells, its corner at 0."""
+    volume = scene.volumes[0]
+    assert volume.density is not None
+    low, high = np.asarray(volume.bounds)
+    x, y, z = count
+    fine = box_averaged(volume.density, (2 * x, 2 * y, 2 * z))
+    coarse = fine.reshape(z, 2, y, 2, x, 2).mean(axis=(1, 3, 5))
+    optics = (np.array(v) for v in (volume.sigma_t, volume.albedo, volume.g))
+    return MediumGrid(high - low, coarse, fine, *optics)
+
+
+def by_shdom(scene: Scene, size: tuple[int, int], bands: int, *, prefilter: bool) -> F32:
+    """Light that the plume scatters to the camera, W m^-2 sr^-1."""
+    from ..reference.shdom import environment_series, solve
+
+    assert scene.environment is not None
+    assert scene.environment.map is not None
+    medium = medium_of(scene, SHDOM_CELLS)
+    sky = scene.environment.map.astype(np.float64)
+    done = solve(medium, environment_series(sky, bands, prefilter=prefilter), bands)
+    eye = np.array(scene.camera.position) - np.asarray(scene.volumes[0].bounds)[0]
+    away = eye - medium.centres
+    towards = away / np.linalg.norm(away, axis=-1, keepdims=True)
+    return marched(scene, medium, done.emission(towards), size)
+
+
+def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, int]) -> F32:
+    """In-scattered radiance per unit sigma_s (z, y, x, 3), marched front to back on the host."""
+    volume = scene.volumes[0]
+    origin, direction = _rays(scene, size)
+    low = np.asarray(volume.bounds)[0]
+    start = np.broadcast_to(origin - low, direction.shape)
+    t0, t1 = ray_box_interval(start, direction, np.zeros(3), medium.extent)
+    t0 = np.maximum(t0, 0.0)
+    dt = np.maximum(t1 - t0, 0.0) / _STEPS
+    assert volume.density is not None
+    voxels = np.array(volume.density.shape[::-1]) / medium.extent
+    total, passed = np.zeros(direction.shape), np.ones(direction.shape)
+    for k in range(_STEPS):
+        p = start + (t0 + (k + 0.5) * dt)[..., None] * direction
+        rho = trilinear(volume.density.astype(np.float64), p * voxels)
+        through = np.exp(-rho[..., None] * medium.sigma_t * dt[..., None])
+        at = p / medium.cell
+        light = np.stack([trilinear(emission[..., c], at) for c in range(3)], axis=-1)
+        total += passed * (1.0 - through) * medium.albedo * light
+        passed = passed * through
+    return total.astype(np.float32)
+
+
+def _rays(scene: Scene, size: tuple[int, int]) -> tuple[F64, F64]:
+    """The eye (3,) and directions (h, w, 3) through the pixels' centres."""
+    camera, (width, height) = scene.camera, size
+    forward = np.subtract(camera.target, camera.position)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    tangent = np.tan(0.5 * np.radians(camera.fov_y_deg))
+    y = tangent * (1.0 - 2.0 * (np.arange(height) + 0.5) / height)
+    x = tangent * width / height * (2.0 * (np.arange(width) + 0.5) / width - 1.0)
+    d = forward + x[None, :, None] * right + y[:, None, None] * up
+    return np.array(camera.position), d / np.linalg.norm(d, axis=-1, keepdims=True)
