@@ -107,7 +107,13 @@ def bits(image):
     return {name: layer.tobytes() for name, layer in image.layers.items()}
 
 
-@pytest.mark.parametrize("technique", SETTINGS)
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "technique",
+    ["lpv", "auto", *(pytest.param(t, marks=SLOW) for t in ("direct", "lpv-scatter", "pop"))],
+)
 def test_a_frame_is_the_same_in_any_order(gpu, moving, technique):
     scene = without_air(moving) if technique in ("direct", "lpv") else moving
     frames = {}
@@ -139,7 +145,7 @@ def test_what_deforms_is_seen_lit_and_shadowed_as_if_made_so(gpu, moving):
     assert np.abs(unmoved.radiance - fresh.radiance).mean() / fresh.radiance.mean() > 0.1
 
 
-@pytest.mark.parametrize("technique", ["pop", "lpv-scatter"])
+@pytest.mark.parametrize("technique", ["pop", pytest.param("lpv-scatter", marks=SLOW)])
 def test_changed_smoke_is_the_smoke_that_it_would_be_from_the_start(gpu, moving, technique):
     only_smoke = Animation((moving.animation.tracks[3],))
     scene = dataclasses.replace(moving, animation=only_smoke)

@@ -161,7 +161,7 @@ class Renderer:
 
     def _take(self, scene: Scene, **changes: Any) -> None:
         """Go on with `scene`, and what of `changes` is not None put into it."""
-        given = {
+        given: dict[str, Any] = {
             name: tuple(value) if name in ("lights", "meshes", "volumes") else value
             for name, value in changes.items()
             if value is not None

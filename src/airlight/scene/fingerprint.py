@@ -36,7 +36,7 @@ def _parts(value: Any) -> Iterator[bytes | memoryview]:
         yield f"{type(value).__name__}:{value!r};".encode()
     elif isinstance(value, np.ndarray):
         yield f"array:{value.dtype.str}{value.shape};".encode()
-        yield memoryview(np.ascontiguousarray(value)).cast("B") if value.size else b""
+        yield np.ascontiguousarray(value).data.cast("B") if value.size else b""
     elif isinstance(value, Path):
         yield f"file:{value.name};".encode()
         yield from _file(value)
