@@ -108,6 +108,11 @@ class Direct:
         """How many lattices surfaces read."""
         return 1
 
+    @property
+    def placements(self) -> tuple[Placement, ...]:
+        """Where they are, the finest first."""
+        return (self.placement,)
+
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Everything that does not depend on the camera."""
         low, high = self._bounds(scene)
@@ -167,7 +172,7 @@ class Direct:
     @property
     def lattice_params(self) -> list[LatticeParams]:
         """Those lattices, the finest first."""
-        return [self.placement.params(self.power_scale, is_paper=self.is_paper)]
+        return [p.params(self.power_scale, is_paper=self.is_paper) for p in self.placements]
 
     def _bounds(self, scene: Scene) -> tuple[Any, Any]:
         """What lights must see, metres; from the instances, since a scene's own take a loop."""

@@ -181,9 +181,7 @@ class Lpv(Direct):
         for level in range(len(self.cascades) - 1, -1, -1):
             self._propagate(commands, level, scale)
 
-    def _light_sky(
-        self, commands: Commands, scene: Scene, moved: list[bool], scale: float
-    ) -> None:
+    def _light_sky(self, commands: Commands, scene: Scene, moved: list[bool], scale: float) -> None:
         """The sky's maps and cubes, where light, geometry or a lattice's place changed."""
         changed = self.sky.encode(commands, self.meshes, scene.environment, self.blockers.walls)
         for part, has_moved in zip(self.cascades, moved, strict=True):

@@ -25,6 +25,7 @@ from ..gpu.layout import Struct, f32, i32, mat4x4f, pack_array, u32
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
+from ..lattice.table import LatticeTable
 from ..maths.transforms import F64
 from .air import Air
 from .rays import RayParams, Rays
@@ -76,23 +77,31 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class LatticeSource:
-    """A solved lattice of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
+    """Solved lattices of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
 
     `bound`: lattice_red/green/blue (or sky_red/green/blue) and the blockers' lattice_open_a/b and
     lattice_walls. For the
     lookup's normalisation (NOTES section 1) scale = (2/3)/(s^2 power_scale), direct = 1; for
     accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
+    `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
+    as the cells of the finest that has the place (Kaplanyan2010 section 7).
     """
 
     placement: Placement
     bound: dict[str, Any]
     scale: float
     direct: float = 1.0
+    finer: tuple[Placement, ...] = ()
+
+    @property
+    def levels(self) -> tuple[Placement, ...]:
+        """All its lattices, the finest first."""
+        return (*self.finer, self.placement)
 
     @property
     def cell_m(self) -> float:
-        """The side of its cells, metres."""
-        return self.placement.cell
+        """The side of its smallest cells, metres."""
+        return self.levels[0].cell
 
 
 def placed(placement: Placement) -> F64:
@@ -120,6 +129,7 @@ class March(ComputePass):
         self._air, self._linear = air, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
+        self._lattices: LatticeTable | None = None
 
     def encode(
         self, commands: Commands, params: RayParams, rays: Rays, *,
@@ -136,7 +146,7 @@ class March(ComputePass):
             values |= {f"source{i}": s.texture for i, s in enumerate(sources)}
         lattices = [x for x in (lattice, sky) if x is not None]
         for one in lattices:
-            values |= {"lattice": one.placement.params(), "linear_clamp": self._linear}
+            values |= {"lattices": self._levels(one.levels), "linear_clamp": self._linear}
             values |= one.bound
         if sky is not None:
             # wgsl/lattice wants a lattice's textures.
@@ -154,6 +164,16 @@ class March(ComputePass):
             **self._air.medium_bound, **values, scattered=scattered, passed=transmittance,
         )  # fmt: skip
 
+    def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
+        if self._lattices is None or self._lattices.count != len(levels):
+            self._release_levels()
+            self._lattices = LatticeTable(self.gpu, len(levels))
+        return self._lattices.filled([level.params() for level in levels])
+
+    def _release_levels(self) -> None:
+        if self._lattices is not None:
+            self._lattices.release()
+
     def _write(self, sources: Sequence[Source]) -> None:
         packed = pack_array(SourceData, [
             {"uvw_from_world": s.uvw_from_world, "scale": s.scale, "medium": s.medium}
@@ -166,6 +186,7 @@ class March(ComputePass):
     def release(self) -> None:
         """Give the memory back."""
         self._table.release()
+        self._release_levels()
 
 
 def _slots(air: Air, sources: int, has_lattice: bool, has_sky: bool) -> tuple[Slot, ...]:
@@ -175,7 +196,7 @@ def _slots(air: Air, sources: int, has_lattice: bool, has_sky: bool) -> tuple[Sl
         slots += [storage("sources", SourceData), sampler("source_linear")]
         slots += [texture(f"source{i}", "3d") for i in range(sources)]
     if has_lattice or has_sky:
-        slots += [uniform("lattice", LatticeParams), sampler("linear_clamp")]
+        slots += [storage("lattices", LatticeParams), sampler("linear_clamp")]
         slots += [
             texture(f"lattice_{name}", "3d")
             for name in ("red", "green", "blue", "open_a", "open_b", "walls")
@@ -188,7 +209,9 @@ def _slots(air: Air, sources: int, has_lattice: bool, has_sky: bool) -> tuple[Sl
 
 
 def _sources_wgsl(sources: int, has_lattice: bool, has_sky: bool) -> str:
-    """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed."""
+    """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
+    `step_share`: how long a step from a place is, in steps of the finest source.
+    """
     parts = ["    lattice_enter(p);\n"] if has_lattice or has_sky else []
     parts += [
         f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
@@ -202,6 +225,8 @@ def _sources_wgsl(sources: int, has_lattice: bool, has_sky: bool) -> str:
     uses = "//! use march_lattice\n" if has_lattice or has_sky else ""
     if has_lattice:
         uses += _emission_wgsl("lattice", "1.0")
+    share = "march_step_share(p)" if (has_lattice or has_sky) and not sources else "1.0"
+    uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
         + "".join(parts)
@@ -228,7 +253,7 @@ def _sky_wgsl(has_sky: bool) -> str:
 def _emission_wgsl(name: str, share: str) -> str:
     """`{name}_emission`, W m^-3 sr^-1: the phase function keeps g of the two-band direction."""
     samples = "".join(
-        f"    let {c} = textureSampleLevel({name}_{c}, linear_clamp, lattice_at.xyz, 0.0);\n"
+        f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
         for c in ("red", "green", "blue")
     )
     channels = ", ".join(
@@ -237,10 +262,9 @@ def _emission_wgsl(name: str, share: str) -> str:
     )
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
-        f"    let weight = march.{name}_scale * lattice_at.w;\n"
-        f"    if (weight <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
+        f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
         f"        let g = air[m].g;\n        sum += {share} * air_density(m, p) * air[m].sigma_t\n"
         f"            * air[m].albedo * vec3f({channels});\n    }}\n"
-        "    return weight * sum;\n}\n"
+        f"    return march.{name}_scale * sum;\n}}\n"
     )

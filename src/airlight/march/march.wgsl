@@ -27,7 +27,8 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
     // Borders of media cut steps short and grids want steps of their own.
     let most = 2u * march.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
     for (var i = 0u; i < most && t < hull.y; i++) {
-        let dt = min(air_step_limit(t, longest), hull.y - t);
+        let here = max(march.step * step_share(rays.eye + t * ray.direction), longest);
+        let dt = min(air_step_limit(t, here), hull.y - t);
         let p = rays.eye + (t + 0.5 * dt) * ray.direction;
         let depth = air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
         let reached = T * dt * mean_transmittance_rgb(depth);

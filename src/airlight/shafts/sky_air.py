@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..gpu.commands import Commands
@@ -68,11 +69,15 @@ class SkyAir:
     """What arrives in each cell of a lattice from an environment, through the air."""
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, sky: Sky, placement: Placement, *,
-        solved: Sequence[Volume] = (),
+        self, gpu: Gpu, scene: Scene, sky: Sky, placement: Placement,
+        size: tuple[int, int, int] | None = None, *, solved: Sequence[Volume] = (),
     ) -> None:  # fmt: skip
-        """`solved` volumes as for Air: their source brings what they scatter once."""
+        """`solved` volumes as for Air: their source brings what they scatter once.
+
+        `size`: cells of the textures, which nested lattices share.
+        """
         self.sky, self.placement = sky, placement
+        self._levels: tuple[Placement, ...] = ()
         self.air = Air(
             # A turning sky may bring more of them.
             gpu, _under(scene, sky), light_count=max(len(sky.lights), sky.maps.layers),
@@ -83,7 +88,7 @@ class SkyAir:
         count = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
         self._compare = comparison_sampler(gpu)
-        nx, ny, nz = placement.count
+        nx, ny, nz = size or placement.count
 
         def made(name: str, depth: int) -> Texture:
             return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), "rgba16float",
@@ -94,33 +99,42 @@ class SkyAir:
         self._written = (b"", -1)
 
     def encode(
-        self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture, *,
-        shadows_changed: bool,
+        self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture,
+        levels: Sequence[Placement] = (), *, shadows_changed: bool,
     ) -> None:  # fmt: skip
-        """Bring the cells up to date; `sky` and its maps have been. low..high as for Air."""
+        """Bring the cells up to date; `sky` and its maps have been. low..high as for Air.
+
+        `levels`: the lattices that share the textures, the finest first; else the one alone.
+        """
         self.air.update(commands, _under(scene, self.sky), low, high)
         table = pack_array(LightData, light_rows(tuple(self.sky.lights)))
         written = (table.tobytes(), self.air.version)
-        if written == self._written and not shadows_changed:
+        before = () if written != self._written or shadows_changed else self._levels
+        self._levels = tuple(replace(x, fade=None) for x in levels or (self.placement,))
+        stale = [level for level in self._levels if level not in before]
+        if not stale:
             return
         self._written = written
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
         self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
         self._lights.write(table)
-        self._pass.dispatch(
-            commands, self.placement.count,
-            params=SkyAirParams(light_count=len(self.sky.lights), scale=self.scale),
-            lattice=self.placement.params(), lights=self._lights, views=self.sky.maps.views,
-            depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
-            red=self.red, green=self.green, blue=self.blue, cube=self.cube, **self.air.bound,
-        )  # fmt: skip
+        for level in stale:
+            self._pass.dispatch(
+                commands, level.count,
+                params=SkyAirParams(light_count=len(self.sky.lights), scale=self.scale),
+                lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
+                depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
+                red=self.red, green=self.green, blue=self.blue, cube=self.cube,
+                **self.air.bound,
+            )  # fmt: skip
 
-    def source(self, walls: dict[str, Any]) -> LatticeSource:
-        """For marching; `walls` as Blockers.bound."""
+    def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
+        """For marching; `walls` as Blockers.bound, `finer` as LatticeSource."""
         bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
         return LatticeSource(
-            self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0
-        )
+            self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0,
+            finer=finer,
+        )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

@@ -56,13 +56,14 @@ fn stored(even: f32, flux: vec3f) -> vec4f {
             minus[axis] += e * max(0.0, way[axis]);
         }
     }
-    textureStore(red, id, stored(fluence.r, vec3f(flux[0].r, flux[1].r, flux[2].r)));
-    textureStore(green, id, stored(fluence.g, vec3f(flux[0].g, flux[1].g, flux[2].g)));
-    textureStore(blue, id, stored(fluence.b, vec3f(flux[0].b, flux[1].b, flux[2].b)));
+    let texel = id + vec3u(0u, lattice.first_row, 0u);
+    textureStore(red, texel, stored(fluence.r, vec3f(flux[0].r, flux[1].r, flux[2].r)));
+    textureStore(green, texel, stored(fluence.g, vec3f(flux[0].g, flux[1].g, flux[2].g)));
+    textureStore(blue, texel, stored(fluence.b, vec3f(flux[0].b, flux[1].b, flux[2].b)));
     // The ambient cube of lattice/skylight: +x -x +y -y +z -z.
     for (var axis = 0u; axis < 3u; axis++) {
-        let layers = vec3u(0u, 0u, lattice.count.z);
-        textureStore(cube, id + 2u * axis * layers, vec4f(plus[axis], 1.0));
-        textureStore(cube, id + (2u * axis + 1u) * layers, vec4f(minus[axis], 1.0));
+        let layers = vec3u(0u, 0u, textureDimensions(red).z);
+        textureStore(cube, texel + 2u * axis * layers, vec4f(plus[axis], 1.0));
+        textureStore(cube, texel + (2u * axis + 1u) * layers, vec4f(minus[axis], 1.0));
     }
 }

@@ -61,7 +61,14 @@ class InAir(Direct):
         self.air = self.air_light.air
         self.sky_air: SkyAir | None = None
         if has_sky and self.air.count:
-            self.sky_air = SkyAir(gpu, scene, self.sky, self.placement, solved=self.solved(scene))
+            self.sky_air = SkyAir(
+                gpu,
+                scene,
+                self.sky,
+                self.placement,
+                self.texture_size,
+                solved=self.solved(scene),
+            )
         self._shadows, self._sky_version = (-1, -1), -1
 
     def solved(self, scene: Scene) -> tuple[Volume, ...]:
@@ -93,14 +100,14 @@ class InAir(Direct):
             self._sky_version = self.meshes.version
             with commands.stage("sky"):
                 self.sky_air.encode(commands, scene, *self._bounds(scene), self.blockers.walls,
-                                    shadows_changed=is_moved)  # fmt: skip
+                                    self.placements, shadows_changed=is_moved)  # fmt: skip
 
     def draw(self, commands: Commands, view: View) -> None:
         """Surfaces, shafts, marching, and all of it together."""
         super().draw(commands, view)
         sky = None
         if self.sky_air and self.air_light.has_sky:
-            sky = self.sky_air.source(self.blockers.bound)
+            sky = self.sky_air.source(self.blockers.bound, self.placements[:-1])
         self.air_light.encode(
             commands, view, self.lights, self.sources(), self.lattice_source(), sky,
             frame=view.sample,
@@ -218,7 +225,8 @@ def _bounced(technique: Lpv) -> LatticeSource:
     """Mean radiance of a lattice of bounced light."""
     scale = LOOKUP_SCALE / (technique.placement.cell**2 * technique.power_scale)
     bound = {**technique.textures.bound, **technique.blockers.bound}
-    return LatticeSource(technique.placement, bound, scale)
+    finer = tuple(part.placement for part in technique.cascades[:-1])
+    return LatticeSource(technique.placement, bound, scale, finer=finer)
 
 
 def _air_settings(settings: Any, *, has_single: bool) -> AirSettings:

@@ -1,15 +1,53 @@
-// What a lattice scatters towards the eye. The including pass binds what `lattice` needs and adds
-// what samples textures at `lattice_at` (march/march.py).
+// What lattices scatter towards the eye. The including pass binds what `lattice` needs and the
+// table `lattices`, the finest first, and adds what samples their textures (march/march.py).
 //! use air
 //! use lattice
 
-var<private> lattice_at: vec4f;     // texture coordinates of the step's middle, and their weight
+const LATTICES_AT_ONCE = 3u;        // that fade into each other at one place
+
+// Texture coordinates of the step's middle, and their weight; the first is 0 where there are none.
+var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;
+// A cell's power over that of the largest lattice, where both hold the same light.
+var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
 fn lattice_enter(p: vec3f) {
-    lattice_at = vec4f(0.0, 0.0, 0.0, lattice_weight(lattice, p));
-    if (lattice_at.w > 0.0) {
-        lattice_at = vec4f(lattice_coordinates(lattice, p, vec3f(0.0)), lattice_at.w);
+    let last = arrayLength(&lattices) - 1u;
+    for (var i = 0u; i < LATTICES_AT_ONCE; i++) {
+        lattice_at[i].w = 0.0;
     }
+    var left = 1.0;
+    var found = 0u;
+    for (var k = 0u; k <= last && left > 0.0 && found < LATTICES_AT_ONCE; k++) {
+        let weight = left * lattice_weight(lattices[k], p);
+        if (weight > 0.0) {
+            let finer = lattices[last].cell / lattices[k].cell;
+            let uvw = lattice_coordinates(lattices[k], p, vec3f(0.0));
+            lattice_at[found] = vec4f(uvw, weight);
+            lattice_gain[found] = finer * finer;
+            left -= weight;
+            found++;
+        }
+    }
+}
+
+// `is_power`: the texture holds the power of cells, not what is per square metre.
+fn lattice_blended(states: texture_3d<f32>, is_power: bool) -> vec4f {
+    var sum = vec4f(0.0);
+    for (var i = 0u; i < LATTICES_AT_ONCE && lattice_at[i].w > 0.0; i++) {
+        let gain = lattice_at[i].w * select(1.0, lattice_gain[i], is_power);
+        sum += gain * textureSampleLevel(states, linear_clamp, lattice_at[i].xyz, 0.0);
+    }
+    return sum;
+}
+
+// Cells of the finest lattice that has the place, over the finest lattice's.
+fn march_step_share(p: vec3f) -> f32 {
+    let last = arrayLength(&lattices) - 1u;
+    var k = 0u;
+    while (k < last && lattice_weight(lattices[k], p) <= 0.0) {
+        k++;
+    }
+    return lattices[k].cell / lattices[0].cell;
 }
 
 fn lattice_radiance(state: vec4f, travel: vec3f, direct: f32) -> f32 {
