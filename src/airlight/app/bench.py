@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .bench_frames import Case
     from .progress import Report
 
-PARTS = ("frames", "propagation", "first-image", "growth")
+PARTS = ("frames", "propagation", "first-image", "growth", "pop")
 ROOM_SIZE, ATRIUM_SIZE, QUICK_SIZE = (640, 360), (1280, 720), (96, 54)
 QUICK_SETTINGS = {"resolution": 12, "iterations": 2, "map_resolution": 32}
 
@@ -95,12 +95,18 @@ def measured(
     if "propagation" in wanted:
         report("propagation", 0.0)
         results["propagation"] = _propagation(plan, adapter)
+        report("propagation to 26 neighbours", 0.5)
+        results["scattering"] = _scattering(plan, adapter)
     if "first-image" in wanted:
         results["first_image"] = _first_images(cases, adapter, report)
     if "frames" in wanted:
         results["frames"] = _frames(cases, plan, adapter, loaded, report)
     if "growth" in wanted:
         results["growth"] = _growth(plan, settings, adapter, loaded, report)
+    if "pop" in wanted:
+        from .bench_pop import measure
+
+        results["pop"] = measure(adapter, report, quick=quick)
     return results
 
 
@@ -144,6 +150,13 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
 def _propagation(plan: Plan, adapter: str) -> dict[str, Any]:
     from ..gpu.device import open_gpu
     from .bench_kernel import measure
+
+    return measure(open_gpu(adapter), plan.kernel_runs, plan.kernel_sides)
+
+
+def _scattering(plan: Plan, adapter: str) -> dict[str, Any]:
+    from ..gpu.device import open_gpu
+    from .bench_scatter import measure
 
     return measure(open_gpu(adapter), plan.kernel_runs, plan.kernel_sides)
 

@@ -40,17 +40,18 @@ def measure(gpu: Gpu, runs: int, sides: tuple[int, ...] = SIDES) -> dict[str, An
     return {"iterations": ITERATIONS, "c": said, "cases": cases}
 
 
-def compiled(folder: Path) -> tuple[Path | None, str]:
+def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str]:
     """The C program made in `folder` and its compiler's line; or None and why not."""
+    source = c_file or C_FILE
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), "")
-    if not C_FILE.is_file():
-        return None, "skipped: benchmarks/propagate.c is not here (this is not a checkout)"
+    if not source.is_file():
+        return None, f"skipped: benchmarks/{source.name} is not here (this is not a checkout)"
     if not compiler:
         return None, "skipped: there is no C compiler"
-    program = folder / "propagate"
-    line = [Path(compiler).name, *C_FLAGS, C_FILE.name, "-o", program.name]
+    program = folder / source.stem
+    line = [Path(compiler).name, *C_FLAGS, source.name, "-o", program.name]
     done = subprocess.run(
-        [compiler, *C_FLAGS, str(C_FILE), "-o", str(program)],
+        [compiler, *C_FLAGS, str(source), "-o", str(program)],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode != 0:
@@ -67,7 +68,8 @@ def random_faces(rng: np.random.Generator, cells: int) -> NDArray[np.uint32]:
 def _case(gpu: Gpu, program: Path | None, side: int, blocked: bool, runs: int) -> dict[str, Any]:
     own: list[float] = []
     theirs: list[float] = []
-    with device_runner(gpu, side, blocked) as device, c_runner(program, side, blocked) as c:
+    words = [str(side), *(["blocked"] if blocked else [])]
+    with device_runner(gpu, side, blocked) as device, c_runner(program, words) as c:
         for _ in range(2):  # compile, touch the memory
             device()
             c()
@@ -119,12 +121,12 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
 
 
 @contextmanager
-def c_runner(program: Path | None, side: int, blocked: bool) -> Iterator[Callable[[], float]]:
+def c_runner(program: Path | None, given: list[str]) -> Iterator[Callable[[], float]]:
     """The same for the C program, which waits for a line per run; 0 where there is none."""
     if program is None:
         yield lambda: 0.0
         return
-    words = [str(program), "serve", str(side), *(["blocked"] if blocked else [])]
+    words = [str(program), "serve", *given]
     child = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert child.stdin is not None and child.stdout is not None
     asked, answered = child.stdin, child.stdout

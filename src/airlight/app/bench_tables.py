@@ -27,10 +27,14 @@ def tables(results: Mapping[str, Any]) -> list[Table]:
     if results.get("frames"):
         found += [_frames(results["frames"]), _stages(results["frames"])]
     if results.get("propagation"):
-        found.append(_propagation(results["propagation"]))
+        found.append(_propagation(results["propagation"], "propagation steps"))
+    if results.get("scattering"):
+        found.append(_propagation(results["scattering"], "steps to 26 neighbours in air"))
     if results.get("first_image"):
         found.append(_first_images(results["first_image"]))
     found += [_growth(table) for table in results.get("growth", ())]
+    if results.get("pop"):
+        found += pop_tables(results["pop"])
     return found
 
 
@@ -119,7 +123,7 @@ def _stages(cases: Sequence[Mapping[str, Any]]) -> Table:
     return Table("Stages, ms, each waited for", columns, (*rows, total))
 
 
-def _propagation(found: Mapping[str, Any]) -> Table:
+def _propagation(found: Mapping[str, Any], steps: str) -> Table:
     rows = []
     for c in found["cases"]:
         own = c["device_ms"]
@@ -132,7 +136,7 @@ def _propagation(found: Mapping[str, Any]) -> Table:
         name = f"{c['side']}^3, {'blocked and bouncing' if c['is_blocked'] else 'empty'}"
         rows.append((name, *times, *yardstick))
     columns = ("lattice", "ours, ms median", "min", "C, ms median", "min", "ratio median", "min")
-    title = f"{found['iterations']} propagation steps beside C ({found['c']})"
+    title = f"{found['iterations']} {steps} beside C ({found['c']})"
     return Table(title, columns, tuple(rows))
 
 
@@ -163,6 +167,31 @@ def _growth(table: Mapping[str, Any]) -> Table:
     columns = (table["axis"], "cells", "triangles", "frame, ms", *names)
     title = f"Growth with {table['axis']}: {table['scene']} at {_by(table['size'])}"
     return Table(title, columns, tuple(lines))
+
+
+def pop_tables(found: Mapping[str, Any]) -> list[Table]:
+    """Principal ordinates: stages under the paper's names, and growth."""
+    cases, paper = found["cases"], found["paper_ms"]
+    names = list(cases[0]["stages_ms"])
+    rows = [
+        (n, *(milliseconds(c["stages_ms"][n]) for c in cases), str(paper.get(n, "-"))) for n in names
+    ]
+    frame = (milliseconds(c["frame_ms"]["median"]) for c in cases)
+    rows.append(("frame", *frame, milliseconds(sum(paper.values()))))
+    columns = ("ms", *(c["name"] for c in cases), "paper, GTX 770")
+    title = f"Principal ordinates at {_by(found['size'])}, the map turning"
+    tables = [Table(title, columns, tuple(rows))]
+    for growth in found["growth"]:
+        lines = tuple(
+            (
+                str(row["value"]), milliseconds(row["frame_ms"]["median"]),
+                *(milliseconds(row["stages_ms"][n]) for n in names),
+            )
+            for row in growth["rows"]
+        )  # fmt: skip
+        columns = (growth["axis"], "frame, ms", *names)
+        tables.append(Table(f"Principal ordinates: growth with {growth['axis']}", columns, lines))
+    return tables
 
 
 def _by(size: Sequence[int]) -> str:
