@@ -1,0 +1,303 @@
+"""Write what these pages take from the code: settings, commands, names, measured errors.
+
+    python docs/generate.py
+
+Whole pages: scene-file.md, command-line.md, python.md. In other pages, what stands between
+`<!-- generated: KIND NAME -->` and `<!-- generated: end -->`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import re
+import types
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+import airlight
+from airlight import env
+from airlight.app.cli import airlight as command_line
+from airlight.app.scenes import descriptions
+from airlight.figures.registry import FIGURES
+from airlight.lighting.direct import SurfaceSettings
+from airlight.scene.io.toml_tables import schema_markdown
+from airlight.shafts.air_light import AirSettings
+from airlight.techniques import TECHNIQUES, technique_class
+
+DOCS = Path(__file__).parent
+_PART = re.compile(
+    r"(<!-- generated: (?P<kind>[\w-]+)(?: (?P<name>[\w-]+))? -->\n)(?P<body>.*?)"
+    r"(<!-- generated: end -->)",
+    re.DOTALL,
+)
+_SHARED = {"surfaces": SurfaceSettings, "air": AirSettings}
+
+
+def generated_pages() -> dict[Path, str]:
+    """Every page that the code has a part in, as it should be."""
+    pages = {
+        DOCS / "scene-file.md": schema_markdown(),
+        DOCS / "command-line.md": command_line_page(),
+        DOCS / "python.md": python_page(),
+    }
+    for path in sorted(DOCS.rglob("*.md")):
+        if path not in pages:
+            text = path.read_text(encoding="utf-8")
+            if _PART.search(text):
+                pages[path] = _PART.sub(_filled, text)
+    return pages
+
+
+def _filled(part: re.Match[str]) -> str:
+    kinds: dict[str, Callable[[str], str]] = {
+        "settings": settings_table, "errors": errors_table, "switches": lambda _: switches_table(),
+        "scenes": lambda _: scenes_table(), "figures": lambda _: figures_table(),
+    }  # fmt: skip
+    return f"{part[1]}{kinds[part['kind']](part['name'] or '')}\n{part[5]}"
+
+
+def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    names = list(head)
+    lines = [names, ["---"] * len(names), *map(list, rows)]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+
+
+# ---- Settings ----------------------------------------------------------------------------------
+
+
+def settings_table(name: str) -> str:
+    """Settings of a technique that are its own, or of a shared class (surfaces, air)."""
+    if name in _SHARED:
+        return _settings_rows(dataclasses.fields(_SHARED[name]))
+    cls = technique_class(name).Settings
+    shared = {
+        field.name: field.default for base in _SHARED.values() for field in dataclasses.fields(base)
+    }
+    own = [
+        field for field in dataclasses.fields(cls)
+        if field.name not in shared or field.default != shared[field.name]
+    ]  # fmt: skip
+    beside = [
+        f"[{key}](index.md#settings-of-{key})" for key, base in _SHARED.items()
+        if {f.name for f in dataclasses.fields(base)} <= {f.name for f in dataclasses.fields(cls)}
+    ]  # fmt: skip
+    also = f"And those of {' and '.join(beside)}, which several techniques share."
+    return f"{_settings_rows(own)}\n\n{also}" if own else also
+
+
+def _settings_rows(fields: Iterable[dataclasses.Field[Any]]) -> str:
+    return _table(
+        ("setting", "default", "unit", "range", "meaning"),
+        (
+            (f"`{f.name}`", _value(f.default), f.metadata["unit"], _range(f), f.metadata["help"])
+            for f in fields
+        ),
+    )
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "none" if value == () else f"{value}"
+
+
+def _range(field: dataclasses.Field[Any]) -> str:
+    low, high, choices = (field.metadata[key] for key in ("low", "high", "choices"))
+    if choices:
+        return ", ".join(f"`{choice}`" for choice in choices)
+    if isinstance(field.default, bool):
+        return "true, false"
+    return "" if low is None else f"{low} to {high if high is not None else 'any'}"
+
+
+# ---- Numbers -----------------------------------------------------------------------------------
+
+
+def errors_table(technique: str) -> str:
+    """The technique's rows of accuracy.md."""
+    lines = (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
+    head = next(line for line in lines if line.startswith("| scene | technique |"))
+    names = [cell.strip() for cell in head.strip("|").split("|")]
+    rows = [
+        cells for line in lines if line.startswith("|")
+        if (cells := [cell.strip() for cell in line.strip("|").split("|")])[1:2] == [technique]
+    ]  # fmt: skip
+    if not rows:
+        return "Not in [accuracy](../accuracy.md) yet."
+    keep = [k for k in range(len(names)) if k != 1 and any(row[k] for row in rows)]
+    title = (names[k].replace("_", " ") for k in keep)
+    return _table(title, ([row[k] for k in keep] for row in rows))
+
+
+def switches_table() -> str:
+    """The AIRLIGHT_* variables."""
+    rows = ((f"`{s.name}`", f"`{s.default}`" if s.default else "", s.meaning) for s in env.SWITCHES)
+    return _table(("variable", "default", "meaning"), rows)
+
+
+def scenes_table() -> str:
+    """The scenes that ship."""
+    return _table(("scene", "shows"), ((f"`{k}`", v) for k, v in descriptions().items()))
+
+
+def figures_table() -> str:
+    """The figures of the papers."""
+    rows = ((f"`{name}`", f.source, f.shows) for name, f in FIGURES.items())
+    return _table(("figure", "beside", "shows"), rows)
+
+
+# ---- The command line --------------------------------------------------------------------------
+
+
+def command_line_page() -> str:
+    """Every command with its help, as it prints it."""
+    parts = [
+        "# Command line\n",
+        "Printed from the commands' own `--help` by `./run docs`. Exit code 0: done; 2: bad input "
+        "or a missing capability, in one message; 1: a mistake of ours; 130: interrupted. Results "
+        "go to standard output, progress to standard error.\n",
+    ]
+    context = click.Context(command_line, info_name="airlight", terminal_width=88)
+    for name in command_line.list_commands(context):
+        command = command_line.get_command(context, name)
+        assert command is not None
+        own = click.Context(command, info_name=name, parent=context, terminal_width=88)
+        parts.append(f"## airlight {name}\n\n```text\n{command.get_help(own)}\n```\n")
+    return "\n".join(parts)
+
+
+# ---- Python ------------------------------------------------------------------------------------
+
+
+def python_page() -> str:
+    """Every public name with its signature and its docstring."""
+    parts = [
+        "# Python reference\n",
+        "Printed from the docstrings by `./run docs`. `import airlight as al`; everything here is "
+        "`al.NAME`. Arrays are NumPy's; lengths are metres, colours linear Rec.709.\n",
+    ]
+    groups = _by_kind({name: getattr(airlight, name) for name in airlight.__all__})
+    for title, names in groups.items():
+        parts.append(f"## {title}\n")
+        parts += [_entry(name, value) for name, value in names.items()]
+    return "\n".join(parts)
+
+
+def _by_kind(names: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    groups: dict[str, dict[str, Any]] = {
+        "Functions": {}, "Classes": {}, "Modules": {}, "Errors": {}, "Types": {},
+    }  # fmt: skip
+    for name, value in names.items():
+        if isinstance(value, types.ModuleType):
+            groups["Modules"][name] = value
+        elif isinstance(value, type):
+            groups["Errors" if issubclass(value, Exception) else "Classes"][name] = value
+        else:
+            groups["Functions" if callable(value) else "Types"][name] = value
+    return {title: own for title, own in groups.items() if own}
+
+
+def _entry(name: str, value: Any) -> str:
+    if isinstance(value, types.ModuleType):
+        functions = [
+            _function(f"{name}.{key}", getattr(value, key), "####")
+            for key in value.__all__ if inspect.isfunction(getattr(value, key))
+        ]  # fmt: skip
+        return f"### {name}\n\n{_prose(value)}\n\n" + "\n".join(functions)
+    if isinstance(value, type):
+        return _class(name, value)
+    if inspect.isfunction(value):
+        return _function(name, value, "###")
+    return f"### {name}\n\n`{str(value).replace('airlight.scene.lights.', '')}`\n"
+
+
+def _class(name: str, cls: type) -> str:
+    if issubclass(cls, Exception):
+        return f"### {name}\n\n{_prose(cls)}\n"
+    methods = [
+        _method(key, member) for key, member in vars(cls).items()
+        if not key.startswith("_") and isinstance(member, (types.FunctionType, property,
+                                                           staticmethod, classmethod))
+    ]  # fmt: skip
+    body = f"### {name}\n\n```text\n{_signature(name, cls)}\n```\n\n{_prose(cls)}\n"
+    return "\n".join([body, *methods])
+
+
+def _method(key: str, member: Any) -> str:
+    if isinstance(member, property):
+        return f"#### .{key}\n\n{_prose(member)}\n"
+    function = getattr(member, "__func__", member)
+    return _function(f".{key}", function, "####")
+
+
+def _function(name: str, function: Any, level: str) -> str:
+    return f"{level} {name}\n\n```text\n{_signature(name, function)}\n```\n\n{_prose(function)}\n"
+
+
+_LONGEST_LINE = 88
+
+
+def _signature(name: str, value: Any) -> str:
+    """NAME(parameters) -> result; a parameter a line where it would be too wide."""
+    signature = inspect.signature(value)
+    shown, starred = [], False
+    for parameter in signature.parameters.values():
+        if parameter.name == "self":
+            continue
+        if parameter.kind is parameter.KEYWORD_ONLY and not starred:
+            shown.append("*")
+            starred = True
+        shown.append(_plain(parameter))
+    plain = _short(str(signature.return_annotation))
+    result = "" if signature.return_annotation is signature.empty or isinstance(value, type) else (
+        f" -> {plain}"
+    )  # fmt: skip
+    line = f"{name}({', '.join(shown)}){result}"
+    if len(line) <= _LONGEST_LINE:
+        return line
+    return f"{name}(\n    " + ",\n    ".join(shown) + f",\n){result}"
+
+
+def _plain(parameter: inspect.Parameter) -> str:
+    empty = parameter.empty
+    text = parameter.name
+    if parameter.annotation is not empty:
+        text += f": {_short(str(parameter.annotation))}"
+    if parameter.default is empty:
+        return text
+    default = repr(parameter.default)
+    return f"{text} = {default if '<' not in default and 'array(' not in default else '...'}"
+
+
+def _short(annotation: str) -> str:
+    return annotation.replace("<class '", "").replace("'>", "").rpartition("airlight.")[2]
+
+
+def _prose(value: Any) -> str:
+    """A docstring as Markdown: paragraphs stay, what is laid out in columns becomes text."""
+    paragraphs = (inspect.getdoc(value) or "").split("\n\n")
+    return "\n\n".join(_paragraph(p) for p in paragraphs)
+
+
+def _paragraph(text: str) -> str:
+    lines = text.splitlines()
+    is_laid_out = any("   " in line.strip() or line.startswith((" ", ">>>")) for line in lines)
+    looks_like_code = re.search(r"^(with |for |class |@)", text) is not None
+    return f"```text\n{text}\n```" if is_laid_out or looks_like_code else text
+
+
+def main() -> None:
+    """Write every page that changed."""
+    for path, text in generated_pages().items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8", newline="\n")
+            print(f"written: {path.relative_to(DOCS.parent)}")
+
+
+if __name__ == "__main__":
+    assert set(TECHNIQUES)  # imported for its table of names
+    main()

@@ -1,0 +1,62 @@
+"""The examples run from any folder, headless, and leave what they promise."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import PIL.Image
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MADE = {
+    "array_to_volume.py": ["array_to_volume.png"],
+    "cloud_turning_sun.py": ["cloud.webp", "cloud/0000.png", "cloud/0023.png"],
+    "smoke_in_atrium.py": ["smoke_in_atrium.png"],
+    "sun_shafts.py": ["sun_shafts.png", "sun_shafts.exr", "sun_shafts_parts.png"],
+    "sweep.py": ["sweep.csv", "sweep.png"],
+}
+NOTEBOOK = EXAMPLES / "compare_techniques.ipynb"
+
+
+def test_every_example_is_run_here_and_listed():
+    there = {path.name for path in EXAMPLES.iterdir() if path.suffix in (".py", ".ipynb")}
+    assert there == {*MADE, NOTEBOOK.name}
+    docs = (EXAMPLES.parent / "docs" / "examples.md").read_text("utf-8")
+    readme = (EXAMPLES / "README.md").read_text("utf-8")
+    for name in there:
+        assert f"`{name}`" in docs
+        assert f"({name})" in readme
+
+
+def test_each_says_how_it_is_run_and_what_one_should_see():
+    for name in MADE:
+        text = (EXAMPLES / name).read_text("utf-8")
+        assert f"    python examples/{name}" in text
+        assert "You should see" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(MADE))
+def test_an_example_makes_what_it_says(gpu, small, name):
+    runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+    for made in MADE[name]:
+        path = small / made
+        assert path.stat().st_size > 0, made
+        if path.suffix in (".png", ".webp"):
+            low, high = PIL.Image.open(path).convert("L").getextrema()
+            assert high > low, f"{made} is all one colour"
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_to_its_end(gpu, tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    client = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    book = nbformat.read(NOTEBOOK, as_version=4)
+    first = next(cell for cell in book.cells if "SIZE = (320, 180)" in cell.source)
+    first.source = first.source.replace("(320, 180)", "(32, 18)")
+    client.NotebookClient(book, timeout=300, kernel_name="python3").execute(cwd=str(tmp_path))
+    outputs = [output for cell in book.cells for output in cell.get("outputs", [])]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 3
+    assert not [output for output in outputs if output["output_type"] == "error"]

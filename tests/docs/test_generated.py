@@ -1,0 +1,103 @@
+"""What pages take from the code is what the code says now; every technique has its page."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from airlight.app import cli
+from airlight.techniques import TECHNIQUES, technique_class
+
+DOCS = Path(__file__).parents[2] / "docs"
+SECTIONS = ("## Idea", "## Settings", "## How far off", "## Limits", "## When to use it")
+
+
+@pytest.fixture(scope="module")
+def generate():
+    spec = importlib.util.spec_from_file_location("generate_docs", DOCS / "generate.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_generated_parts_are_up_to_date(generate):
+    old = [
+        path.name for path, text in generate.generated_pages().items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
+    ]  # fmt: skip
+    assert not old, f"./run docs writes them again: {', '.join(old)}"
+
+
+@pytest.mark.parametrize("name", list(TECHNIQUES))
+def test_a_technique_has_a_page_with_all_that_one_asks(name):
+    text = (DOCS / "techniques" / f"{name}.md").read_text(encoding="utf-8")
+    assert text.startswith(f"# {name}\n")
+    places = [text.index(section) for section in SECTIONS]
+    assert places == sorted(places)
+    assert f"<!-- generated: settings {name} -->" in text
+    assert f"<!-- generated: errors {name} -->" in text
+
+
+@pytest.mark.parametrize("name", list(TECHNIQUES))
+def test_every_setting_says_what_it_means(name):
+    for field in dataclasses.fields(technique_class(name).Settings):
+        assert field.metadata.get("help"), field.name
+
+
+def test_a_settings_table_leaves_out_what_is_shared(generate):
+    table = generate.settings_table("lpv")
+    assert "| `iterations` |" in table
+    assert "| `shadow_resolution` |" not in table
+    assert "index.md#settings-of-surfaces" in table
+    assert "| `shadow_resolution` | 2048 | px | 16 to 8192 |" in generate.settings_table("surfaces")
+
+
+def test_errors_are_those_of_the_accuracy_page(generate):
+    table = generate.errors_table("direct").splitlines()
+    assert table[0].startswith("| scene | direct |")
+    whole = (DOCS / "accuracy.md").read_text(encoding="utf-8")
+    scenes = re.findall(r"^\| ([\w-]+) \| direct \|", whole, re.MULTILINE)
+    assert [row.split(" | ")[0].strip("| ") for row in table[2:]] == scenes
+    assert generate.errors_table("nothing") == "Not in [accuracy](../accuracy.md) yet."
+
+
+COMMON = {
+    "unknown technique 'lpw'. Did you mean 'lpv'?":
+        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpw"],
+    "technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?":
+        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpv", "-D", "resolutoin=8"],
+    "setting resolution = '1000' is out of range. It goes from 4 to 256.":
+        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpv", "-D", "resolution=1000"],
+    "a scene file cannot end in '.fbx'": ["render", "a.fbx", "-o", "a.png"],
+    "room.obj: file not found. Check the path.": ["render", "room.obj", "-o", "a.png"],
+    "--layers needs an .exr, .png holds one picture":
+        ["render", "builtin:cornell", "-o", "a.png", "--layers"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("message", COMMON)
+def test_messages_of_the_troubleshooting_page_are_what_is_said(
+    message, capsys, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    assert f"`{message}`" in (DOCS / "troubleshooting.md").read_text(encoding="utf-8")
+    assert cli.run(COMMON[message]) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning(tmp_path):
+    build = pytest.importorskip("sphinx.cmd.build", reason="the extra `docs` is not installed")
+    pytest.importorskip("furo")
+    code = build.main(["-q", "-W", "--keep-going", "-b", "html", str(DOCS), str(tmp_path / "site")])
+    assert code == 0
+    page = (tmp_path / "site" / "techniques" / "lpv.html").read_text("utf-8")
+    assert "<math" in page
+    assert "https://cdn" not in page
