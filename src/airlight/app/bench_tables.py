@@ -174,7 +174,8 @@ def pop_tables(found: Mapping[str, Any]) -> list[Table]:
     cases, paper = found["cases"], found["paper_ms"]
     names = list(cases[0]["stages_ms"])
     rows = [
-        (n, *(milliseconds(c["stages_ms"][n]) for c in cases), str(paper.get(n, "-"))) for n in names
+        (n, *(milliseconds(c["stages_ms"][n]) for c in cases), str(paper.get(n, "-")))
+        for n in names
     ]
     frame = (milliseconds(c["frame_ms"]["median"]) for c in cases)
     rows.append(("frame", *frame, milliseconds(sum(paper.values()))))
