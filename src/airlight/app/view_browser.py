@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import logging
 import os
 import socket
@@ -16,7 +17,8 @@ from .view_session import Session
 
 _LARGEST_SIDE_PX = 4096
 _LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
-_KEPT_FROM_BROWSERS = ("close",)  # a tab that closes must not end the session
+_SERVER = 0  # the id of what the server itself says; browsers count from 1
+_SERVERS_OWN = ("close", "_clients_change")  # a tab that closes must not end the session
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -102,14 +104,26 @@ def serve(
 def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
     """A canvas of `rendercanvas.http` that does not believe everything a browser says."""
 
+    sizes: dict[int, dict[str, Any]] = {}
+
     class GuardedCanvas(http.HttpRenderCanvas):  # type: ignore[misc]
         def _on_event(self, event: dict[str, Any], id: int) -> None:
-            kept = believed(event)
-            if kept is not None:
-                super()._on_event(kept, id)
+            kept = event if id == _SERVER else believed(event)
+            if kept is None:
+                return
+            if kept["type"] == "resize":
+                sizes[id] = kept
+            steering = self._active_client
+            super()._on_event(kept, id)
+            if self._active_client != steering:
+                # Who steered is gone: no button of theirs is held, and another's size counts.
+                session.controls.release()
+                if self._active_client in sizes:
+                    super()._on_event(sizes[self._active_client], self._active_client)
 
-    http.resources["index.html"] = ("text/html; charset=utf-8", PAGE)
     title = f"{session.state.scene.name} - airlight"
+    page = PAGE.replace("<title>airlight", f"<title>{html.escape(title)}")
+    http.resources["index.html"] = ("text/html; charset=utf-8", page)
     canvas = GuardedCanvas(size=size, title=title, max_fps=30, update_mode="ondemand")
     canvas._size_info.set_physical_size(*size, 1.0)
     return canvas
@@ -117,7 +131,9 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
 
 def believed(event: Any) -> dict[str, Any] | None:
     """An event from a browser as far as it can be used, sizes within reason; else None."""
-    if not isinstance(event, dict) or event.get("type") in _KEPT_FROM_BROWSERS:
+    if not isinstance(event, dict) or not isinstance(event.get("type"), str):
+        return None
+    if event["type"] in _SERVERS_OWN:
         return None
     if event.get("type") != "resize":
         return event

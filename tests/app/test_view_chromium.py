@@ -1,0 +1,127 @@
+"""The viewer in a real browser: the page loads, and a drag changes what it shows."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCENE = Path(__file__).with_name("view_box.toml")
+SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
+                          "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
+PANEL_PX = 340
+
+
+@pytest.fixture(scope="module")
+def page():
+    """(page, link) with the viewer open in it."""
+    pytest.importorskip("uvicorn")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = [shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")]
+    program = next(filter(None, found), None)
+    if program is None:
+        pytest.skip("no Chromium on this machine")
+    viewer = subprocess.Popen(
+        [sys.executable, "-m", "airlight", "view", str(SCENE), "--in", "browser", "--no-open",
+         "-t", "direct", *SMALL],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    assert viewer.stdout is not None
+    link = viewer.stdout.readline().strip()
+    # A container's root has no user namespaces for the browser's sandbox.
+    flags = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=flags)
+        opened = browser.new_context(viewport={"width": 640, "height": 320}).new_page()
+        for _ in range(50):
+            try:
+                opened.goto(link)
+                break
+            except sync_api.Error:
+                time.sleep(0.2)
+        yield opened, link
+        browser.close()
+    viewer.terminate()
+    viewer.wait(20)
+
+
+def shown(page) -> np.ndarray:
+    """What stands right of the panel."""
+    from PIL import Image
+
+    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    return np.asarray(picture).astype(int)[:, PANEL_PX:]
+
+
+def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        page.wait_for_timeout(300)
+        pixels = shown(page)
+        if is_so(pixels):
+            return pixels
+    raise AssertionError(f"{what}: not within {seconds} s")
+
+
+@pytest.mark.slow
+def test_a_drag_in_the_browser_changes_the_picture(page):
+    opened, _ = page
+    before = until(opened, lambda p: p.std() > 15.0, "the scene is shown")
+    assert opened.title().startswith("view_box")
+    assert opened.locator("#status").is_hidden()
+    opened.mouse.move(500, 120)
+    opened.mouse.down()
+    for x in range(505, 600, 10):
+        opened.mouse.move(x, 130)
+    opened.mouse.up()
+    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "the drag is seen")
+
+
+@pytest.mark.slow
+def test_keys_fly(page):
+    opened, _ = page
+    before = until(opened, lambda p: p.std() > 15.0, "the scene is shown")
+    opened.mouse.click(500, 200)
+    opened.keyboard.down("d")
+    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "flying is seen")
+    opened.keyboard.up("d")
+
+
+@pytest.mark.slow
+def test_the_picture_follows_the_tab(page):
+    opened, _ = page
+    opened.set_viewport_size({"width": 700, "height": 260})
+    until(opened, lambda p: p.shape == (260, 700 - PANEL_PX, 3) and p.std() > 15.0, "resized")
+    natural = opened.locator("img.renderview-view").evaluate(
+        "i => [i.naturalWidth, i.naturalHeight]"
+    )
+    assert natural == [700, 260]
+
+
+@pytest.mark.slow
+def test_a_second_tab_is_told_that_it_looks_on(page):
+    opened, link = page
+    second = opened.context.new_page()
+    second.goto(link)
+    second.wait_for_function(
+        "document.getElementById('status').innerText.includes('looks on') || "
+        "document.getElementById('status').innerText.includes('look on')"
+    )
+    second.close()
+
+
+@pytest.mark.slow
+def test_a_wrong_link_says_what_to_do(page):
+    opened, link = page
+    second = opened.context.new_page()
+    answer = second.goto("/".join(link.split("/")[:3]) + "/guess/")
+    assert answer.status == 403
+    assert "Open the link that `airlight view` printed last" in second.inner_text("body")
+    second.close()

@@ -1,0 +1,166 @@
+"""The window: a clear refusal without a display, and (slow) real mouse and keys under Xvfb."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from airlight.app.cli import run
+
+SCENE = Path(__file__).with_name("view_box.toml")
+SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
+                          "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
+PANEL_PX, SIZE = 340, (640, 320)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems have a display")
+def test_without_a_display_the_browser_is_offered(monkeypatch, capsys):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert run(["view", str(SCENE)]) == 2
+    said = capsys.readouterr().err
+    assert "error: there is no display to open a window on. Use --in browser" in said
+
+
+class Desk:
+    """An X server of its own, with the viewer on it."""
+
+    def __init__(self, scene: Path) -> None:
+        self.x = subprocess.Popen(
+            ["Xvfb", "-noreset", "-displayfd", "1", "-screen", "0", "800x500x24"],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+        assert self.x.stdout is not None
+        self.display = f":{self.x.stdout.readline().strip()}"
+        self.environment = {**os.environ, "DISPLAY": self.display}
+        self.environment.pop("WAYLAND_DISPLAY", None)
+        self.viewer = subprocess.Popen(
+            [sys.executable, "-m", "airlight", "view", str(scene), "--size",
+             f"{SIZE[0]}x{SIZE[1]}", "-t", "direct", *SMALL],
+            env=self.environment, cwd=scene.parent, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+
+    def do(self, *words: object) -> None:
+        command = ["xdotool", *map(str, words)]
+        subprocess.run(command, env=self.environment, check=True, capture_output=True)
+
+    def shot(self) -> np.ndarray:
+        from PIL import ImageGrab
+
+        return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB")).astype(int)
+
+    def shown(self) -> np.ndarray:
+        """What stands right of the panel."""
+        return self.shot()[: SIZE[1], PANEL_PX : SIZE[0]]
+
+    def until(self, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            assert self.viewer.poll() is None, self.viewer.communicate()[1]
+            time.sleep(0.2)
+            pixels = self.shown()
+            if is_so(pixels):
+                return pixels
+        raise AssertionError(f"{what}: not within {seconds} s")
+
+    def until_changed(self, before: np.ndarray, what: str, least: float = 3.0) -> np.ndarray:
+        return self.until(lambda p: np.abs(p - before).mean() > least, what)
+
+    def rested(self) -> np.ndarray:
+        """The picture once it no longer changes."""
+        before = self.until(lambda p: p.std() > 15.0, "the scene is shown")
+        for _ in range(60):
+            time.sleep(0.5)
+            after = self.shown()
+            if np.abs(after - before).max() == 0:
+                return after
+            before = after
+        return before
+
+    def close(self) -> None:
+        self.viewer.terminate()
+        self.viewer.wait(20)
+        self.x.terminate()
+        self.x.wait(20)
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    pytest.importorskip("glfw")
+    pytest.importorskip("imgui_bundle")
+    missing = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
+    if missing:
+        pytest.skip(f"{' and '.join(missing)} not installed")
+    scene = tmp_path_factory.mktemp("desk") / "box.toml"
+    scene.write_text(SCENE.read_text())
+    made = Desk(scene)
+    made.scene = scene
+    yield made
+    made.close()
+
+
+@pytest.mark.slow
+def test_a_drag_turns_the_picture(desk):
+    before = desk.rested()
+    desk.do("mousemove", 480, 160, "mousedown", 1, "mousemove", 500, 160, "mousemove", 540, 165)
+    desk.do("mouseup", 1)
+    desk.until_changed(before, "the drag is seen")
+
+
+@pytest.mark.slow
+def test_the_wheel_keys_and_sun(desk):
+    before = desk.rested()
+    desk.do("mousemove", 480, 160, "click", "--repeat", 3, 4)
+    before = desk.until_changed(before, "the wheel is seen")
+    desk.do("keydown", "d")
+    before = desk.until_changed(before, "flying is seen")
+    desk.do("keyup", "d")
+    before = desk.rested()
+    desk.do("keydown", "ctrl", "mousedown", 1, "mousemove", 560, 120, "mouseup", 1, "keyup", "ctrl")
+    desk.until_changed(before, "the turned sun is seen", least=1.0)
+
+
+@pytest.mark.slow
+def test_the_panel_takes_its_own_clicks_and_tab_hides_it(desk):
+    before = desk.rested()
+    desk.do("mousemove", 60, 190, "mousedown", 1, "mousemove", 90, 160, "mouseup", 1)  # the sun pad
+    desk.until_changed(before, "the sun pad turned the sun", least=1.0)
+    panel = desk.shot()[: SIZE[1], :PANEL_PX]
+    desk.do("mousemove", 480, 160, "key", "Tab")
+    for _ in range(100):
+        time.sleep(0.2)
+        if np.abs(desk.shot()[: SIZE[1], :PANEL_PX] - panel).mean() > 20.0:
+            break
+    else:
+        raise AssertionError("the panel stayed")
+    desk.do("key", "Tab")
+
+
+@pytest.mark.slow
+def test_a_saved_edit_is_shown_and_a_broken_one_said(desk):
+    before = desk.rested()
+    text = desk.scene.read_text()
+    desk.scene.write_text(text.replace("[0.8, 0.3, 0.2]", "[0.1, 0.2, 0.9"))  # not closed
+    time.sleep(3.0)
+    assert np.abs(desk.rested() - before).mean() < 1.0
+    desk.scene.write_text(text.replace("[0.8, 0.3, 0.2]", "[0.1, 0.2, 0.9]"))
+    desk.until_changed(before, "the edit is seen", least=1.0)
+
+
+@pytest.mark.slow
+def test_a_window_that_becomes_tiny_and_large_again(desk):
+    desk.rested()
+    found = subprocess.run(["xdotool", "search", "--name", "airlight"], env=desk.environment,
+                           capture_output=True, text=True, check=True).stdout.split()  # fmt: skip
+    desk.do("windowsize", found[-1], 1, 1)
+    time.sleep(2.0)
+    desk.do("windowsize", found[-1], *SIZE)
+    desk.until(lambda p: p.std() > 15.0, "the picture is back")
+    assert desk.viewer.poll() is None
