@@ -15,8 +15,12 @@ from airlight.maths.radial_grid import radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.solver import PopSettings, PopSolver
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Mesh, Scene, Volume
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, PointLight
+from airlight.scene.material import Material
+from airlight.scene.shapes import box
 
 from .test_solver import EYE, SKY, SUN, assert_close, blob, of_cells
 
@@ -187,3 +191,21 @@ def test_a_far_lamp_is_a_parallel_grid(gpu):
     scale = sun.beams.table.scale / solved(gpu, "split", (far,), None).beams.table.scale
     ratio = lamp.astype(np.float64).sum() / sun.emission.texture.read()[..., :3].sum() / scale
     assert ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_surfaces_shade_what_hops(gpu):
+    """Under a plate that is wider than the medium the sun scatters nothing."""
+    found = []
+    for height in (1.5, -3.0):
+        matrix = np.diag([8.0, 0.1, 8.0, 1.0])
+        matrix[1, 3] = height
+        scene = Scene(
+            meshes=(Mesh(box(), Material(base_color=(0.0,) * 3, specular=0.0), matrix),),
+            lights=(DirectionalLight((0, -1, 0), (1, 1, 1)),), environment=None,
+            camera=Camera((0, 0, 4), (0, 0, 0)), volumes=(Volume((1.0,) * 3, shape="box"),),
+        )  # fmt: skip
+        settings = {**SETTINGS, "scheme": "split", "resolution": 8, "surfels": 1000}
+        with Renderer(scene, "pop", (16, 16), settings=settings) as renderer:
+            image = renderer.frame(samples=1)
+        found.append(float(image.layers["scattered"].sum()))
+    assert found[0] < 0.02 * found[1]

@@ -1,19 +1,28 @@
 //! use hop_light
 
+// Share of an ordinate's light that surfaces let through to a point, by the medium's cell there.
+fn lit_at(n: u32, point: vec3f) -> f32 {
+    let cell = vec3u(clamp(point / params.cell, vec3f(0.0), vec3f(params.count) - 1.0));
+    let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    return passed[(params.ordinate_count + n) * params.cells + index];
+}
+
 // Irradiance before the air takes any, W m^-2 in units of the table's scale, times a cell's section.
 fn entering(n: u32, cell: vec3u) -> vec3f {
     let o = ordinates[n];
     let g = grids[n];
     let section = g.cell * g.cell;
+    let point = hop_point(n, vec3f(cell) + 0.5);
+    let lit = lit_at(n, point);
     if (o.position.w == 0.0) {
-        return o.irradiance.rgb * section;
+        return o.irradiance.rgb * section * lit;
     }
-    let away = hop_point(n, vec3f(cell) + 0.5) - o.position.xyz;
+    let away = point - o.position.xyz;
     let r = max(length(away), 1e-9);
     let fade = smoothstep(o.spot.y, o.spot.x, dot(away / r, o.direction.xyz));
     let across = select(section / (r * r), solid_angles[cell.y * g.count.x + cell.x],
         g.is_radial == 1u);
-    return o.irradiance.rgb * fade * across;
+    return o.irradiance.rgb * fade * across * lit;
 }
 
 // One column of a grid, along its light.

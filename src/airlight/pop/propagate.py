@@ -29,7 +29,7 @@ _out = (
 
 
 class _Begin(ComputePass):
-    slots = (*_common, storage("ordinates", OrdinateData), *_out)
+    slots = (*_common, storage("ordinates", OrdinateData), storage("passed", "f32"), *_out)
     workgroup = (64, 1, 1)
     file = "hop_begin.wgsl"
 
@@ -52,13 +52,13 @@ class Propagate:
 
     def encode_begin(
         self, commands: Commands, params: MediumParams, grids: HopGrids, ordinates: Buffer,
-        eye: Any, *, is_paper: bool,
+        passed: Buffer, eye: Any, *, is_paper: bool,
     ) -> None:  # fmt: skip
-        """Put the light in."""
+        """Put the light in; `passed` as `Paths` and `Visibility` leave it."""
         self._begin.dispatch(
             commands, (grids.columns, max(1, grids.ordinates + grids.lamps)), params=params,
             hops=grids.params(eye, is_paper=is_paper), **_bound(grids), ordinates=ordinates,
-            states_out=self._states[0], gathered=self.gathered,
+            passed=passed, states_out=self._states[0], gathered=self.gathered,
         )  # fmt: skip
 
     def encode(

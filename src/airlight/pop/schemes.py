@@ -147,8 +147,7 @@ class HoppingBeams(Beams):
 
     def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """March to the light, fill the grids with air."""
-        if not self.is_paper:
-            self.encode_paths(commands, params, density)
+        self.encode_paths(commands, params, density)
         with commands.stage("pop initialisation"):
             hops = self.grids.params((0.0, 0.0, 0.0), is_paper=self.is_paper)
             self.grids.encode(commands, params, hops, density)
@@ -160,8 +159,8 @@ class HoppingBeams(Beams):
         """Propagate, merge, solve for the residuum."""
         hops = self.grids.params(eye, is_paper=self.is_paper)
         with commands.stage("pop initialisation"):
-            self.hopping.encode_begin(commands, params, self.grids, self.table.rows, eye,
-                                      is_paper=self.is_paper)  # fmt: skip
+            self.hopping.encode_begin(commands, params, self.grids, self.table.rows,
+                                      self.paths.passed, eye, is_paper=self.is_paper)  # fmt: skip
         with commands.stage("pop propagation"):
             self.hopping.encode(commands, params, self.grids, eye, self.iterations,
                                 is_paper=self.is_paper)  # fmt: skip
