@@ -1,0 +1,105 @@
+"""`al.view` in a notebook: a widget, a still behind it, and a still alone without widgets."""
+
+from __future__ import annotations
+
+import base64
+import io
+import sys
+
+import numpy as np
+import pytest
+
+import airlight as al
+from airlight.errors import DeviceError, SceneError
+from airlight.gpu.device import open_gpu
+
+SIZE = (64, 36)
+SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
+         "ambient_occlusion": False}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _device():
+    try:
+        open_gpu()
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+def pixels(png: bytes) -> np.ndarray:
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+
+
+def test_without_a_widget_there_is_a_still(monkeypatch):
+    monkeypatch.setitem(sys.modules, "anywidget", None)
+    monkeypatch.delitem(sys.modules, "rendercanvas.anywidget", raising=False)
+    shown = al.view("builtin:cornell", "direct", SIZE, settings=SMALL)
+    assert pixels(shown._repr_png_()).shape == (SIZE[1], SIZE[0], 3)
+    assert pixels(shown._repr_png_()).std() > 5.0
+
+
+def test_a_missing_scene_is_said():
+    with pytest.raises(SceneError, match="cornel"):
+        al.view("builtin:cornel")
+
+
+NOTEBOOK = """
+import airlight as al
+widget = al.view("builtin:cornell", "direct", (64, 36), settings=dict(resolution=8,
+    shadow_resolution=64, sky_lights=0, surfels=2000, ambient_occlusion=False))
+sent = []
+widget.send = lambda message, buffers: sent.append((message, buffers))
+widget
+"""
+FRONT_END = """
+import asyncio
+
+def say(type, **fields):
+    widget._rfb_handle_msg(widget, {"type": type, "timestamp": 0.0, **fields}, [])
+
+async def pictures(count):
+    # What renderview-afm.js does in a page: it shows itself, then confirms every picture.
+    widget._has_visible_views = True
+    for _ in range(600):
+        if sent:
+            widget._frame_feedback = {"index": sent[-1][0]["index"], "timestamp": 0.0}
+        if len(sent) >= count:
+            return sent[-1][1][0]
+        widget.request_draw()
+        await asyncio.sleep(0.05)
+    raise TimeoutError("no pictures")
+
+say("resize", width=720, height=200, pwidth=720, pheight=200, ratio=1.0)
+before = await pictures(6)
+at = dict(x=400.0, y=90.0, buttons=[1], modifiers=[], ntouches=0, touches={})
+say("pointer_down", **at, button=1)
+say("pointer_move", **{**at, "x": 460.0}, button=0)
+say("pointer_up", **{**at, "x": 460.0}, button=1)
+after = await pictures(len(sent) + 8)
+import base64
+print(base64.b64encode(before).decode())
+print(base64.b64encode(after).decode())
+"""
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("anywidget")
+    cells = [nbformat.v4.new_code_cell(text.strip()) for text in (NOTEBOOK, FRONT_END)]
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}
+    nbclient.NotebookClient(notebook, timeout=240, resources={"metadata": {"path": tmp_path}}
+                            ).execute()  # fmt: skip
+    shown = next(o for o in cells[0].outputs if o.output_type == "execute_result").data
+    assert "application/vnd.jupyter.widget-view+json" in shown
+    # Without a kernel the page still has a picture.
+    assert pixels(base64.b64decode(shown["image/png"])).shape == (SIZE[1], SIZE[0], 3)
+    text = next(o for o in cells[1].outputs if o.output_type == "stream").text.split()
+    before, after = (pixels(base64.b64decode(part)) for part in text)
+    assert before.shape == after.shape == (200, 720, 3)
+    assert np.abs(after[:, 340:] - before[:, 340:]).mean() > 2.0
