@@ -23,6 +23,7 @@ from .scene.environment import Environment
 from .scene.image import Image
 from .scene.lights import Light
 from .scene.mesh import Mesh
+from .scene.point_lights import PointLights
 from .scene.scene import Scene
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
@@ -32,6 +33,7 @@ Progress = Callable[[str, float], None]
 MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
 _KEPT_TIMES = 256
+_MANY = ("lights", "light_groups", "meshes", "volumes")
 NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
 
@@ -76,6 +78,7 @@ class Renderer:
         self, *, time: float | None = None, camera: Camera | None = None,
         lights: Sequence[Light] | None = None, environment: Environment | None = None,
         meshes: Sequence[Mesh] | None = None, volumes: Sequence[Volume] | None = None,
+        light_groups: Sequence[PointLights] | None = None,
         samples: int = 1, read: bool = True, progress: Progress | None = None,
     ) -> Image | None:  # fmt: skip
         """One picture, with what is given changed for good.
@@ -87,7 +90,7 @@ class Renderer:
         begin = perf_counter()
         scene = self.scene if time is None else self.scene.at(time)
         self._take(scene, camera=camera, lights=lights, environment=environment, meshes=meshes,
-                   volumes=volumes)  # fmt: skip
+                   volumes=volumes, light_groups=light_groups)  # fmt: skip
         self.technique.solve(self.commands, self.scene)
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
@@ -162,7 +165,7 @@ class Renderer:
     def _take(self, scene: Scene, **changes: Any) -> None:
         """Go on with `scene`, and what of `changes` is not None put into it."""
         given: dict[str, Any] = {
-            name: tuple(value) if name in ("lights", "meshes", "volumes") else value
+            name: tuple(value) if name in _MANY else value
             for name, value in changes.items()
             if value is not None
         }

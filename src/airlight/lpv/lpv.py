@@ -22,6 +22,7 @@ from ..lattice.inject import (
 from ..lattice.lookup import texture_scale
 from ..lattice.nested import nested
 from ..lattice.placement import Placement
+from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
 from ..maths.lattice6 import Scheme
@@ -101,6 +102,7 @@ class Lpv(Direct):
             gpu, "lamps", lamp_side, sum(view_count(lamp) for lamp in lamps)
         )
         self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
+        self.points = InjectPoints(gpu)
         self._steady_scale, self._emitted = 0.0, emitted_flux(scene.meshes)
         self.cascades = [self._cascade(scene, level) for level in range(len(self.nest.levels))]
         self.border: Border | None = None
@@ -161,6 +163,7 @@ class Lpv(Direct):
         self.placement = self.cascades[-1].placement
         low, high = self._bounds(scene)
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
+        flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
@@ -177,6 +180,8 @@ class Lpv(Direct):
                 for maps in (self.sun_maps, self.lamp_maps):
                     if maps.layers:
                         self._inject(commands, part, maps, scale)
+                walls = part.blockers.walls
+                self.points.encode(commands, part.placement, walls, part.sums, scale)
         # The largest first: what lies beyond the next one's borders.
         for level in range(len(self.cascades) - 1, -1, -1):
             self._propagate(commands, level, scale)
@@ -261,6 +266,7 @@ class Lpv(Direct):
         for part in self.cascades[:-1]:
             part.blockers.release()
             part.skylight.release()
+        self.points.release()
         self.sun_maps.release()
         self.lamp_maps.release()
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..scene.checks import F32, Vec3
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from ..scene.point_lights import PointLights
 from .mitsuba_files import FileStore, write_exr
 from .mitsuba_xml import (
     add_lookat,
@@ -34,11 +35,21 @@ def light_emitter(light: Light, files: FileStore) -> Element:
         add_rgb(emitter, "irradiance", light.irradiance)
         return emitter
     if isinstance(light, PointLight):
-        emitter = plugin("emitter", "point")
-        add_point(emitter, "position", light.position)
-        add_rgb(emitter, "intensity", light.intensity)
-        return emitter
+        return _point(light.position, light.intensity)
     return _spot(light, files)
+
+
+def point_emitters(group: PointLights) -> list[Element]:
+    """One emitter for each light of a group."""
+    rows = zip(group.positions.tolist(), group.intensities.tolist(), strict=True)
+    return [_point((x, y, z), (r, g, b)) for (x, y, z), (r, g, b) in rows]
+
+
+def _point(position: Vec3, intensity: Vec3) -> Element:
+    emitter = plugin("emitter", "point")
+    add_point(emitter, "position", position)
+    add_rgb(emitter, "intensity", intensity)
+    return emitter
 
 
 def _spot(light: SpotLight, files: FileStore) -> Element:

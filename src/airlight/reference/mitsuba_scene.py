@@ -16,7 +16,7 @@ from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .mitsuba_files import FileStore
-from .mitsuba_lights import environment_emitter, light_emitter
+from .mitsuba_lights import environment_emitter, light_emitter, point_emitters
 from .mitsuba_material import is_masked
 from .mitsuba_media import Media, air_bounds, scene_media
 from .mitsuba_shapes import mesh_shapes
@@ -105,6 +105,7 @@ def export(
     shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
     media = scene_media(scene, files, notes)
     emitters = [light_emitter(light, files) for light in scene.lights]
+    emitters += [emitter for group in scene.light_groups for emitter in point_emitters(group)]
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
     has_masks = any(is_masked(mesh.material, mesh.geometry) for mesh in scene.meshes)

@@ -21,6 +21,7 @@ from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import Resolve, flux_bound, new_sums
 from ..lattice.placement import Placement
+from ..lattice.point_lights import InjectPoints
 from ..lighting.lights import Lights
 from ..lighting.sky import Sky
 from ..march.air import Air
@@ -88,6 +89,7 @@ class ScatterSolver:
         self.sky_reflected = InjectReflected(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
+        self.points = InjectPoints(gpu)
         self.reflectance_of = CellReflectance(gpu)
         self.air_cells = AirCells(gpu, self.air) if self.is_varied else None
         self._emitted = emitted_flux(scene.meshes)
@@ -117,6 +119,7 @@ class ScatterSolver:
         (scheme paper in dense air).
         """
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
+        flux += self.points.take(scene.light_groups)
         scale = fixed_point_scale(flux)
         with commands.stage("air"):
             is_new = self._take_air(commands, scene, low, high)
@@ -210,6 +213,7 @@ class ScatterSolver:
 
     def _inject_reflected(self, commands: Commands, scale: float) -> None:
         place, walls = self.placement, self.blockers.walls
+        self.points.encode(commands, place, walls, self.sums, scale)
         for maps, owners in zip(self.maps, self._owners, strict=True):
             if not maps.layers:
                 continue
@@ -256,6 +260,7 @@ class ScatterSolver:
 
     def release(self) -> None:
         """Give the memory back."""
+        self.points.release()
         buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
                    self.steady, self.reflected, self.source, self.medium,
                    self.reflectance]  # fmt: skip

@@ -2,6 +2,7 @@
 
 scene        everything in one value        camera, lights, environment   what sees, what shines
 mesh         triangles and their places     material                      how they reflect
+point_lights thousands of lights in arrays
 medium       homogeneous air                volume                        smoke, clouds, any density
 image        a rendered picture             settings                      a technique's knobs
 io/          files <-> these                builtin/                      scenes that ship
@@ -13,6 +14,7 @@ from .lights import DirectionalLight, Light, PointLight, SpotLight
 from .material import Material, Texture
 from .medium import Medium
 from .mesh import Geometry, Mesh
+from .point_lights import PointLights
 from .scene import Scene
 from .volume import Volume
 
@@ -26,6 +28,7 @@ __all__ = [
     "Medium",
     "Mesh",
     "PointLight",
+    "PointLights",
     "Scene",
     "SpotLight",
     "Texture",

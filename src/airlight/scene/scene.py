@@ -14,6 +14,7 @@ from .environment import Environment
 from .lights import Light
 from .medium import Medium
 from .mesh import Mesh
+from .point_lights import PointLights
 from .volume import Volume
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Scene:
 
     `settings` holds what a scene file says under [technique.NAME], unchecked until used.
     `warnings` are what a loader dropped, replaced or approximated, for the user to read.
-    `animation` says what moves.
+    `animation` says what moves. `light_groups` are lights by the thousand, for lattices.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -39,6 +40,7 @@ class Scene:
     name: str = "scene"
     warnings: tuple[str, ...] = ()
     animation: Animation | None = None
+    light_groups: tuple[PointLights, ...] = ()
 
     def at(self, time_s: float) -> Scene:
         """The scene at a time, seconds; the very same where nothing moves.

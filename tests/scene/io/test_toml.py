@@ -223,9 +223,9 @@ MISTAKES = [
     (BOX + "scale = 2\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n",
      "[[mesh]] 1 has matrix beside scale. Use matrix alone, or translate, rotate_deg and scale."),
     (BOX + "[[light]]\nposition = [0, 1, 0]\n",
-     '[[light]] 1 has no type. It is "directional", "point" or "spot".'),
+     '[[light]] 1 has no type. It is "directional", "point", "spot" or "points".'),
     (BOX + '[[light]]\ntype = "sun"\n', "[[light]] 1: type = 'sun' is unknown. "
-     "Known: directional, point, spot."),
+     "Known: directional, point, points, spot."),
     (BOX + SUN + SUN + "intensity = 3\n", "unknown key 'intensity' in [[light]] 2 (directional). "
      "Known: between, direction, irradiance, type."),
     (BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\n',

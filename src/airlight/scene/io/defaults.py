@@ -30,7 +30,7 @@ def with_default_lights(scene: Scene) -> Scene:
     The sun is placed for the scene's camera (for a framing one where it is the default).
     A closed room, which no sun enters, gets a lamp under its ceiling too.
     """
-    if scene.lights or scene.environment is not None:
+    if scene.lights or scene.light_groups or scene.environment is not None:
         return scene
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
     if brightest >= LAMP_RADIANCE:

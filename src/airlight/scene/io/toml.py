@@ -22,6 +22,7 @@ from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from .files import read_bytes
+from .light_groups import is_group, light_groups
 from .toml_animation import (
     animation,
     curves,
@@ -92,7 +93,8 @@ def _scene(raw: Raw, path: Path) -> Scene:
     folder, (camera, seen) = path.parent, _camera(raw)
     parts = [_part(table, label, folder) for label, table in _numbered(raw, "mesh")]
     volumes = [placed_volume(table, label, folder) for label, table in _numbered(raw, "volume")]
-    lights = [_light(table, label) for label, table in _numbered(raw, "light")]
+    shining = list(_numbered(raw, "light"))
+    lights = [_light(table, label) for label, table in shining if not is_group(table)]
     said: list[str] = []
     environment, turning = _environment(raw, folder, said)
     tracks = [
@@ -116,6 +118,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
             *said,
         ),
         animation=animation(raw, tracks),
+        light_groups=light_groups(shining, folder),
     )
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
@@ -223,7 +226,8 @@ def _with_camera(scene: Scene, camera: Camera | None, parts: list[Scene]) -> Sce
 
 def _with_light(scene: Scene) -> Scene:
     """The scene; with a default sun and sky where nothing in it shines."""
-    if scene.lights or scene.environment or any(m.material.is_emissive for m in scene.meshes):
+    shining = scene.lights or scene.light_groups or scene.environment
+    if shining or any(m.material.is_emissive for m in scene.meshes):
         return scene
     from .defaults import with_default_lights
 

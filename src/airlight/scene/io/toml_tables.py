@@ -79,8 +79,8 @@ LIGHT = Table(
     (
         Key(
             "type",
-            one_of("directional", "point", "spot"),
-            '"directional", "point" or "spot"',
+            one_of("directional", "point", "spot", "points"),
+            '"directional", "point", "spot" or "points"',
             "its kind",
             required=True,
         ),
@@ -101,6 +101,16 @@ LIGHT = Table(
             ),
         ),
         "point": (_POSITION, _INTENSITY),
+        "points": (
+            Key(
+                "file",
+                checks.text,
+                "path",
+                "an .npz file of `positions` (N, 3), metres, and `intensities` (N, 3), W sr^-1: "
+                "lights by the thousand, without sharp shadows, in techniques with a lattice",
+                required=True,
+            ),
+        ),
         "spot": (
             _POSITION,
             _DIRECTION,

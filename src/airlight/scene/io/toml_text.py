@@ -21,6 +21,7 @@ from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
+from .light_groups import is_group
 
 _MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
@@ -41,7 +42,8 @@ def scene_text(
     raw, notes = _original(source, folder)
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
     own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
-    raw["light"] = [_light(light) for light in own_lights]
+    groups = [table for table in raw.get("light", []) if is_group(table)]
+    raw["light"] = [*(_light(light) for light in own_lights), *groups]
     raw["environment"] = _environment(raw.get("environment", {}), scene.environment, notes)
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
     raw["volume"] = _volumes(scene.volumes, raw.get("volume", []))
@@ -58,7 +60,8 @@ def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
-        for table in (*raw.get("mesh", []), *raw.get("volume", []), raw.get("environment", {})):
+        many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
+        for table in (*many, raw.get("environment", {})):
             if "file" in table:
                 table["file"] = _relative(path.parent / table["file"], folder)
         return raw, []
@@ -78,7 +81,8 @@ def _brought(raw: Mapping[str, Any], original: Scene) -> int:
     """How many lights, the last ones, come with the mesh files and are placed by them."""
     if "environment" not in raw and original.environment is not None:
         return 0  # nothing shone: a loader added sun and sky
-    return max(0, len(original.lights) - len(raw.get("light", ())))
+    own = [table for table in raw.get("light", ()) if not is_group(table)]
+    return max(0, len(original.lights) - len(own))
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

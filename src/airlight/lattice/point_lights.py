@@ -1,0 +1,102 @@
+"""Groups of point lights into cells: low-frequency direct light (Kaplanyan2010 section 3.1).
+
+One dispatch adds thousands of lights, each the isotropic light of its cell; no shadow maps, what
+blocks is what blocks propagating light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32, vec3f
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+from ..scene.point_lights import PointLights
+from .inject import LobeParams, lobe_params
+from .placement import LatticeParams, Placement
+
+
+class PointData(Struct):
+    """One light."""
+
+    position = vec3f("m")
+    pad = u32()
+    intensity = vec3f("W sr^-1")
+    pad_end = u32()
+
+
+class PointParams(Struct):
+    """How many lights there are."""
+
+    lights = u32()
+
+
+class _InjectPoints(ComputePass):
+    slots = (
+        uniform("params", PointParams),
+        uniform("lobes", LobeParams),
+        uniform("lattice", LatticeParams),
+        storage("points", PointData),
+        texture("lattice_walls", "3d"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "point_lights.wgsl"
+
+
+class InjectPoints:
+    """Keeps the lights on the device and adds them to fixed-point sums.
+
+    Groups are uploaded where they are other arrays than the frame before; they may grow.
+    """
+
+    def __init__(self, gpu: Gpu) -> None:
+        self.gpu, self.count = gpu, 0
+        self._pass: _InjectPoints | None = None
+        self._points: Buffer | None = None
+        self._groups: tuple[PointLights, ...] = ()
+
+    def take(self, groups: Sequence[PointLights]) -> float:
+        """Hold these groups from now on; returns the power, W, of all of them."""
+        same = len(groups) == len(self._groups) and all(
+            a is b for a, b in zip(groups, self._groups, strict=True)
+        )
+        if not same:
+            self._groups = tuple(groups)
+            self.count = sum(map(len, groups))
+            self._upload()
+        return sum(group.power for group in groups)
+
+    def encode(
+        self, commands: Commands, placement: Placement, walls: Texture, sums: Buffer, scale: float
+    ) -> None:
+        """Add all lights to `sums` (fixed point, `scale` units per W sr^-1)."""
+        if not self.count:
+            return
+        if self._pass is None:
+            self._pass = _InjectPoints(self.gpu)
+        self._pass.dispatch(
+            commands, (self.count,), params=PointParams(lights=self.count),
+            lobes=lobe_params(scale, is_shaped=False), lattice=placement.params(),
+            points=self._points, lattice_walls=walls, sums=sums,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        if self._points is not None:
+            self._points.release()
+
+    def _upload(self) -> None:
+        rows = np.zeros(max(1, self.count), PointData.dtype)
+        if self.count:
+            rows["position"] = np.concatenate([g.positions for g in self._groups])
+            rows["intensity"] = np.concatenate([g.intensities for g in self._groups])
+        if self._points is None or self._points.nbytes < rows.nbytes:
+            self.release()
+            self._points = Buffer(self.gpu, "point lights", rows.nbytes)
+        self._points.write(rows)
