@@ -34,7 +34,8 @@ class Saver:
             path = self._free(suffix)
             image.save(path)
         except AirlightError as error:
-            return self._refused(error)
+            self._refused(error)
+            return None
         return self._done(path)
 
     def save_scene(self) -> Path | None:
@@ -45,9 +46,11 @@ class Saver:
             with whole_file(path) as part:
                 part.write_text(text, encoding="utf-8")
         except AirlightError as error:
-            return self._refused(error)
+            self._refused(error)
+            return None
         except OSError as error:
-            return self._refused(OutputError(f"cannot be written ({error.strerror})", where=path))
+            self._refused(OutputError(f"cannot be written ({error.strerror})", where=path))
+            return None
         return self._done(path)
 
     def copy_scene(self) -> None:

@@ -34,7 +34,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
         ) from None
 
     def copy(text: str) -> None:
-        glfw.set_clipboard_string(None, text)
+        glfw.set_clipboard_string(canvas._window, text)
 
     view = CanvasView(canvas, session, copy=copy)
     loop.add_task(view.watch, sleep, name="watch the scene file")
