@@ -45,7 +45,13 @@ def draw(request: Request) -> Drawn:
             request.report(name, 0.8)
             light = by_shdom(scene, request.size, bands, prefilter=prefilter)
             shown[name] = (behind + light).astype(np.float32)
-    numbers = {name: errors(p, truth) for name, p in shown.items()}
+    alone = None
+    if truth is not None:
+        alone = Image(truth.radiance - behind, {"variance": truth.layers["variance"]})
+    numbers = {
+        name: {"whole": errors(p, truth), "scattered": errors(p - behind, alone)}
+        for name, p in shown.items()
+    }
     stops = exposure_of(scene, first.radiance)
     ours = [(k, v) for k, v in shown.items() if k in pictures]
     if truth is not None:
