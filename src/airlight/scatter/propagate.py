@@ -19,6 +19,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS, StepCoefficients
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
+from .propagate_open import TILES, OpenColumns, fitting
 
 Count = tuple[int, int, int]
 SLAB = 8
@@ -70,6 +71,8 @@ class Step:
         text = "\n".join([constants(), gathered_blocked() if is_blocked else gathered()])
         self._cells = _Cells(gpu, generated=f"{text}\n{_cell_call(is_blocked)}")
         self._columns: _Columns | None = None
+        is_open = self.is_marched and not is_blocked
+        self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if is_open}
         if self.is_marched:
             self._columns = _Columns(gpu, generated=f"{text}\n{_column_functions(is_blocked)}")
 
@@ -84,8 +87,12 @@ class Step:
             "params": StepParams(count=count, row=row, slabs=slabs), "before": before,
             "coefficients": coefficients, "source": source, "after": after, "packs": packs,
         }  # fmt: skip
+        tile = fitting(count)
+        if tile in self._open:
+            given = {"before": before, "source": source, "after": after}
+            self._open[tile].encode(commands, count, coefficients, row, **given)
         # Columns come in pairs; a coarse lattice of odd size takes the plain kernel.
-        if self._columns and nx % 2 == 0 and ny % 2 == 0:
+        elif self._columns and nx % 2 == 0 and ny % 2 == 0:
             self._columns.dispatch(commands, (nx // 2, ny // 2, CHANNELS * slabs), **values)
         else:
             self._cells.dispatch(commands, (nx, ny, CHANNELS * nz), **values)
