@@ -7,7 +7,22 @@ import json
 import numpy as np
 import pytest
 
-from airlight.figures import pop_10, pop_11, pop_16, pop_cube, registry
+from airlight.figures import (
+    pop_1,
+    pop_6,
+    pop_7,
+    pop_8,
+    pop_10,
+    pop_11,
+    pop_12,
+    pop_13,
+    pop_14,
+    pop_15,
+    pop_16,
+    pop_17,
+    pop_cube,
+    registry,
+)
 from airlight.figures.panels import Request
 from airlight.figures.polar import OURS, TRUTH, polar_plots
 from airlight.figures.pop_scenes import away, courtyard, errors, milk, plume, slab, turned
@@ -140,3 +155,11 @@ def test_the_host_s_marching_sees_an_even_emission_as_one_minus_transmittance():
     # No more than the albedo.
     assert (light.max(axis=(0, 1)) <= medium.albedo + 1e-6).all()
     assert light[4, 8].max() > 0.3
+
+
+def test_every_figure_has_its_module():
+    modules = (pop_1, pop_6, pop_7, pop_8, pop_10, pop_11, pop_12, pop_13, pop_14, pop_15, pop_16,
+               pop_17)  # fmt: skip
+    for module in modules:
+        name = module.__name__.rpartition(".")[2]
+        assert FIGURES[name.replace("_", "-")].module == name
