@@ -7,7 +7,13 @@ import pytest
 
 from airlight.maths.colour import luminance
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
-from airlight.maths.ordinates import even_sky, joined, parallel, partition
+from airlight.maths.ordinates import (
+    even_sky,
+    importance_sampled,
+    joined,
+    parallel,
+    partition,
+)
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
 
@@ -89,3 +95,20 @@ def test_joined_and_turned():
     turned = both.turned(np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]))
     np.testing.assert_allclose(turned.direction[0], [0.0, 0.0, -1.0])
     assert turned.mean_cosine[0] == 1.0
+
+
+def test_samples_go_where_the_light_is_and_carry_it():
+    radiance = sky()
+    got = importance_sampled(radiance, 64)
+    omega = latlong_row_solid_angles(96, 192)[:, None]
+    total = float((luminance(radiance) * omega).sum())
+    assert luminance(got.irradiance).sum() == pytest.approx(total)
+    np.testing.assert_allclose(luminance(got.irradiance), total / 64)
+    to_sun = -got.direction @ np.array([0.48, 0.64, -0.6]) > 0.99
+    sun = luminance(radiance) > 10.0
+    share = float((luminance(radiance) * omega)[sun].sum()) / total
+    assert to_sun.mean() == pytest.approx(share, abs=0.05)
+    assert got.mean_cosine[to_sun].min() > got.mean_cosine[~to_sun].max()
+    black = importance_sampled(np.zeros((8, 16, 3)), 4)
+    assert np.isfinite(black.direction).all()
+    assert black.irradiance.max() == 0.0

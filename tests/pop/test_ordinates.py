@@ -50,3 +50,20 @@ def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
     assert phase[0, 2] > phase[-1, 2]
     with pytest.raises(ValueError, match="4 ordinates in a table of 3"):
         table.write(even_sky(4), (), at, box.g, prefilter=True)
+
+
+@pytest.mark.parametrize("made_by", ["partition", "importance"])
+def test_a_turning_map_turns_its_ordinates_and_nothing_else(made_by):
+    """What would flicker is a set of directions that changes from frame to frame."""
+    lit = np.random.default_rng(1).random((32, 64, 3)).astype(np.float32) ** 8
+    skies = SceneOrdinates(16, made_by)
+    first = skies.of((), Environment(map=lit, rotation_deg=0.0))
+    for angle in (0.1, 7.0, 180.0):
+        turned = skies.of((), Environment(map=lit, rotation_deg=angle))
+        np.testing.assert_array_equal(turned.irradiance, first.irradiance)
+        np.testing.assert_allclose(turned.direction[:, 1], first.direction[:, 1], atol=1e-12)
+        cosine = (turned.direction[:, [0, 2]] * first.direction[:, [0, 2]]).sum(axis=1)
+        flat = (first.direction[:, [0, 2]] ** 2).sum(axis=1)
+        np.testing.assert_allclose(cosine / flat, np.cos(np.radians(angle)), atol=1e-9)
+    brighter = skies.of((), Environment(map=lit, scale=2.0))
+    np.testing.assert_allclose(brighter.irradiance.sum(), 2 * first.irradiance.sum())

@@ -12,7 +12,14 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, vec4f
 from ..gpu.memory import Buffer
 from ..maths.beam_phase import PHASE_TABLE, beam_phase_table
-from ..maths.ordinates import Ordinates, even_sky, joined, parallel, partition
+from ..maths.ordinates import (
+    Ordinates,
+    even_sky,
+    importance_sampled,
+    joined,
+    parallel,
+    partition,
+)
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from ..surface.sky import environment_map
@@ -30,13 +37,23 @@ class OrdinateData(Struct):
     spot = vec4f("cosines of the inner and outer half angle, share of 4 pi that is lit; w unused")
 
 
-class SceneOrdinates:
-    """Sun lights and environment as ordinates in the world; made anew where they changed."""
+MAKERS = {"partition": partition, "importance": importance_sampled}
+"""How a map becomes ordinates."""
 
-    def __init__(self, count: int) -> None:
-        self.count = count
+
+class SceneOrdinates:
+    """Sun lights and environment as ordinates in the world; made anew where they changed.
+
+    A turned environment turns its ordinates: they are made in the map's own frame, so that nothing
+    flickers while it turns. No ordinate depends on the camera.
+    """
+
+    def __init__(self, count: int, made_by: str = "partition") -> None:
+        """`made_by` is one of `MAKERS`."""
+        self.count, self._maker = count, MAKERS[made_by]
         self._environment: Environment | None = None
         self._sky: Ordinates | None = None
+        self._made: tuple[Environment, Ordinates | None] | None = None
 
     def of(self, lights: tuple[Light, ...], environment: Environment | None) -> Ordinates:
         """All ordinates; a black environment has none."""
@@ -46,31 +63,38 @@ class SceneOrdinates:
             parts.append(parallel([s.direction for s in suns], [s.irradiance for s in suns]))
         if environment is not self._environment:
             self._environment = environment
-            self._sky = _sky(environment, self.count)
+            self._sky = self._of_sky(environment)
         if self._sky is not None:
             parts.append(self._sky)
         return joined(parts) if parts else parallel(np.zeros((0, 3)), np.zeros((0, 3)))
+
+    def _of_sky(self, environment: Environment | None) -> Ordinates | None:
+        if environment is None or self.count < 1:
+            return None
+        if environment.map is None:  # the very sky of the furnace correction: it vanishes
+            even = even_sky(self.count)
+            light = np.asarray(environment.radiance) * environment.scale
+            return replace(even, irradiance=even.irradiance * light) if light.any() else None
+        if self._made is None or not _is_same_map(self._made[0], environment):
+            radiance = environment_map(environment)
+            is_lit = radiance.max() > 0.0
+            self._made = environment, self._maker(radiance, self.count) if is_lit else None
+        straight = self._made[1]
+        if straight is None:
+            return None
+        angle = np.radians(environment.rotation_deg)
+        c, s = np.cos(angle), np.sin(angle)
+        about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+        return straight.turned(about_y)
+
+
+def _is_same_map(one: Environment, other: Environment) -> bool:
+    return one.map is other.map and one.scale == other.scale
 
 
 def lamps_of(lights: tuple[Light, ...]) -> list[Lamp]:
     """Those of a scene's lights that are in it."""
     return [light for light in lights if isinstance(light, PointLight | SpotLight)]
-
-
-def _sky(environment: Environment | None, count: int) -> Ordinates | None:
-    if environment is None or count < 1:
-        return None
-    if environment.map is None:  # the very sky of the furnace correction: it vanishes
-        even = even_sky(count)
-        light = np.asarray(environment.radiance) * environment.scale
-        return replace(even, irradiance=even.irradiance * light) if light.any() else None
-    radiance = environment_map(environment)
-    if not radiance.max() > 0.0:
-        return None
-    angle = np.radians(environment.rotation_deg)
-    c, s = np.cos(angle), np.sin(angle)
-    about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    return partition(radiance, count).turned(about_y)
 
 
 class OrdinateTable:

@@ -30,7 +30,7 @@ from .bounce import Bounce, Bounced
 from .density import Density
 from .diffuse import GROUP
 from .emission import Emission
-from .ordinates import SceneOrdinates, lamps_of
+from .ordinates import MAKERS, SceneOrdinates, lamps_of
 from .placement import (
     SPHERE_SIDE,
     MediumParams,
@@ -56,6 +56,10 @@ class PopSettings:
         choices=SCHEMES,
     )
     ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
+    ordinates_from: str = setting(
+        "partition", "how a map becomes directions: parts of it, or samples of it as in the paper",
+        choices=tuple(MAKERS),
+    )  # fmt: skip
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
     )
@@ -93,7 +97,7 @@ class PopSolver:
         self.beams = kind(gpu, self, settings.ordinates + lights)
         has_furnace = is_beam and settings.furnace_correction > 0.0
         self.furnace = Beams(gpu, self, settings.ordinates) if has_furnace else None
-        self._scene_ordinates = SceneOrdinates(settings.ordinates)
+        self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
         self._even = even_sky(settings.ordinates) if self.furnace else None
         self._bounce: Bounce | None = None
         self._own_voxels = voxels is None
@@ -115,7 +119,8 @@ class PopSolver:
         """
         if volume is not None and volume is not self.volume:
             self._take(volume)
-        ordinates = self._scene_ordinates.of(lights, environment)
+        with commands.stage("pop ordinates"):
+            ordinates = self._scene_ordinates.of(lights, environment)
         lamps = lamps_of(lights)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params, bounced)
