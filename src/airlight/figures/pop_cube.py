@@ -22,6 +22,8 @@ class Angular:
     """Scattered radiance (z, x, phi) in the slice y = 1/2 near the plane, W m^-2 sr^-1."""
 
     radiance: F64
+    noise: float = 0.0
+    """Relative L2 of Monte Carlo's own noise."""
 
     @property
     def shown(self) -> F64:
@@ -31,7 +33,9 @@ class Angular:
     def scores(self, truth: Angular) -> dict[str, float]:
         """The error, and the light of all cells and azimuths over the truth's."""
         ratio = float(self.radiance.mean() / truth.radiance.mean())
-        return {"relative_l2": self.error(truth), "energy_ratio": ratio}
+        return {
+            "relative_l2": self.error(truth), "energy_ratio": ratio, "noise_floor_l2": truth.noise,
+        }  # fmt: skip
 
     def error(self, truth: Angular) -> float:
         """Relative L2 over all cells and azimuths."""
@@ -64,7 +68,10 @@ def truth(g: float, photons: int) -> Angular:
         BoxMedium(SIGMA_S, 1.0, g), Beam((0.0, 0.0, 1.0)), cells=(CELLS,) * 3, photons=photons,
         plane=Slice(1, SLICE), directions=(MU_BINS, PHI_BINS),
     )  # fmt: skip
-    return Angular(light.slice_radiance[1][:, :, MU_BINS // 2])
+    seen, error = (
+        v[1][:, :, MU_BINS // 2] for v in (light.slice_radiance, light.slice_radiance_error)
+    )
+    return Angular(seen, float(np.linalg.norm(error) / np.linalg.norm(seen)))
 
 
 def _air(g: float) -> db.MediumGrid:
