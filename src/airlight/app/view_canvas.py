@@ -32,11 +32,11 @@ class CanvasView:
         self.surface = CanvasSurface(session.gpu, canvas)
         session.attach(self.surface.format)
         self.saver = Saver(session, folder or Path.cwd(), copy)
-        # The overlay's handlers come first and keep what is the panel's.
         self.overlay: Any = None
         self.panel: Any = None
         self._make_panel()
-        canvas.add_event_handler(self.on_event, *EVENTS)
+        # Before the overlay, which decides by the last frame: on a slow machine, too long ago.
+        canvas.add_event_handler(self.on_event, *EVENTS, order=-100)
         canvas.request_draw(self.draw)
 
     def _make_panel(self) -> None:
@@ -62,17 +62,29 @@ class CanvasView:
             self.canvas.request_draw()
 
     def on_event(self, event: dict[str, Any]) -> None:
-        """What the panel left: keys of the viewer, and the camera's."""
-        key = event.get("key") if event["event_type"] == "key_down" else None
+        """Keys of the viewer, and the camera's share of mouse and keys."""
+        if not self._is_panels(event):
+            if event["event_type"] == "key_down":
+                self._key(event["key"])
+            self.session.controls.handle(event)
+        self.session.touch(time.monotonic())
+        self.canvas.request_draw()
+
+    def _key(self, key: str) -> None:
         if key == "Tab" and self.panel:
             self.panel.is_shown = not self.panel.is_shown
         elif key == "r":
             self.session.controls.reset()
         elif key == "f":
             self.session.controls.is_flying = not self.session.controls.is_flying
-        self.session.controls.handle(event)
-        self.session.touch(time.monotonic())
-        self.canvas.request_draw()
+
+    def _is_panels(self, event: dict[str, Any]) -> bool:
+        """Whether a press, a turn of the wheel or a key is the panel's; a drag goes on over it."""
+        if self.panel is None:
+            return False
+        if event["event_type"] in ("pointer_down", "wheel"):
+            return bool(self.panel.covers(event["x"], event["y"]))
+        return event["event_type"] == "key_down" and bool(self.overlay.backend.io.want_text_input)
 
     async def watch(self, sleep: Callable[[float], Any]) -> None:
         """Draw again after every edit of the scene file."""

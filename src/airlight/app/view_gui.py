@@ -15,6 +15,7 @@ from .view_save import Saver
 from .view_session import Session, reach_m
 
 PANEL_WIDTH = 330.0
+_LEAST_SIDE = 60.0  # of a surface that a panel fits on
 _ERROR_COLOUR, _NOTICE_COLOUR = (1.0, 0.45, 0.35, 1.0), (0.55, 0.85, 0.55, 1.0)
 _BAR_COLOUR = (0.35, 0.55, 0.8, 1.0)
 _HELP = (
@@ -30,24 +31,41 @@ class Panel:
     def __init__(self, session: Session, saver: Saver) -> None:
         self.session, self.saver = session, saver
         self.is_shown = True
+        self._box = (0.0, 0.0, 0.0, 0.0)
+        self._display = (0.0, 0.0)
+        self._has_popup = False
         self._texts: dict[str, str] = {}
         style_like_a_darkroom()
 
     def draw(self) -> None:
         """Build this frame's widgets; what they change is in the session at once."""
-        if not self.is_shown:
-            return
         display = imgui.get_io().display_size
-        width = min(PANEL_WIDTH, display.x)
-        imgui.set_next_window_pos((0.0, 0.0), imgui.Cond_.first_use_ever)
-        imgui.set_next_window_size((width, display.y), imgui.Cond_.first_use_ever)
-        imgui.set_next_window_size_constraints((width, 40.0), (display.x, display.y))
+        if not self.is_shown or min(display.x, display.y) < _LEAST_SIDE:
+            self._box, self._has_popup = (0.0, 0.0, 0.0, 0.0), False
+            return
+        if self._display != (display.x, display.y):
+            # Along the left edge, until it is moved by hand.
+            self._display = (display.x, display.y)
+            imgui.set_next_window_pos((0.0, 0.0))
+            imgui.set_next_window_size((min(PANEL_WIDTH, display.x), display.y))
         is_open, _ = imgui.begin(f"airlight - {self.session.state.scene.name}###panel")
+        place, size = imgui.get_window_pos(), imgui.get_window_size()
+        self._box = (place.x, place.y, place.x + size.x, place.y + size.y)
         if is_open:
             imgui.push_item_width(-130.0)
             self._sections()
             imgui.pop_item_width()
         imgui.end()
+        anything = imgui.PopupFlags_.any_popup
+        self._has_popup = imgui.is_popup_open("", anything)
+
+    def covers(self, x: float, y: float) -> bool:
+        """Whether the panel, or a list that it opened, takes a click here, in logical pixels.
+
+        imgui itself knows only a frame later, which on a slow machine is after the click.
+        """
+        left, top, right, bottom = self._box
+        return self._has_popup or (left <= x < right and top <= y < bottom)
 
     def _sections(self) -> None:
         self._status()

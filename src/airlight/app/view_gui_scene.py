@@ -95,7 +95,8 @@ def _sun(light: DirectionalLight) -> DirectionalLight:
     imgui.invisible_button("sun pad", (_PAD_PX, _PAD_PX))
     radius = _PAD_PX / 2.0
     centre = (corner.x + radius, corner.y + radius)
-    if imgui.is_item_active():
+    # A quick hand lets go in the frame in which it arrives.
+    if imgui.is_item_active() or imgui.is_item_deactivated():
         mouse = imgui.get_io().mouse_pos
         x, y = (mouse.x - centre[0]) / radius, (mouse.y - centre[1]) / radius
         azimuth = float(np.degrees(np.arctan2(x, y)))
