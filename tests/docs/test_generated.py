@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from airlight.app import cli
+from airlight.maths import lattice6, lattice26
 from airlight.techniques import TECHNIQUES, technique_class
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -66,6 +67,19 @@ def test_errors_are_those_of_the_accuracy_page(generate):
     scenes = re.findall(r"^\| ([\w-]+) \| direct \|", whole, re.MULTILINE)
     assert [row.split(" | ")[0].strip("| ") for row in table[2:]] == scenes
     assert generate.errors_table("nothing") == "Not in [accuracy](../accuracy.md) yet."
+
+
+def test_numbers_that_a_page_quotes_are_the_code_s():
+    lpv = (DOCS / "techniques" / "lpv.md").read_text(encoding="utf-8")
+    assert f"\\lambda = {lattice6.LOOKUP_SCALE}$$" in lpv
+    assert f"\\kappa = {lattice6.SPREAD_KEPT}$" in lpv
+    face = lattice6.face_seen((0, 0, 1), (0, 0, 1))
+    assert f"$\\Omega = {face.solid_angle_sr:.6f}$" in lpv
+    assert f"(0, 0, {face.receive[2]:.6f})" in lpv
+    scatter = (DOCS / "techniques" / "lpv-scatter.md").read_text(encoding="utf-8")
+    assert f"\\rho = {lattice26.RHO}$$" in scatter
+    for weight in {f"{w:.6f}" for w in lattice26.hops().weights}:
+        assert f"${weight}$" in scatter or f"= {weight}$" in scatter
 
 
 COMMON = {
