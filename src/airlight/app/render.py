@@ -37,7 +37,7 @@ _STARTED_S = time.perf_counter()
     "--technique",
     default="auto",
     show_default=True,
-    help="auto (the best there is so far), direct or lpv.",
+    help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
 )
 @size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
