@@ -15,10 +15,12 @@ from airlight.scene import (
     DirectionalLight,
     Environment,
     Material,
+    Mesh,
     PointLight,
     Scene,
     SpotLight,
 )
+from airlight.scene.shapes import box
 
 SIZE = (64, 48)
 SMALL = {"resolution": 8, "sky_lights": 8, "sky_resolution": 8, "surfels": 10}
@@ -75,6 +77,22 @@ def test_a_floor_under_an_occluder(picture, square, seen_points, light):
     assert seen[dark].max() < 1e-4 * expected.max()
     # between them light only falls
     assert (seen <= expected * 1.003 + 2e-3 * expected.max()).all()
+
+
+@pytest.mark.parametrize("lamp", [LAMP, WIDE])
+def test_nothing_leaks_out_of_a_closed_box_around_a_lamp(picture, lamp):
+    # All edges between the six maps of a lamp fall on walls that are wholly dark.
+    at = np.eye(4)
+    at[:3, :3] *= 0.4
+    at[:3, 3] = lamp.position
+    room = np.diag([8.0, 6.0, 8.0, 1.0])
+    room[:3, 3] = (0.0, 2.0, 0.0)
+    shell = Mesh(box(), Material(base_color=(0.0, 0.0, 0.0), specular=0.0), at)
+    walls = Mesh(box(), Material(base_color=(0.8, 0.8, 0.8), specular=0.0, two_sided=True), room)
+    for target in ((0.0, 2.0, -1.0), (1.0, 2.0, 0.0), (-1.0, 2.0, 1.0), (0.3, 0.0, -0.2)):
+        eye = Camera(position=(0.0, 2.0, 3.9), target=target, fov_y_deg=80.0)
+        image = picture(Scene(meshes=(shell, walls), lights=(lamp,), camera=eye))
+        assert image.layers["direct"].max() == 0.0
 
 
 def test_lights_add_up(picture, square):
