@@ -51,7 +51,7 @@ def nest(gpu, commands, owned):
             sums, nbytes = owned(new_sums(gpu, placement)), 3 * placement.cells * 16
             if placement is inner:
                 Border(gpu).encode(
-                    commands, inner, OUTER, solved, linear_sampler(gpu), sums,
+                    commands, inner, OUTER, solved, linear_sampler(gpu), faces, sums,
                     power_scale=power, scale=units,
                 )  # fmt: skip
             own = lobes(placement, points, normals, powers).astype(np.float32)

@@ -40,6 +40,7 @@ class Border(ComputePass):
         texture("lattice_open_b", "3d"),
         texture("lattice_walls", "3d"),
         sampler("linear_clamp"),
+        storage("faces", "vec4u"),
         storage("sums", "atomic<i32>", "read_write"),
     )
     workgroup = (8, 8, 1)
@@ -49,11 +50,11 @@ class Border(ComputePass):
 
     def encode(
         self, commands: Commands, inner: Placement, outer: Placement, solved: dict[str, Texture],
-        linear: Sampler, sums: Buffer, *, power_scale: float, scale: float,
+        linear: Sampler, faces: Buffer, sums: Buffer, *, power_scale: float, scale: float,
     ) -> None:  # fmt: skip
         """Add to `sums` (`scale` units per W sr^-1) what enters `inner` from the solved `outer`.
 
-        `solved`: the textures that both share, of `power_scale` stored units per W sr^-1.
+        `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both share, of `power_scale` stored units per W sr^-1.
         """
         area = (inner.cell / outer.cell) ** 2
         side = max(inner.count)
@@ -61,7 +62,7 @@ class Border(ComputePass):
         self.dispatch(
             commands, (side, side, 6), params=BorderParams(units=area * scale / power_scale),
             lattice=inner.params(power_scale), outer=outer.params(power_scale), **bound,
-            linear_clamp=linear, sums=sums,
+            linear_clamp=linear, faces=faces, sums=sums,
         )  # fmt: skip
 
 

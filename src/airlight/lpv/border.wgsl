@@ -1,5 +1,7 @@
 //! use lattice
 
+const DEPTH = 3u;       // cells from the border that are asked whether light could leave
+
 // One hop of the larger lattice's light into the cells along the finer lattice's sides.
 
 // The cell at (u, v) of side 0..5 (x low, x high, y low ...).
@@ -13,12 +15,46 @@ fn side_cell(u: u32, v: u32, axis: u32, is_high: bool) -> vec3u {
 }
 
 // Through a low side light goes along the positive axis: side and hop have the same number.
-fn side_openness(cell: vec3u, hop: u32) -> f32 {
+fn entering_share(cell: vec3u, hop: u32) -> f32 {
     let texel = lattice_texel(lattice, vec3i(cell));
     if (hop < 4u) {
         return textureLoad(lattice_open_a, texel, 0)[hop];
     }
     return textureLoad(lattice_open_b, texel, 0)[hop - 4u];
+}
+
+fn leaving_share(cell: vec3u, hop: u32) -> f32 {
+    let index = (cell.z * lattice.count.y + cell.y) * lattice.count.x + cell.x;
+    return 1.0 - unpack4x8unorm(faces[2u * index + hop / 4u][hop % 4u]).w;
+}
+
+// Bodies stop light with their outside: what the larger lattice mistakes for light inside a wall
+// would come out of it. So nothing enters where none could leave.
+fn open_share(cell: vec3u, side: u32) -> f32 {
+    let is_high = (side & 1u) == 1u;
+    var open = entering_share(cell, side);
+    var inner = cell;
+    for (var k = 0u; k < DEPTH; k++) {
+        open *= leaving_share(inner, side ^ 1u);
+        inner[side / 2u] = select(inner[side / 2u] + 1u, inner[side / 2u] - 1u, is_high);
+    }
+    return open;
+}
+
+// Between cells only where all is open: beyond a wall may lie full sun, of which a hundredth is
+// more than all the light in a room.
+fn fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
+    return offset * smoothstep(0.7, 1.0, select(open_low, open_high, offset > 0.0));
+}
+
+fn outer_uvw(place: vec3f) -> vec3f {
+    let cell = clamp(floor(place), vec3f(0.0), vec3f(outer.count) - 1.0);
+    let texel = lattice_texel(outer, vec3i(cell));
+    let xy = textureLoad(lattice_open_a, texel, 0);
+    let z = textureLoad(lattice_open_b, texel, 0);
+    let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
+    return lattice_uvw(outer, cell + 0.5
+        + vec3f(fraction(t.x, xy.x, xy.y), fraction(t.y, xy.z, xy.w), fraction(t.z, z.x, z.y)));
 }
 
 fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
@@ -42,11 +78,11 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (any(place < vec3f(0.0)) || any(place > vec3f(outer.count))) {
         return;
     }
-    let open = side_openness(cell, id.z);
+    let open = open_share(cell, id.z);
     if (open <= 0.0) {
         return;
     }
-    let uvw = lattice_eased(outer, bent_place(outer, world));
+    let uvw = outer_uvw(bent_place(outer, world));
     let n = lattice.count;
     let first = (cell.z * n.y + cell.y) * n.x + cell.x;
     let cells = n.x * n.y * n.z;

@@ -204,7 +204,8 @@ class Lpv(Direct):
                 solved = {**self.textures.bound, **self.blockers.bound}
                 self.border.encode(
                     commands, part.placement, self.cascades[level + 1].placement, solved,
-                    self.linear, part.sums, power_scale=self.power_scale, scale=scale,
+                    self.linear, part.blockers.faces, part.sums, power_scale=self.power_scale,
+                    scale=scale,
                 )  # fmt: skip
             self.resolve.encode(
                 commands, part.placement, part.sums, part.steady, part.injected, scale
