@@ -13,6 +13,7 @@ from airlight.app.view_session import Session
 from airlight.errors import DeviceError, SettingsError
 from airlight.gpu.device import open_gpu
 from airlight.gpu.memory import Texture
+from airlight.scene.animation import Animation
 from airlight.scene.io import load
 from airlight.scene.io.images import load_image
 
@@ -241,3 +242,33 @@ def test_a_folder_that_cannot_be_written_is_said(screen, tmp_path):
 def test_an_unknown_technique_is_refused_at_once(scene_file):
     with pytest.raises(SettingsError, match="unknown technique 'lvp'"):
         Session(load(scene_file), technique="lvp")
+
+
+def test_time_moves_what_the_scene_moves(gpu, scene_file):
+    scene = load(scene_file)
+    turning = Animation((Turning(),), end_s=2.0)
+    session = Session(replace(scene, animation=turning), technique="direct", settings=SMALL)
+    screen = Screen(gpu, session)
+    before = screen.settle(2)
+    session.state.time_s = 1.0
+    moved = screen.settle(2)
+    assert np.abs(moved - before).mean() > 1.0
+    assert session.scene_now().lights[0].direction[0] == pytest.approx(-np.sqrt(0.5))
+    session.state.is_playing = True
+    assert screen.frame(0.1) and screen.frame(0.25)
+    assert session.state.time_s == pytest.approx(1.25)
+    for _ in range(4):
+        screen.frame(0.25)
+    assert session.state.time_s == pytest.approx(0.25)  # round
+    session.close()
+
+
+class Turning:
+    """A sun that goes from over the right to over the left shoulder in two seconds."""
+
+    end_s = 2.0
+
+    def apply(self, scene, time_s):
+        side = np.sqrt(0.5) * (1.0 if time_s < 0.5 else -1.0)
+        sun = replace(scene.lights[0], direction=(side, -np.sqrt(0.5), 0.0))
+        return replace(scene, lights=(sun,))

@@ -149,10 +149,10 @@ def test_the_panel_takes_its_own_clicks_and_tab_hides_it(desk):
 def test_a_saved_edit_is_shown_and_a_broken_one_said(desk):
     before = desk.rested()
     text = desk.scene.read_text()
-    desk.scene.write_text(text.replace("[0.8, 0.3, 0.2]", "[0.1, 0.2, 0.9"))  # not closed
+    desk.scene.write_text(text.replace("[0.3, 0.4, 0.6]", "[0.9, 0.2, 0.1"))  # not closed
     time.sleep(3.0)
     assert np.abs(desk.rested() - before).mean() < 1.0
-    desk.scene.write_text(text.replace("[0.8, 0.3, 0.2]", "[0.1, 0.2, 0.9]"))
+    desk.scene.write_text(text.replace("[0.3, 0.4, 0.6]", "[0.9, 0.2, 0.1]"))
     desk.until_changed(before, "the edit is seen", least=1.0)
 
 

@@ -34,7 +34,7 @@ class Panel:
         self._box = (0.0, 0.0, 0.0, 0.0)
         self._display = (0.0, 0.0)
         self._has_popup = False
-        self._texts: dict[str, str] = {}
+        self._held: dict[str, Any] = {}
         style_like_a_darkroom()
 
     def draw(self) -> None:
@@ -71,6 +71,8 @@ class Panel:
         self._status()
         self._technique()
         state = self.session.state
+        if state.scene.animation is not None:
+            self._time()
         if _header("light"):
             light_controls(state)
         if _header("air"):
@@ -116,7 +118,7 @@ class Panel:
                 self._setting(control)
             if imgui.button("as in the file"):
                 state.settings.pop(state.technique, None)
-                self._texts.clear()
+                self._held.clear()
             imgui.tree_pop()
 
     def _setting(self, control: Control) -> None:
@@ -145,12 +147,11 @@ class Panel:
             changed, index = imgui.combo(label, choices.index(value), choices)
             return changed, choices[index]
         key = f"{self.session.state.technique}.{control.name}"
-        text = self._texts.get(key, _text(value))
-        changed, text = imgui.input_text(label, text)
+        changed, held = _slid(control, label, self._held.get(key, value))
         if changed:
-            self._texts[key] = text
+            self._held[key] = held
         if imgui.is_item_deactivated_after_edit():
-            return True, self._texts.pop(key, text)
+            return True, self._held.pop(key, held)
         return False, value
 
     def _look(self) -> None:
@@ -173,6 +174,17 @@ class Panel:
         changed, index = imgui.combo("tone curve", curves.index(look.curve), curves)
         if changed:
             state.look = replace(state.look, curve=curves[index])
+
+    def _time(self) -> None:
+        state, animation = self.session.state, self.session.state.scene.animation
+        assert animation is not None
+        _, state.is_playing = imgui.checkbox("play", state.is_playing)
+        imgui.same_line()
+        changed, time_s = imgui.slider_float(
+            "time (s)", state.time_s, animation.start_s, animation.last_s, "%.2f"
+        )
+        if changed:
+            state.time_s = time_s
 
     def _camera(self) -> None:
         hands = self.session.controls
@@ -251,5 +263,15 @@ def _header(name: str, *, is_open: bool = True) -> bool:
     return bool(imgui.collapsing_header(name, flags))
 
 
-def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def _slid(control: Control, label: str, value: Any) -> tuple[bool, Any]:
+    """A slider where both ends are known (control-click types a number), else a field."""
+    flags = imgui.SliderFlags_.always_clamp
+    if control.is_logarithmic:
+        flags |= imgui.SliderFlags_.logarithmic
+    low, high = control.low, control.high
+    if control.kind == "text" or low is None or high is None:
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        return tuple(imgui.input_text(label, text))
+    if control.kind == "whole":
+        return tuple(imgui.slider_int(label, value, int(low), int(high), "%d", flags))
+    return tuple(imgui.slider_float(label, value, low, high, "%.4g", flags))

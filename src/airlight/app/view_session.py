@@ -19,6 +19,7 @@ from ..errors import AirlightError
 from ..gpu.device import open_gpu
 from ..maths.sampling import pixel_jitter
 from ..rendering import Renderer
+from ..scene.camera import Camera
 from ..scene.image import Image
 from ..scene.io import BUILTIN_PREFIX, load
 from ..scene.scene import Scene
@@ -58,6 +59,7 @@ class Session:
         self._presenter: Presenter | None = None
         self._format = ""
         self._size = (1, 1)
+        self._camera, self._time_s = scene.camera, 0.0
         self._jitters = pixel_jitter(STILL_SAMPLES)
         self._is_announced = False
         self._refused: tuple[Any, ...] | None = None
@@ -116,9 +118,7 @@ class Session:
             self._is_announced = True  # so that the window says something while all is made
             return True
         self.controls.height_px = size[1]
-        if self._before_s is not None:
-            self.controls.advance(now_s - self._before_s)
-        self._before_s = now_s if self.controls.is_moving else None
+        self._go_on(now_s)
         self.state.turn_light(self.controls.take_turn())
         is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
         plan = self.quality.plan(now_s, size, changed=self._has_changed(), is_busy=is_busy)
@@ -130,6 +130,20 @@ class Session:
         is_unfinished = self.quality.share < 1.0 and self._presenter is not None
         return plan.is_moving or plan.sample is not None or is_unfinished
 
+    def _go_on(self, now_s: float) -> None:
+        """What moves by itself: the camera by held keys, the scene by its time."""
+        spent_s = 0.0 if self._before_s is None else now_s - self._before_s
+        self.controls.advance(spent_s)
+        state = self.state
+        state.play(spent_s)
+        goes_on = self.controls.is_moving or state.is_playing
+        self._before_s = now_s if goes_on else None
+        if state.time_s != self._time_s:
+            self._time_s, before = state.time_s, self._camera
+            self._camera = state.moved().camera
+            if self._camera != before:  # the scene moves its camera; a hand may take it from there
+                self.controls.camera = self._camera
+
     def frame_size(self, size: tuple[int, int]) -> None:
         """The size of pictures until a frame says another."""
         self._size = size
@@ -139,7 +153,7 @@ class Session:
         self._make_renderer(self._size)
         assert self.renderer is not None
         self.renderer.resize(self._size)
-        self.renderer.scene = self.scene_now()
+        self._give_scene(self.renderer)
         image = self.renderer.frame(samples=samples)
         assert image is not None
         self._drawn = ()
@@ -148,7 +162,8 @@ class Session:
     def scene_now(self) -> Scene:
         """The scene with the camera and exposure of this moment."""
         stops = self.state.look.exposure_stops
-        return replace(self.state.scene, camera=replace(self.controls.camera, exposure_stops=stops))
+        scene = self.state.moved()
+        return replace(scene, camera=replace(self.controls.camera, exposure_stops=stops))
 
     def close(self) -> None:
         """Give the device's memory back."""
@@ -161,11 +176,8 @@ class Session:
 
     def _has_changed(self) -> bool:
         s = self.state
-        now = (self.controls.camera, s.scene, structure(s), s.look.layer, s.shows_times)
-        if len(self._drawn) == len(now) and all(
-            a is b or (i in (0, 2, 3, 4) and a == b)
-            for i, (a, b) in enumerate(zip(now, self._drawn, strict=True))
-        ):
+        now = (self.controls.camera, s.scene, structure(s), s.look.layer, s.shows_times, s.time_s)
+        if _is_same(now, self._drawn):
             return False
         self._drawn = now
         return True
@@ -210,7 +222,7 @@ class Session:
         commands = r.commands
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
         if self._made == structure(self.state):
-            r.scene = self.scene_now()
+            self._give_scene(r)
         self._solve(r)
         jitter = (0.0, 0.0) if plan.is_moving else tuple(self._jitters[plan.sample])
         r.view.aim(self.controls.camera, jitter, plan.sample)
@@ -224,10 +236,17 @@ class Session:
             self.times_ms = dict(commands.stage_ms)
         commands.is_timed = False
 
+    def _give_scene(self, r: Renderer) -> None:
+        scene = self.scene_now()
+        if scene.meshes is not r.scene.meshes:
+            r.meshes.move(scene.meshes)
+        r.scene = scene
+
     def _solve(self, r: Renderer) -> None:
         """All that the camera does not matter for, unless nothing else has changed."""
         scene = r.scene
-        parts = (scene.lights, scene.medium, scene.volumes, scene.environment, scene.meshes)
+        parts = (scene.lights, scene.light_groups, scene.medium, scene.volumes,
+                 scene.environment, scene.meshes)  # fmt: skip
         # Fog without bounds reaches to the camera where that stands outside the scene.
         fog = scene.medium
         place = scene.camera.position if fog is not None and fog.bounds is None else None
@@ -235,10 +254,7 @@ class Session:
             low, high = scene.bounds
             place = None if np.all(place >= low) and np.all(place <= high) else place
         now = (*parts, place)
-        if len(self._solved) == len(now) and all(
-            a is b or (i == len(parts) and a == b)
-            for i, (a, b) in enumerate(zip(now, self._solved, strict=True))
-        ):
+        if _is_same(now, self._solved):
             return
         begin = time.perf_counter()
         r.technique.solve(r.commands, scene)
@@ -265,6 +281,14 @@ class Session:
         if self._presenter and self.renderer:
             self._presenter.show(self.renderer.commands, target)
             self.renderer.commands.submit()
+
+
+def _is_same(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
+    """Whether nothing changed; scenes and their parts are compared by identity, they are frozen."""
+    plain = (str, bool, float, tuple, Camera)
+    return len(now) == len(before) and all(
+        a is b or (isinstance(a, plain) and a == b) for a, b in zip(now, before, strict=True)
+    )
 
 
 def reach_m(scene: Scene) -> float:

@@ -24,7 +24,8 @@ class ViewState:
     """The panel and the controls write it, the session draws it.
 
     `settings` by technique lie over what the scene file says. `light` is the one that a drag
-    turns. `message` is what went wrong last, `notice` what went well.
+    turns. `time_s` is where the scene's animation stands. `message` is what went wrong last,
+    `notice` what went well.
     """
 
     scene: Scene
@@ -35,11 +36,29 @@ class ViewState:
     message: str = ""
     notice: str = ""
     shows_times: bool = False
+    time_s: float = 0.0
+    is_playing: bool = False
+    _moved: tuple[tuple[int, float], Scene] | None = None
 
     @property
     def chosen_settings(self) -> dict[str, Any]:
         """Of the chosen technique, beside what the scene file says."""
         return self.settings.get(self.technique, {})
+
+    def play(self, spent_s: float) -> None:
+        """Let the animation go on, round from its end to its start."""
+        animation = self.scene.animation
+        if self.is_playing and animation is not None:
+            span = animation.last_s - animation.start_s
+            self.time_s = animation.start_s + (self.time_s + spent_s - animation.start_s) % span
+
+    def moved(self) -> Scene:
+        """The scene as its animation has it now; the same value until scene or time change."""
+        key = (id(self.scene), self.time_s)
+        if self._moved is None or self._moved[0] != key:
+            still = self.scene.animation is None
+            self._moved = (key, self.scene if still else self.scene.at(self.time_s))
+        return self._moved[1]
 
     def set_light(self, index: int, light: Light) -> None:
         """Replace one light by another of its kind."""
