@@ -36,6 +36,15 @@ def number(value: Any, name: str, *, low: float = -math.inf, high: float = math.
     return x
 
 
+def stops(value: Any, name: str) -> float | None:
+    """A finite number, or None for "auto"."""
+    if isinstance(value, str):
+        if value != "auto":
+            raise SceneError(f'{name} must be a number or "auto", not {value!r}')
+        return None
+    return number(value, name)
+
+
 def vec3(value: Any, name: str) -> Vec3:
     """Three finite numbers."""
     if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) != 3:

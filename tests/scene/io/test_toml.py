@@ -9,6 +9,7 @@ import pytest
 
 from airlight.errors import SceneError
 from airlight.scene.io.toml import load_toml
+from airlight.scene.io.toml_text import scene_text
 from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
 
 BOX = '[[mesh]]\nshape = "box"\n'
@@ -151,7 +152,7 @@ def test_scale_comes_before_rotation(load):
 
 def test_lights_of_the_file_leave_the_background_black(load):
     assert load(CAMERA + BOX + SUN).environment is None
-    assert load(CAMERA + BOX + "emission = 1").lights == ()
+    assert load(CAMERA + BOX + "emission = 10").lights == ()
 
 
 def test_a_scene_without_light_gets_sun_and_sky(load):
@@ -307,3 +308,25 @@ def test_a_volume_without_a_place_warns(load, tmp_path):
     scene = load('[[volume]]\nfile = "smoke.npy"\nsigma_t = 1\n' + SUN + CAMERA)
     assert scene.volumes[0].bounds == ((-1, -1, -0.5), (1, 1, 0.5))
     assert "smoke.npy does not say where it is" in scene.warnings[0]
+
+
+def test_exposure_may_come_from_the_picture(tmp_path):
+    file = tmp_path / "s.toml"
+    camera = "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nexposure_stops = {}\n"
+    file.write_text(camera.format('"auto"') + '[[mesh]]\nshape = "box"\n')
+    scene = load_toml(file)
+    assert scene.camera.exposure_stops is None
+    assert 'exposure_stops = "auto"' in scene_text(scene, scene, str(file), tmp_path)
+    file.write_text(camera.format('"bright"') + '[[mesh]]\nshape = "box"\n')
+    with pytest.raises(SceneError, match='exposure_stops must be a number or "auto"'):
+        load_toml(file)
+
+
+def test_dim_screens_are_no_daylight(tmp_path):
+    file = tmp_path / "s.toml"
+    file.write_text('[[mesh]]\nshape = "box"\nemission = 0.5\n')
+    scene = load_toml(file)
+    assert scene.lights
+    assert any("are dim" in w for w in scene.warnings)
+    file.write_text('[[mesh]]\nshape = "box"\nemission = 50.0\n')
+    assert not load_toml(file).lights

@@ -21,6 +21,7 @@ from ..environment import Environment
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
+from .defaults import with_default_camera, with_default_lights
 from .files import read_bytes
 from .light_groups import is_group, light_groups
 from .toml_animation import (
@@ -122,7 +123,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
     )
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
-    return _with_light(_with_camera(scene, camera, parts))
+    return with_default_lights(_with_camera(scene, camera, parts))
 
 
 def _part(raw: Any, label: str, folder: Path) -> Scene:
@@ -219,16 +220,4 @@ def _with_camera(scene: Scene, camera: Camera | None, parts: list[Scene]) -> Sce
     chosen = camera or next(iter(brought), None)
     if chosen:
         return replace(scene, camera=chosen)
-    from .defaults import with_default_camera
-
     return with_default_camera(scene)
-
-
-def _with_light(scene: Scene) -> Scene:
-    """The scene; with a default sun and sky where nothing in it shines."""
-    shining = scene.lights or scene.light_groups or scene.environment
-    if shining or any(m.material.is_emissive for m in scene.meshes):
-        return scene
-    from .defaults import with_default_lights
-
-    return with_default_lights(scene)

@@ -31,7 +31,14 @@ CAMERA = Table(
         Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
         Key("up", checks.unit_vec3, "vector", "upwards in the picture", default="[0, 1, 0]"),
         Key("fov_y_deg", checks.number, "number", "full vertical field of view", "degrees", "50"),
-        Key("exposure_stops", checks.number, "number", "display exposure: 2^stops", "stops", "0"),
+        Key(
+            "exposure_stops",
+            checks.stops,
+            'number or "auto"',
+            'display exposure: 2^stops; "auto": from the picture itself',
+            "stops",
+            "0",
+        ),
         BETWEEN,
     ),
 )

@@ -89,8 +89,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
     table = {"position": camera.position, "target": camera.target, "fov_y_deg": camera.fov_y_deg}
     if camera.up != (0.0, 1.0, 0.0):
         table["up"] = camera.up
-    if camera.exposure_stops is not None:
-        table["exposure_stops"] = camera.exposure_stops
+    table["exposure_stops"] = "auto" if camera.exposure_stops is None else camera.exposure_stops
     return table
 
 
