@@ -5,11 +5,13 @@ obj, mtl     Wavefront                         gltf         glTF 2.0 and GLB
 meshfile     PLY and STL                       images       textures, radiance maps, pictures
 volumes      density grids                     volume_scene   one of them on its own
 defaults     the camera and the daylight of a file that has none
+doubts       what is allowed but hardly meant
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from ...errors import SceneError, nearest
@@ -38,9 +40,11 @@ def load(path: str | Path) -> Scene:
     file = Path(path)
     suffix = file.suffix.lower()
     if suffix == ".toml":
+        from .doubts import doubts
         from .toml import load_toml
 
-        return load_toml(file)
+        scene = load_toml(file)
+        return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
