@@ -35,6 +35,7 @@ from ..surface.reflective import ReflectiveShadowMaps
 from .border import Border
 from .cascades import Cascade, cascade, follow
 from .propagate import Propagate
+from .seen_blockers import SeenBlockers
 from .storage import STORAGES
 
 
@@ -50,6 +51,13 @@ class LpvSettings(SurfaceSettings):
     storage: str = setting("float32", "how lattices are kept between steps", choices=STORAGES)
     map_resolution: int = setting(
         256, "side of reflective shadow maps", unit="px", low=8, high=4096
+    )
+    surfel_resolution: int = setting(
+        128, "side of the views that scheme paper takes blockers from", unit="px", low=8, high=2048
+    )
+    peel_layers: int = setting(2, "depth layers of each of them", low=1, high=8)
+    keep_surfels: bool = setting(
+        True, "whether what earlier frames saw of unmoved surfaces still blocks"
     )
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
@@ -108,6 +116,13 @@ class Lpv(Direct):
         self.border: Border | None = None
         if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
             self.border = Border(gpu)
+        self.seen: SeenBlockers | None = None
+        if self.is_paper:
+            self.seen = SeenBlockers(
+                gpu, scene, [part.blockers for part in self.cascades],
+                resolution=settings.surfel_resolution, peels=settings.peel_layers,
+                keeps=settings.keep_surfels, aspect=size[0] / size[1],
+            )  # fmt: skip
         self._is_first = True
 
     def outermost(self, scene: Scene) -> Placement:
@@ -168,7 +183,7 @@ class Lpv(Direct):
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
         with commands.stage("blockers"):
-            moved = [part.blockers.encode(commands) for part in self.cascades]
+            moved = self._block(commands, scene, low, high)
         with commands.stage("sky"):
             self._light_sky(commands, scene, moved, scale)
         with commands.stage("reflective shadow maps"):
@@ -185,6 +200,12 @@ class Lpv(Direct):
         # The largest first: what lies beyond the next one's borders.
         for level in range(len(self.cascades) - 1, -1, -1):
             self._propagate(commands, level, scale)
+
+    def _block(self, commands: Commands, scene: Scene, low: Any, high: Any) -> list[bool]:
+        """Surfels into the blockers; returns which lattices' changed."""
+        if self.seen is None:
+            return [part.blockers.encode(commands) for part in self.cascades]
+        return self.seen.encode(commands, self.meshes, scene, np.asarray(low), np.asarray(high))
 
     def _light_sky(self, commands: Commands, scene: Scene, moved: list[bool], scale: float) -> None:
         """The sky's maps and cubes, where light, geometry or a lattice's place changed."""
@@ -267,6 +288,8 @@ class Lpv(Direct):
         for part in self.cascades[:-1]:
             part.blockers.release()
             part.skylight.release()
+        if self.seen:
+            self.seen.release()
         self.points.release()
         self.sun_maps.release()
         self.lamp_maps.release()

@@ -16,6 +16,7 @@ state is accumulated, the first step free, as the paper says.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from ..gpu.commands import Commands
@@ -49,7 +50,7 @@ class Propagate:
     `scheme` is "centroid" or "paper"; with `is_blocked` each hop loses its blocked share, and
     with `is_reflecting` that share bounces into its own cell (Kaplanyan2010 section 7), coloured
     by the face's reflectance. `storage` is how states are kept (lpv.storage).
-    differs: the paper injects the bounce one cell further, beyond the blocker's plane.
+    differs: the paper reflects what arrives before a blocker one cell further; so does "paper".
     """
 
     def __init__(
@@ -62,7 +63,9 @@ class Propagate:
         self._slab = _CPU_SLAB if gpu.is_cpu else 1
         self._pack = Pack(gpu, storage)
         format = self._pack.format
-        text = format.wgsl + pair_functions(scheme) + column_march(*self._tile, self._slab)
+        meeting = Path(__file__).with_name(f"propagate_{scheme}.wgsl").read_text()
+        text = format.wgsl + pair_functions(scheme) + meeting
+        text += column_march(*self._tile, self._slab)
 
         def step(blocked: bool) -> ComputePass:
             flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting}

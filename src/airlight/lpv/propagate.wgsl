@@ -57,8 +57,8 @@ fn gathered(
     let rest = faces[2u * cell + 1u];
     let xy = unpack4x8unorm(rest.z);
     let z = unpack4x8unorm(rest.w);
-    return bounced(here, side, rest) + all_along(xy.x * west, xy.y * east, xy.z * south,
-        xy.w * north, z.x * below, z.y * above);
+    return interacted(here, side, rest, xy.x * west, xy.y * east, xy.z * south, xy.w * north,
+        z.x * below, z.y * above);
 }
 
 fn all_along(

@@ -71,13 +71,16 @@ class MeshPass:
         self._pipelines: dict[tuple[bool, bool, bool, frozenset[str]], MeshPipeline] = {}
 
     def draw(
-        self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any
-    ) -> None:
-        """Draw into an open render pass; `params` is the pass's uniform."""
+        self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any,
+        **bound: Any,
+    ) -> None:  # fmt: skip
+        """Draw into an open render pass; `params` is the uniform, `bound` more slots."""
         encoder.set_vertex_buffer(0, scene.positions.handle)
         encoder.set_vertex_buffer(1, scene.vertices.handle)
         encoder.set_index_buffer(scene.indices.handle, "uint32")
-        shared = {"params": params, "instances": scene.instances, "materials": scene.materials}
+        shared = {
+            "params": params, "instances": scene.instances, "materials": scene.materials, **bound
+        }  # fmt: skip
         active: MeshPipeline | None = None
         textures: Any = None
         for draw in draws:

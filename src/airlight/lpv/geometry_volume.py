@@ -1,0 +1,149 @@
+"""The paper's geometry volume: surfels of views as spherical harmonics (Kaplanyan2010, 3.2).
+
+A surfel of area A and normal n blocks light of travel direction D with probability
+A/s^2 max(0, -n.D); in two bands A/s^2 (1/4 + n.w/2) at w = -D, kept as (a, b). Its cells lie half a
+cell beside the lattice's, around their corners. Each view has a volume of its own, into which all
+its peeled layers go; volumes are merged by a maximum. A hop is blocked by the mean of the four
+corners of the face it crosses.
+differs: the maximum is that of whole vectors, the one with the larger a: component by component it
+would tear the signed lobes apart. A wall stays 3/4 closed, as two bands have it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.memory import Buffer
+from ..gpu.slots import image, storage, texture, uniform
+from ..lattice.blockers import Blockers
+from ..lattice.placement import Placement
+from ..surface.geometry import GpuScene
+from ..surface.light_views import LightView, LightViewData
+from ..surface.surfel_views import SurfelViews
+
+_UNITS = 2.0**20  # fixed-point units per fully covered cell face
+_VALUES = 5  # (a, b) and a times reflectance
+
+
+class VolumeParams(Struct):
+    """Where corners are, and which view's layers are put in."""
+
+    origin = vec3f("m")
+    cell = f32("m")
+    count = vec3u("cells")
+    units = f32("fixed-point units per fully covered face")
+    resolution = u32("texels")
+    view = u32()
+    first_layer = u32()
+    first_row = u32("where its cells begin along y of the textures")
+
+
+class _Inject(ComputePass):
+    slots = (
+        uniform("params", VolumeParams),
+        storage("views", LightViewData),
+        texture("depth", "2d-array", "depth"),
+        texture("normal", "2d-array", "unfilterable-float"),
+        texture("reflectance", "2d-array", "unfilterable-float"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (16, 16, 1)
+    file = "geometry_inject.wgsl"
+
+
+class _Merge(ComputePass):
+    slots = (
+        uniform("params", VolumeParams),
+        storage("sums", "i32", "read_write"),
+        storage("volume", "vec4f", "read_write"),
+        storage("reflected", "f32", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "geometry_merge.wgsl"
+
+
+class _Faces(ComputePass):
+    slots = (
+        uniform("params", VolumeParams),
+        storage("volume", "vec4f"),
+        storage("reflected", "f32"),
+        storage("faces", "vec4u", "read_write"),
+        image("open_a", "rgba8unorm", "3d"),
+        image("open_b", "rgba8unorm", "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "geometry_faces.wgsl"
+
+
+class GeometryVolume:
+    """Fills `blockers.faces` in the place of the blockers' own encoding.
+
+    `keeps`: surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
+    """
+
+    def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool) -> None:
+        self.blockers, self.keeps = blockers, keeps
+        corners = int(np.prod([n + 1 for n in blockers.placement.count]))
+        self._corners = corners
+        self._sums = Buffer(gpu, "surfels of a view", corners * _VALUES * 4)
+        self._volume = Buffer(gpu, "geometry volume", corners * 16)
+        self._reflected = Buffer(gpu, "its reflectance", corners * 4)
+        self._inject, self._merge, self._faces = _Inject(gpu), _Merge(gpu), _Faces(gpu)
+        self._made: tuple[int, Placement] | None = None
+
+    def encode(
+        self, commands: Commands, meshes: GpuScene, maps: SurfelViews, views: list[LightView], *,
+        is_drawn: bool,
+    ) -> bool:  # fmt: skip
+        """Bring the blockers up to date with `maps`; returns whether anything changed.
+
+        `is_drawn`: a view was drawn anew.
+        """
+        made = (meshes.version, replace(self.blockers.placement, fade=None))
+        is_new, self._made = made != self._made, made
+        if not (is_new or is_drawn):
+            return False
+        if is_new or not self.keeps:
+            for buffer in (self._volume, self._reflected):
+                commands.encoder.clear_buffer(buffer.handle)
+        commands.encoder.clear_buffer(self._sums.handle)
+        for index in range(len(views)):
+            self._add_view(commands, maps, index)
+        blockers = self.blockers
+        self._faces.dispatch(
+            commands, blockers.placement.count, params=self._params(maps, 0),
+            volume=self._volume, reflected=self._reflected, faces=blockers.faces,
+            open_a=blockers.open_a, open_b=blockers.open_b,
+        )  # fmt: skip
+        return True
+
+    def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
+        params = self._params(maps, index)
+        self._inject.dispatch(
+            commands, (maps.resolution, maps.resolution, maps.peels), params=params,
+            views=maps.views, depth=maps.depth, normal=maps.normal, reflectance=maps.reflectance,
+            sums=self._sums,
+        )  # fmt: skip
+        self._merge.dispatch(
+            commands, (self._corners,), params=params, sums=self._sums, volume=self._volume,
+            reflected=self._reflected,
+        )  # fmt: skip
+
+    def _params(self, maps: SurfelViews, index: int) -> VolumeParams:
+        placement = self.blockers.placement
+        return VolumeParams(
+            origin=placement.origin, cell=placement.cell, count=placement.count, units=_UNITS,
+            resolution=maps.resolution, view=index, first_layer=index * maps.peels,
+            first_row=placement.first_row,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self._sums, self._volume, self._reflected):
+            part.release()

@@ -1,0 +1,121 @@
+"""Surfaces as views see them, peeled layer by layer: samples for volumes of blockers.
+
+Kaplanyan2010 section 3.2 re-uses the camera's and the lights' buffers, down-sampled, and mentions
+depth peeling for more. These are drawn for the purpose, since reflectance is needed too; a view is
+drawn anew only where it or the geometry changed. Depth peeling: Everitt2001.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f, pack_array, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import texture, uniform
+from ..maths.transforms import (
+    F64,
+    box_corners,
+    clip_from_view_perspective,
+    view_from_world,
+)
+from ..scene.camera import Camera
+from .geometry import GpuScene
+from .light_views import LightView, LightViewData
+from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+
+_WIDEST_DEG = 140.0
+
+
+class SurfelViewParams(Struct):
+    """The view that is drawn."""
+
+    clip_from_world = mat4x4f()
+    is_peeled = u32("1: only what lies behind the layer before")
+
+
+class _SurfelPipeline(MeshPipeline):
+    slots = (uniform("params", SurfelViewParams), texture("previous", "2d", "depth"), *MESH_SLOTS)
+    targets = ("rgba16float", "rgba8unorm")
+    depth_compare = "less"
+    maps = ("base_color",)
+    file = "surfel_views.wgsl"
+
+
+class SurfelViews:
+    """Arrays of square maps, `peels` layers in a row for each of `count` views.
+
+    depth        conventional, 1 where nothing is
+    normal       xyz world, facing the viewer
+    reflectance  rgb linear base colour
+    """
+
+    def __init__(self, gpu: Gpu, resolution: int, count: int, peels: int) -> None:
+        self.resolution, self.count, self.peels = resolution, count, peels
+        size = (resolution, resolution, max(1, count * peels))
+
+        def map_of(name: str, format: str) -> Texture:
+            label = f"surfel {name}"
+            return Texture(gpu, label, size, format, dimension="2d-array", target=True)
+
+        self.depth = map_of("depth", "depth32float")
+        self.normal = map_of("normal", "rgba16float")
+        self.reflectance = map_of("reflectance", "rgba8unorm")
+        self._nothing = Texture(gpu, "no depth", (1, 1), "depth32float", target=True)
+        self.views = Buffer(gpu, "surfel views", LightViewData.dtype.itemsize * max(1, count))
+        self._pass = MeshPass(gpu, _SurfelPipeline)
+        self._drawn: dict[int, tuple[int, bytes]] = {}
+
+    def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> bool:
+        """Draw those of `views` that changed; returns whether any did."""
+        stale = []
+        for index, view in enumerate(views):
+            key = (scene.version, view.clip_from_world.tobytes())
+            if self._drawn.get(index) != key:
+                self._drawn[index] = key
+                stale.append(index)
+        if stale:
+            self.views.write(pack_array(LightViewData, [view.fields for view in views]))
+        for index in stale:
+            for peel in range(self.peels):
+                self._draw(commands, scene, index, peel, views[index])
+        return bool(stale)
+
+    def _draw(
+        self, commands: Commands, scene: GpuScene, index: int, peel: int, view: LightView
+    ) -> None:
+        layer = index * self.peels + peel
+        colors = [
+            {"view": t.layer(layer), "load_op": "clear", "store_op": "store",
+             "clear_value": (0, 0, 0, 0)}
+            for t in (self.normal, self.reflectance)
+        ]  # fmt: skip
+        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
+                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        params = SurfelViewParams(clip_from_world=view.clip_from_world, is_peeled=int(peel > 0))
+        previous = self.depth.layer(layer - 1) if peel else self._nothing
+        with commands.render(
+            "surfel view", color_attachments=colors, depth_stencil_attachment=depth
+        ) as encoder:
+            draws = scene.visible(view.clip_from_world)
+            self._pass.draw(commands, encoder, scene, draws, params, previous=previous)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.depth, self.normal, self.reflectance, self._nothing, self.views):
+            part.release()
+
+
+def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: int) -> LightView:
+    """What the camera sees, in a square picture; `aspect` is its width over its height."""
+    half = np.tan(np.radians(camera.fov_y_deg) / 2.0) * max(1.0, aspect)
+    fov = float(min(2.0 * np.arctan(half), np.radians(_WIDEST_DEG)))
+    eye = np.asarray(camera.position, np.float64)
+    far = float(np.linalg.norm(box_corners(low, high) - eye, axis=1).max()) * 1.01
+    look = np.subtract(camera.target, camera.position)
+    clip = clip_from_view_perspective(fov, max(1e-3 * far, 1e-4), far)
+    texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
+    return LightView(
+        clip @ view_from_world(camera.position, look, camera.up), (texel, texel), True, 0
+    )

@@ -1,0 +1,27 @@
+//! use mesh
+
+override IS_CUTOUT: bool = false;
+
+struct SurfelOut {
+    @location(0) normal: vec4f,
+    @location(1) reflectance: vec4f,
+}
+
+@vertex fn vertex(in: VertexIn) -> VertexOut {
+    return placed_vertex(in, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> SurfelOut {
+    let base = base_color_at(in);
+    if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {
+        discard;
+    }
+    // Drawn again, a surface has the same depth to the bit.
+    if (params.is_peeled != 0u && in.clip.z <= textureLoad(previous, vec2i(in.clip.xy), 0)) {
+        discard;
+    }
+    var out: SurfelOut;
+    out.normal = vec4f(facing_normal(in, is_front), 0.0);
+    out.reflectance = vec4f(base.rgb, 1.0);
+    return out;
+}
