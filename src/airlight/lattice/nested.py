@@ -17,8 +17,11 @@ AHEAD = 0.5
 """How far ahead of the eye a lattice's centre is, in halves of its sides."""
 BORDER = 1.5
 """Outermost cells that surfaces do not read: a lattice moves in steps, its fading smoothly."""
-FADING = 3.0
+FADING = 2.5
 """Cells over which the next larger lattice takes over."""
+MARGIN = 2
+"""Cells beyond the scene that a lattice may reach: where it just misses the scene's end, its
+fading has left what it does not cover."""
 SLACK = 0.75
 """How far, in cells, a lattice may be from where it should be: an eye that trembles moves none."""
 _NEVER_M = 1e6
@@ -71,7 +74,7 @@ def nested(
     for cell in cells:
         placement = replace(whole, first_row=row)
         if cell < whole.cell:
-            needed = np.minimum(np.ceil(box / cell - 1e-9) + 2, resolution)
+            needed = np.minimum(np.ceil(box / cell - 1e-9) + 2 * MARGIN, resolution)
             placement = Placement(whole.origin, cell, tiled(needed), first_row=row)
         levels.append(placement)
         row += placement.count[1]
@@ -140,5 +143,6 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
 
 
 def _room(nest: Nest, place: Placement) -> tuple[F64, F64]:
-    """The box that a lattice stays in: the scene's, with a cell of margin."""
-    return np.array(nest.low) - place.cell, np.array(nest.high) + place.cell
+    """The box that a lattice stays in: the scene's, with a margin."""
+    margin = MARGIN * place.cell
+    return np.array(nest.low) - margin, np.array(nest.high) + margin
