@@ -58,11 +58,6 @@ def test_the_page_asks_for_nothing_from_elsewhere():
     assert 'src="renderview-client.js"' in PAGE
 
 
-def test_port_and_listen_are_for_browsers(capsys):
-    assert run(["view", str(SCENE), "--port", "8900"]) == 2
-    assert "belong to --in browser" in capsys.readouterr().err
-
-
 def test_a_port_in_use_ends_with_2_and_one_line(capsys):
     pytest.importorskip("uvicorn")
     with socket.socket() as other:
