@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, errors, traced, white_plume
+from .pop_scenes import drawn, scores, traced, white_plume
 
 
 def draw(request: Request) -> Drawn:
@@ -17,6 +17,6 @@ def draw(request: Request) -> Drawn:
         shown.append(("Monte Carlo", truth.radiance))
     numbers = {
         "frame_ms": image.stats.get("frame_ms"), "device": image.stats.get("device"),
-        "medium": {"g": 0.85, "albedo": 1.0}, **errors(image.radiance, truth),
+        "medium": {"g": 0.85, "albedo": 1.0}, **scores(image, truth),
     }  # fmt: skip
     return Drawn(sheet(request, "Smoke", [("smoke", exposed(request, shown, stops))]), numbers)

@@ -1,12 +1,12 @@
-"""The number of ordinates, with and without importance (Elek2014 Fig. 14)."""
+"""The number of ordinates, chosen in different ways (Elek2014 Fig. 14)."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_7 import with_importance
-from .pop_scenes import drawn, errors, plume, traced
+from .pop_7 import ways
+from .pop_scenes import drawn, plume, scores, traced
 
 ORDINATES = (8, 27, 64, 125, 216)
 
@@ -15,13 +15,10 @@ def draw(request: Request) -> Drawn:
     """The plume at g = 0.9: error and milliseconds of a frame by the number of ordinates."""
     scene = plume(0.9)
     truth = traced(request, scene)
-    modes: dict[str, dict[str, Any]] = {"even": {name: False for name in with_importance()}}
-    if with_importance():
-        modes["by importance"] = with_importance()
     rows: list[Any] = []
     numbers: dict[str, Any] = {}
     stops: float | None = None
-    for mode, extra in modes.items():
+    for mode, extra in ways().items():
         pictures = []
         told = {}
         for index, count in enumerate(ORDINATES[: 2 if request.quick else None]):
@@ -29,9 +26,9 @@ def draw(request: Request) -> Drawn:
             image = drawn(request, scene, {"ordinates": count, **extra}, timed=True)
             stops = exposure_of(scene, image.radiance) if stops is None else stops
             pictures.append((f"{count} ordinates", image.radiance))
-            told[str(count)] = errors(image.radiance, truth) | {
-                "frame_ms": image.stats.get("frame_ms")
-            }
+            told[str(count)] = {
+                **scores(image, truth), "frame_ms": image.stats.get("frame_ms"),
+            }  # fmt: skip
         rows.append((mode, exposed(request, pictures, stops or 0.0)))
         numbers[mode] = told
     if truth is not None:

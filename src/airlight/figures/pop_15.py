@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import clouds, drawn, errors, traced
+from .pop_scenes import clouds, drawn, scores, traced
 
 ANISOTROPIES = {"isotropic": 0.0, "g = 0.7": 0.7, "anisotropic, g = 0.96": 0.96}
 
@@ -25,7 +25,7 @@ def draw(request: Request) -> Drawn:
         rows["ours"] += exposed(request, [(name, image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(name, truth.radiance)], stops)
-        told = errors(image.radiance, truth)
-        numbers[name] = told | {"frame_ms": image.stats.get("frame_ms")}
+        told = scores(image, truth)
+        numbers[name] = {**told, "frame_ms": image.stats.get("frame_ms")}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Clouds", kept), numbers)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, errors, slab, traced
+from .pop_scenes import drawn, scores, slab, traced
 
 ANISOTROPIES = (0.95, 0.98, 0.99, 0.999)
 
@@ -21,15 +21,15 @@ def draw(request: Request) -> Drawn:
         scene = slab(g)
         truth = traced(request, scene)
         pictures = {
-            "points": drawn(request, scene, {"prefilter": False}).radiance,
-            "prefiltered": drawn(request, scene).radiance,
+            "points": drawn(request, scene, {"prefilter": False}),
+            "prefiltered": drawn(request, scene),
         }  # fmt: skip
         if index == 0:
-            stops = exposure_of(scene, pictures["prefiltered"])
-        for name, radiance in pictures.items():
-            rows[name] += exposed(request, [(f"g = {g}", radiance)], stops)
+            stops = exposure_of(scene, pictures["prefiltered"].radiance)
+        for name, image in pictures.items():
+            rows[name] += exposed(request, [(f"g = {g}", image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(f"g = {g}", truth.radiance)], stops)
-        numbers[f"g {g}"] = {name: errors(p, truth) for name, p in pictures.items()}
+        numbers[f"g {g}"] = {name: scores(p, truth) for name, p in pictures.items()}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Prefiltered ordinates", kept), numbers)

@@ -157,6 +157,20 @@ def errors(image: F32, truth: Image | None) -> dict[str, float]:
     }
 
 
+def scores(image: Image, truth: Image | None) -> dict[str, dict[str, float]]:
+    """`errors` of the whole picture, and of the light that media scatter: the picture behind hides
+    them. What surfaces and map show through the media is taken from our own picture.
+    """
+    behind = image.radiance - image.layers["scattered"]
+    alone = None
+    if truth is not None:
+        alone = Image(truth.radiance - behind, {"variance": truth.layers["variance"]})
+    return {
+        "whole": errors(image.radiance, truth),
+        "scattered": errors(image.layers["scattered"], alone),
+    }
+
+
 def away(image: F32, other: F32) -> float:
     """Relative L2 of a picture from another."""
     return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))

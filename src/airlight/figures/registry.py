@@ -80,7 +80,7 @@ FIGURES: dict[str, Figure] = {
     "clpv-debug": Figure("", "the lattice cut open: light, its direction, and walls", "clpv_debug"),
     "pop-1": Figure(f"{_POP} Fig. 1", "smoke under a complex map", "pop_1"),
     "pop-6": Figure(f"{_POP} Fig. 6", "what prefiltering does to a thin medium", "pop_6"),
-    "pop-7": Figure(f"{_POP} Fig. 7", "ordinates where the camera needs them", "pop_7"),
+    "pop-7": Figure(f"{_POP} Fig. 7", "few ordinates, chosen in different ways", "pop_7"),
     "pop-8": Figure(f"{_POP} Fig. 8", "milk: what the isotropic residuum saves", "pop_8"),
     "pop-10": Figure(f"{_POP} Fig. 10", "a lamp in a ball of air beside Monte Carlo", "pop_10"),
     "pop-11": Figure(f"{_POP} Fig. 11", "a plume beside SHDOM and Monte Carlo", "pop_11"),
