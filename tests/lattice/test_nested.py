@@ -7,7 +7,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from airlight.lattice.nested import BORDER, SLACK, faded, is_lost, nested, snapped, wanted_centre
+from airlight.lattice.nested import (
+    BORDER,
+    SLACK,
+    faded,
+    is_lost,
+    nested,
+    shares,
+    snapped,
+    wanted_centre,
+)
 from airlight.lattice.placement import fitted
 
 HALL = ((-20.0, -1.0, -8.0), (20.0, 9.0, 8.0))
@@ -137,3 +146,18 @@ def test_a_lattice_as_large_as_the_box_hands_nothing_over():
 
 def test_slack_leaves_room_for_the_border():
     assert SLACK < BORDER
+
+
+def test_shares_of_nested_lattices_add_up():
+    nest = nested(*HALL, 32, count=3)
+    eye = np.array([1.0, 2.0, 0.5])
+    levels = []
+    for k in range(3):
+        centre = wanted_centre(nest, k, eye, RIGHT)
+        place = snapped(nest, k, centre, None) if nest.follows(k) else nest.levels[k]
+        levels.append(faded(nest, k, place, centre))
+    points = np.random.default_rng(3).uniform(*HALL, (300, 3))
+    given = shares(levels, points)
+    np.testing.assert_allclose(given.sum(axis=0), 1.0)
+    np.testing.assert_allclose(given[0], [weight(levels[0], p) for p in points])
+    assert (given.max(axis=1) == 1.0).all()  # each has some place of its own

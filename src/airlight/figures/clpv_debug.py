@@ -1,4 +1,4 @@
-"""The solved lattice of the room cut open along its three axes."""
+"""The solved lattice of the room cut open along its axes, and an atrium's cascades in colours."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from ..app.compare_pictures import U8
 from ..maths.colour import luminance
 from ..scene.builtin import room
+from .cascades import cascades_coloured
 from .panels import Drawn, Request, renderer, sheet
 from .slices import SolvedLattice, from_texels, slice_picture
 
@@ -17,7 +18,9 @@ CELL_PX = 16
 
 
 def draw(request: Request) -> Drawn:
-    """Slices through the middle of `builtin:room`, and what the lattice holds."""
+    """Slices through the middle of `builtin:room`, what the lattice holds, and which cascade
+    gives how much of the light on the atrium's surfaces.
+    """
     lattice = solved(request, {"resolution": 12 if request.quick else 32})
     light = luminance(lattice.fluence)
     brightest = float(np.percentile(light, 99.5))
@@ -34,7 +37,9 @@ def draw(request: Request) -> Drawn:
         "mean_directedness": float(np.linalg.norm(lattice.direction, axis=-1).mean()),
         "closed_share_of_faces": float(np.mean(1.0 - lattice.openness)),
     }
-    return Drawn(sheet(request, "The lattice of the room", [("slice", cells)]), numbers)
+    coloured, numbers["cascades"] = cascades_coloured(request)
+    rows: list[tuple[str, list[tuple[str, U8 | None]]]] = [("slice", cells), ("atrium", coloured)]
+    return Drawn(sheet(request, "Lattices cut open, and cascades", rows), numbers)
 
 
 def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
@@ -46,11 +51,17 @@ def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
 
 def read_lattice(technique: Any) -> SolvedLattice:
     """What a technique of the lattice family has solved, from the device."""
-    textures, blockers = technique.textures, technique.blockers
+    textures, blockers, place = technique.textures, technique.blockers, technique.placement
+    columns, rows, layers = place.count
+
+    def own(texels: Any) -> Any:
+        """Nested lattices share textures; the largest one's part."""
+        return texels[:layers, place.first_row : place.first_row + rows, :columns]
+
     return from_texels(
-        textures.red.read(), textures.green.read(), textures.blue.read(),
-        blockers.open_a.read(), blockers.open_b.read(),
-        power_scale=technique.power_scale, cell_m=technique.placement.cell,
+        own(textures.red.read()), own(textures.green.read()), own(textures.blue.read()),
+        own(blockers.open_a.read()), own(blockers.open_b.read()),
+        power_scale=technique.power_scale, cell_m=place.cell,
     )  # fmt: skip
 
 

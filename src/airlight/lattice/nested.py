@@ -142,6 +142,24 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
     )
 
 
+def shares(levels: Sequence[Placement], points: F64) -> F64:
+    """(L, ...): the share of each lattice, the finest first, in the light at `points` (..., 3) m.
+
+    Twin: the loop over `lattice_weight` in lighting/lighting.wgsl. They add up to 1 where the
+    coarsest reaches.
+    """
+    left = np.ones(points.shape[:-1])
+    found = []
+    for level in levels:
+        fade = level.borders
+        low = (points - np.array(fade.low)) / np.array(fade.low_width)
+        high = (np.array(fade.high) - points) / np.array(fade.high_width)
+        share = left * np.clip(np.minimum(low, high).min(axis=-1), 0.0, 1.0)
+        found.append(share)
+        left = left - share
+    return np.stack(found)
+
+
 def _room(nest: Nest, place: Placement) -> tuple[F64, F64]:
     """The box that a lattice stays in: the scene's, with a margin."""
     margin = MARGIN * place.cell

@@ -76,7 +76,7 @@ class Placement:
         is_paper: bool = False,
     ) -> LatticeParams:  # fmt: skip
         """The struct that shaders read."""
-        fade = self.fade or self._outermost
+        fade = self.borders
         return LatticeParams(
             origin=self.origin, cell=self.cell, count=self.count, power_scale=power_scale,
             lookup_scale=lookup_scale, is_paper=int(is_paper), first_row=self.first_row,
@@ -85,7 +85,10 @@ class Placement:
         )  # fmt: skip
 
     @property
-    def _outermost(self) -> Fade:
+    def borders(self) -> Fade:
+        """Where its light begins and ends; over the outermost cell where nothing else is said."""
+        if self.fade is not None:
+            return self.fade
         low, high = self.bounds
         half, width = 0.5 * self.cell, (self.cell,) * 3
         return Fade(triple(low - half), width, triple(high + half), width)

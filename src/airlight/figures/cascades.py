@@ -1,0 +1,72 @@
+"""Which of the nested lattices lights what: a picture in their colours, mixed where they fade."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..app.compare_pictures import U8, shown
+from ..lattice.nested import shares
+from ..scene.builtin import atrium
+from ..scene.camera import Camera
+from ..scene.checks import F32, F64
+from ..scene.image import Image
+from ..scene.scene import Scene
+from .panels import Request, exposure_of, renderer
+
+COLOURS: F64 = np.array(
+    [[0.95, 0.35, 0.25], [0.3, 0.8, 0.35], [0.3, 0.5, 1.0], [0.95, 0.8, 0.25], [0.8, 0.4, 0.9],
+     [0.4, 0.9, 0.9]]
+)  # fmt: skip
+"""Of cascades from the finest on."""
+COUNT = 3
+
+
+def cascades_coloured(
+    request: Request, scene: Scene | None = None, count: int = COUNT
+) -> tuple[list[tuple[str, U8 | None]], list[dict[str, Any]]]:
+    """Panels (the picture, its bounced light, the cascades in colours), and what each lights."""
+    seen = scene or atrium()
+    with renderer(request, seen, {"cascades": count}) as made:
+        image = made.frame(samples=1)
+        technique: Any = made.technique
+        levels = technique.placements
+    assert image is not None
+    given = shares(levels, surface_points(seen.camera, image.layers["depth"]))
+    stops = exposure_of(seen, image.radiance)
+    bounced = image.layers["indirect"]
+    panels: list[tuple[str, U8 | None]] = [
+        ("the picture", shown(image.radiance, stops)),
+        ("bounced light", shown(bounced, stops)),
+        ("cascades: red, green, blue from the finest", shown(coloured(image, given), stops)),
+    ]
+    numbers = [
+        {"cell_m": level.cell, "cells": list(level.count), "share_of_pixels": float(part.mean())}
+        for level, part in zip(levels, given, strict=True)
+    ]
+    return panels, numbers
+
+
+def coloured(image: Image, given: F64) -> F32:
+    """The picture's light in the colours of the cascades; `given` (L, H, W) their shares."""
+    grey = image.radiance.mean(axis=-1, keepdims=True)
+    tint = np.tensordot(given, COLOURS[: len(given)], axes=(0, 0))
+    return np.asarray(1.5 * grey * tint, np.float32)
+
+
+def surface_points(camera: Camera, depth: F32) -> F64:
+    """World points (H, W, 3) of pixels, `depth` in metres along their rays; far where it is not."""
+    height, width = depth.shape
+    eye = np.array(camera.position)
+    forward = np.subtract(camera.target, eye)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
+    x = ((np.arange(width) + 0.5) / width * 2.0 - 1.0) * half * width / height
+    y = (1.0 - (np.arange(height) + 0.5) / height * 2.0) * half
+    rays = forward + x[None, :, None] * right + y[:, None, None] * up
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    return np.asarray(eye + rays * np.minimum(depth, 1e6)[..., None], np.float64)
