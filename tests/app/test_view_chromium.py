@@ -73,7 +73,7 @@ def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
 @pytest.mark.slow
 def test_a_drag_in_the_browser_changes_the_picture(page):
     opened, _ = page
-    before = until(opened, lambda p: p.std() > 15.0, "the scene is shown")
+    before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
     assert opened.title().startswith("view_box")
     assert opened.locator("#status").is_hidden()
     opened.mouse.move(500, 120)
@@ -87,7 +87,7 @@ def test_a_drag_in_the_browser_changes_the_picture(page):
 @pytest.mark.slow
 def test_keys_fly(page):
     opened, _ = page
-    before = until(opened, lambda p: p.std() > 15.0, "the scene is shown")
+    before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
     opened.mouse.click(500, 200)
     opened.keyboard.down("d")
     until(opened, lambda p: np.abs(p - before).mean() > 3.0, "flying is seen")
@@ -98,11 +98,13 @@ def test_keys_fly(page):
 def test_the_picture_follows_the_tab(page):
     opened, _ = page
     opened.set_viewport_size({"width": 700, "height": 260})
-    until(opened, lambda p: p.shape == (260, 700 - PANEL_PX, 3) and p.std() > 15.0, "resized")
-    natural = opened.locator("img.renderview-view").evaluate(
-        "i => [i.naturalWidth, i.naturalHeight]"
+    picture = opened.locator("img.renderview-view")
+    until(
+        opened,
+        lambda p: picture.evaluate("i => [i.naturalWidth, i.naturalHeight]") == [700, 260],
+        "a picture of the new size",
     )
-    assert natural == [700, 260]
+    assert shown(opened).shape == (260, 700 - PANEL_PX, 3)
 
 
 @pytest.mark.slow
@@ -110,10 +112,8 @@ def test_a_second_tab_is_told_that_it_looks_on(page):
     opened, link = page
     second = opened.context.new_page()
     second.goto(link)
-    second.wait_for_function(
-        "document.getElementById('status').innerText.includes('looks on') || "
-        "document.getElementById('status').innerText.includes('look on')"
-    )
+    status = second.locator("#status")
+    until(second, lambda p: "look on" in status.inner_text(), "the second tab is told")
     second.close()
 
 
