@@ -25,7 +25,7 @@ from airlight.scene.volume import Volume
 
 SKY, SUN = Environment((0.2, 0.3, 0.4)), DirectionalLight((0.3, -0.8, 0.2), (3.0, 2.0, 1.0))
 EYE = np.array([3.0, 1.0, 2.0])
-SETTINGS = PopSettings(ordinates=8, grid=8, solver_steps=24)
+SETTINGS = PopSettings(ordinates=8, grid=8, solver_steps=24, exact_sky=False)
 
 
 def blob(side: int = 20) -> Volume:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, vec3f
+from ..gpu.layout import Struct, f32, mat4x4f, vec3f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import image, sampler, storage, texture, uniform
 from ..maths.transforms import F64
 from .ordinates import OrdinateData, OrdinateTable
 from .placement import MediumParams, MediumPlacement
@@ -18,6 +20,7 @@ class ViewParams(Struct):
 
     eye = vec3f("m")
     correction = f32("exponent of the furnace correction; 0 for none")
+    sky_from_medium = mat4x4f("directions of the medium in the sky's map")
 
 
 class _Emission(ComputePass):
@@ -29,6 +32,8 @@ class _Emission(ComputePass):
         storage("passed", "f32"),
         storage("diffuse", "vec4f"),
         storage("reach", "u32"),
+        texture("sky_gain"),
+        sampler("sky_sampler"),
         storage("corrections", "vec4f"),
         storage("bounced", "vec4f"),
         image("emission", "rgba16float", "3d"),
@@ -39,7 +44,7 @@ class _Emission(ComputePass):
 
 class _Furnace(ComputePass):
     slots = (
-        *_Emission.slots[:7],
+        *_Emission.slots[:9],
         storage("corrections", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
@@ -69,8 +74,7 @@ class Emission:
         """For an eye at `eye` (3,), m in the medium's frame."""
         self._emission.dispatch(
             commands, (self.cells,), params=params,
-            view=ViewParams(eye=eye, correction=correction), ordinates=table.rows,
-            phase=table.phase, passed=passed, diffuse=diffuse, reach=reach,
+            **_seen(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
             corrections=self.corrections, bounced=self.bounced, emission=self.texture,
         )  # fmt: skip
 
@@ -80,8 +84,8 @@ class Emission:
     ) -> None:  # fmt: skip
         """Fill `corrections` from the same medium without absorption under an even sky of 1."""
         self._furnace.dispatch(
-            commands, (self.cells,), params=params, view=ViewParams(eye=eye, correction=0.0),
-            ordinates=table.rows, phase=table.phase, passed=passed, diffuse=diffuse, reach=reach,
+            commands, (self.cells,), params=params, **_seen(table, eye, 0.0), passed=passed,
+            diffuse=diffuse, reach=reach,
             corrections=self.corrections,
         )  # fmt: skip
 
@@ -90,3 +94,11 @@ class Emission:
         self.texture.release()
         self.corrections.release()
         self.bounced.release()
+
+
+def _seen(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
+    """The light and the eye."""
+    gain = table.gain
+    view = ViewParams(eye=eye, correction=correction, sky_from_medium=gain.sky_from_medium)
+    return {"view": view, "ordinates": table.rows, "phase": table.phase,
+            "sky_gain": gain.texture, "sky_sampler": gain.sampler}  # fmt: skip

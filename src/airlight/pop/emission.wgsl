@@ -1,4 +1,5 @@
 //! use beam_emission
+//! use sky_gain
 
 const HALF_MAX = 65504.0;
 
@@ -18,6 +19,7 @@ const HALF_MAX = 65504.0;
     if (view.correction > 0.0) {
         scattered *= pow(corrections[id.x].rgb, vec3f(view.correction));
     }
-    let all = light.beams + scattered + bounced[id.x].rgb;
+    let once = light.beams + light.sky * sky_gain_towards(travel);
+    let all = once + scattered + bounced[id.x].rgb;
     textureStore(emission, cell, vec4f(min(all, vec3f(HALF_MAX)), 1.0));
 }

@@ -1,4 +1,5 @@
 //! use beam_emission
+//! use sky_gain
 
 // Under an even sky of radiance 1 a medium that does not absorb scatters exactly 1 everywhere: what
 // multiple scattering has to be multiplied by for that.
@@ -10,6 +11,7 @@
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
     let multiple = light.quasi_forward + diffuse_emission(id.x, travel);
-    let c = (1.0 - light.beams) / max(multiple, vec3f(1e-6));
+    let once = light.sky * sky_gain_towards(travel);
+    let c = (1.0 - once) / max(multiple, vec3f(1e-6));
     corrections[id.x] = vec4f(clamp(c, vec3f(0.5), vec3f(2.0)), 0.0);
 }

@@ -24,6 +24,7 @@ from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from ..surface.sky import environment_map
 from .placement import MediumPlacement
+from .sky_gain import SkyGain, SkyLight
 
 Lamp = PointLight | SpotLight
 
@@ -34,9 +35,12 @@ class OrdinateData(Struct):
     direction = vec4f("of travel, a lamp's axis; w: mean cosine of the ordinate's part of the sky")
     irradiance = vec4f("rgb, in units of the table's scale; a lamp's intensity, times m^-2")
     position = vec4f("m; w: 1 for a lamp, 0 for distant light")
-    spot = vec4f("cosines of the inner and outer half angle, share of 4 pi that is lit; w unused")
+    spot = vec4f(
+        "cosines of the inner and outer half angle, share of 4 pi that is lit; w: 1 for the sky's"
+    )
 
 
+_EVEN = np.ones((2, 4, 3))
 MAKERS = {"partition": partition, "importance": importance_sampled}
 """How a map becomes ordinates."""
 
@@ -53,7 +57,8 @@ class SceneOrdinates:
         self.count, self._maker = count, MAKERS[made_by]
         self._environment: Environment | None = None
         self._sky: Ordinates | None = None
-        self._made: tuple[Environment, Ordinates | None] | None = None
+        self._made: tuple[Environment, SkyLight | None] | None = None
+        self.sky: SkyLight | None = None  # the last one's map and ordinates, before it is turned
 
     def of(self, lights: tuple[Light, ...], environment: Environment | None) -> Ordinates:
         """All ordinates; a black environment has none."""
@@ -74,18 +79,25 @@ class SceneOrdinates:
         if environment.map is None:  # the very sky of the furnace correction: it vanishes
             even = even_sky(self.count)
             light = np.asarray(environment.radiance) * environment.scale
+            self.sky = even_light(even)
             return replace(even, irradiance=even.irradiance * light) if light.any() else None
         if self._made is None or not _is_same_map(self._made[0], environment):
             radiance = environment_map(environment)
-            is_lit = radiance.max() > 0.0
-            self._made = environment, self._maker(radiance, self.count) if is_lit else None
-        straight = self._made[1]
-        if straight is None:
+            made = self._maker(radiance, self.count) if radiance.max() > 0.0 else None
+            self._made = environment, None if made is None else SkyLight(radiance, made)
+        if self._made[1] is None:
             return None
+        self.sky = replace(self._made[1], rotation_deg=environment.rotation_deg)
+        straight = self.sky.ordinates
         angle = np.radians(environment.rotation_deg)
         c, s = np.cos(angle), np.sin(angle)
         about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         return straight.turned(about_y)
+
+
+def even_light(even: Ordinates) -> SkyLight:
+    """A sky of radiance 1 everywhere and its ordinates."""
+    return SkyLight(_EVEN, even)
 
 
 def _is_same_map(one: Environment, other: Environment) -> bool:
@@ -109,6 +121,7 @@ class OrdinateTable:
         self.rows = Buffer(gpu, "ordinates", OrdinateData.dtype.itemsize * self.capacity)
         self.phase = Buffer(gpu, "phase of ordinates", 16 * PHASE_TABLE * self.capacity)
         self.scale, self.count = 1.0, 0
+        self.gain = SkyGain(gpu)
         self._phase_of: tuple[Any, ...] = ()
 
     def write(
@@ -139,6 +152,7 @@ class OrdinateTable:
         """Give the memory back."""
         self.rows.release()
         self.phase.release()
+        self.gain.release()
 
 
 def packed_ordinates(
@@ -151,6 +165,7 @@ def packed_ordinates(
         packed["direction"][:n, :3] = placement.direction(ordinates.direction)
         packed["direction"][:n, 3] = ordinates.mean_cosine
         packed["irradiance"][:n, :3] = ordinates.irradiance / scale
+        packed["spot"][:n, 3] = ordinates.solid_angle > 0.0
     for row, lamp in zip(packed[n:], lamps, strict=False):
         axis, spot = (0.0, 0.0, 0.0), (-2.0, -3.0, 1.0, 0.0)
         if isinstance(lamp, SpotLight):

@@ -30,7 +30,7 @@ from .bounce import Bounce, Bounced
 from .density import Density
 from .diffuse import GROUP
 from .emission import Emission
-from .ordinates import MAKERS, SceneOrdinates, lamps_of
+from .ordinates import MAKERS, SceneOrdinates, even_light, lamps_of
 from .placement import (
     SPHERE_SIDE,
     MediumParams,
@@ -40,6 +40,7 @@ from .placement import (
     shape_density,
 )
 from .schemes import SCHEMES, Beams, HoppingBeams
+from .sky_gain import SkyLight
 from .visibility import Surfaces
 
 _DENSITY_MAX = 65504.0
@@ -68,6 +69,10 @@ class PopSettings:
     residuum_iterations: int = setting(20, "hops of the shared grid (paper)", low=0, high=400)
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
+    exact_sky: bool = setting(
+        True, "whether the sky's light that scatters once is exact in clear air, however few "
+        "directions stand for it",
+    )  # fmt: skip
     furnace_correction: float = setting(
         1.0, "share of the error under an even sky that is taken off multiple scattering; 0: none",
         low=0.0, high=1.0,
@@ -134,6 +139,7 @@ class PopSolver:
             is_dark = bounced is not None and not ordinates.count and not lamps
             scale = bounced.source.scale if bounced and is_dark else 0.0
             self.beams.write(ordinates, lamps, self.volume, scale)
+            self._write_gain(self.beams, self._scene_ordinates.sky)
             if surfaces is not None:
                 self.beams.write_surfaces(ordinates, lights, surfaces)
             self.beams.encode(commands, params, self.density)
@@ -183,6 +189,7 @@ class PopSolver:
         if self.furnace is not None and self._even is not None:
             white = self._params(self._even.count, (1.0, 1.0, 1.0))
             self.furnace.write(self._even, (), v, 1.0)
+            self._write_gain(self.furnace, even_light(self._even))
             self.furnace.encode_medium(commands, white, self.density)
             self.furnace.encode(commands, white, self.density)
         if bounced is not None:
@@ -213,6 +220,11 @@ class PopSolver:
                 even = self._params(self._bounce.count, self.volume.albedo)
                 self._bounce.encode(commands, even, local, bounced.source, self.density)
         self.beams.encode_view(commands, params, local, self.emission, self.density)
+
+    def _write_gain(self, beams: Beams, sky: SkyLight | None) -> None:
+        if self.settings.exact_sky:
+            prefilter = self.settings.prefilter
+            beams.table.gain.write(sky, self.placement, self.volume.g, prefilter=prefilter)
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
         fields = medium_fields(self.volume, self.placement, ordinates, self._width, GROUP)

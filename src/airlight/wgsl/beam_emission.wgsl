@@ -10,7 +10,8 @@ const PHASE_TABLE = 256u;
 const STRONGEST_FLUX = 0.95;
 
 struct BeamEmission {
-    beams: vec3f,
+    beams: vec3f,          // of suns and lamps
+    sky: vec3f,            // the same of the sky's ordinates
     quasi_forward: vec3f,
 }
 
@@ -23,7 +24,7 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
 
 // Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
 fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
-    var sum = BeamEmission(vec3f(0.0), vec3f(0.0));
+    var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let loss = beam_loss(params.g, params.albedo);
     let point = cell_centre(cell_of(cell));
     for (var n = 0u; n < params.ordinate_count; n++) {
@@ -34,7 +35,12 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         let tau = passed[n * params.cells + cell] * params.sigma_t;
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-tau);
-        sum.beams += light.irradiance * direct * beam_phase(n, mu);
+        let once = light.irradiance * direct * beam_phase(n, mu);
+        if (ordinates[n].spot.w == 0.0) {
+            sum.beams += once;
+        } else {
+            sum.sky += once;
+        }
         let quasi = exp(-loss * tau) - direct;
         let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
         sum.quasi_forward += light.irradiance * quasi
