@@ -44,7 +44,7 @@ def generated_pages() -> dict[Path, str]:
         DOCS / "command-line.md": command_line_page(),
         DOCS / "python.md": python_page(),
     }
-    for path in sorted(DOCS.rglob("*.md")):
+    for path in (DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))):
         if path not in pages:
             text = path.read_text(encoding="utf-8")
             if _PART.search(text):
@@ -56,6 +56,7 @@ def _filled(part: re.Match[str]) -> str:
     kinds: dict[str, Callable[[str], str]] = {
         "settings": settings_table, "errors": errors_table, "switches": lambda _: switches_table(),
         "scenes": lambda _: scenes_table(), "figures": lambda _: figures_table(),
+        "summary": lambda _: summary_table(),
     }  # fmt: skip
     return f"{part[1]}{kinds[part['kind']](part['name'] or '')}\n{part[5]}"
 
@@ -119,18 +120,40 @@ def _range(field: dataclasses.Field[Any]) -> str:
 
 def errors_table(technique: str) -> str:
     """The technique's rows of accuracy.md."""
-    lines = (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
-    head = next(line for line in lines if line.startswith("| scene | technique |"))
-    names = [cell.strip() for cell in head.strip("|").split("|")]
-    rows = [
-        cells for line in lines if line.startswith("|")
-        if (cells := [cell.strip() for cell in line.strip("|").split("|")])[1:2] == [technique]
-    ]  # fmt: skip
+    names, measured = _accuracy()
+    rows = [cells for cells in measured if cells[1] == technique]
     if not rows:
         return "Not in [accuracy](../accuracy.md) yet."
     keep = [k for k in range(len(names)) if k != 1 and any(row[k] for row in rows)]
     title = (names[k].replace("_", " ") for k in keep)
     return _table(title, ([row[k] for k in keep] for row in rows))
+
+
+_SUMMARY = ("direct", "lpv", "lpv-scatter", "auto")
+
+
+def summary_table() -> str:
+    """Of accuracy.md: the whole picture's errors by scene and technique."""
+    names, measured = _accuracy()
+    whole = names.index("whole")
+    held = {(cells[0], cells[1]): cells[whole] for cells in measured}
+    scenes = dict.fromkeys(cells[0] for cells in measured)
+    return _table(
+        ("scene", *(f"`{name}`" for name in _SUMMARY)),
+        (
+            (f"`builtin:{scene}`", *(held.get((scene, name), "as `lpv`") for name in _SUMMARY))
+            for scene in scenes
+        ),
+    )
+
+
+def _accuracy() -> tuple[list[str], list[list[str]]]:
+    """Column names and rows of the table of scenes."""
+    lines = (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    first = next(k for k, row in enumerate(cells) if row[:2] == ["scene", "technique"])
+    end = next(k for k in range(first, len(lines)) if not lines[k].startswith("|"))
+    return cells[first], cells[first + 2 : end]
 
 
 def switches_table() -> str:

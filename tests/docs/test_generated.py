@@ -66,6 +66,8 @@ def test_errors_are_those_of_the_accuracy_page(generate):
     whole = (DOCS / "accuracy.md").read_text(encoding="utf-8")
     scenes = re.findall(r"^\| ([\w-]+) \| direct \|", whole, re.MULTILINE)
     assert [row.split(" | ")[0].strip("| ") for row in table[2:]] == scenes
+    summary = generate.summary_table()
+    assert all(f"| `builtin:{scene}` |" in summary for scene in scenes)
     assert generate.errors_table("nothing") == "Not in [accuracy](../accuracy.md) yet."
 
 
