@@ -140,10 +140,7 @@ def summary_table() -> str:
     scenes = dict.fromkeys(cells[0] for cells in measured)
     return _table(
         ("scene", *(f"`{name}`" for name in _SUMMARY)),
-        (
-            (f"`builtin:{scene}`", *(held.get((scene, name), "as `lpv`") for name in _SUMMARY))
-            for scene in scenes
-        ),
+        ((scene, *(held.get((scene, name), "as `lpv`") for name in _SUMMARY)) for scene in scenes),
     )
 
 
