@@ -1,4 +1,4 @@
-// corrected = sum + the summed states whose track is an eighth of the coarse cell's. Where a wall
+// change = the summed states whose track is an eighth of the coarse cell's. Where a wall
 // runs through a coarse cell its light goes to the fine cells by what they hold already, so that
 // none appears behind the wall.
 
@@ -60,5 +60,5 @@ fn held_share(at: vec3u, channel: u32) -> f32 {
         share *= held_share(at, channel);
     }
     let found = track[((channel * n.z + c.z) * n.y + c.y) * n.x + c.x];
-    corrected[index] = sum[index] + share * vec4f(found.x, 3.0 / (RHO * RHO) * found.yzw);
+    change[index] = share * vec4f(found.x, 3.0 / (RHO * RHO) * found.yzw);
 }

@@ -18,6 +18,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..maths.lattice26_levels import mean_track
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
+from .correction import Correction
 from .hop_wgsl import constants
 from .hop_wgsl import mean_track as mean_track_wgsl
 from .propagate import MOVE, TRACK, Count, Step
@@ -49,7 +50,7 @@ class _Restrict(ComputePass):
 class _Prolong(ComputePass):
     slots = (_PAIR, storage("track", "vec4f"), storage("medium", "vec2f"),
              storage("openness", "vec2u"), storage("sum", "vec4f"),
-             storage("corrected", "vec4f", "read_write"))  # fmt: skip
+             storage("change", "vec4f", "read_write"))  # fmt: skip
     workgroup = (32, 4, 2)
     file = "level_prolong.wgsl"
 
@@ -78,8 +79,8 @@ class Level:
         cells = count[0] * count[1] * count[2]
         nbytes = CHANNELS * cells * 16
         self.count, self.cell, self.cells = count, cell_size_m, cells
-        self.sum, self.spare, self.track = (
-            Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track")
+        self.sum, self.spare, self.track, self.answer = (
+            Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track", "answer")
         )
         self.packs = new_packs(gpu, cells if is_blocked else 1)
         # Level 0's source, air and openness are its owner's.
@@ -95,6 +96,7 @@ class Level:
             self.sum,
             self.spare,
             self.track,
+            self.answer,
             self.packs,
             self.source,
             self.medium,
@@ -119,7 +121,8 @@ class Levels:
             for k, size in enumerate(schedule.counts(count))
         ]  # fmt: skip
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
-        rows = 2 * CHANNELS * len(self.levels)
+        self._correction = Correction(gpu)
+        rows = 2 * CHANNELS * (len(self.levels) + 1)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
         self._step = VariedStep(gpu, is_blocked=is_blocked) if is_varied else Step(
             gpu, is_blocked=is_blocked
@@ -144,6 +147,8 @@ class Levels:
             else:
                 fixed = self.scheme == "paper-gamma"
                 rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
+        # The finest once more, for corrections, which have either sign.
+        rows += step_rows(sigma_s, sigma_t, self.levels[0].cell, keeps_deficits=False)
         self._coefficients.write(pack_array(StepCoefficients, rows))
         self._ways = [mean_track(sigma_t, level.cell).tolist() for level in self.levels]
 
@@ -190,9 +195,11 @@ class Levels:
         plan = self.schedule
         for _ in range(plan.before[k]):
             current = self._smoothed(commands, k, current)
+        left = plan.after[k]
         if k + 1 < len(self.levels):
             current = self._corrected(commands, k, current)
-        for _ in range(plan.after[k]):
+            left -= 1  # which the correction takes with it
+        for _ in range(left):
             current = self._smoothed(commands, k, current)
         return current
 
@@ -209,13 +216,21 @@ class Levels:
         for _ in range(self.schedule.visits):
             found = self._cycle(commands, k + 1, found)
         self._apply(commands, k + 1, TRACK, found, self._zero, coarse.track)
+        # The track is free until the end.
+        change = level.track
         nx, ny, nz = level.count
         self._prolong.dispatch(
             commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), track=coarse.track,
             medium=self._air(k), openness=self._openness if k == 0 else level.openness,
-            sum=current, corrected=stepped,
+            sum=current, change=change,
         )  # fmt: skip
-        return stepped
+        self._apply(commands, k, MOVE, change, self._zero, level.answer, is_change=True)
+        corrected = self._other(k, stepped)
+        self._correction.encode(
+            commands, level.count, coarse.count, current=current, stepped=stepped, change=change,
+            answer=level.answer, corrected=corrected, is_finest=k == 0,
+        )  # fmt: skip
+        return corrected
 
     def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         target = self._other(k, current)
@@ -223,17 +238,20 @@ class Levels:
         return target
 
     def _apply(
-        self, commands: Commands, k: int, row: int, before: Buffer, source: Buffer, after: Buffer
-    ) -> None:
+        self, commands: Commands, k: int, row: int, before: Buffer, source: Buffer, after: Buffer,
+        *, is_change: bool = False,
+    ) -> None:  # fmt: skip
         level = self.levels[k]
+        keeps_deficits = k == 0 and not is_change
         buffers = {"before": before, "source": source, "after": after, "packs": level.packs}
         if isinstance(self._step, VariedStep):
             self._step.encode(
                 commands, level.count, level.cell, self._air(k), is_track=row == TRACK,
-                keeps_deficits=k == 0, **buffers,
+                keeps_deficits=keeps_deficits, **buffers,
             )  # fmt: skip
         else:
-            first = 2 * CHANNELS * k + row
+            # The finest level's rows for corrections come last.
+            first = 2 * CHANNELS * (len(self.levels) if is_change and k == 0 else k) + row
             self._step.encode(commands, level.count, self._coefficients, first, **buffers)
 
     def _other(self, k: int, current: Buffer) -> Buffer:
@@ -259,4 +277,5 @@ class Levels:
         for level in self.levels:
             level.release()
         self._zero.release()
+        self._correction.release()
         self._coefficients.release()

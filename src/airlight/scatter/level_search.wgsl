@@ -1,0 +1,28 @@
+// Partial sums of r.d and d.d over coarse cells: r is what the sum so far lacks there, d what the
+// correction takes off it. Within coarse cells the correction is rough, which smoothing mends.
+// An invocation adds up every PARTS-th coarse cell of a channel.
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let channel = id.y;
+    if (id.x >= PARTS || channel >= 3u) {
+        return;
+    }
+    let n = params.coarse;
+    let f = params.fine;
+    var found = vec2f(0.0);
+    for (var cell = id.x; cell < n.x * n.y * n.z; cell += PARTS) {
+        let at = vec3u(cell % n.x, (cell / n.x) % n.y, cell / (n.x * n.y));
+        var lacking = vec4f(0.0);
+        var taken = vec4f(0.0);
+        for (var k = 0u; k < 8u; k++) {
+            let p = 2u * at + vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
+            if (all(p < f)) {
+                let index = ((channel * f.z + p.z) * f.y + p.y) * f.x + p.x;
+                lacking += stepped[index] - sum[index];
+                taken += change[index] - answer[index];
+            }
+        }
+        found += vec2f(dot(lacking, taken), dot(taken, taken));
+    }
+    parts[channel * PARTS + id.x] = found;
+}
