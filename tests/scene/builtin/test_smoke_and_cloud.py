@@ -7,6 +7,7 @@ import pytest
 
 from airlight.errors import SceneError
 from airlight.scene.builtin.cloud import cloud, cumulus_density
+from airlight.scene.builtin.milk import knot, milk
 from airlight.scene.builtin.smoke import SHAPE, plume_density, smoke
 
 
@@ -53,3 +54,18 @@ def test_cloud_is_a_heap_with_a_flat_base_inside_its_box() -> None:
     base = int(np.argmax(covered > 50))
     assert covered[base + 4] > 0.6 * covered.max()
     assert not np.array_equal(density, cumulus_density(6))
+
+
+def test_milk_is_the_inside_of_a_closed_knot():
+    """The grid's mass is the volume that the mesh encloses, by the divergence theorem."""
+    scene, mesh = milk(), knot()
+    (volume,) = scene.volumes
+    assert volume.density is not None
+    low, high = np.array(volume.bounds)
+    corners = mesh.positions.astype(float)[mesh.indices]
+    enclosed = abs(np.linalg.det(corners).sum()) / 6.0
+    mass = volume.density.mean() * np.prod(high - low)
+    assert mass == pytest.approx(enclosed, rel=0.02)
+    edges = np.concatenate([volume.density[[0, -1]].ravel(), volume.density[:, :, [0, -1]].ravel()])
+    assert edges.max() == 0.0
+    assert volume.density.max() == 1.0

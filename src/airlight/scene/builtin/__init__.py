@@ -10,6 +10,7 @@
     bleeding, pinpoint, one-iteration    what light on a lattice is bad at
     smoke        a plume of smoke, animated
     cloud        a cumulus cloud
+    milk         a knot of milk: a mesh voxelised into a dense medium
 
 Scenes stand on parts of three kinds: textures (stone, wood, fabric, foliage, sky), shapes
 (patch, solids, profile and what is made of them) and noise.
@@ -26,6 +27,7 @@ from .atrium import atrium, atrium_fog
 from .cloud import cloud
 from .cornell import cornell, haze_box
 from .failures import bleeding, one_iteration, pinpoint
+from .milk import milk
 from .room import foggy_room, room
 from .smoke import smoke
 from .wall_floor import wall_floor
@@ -40,6 +42,7 @@ __all__ = [
     "cornell",
     "foggy_room",
     "haze_box",
+    "milk",
     "one_iteration",
     "pinpoint",
     "room",
@@ -60,6 +63,7 @@ BUILTIN: dict[str, Callable[..., Scene]] = {
     "one-iteration": one_iteration,
     "smoke": smoke,
     "cloud": cloud,
+    "milk": milk,
 }
 """Scene by name; the first line of each function's docstring says what it shows."""
 
