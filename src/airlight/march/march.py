@@ -224,7 +224,7 @@ def _sources_wgsl(sources: int, has_lattice: bool, has_sky: bool) -> str:
         parts.append("    sum += lattice_emission(p, travel);\n")
     uses = "//! use march_lattice\n" if has_lattice or has_sky else ""
     if has_lattice:
-        uses += _emission_wgsl("lattice", "1.0")
+        uses += _emission_wgsl("lattice", "f32(air[m].has_shafts)")
     share = "march_step_share(p)" if (has_lattice or has_sky) and not sources else "1.0"
     uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
     return (
