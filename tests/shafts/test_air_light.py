@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
@@ -102,3 +103,29 @@ def test_without_air_nothing_happens(gpu: Gpu, look: Any, owned: Any, foggy: Sce
     assert not seen.read(air.single_scatter).any()
     assert not seen.read(air.multiple_scatter).any()
     assert np.all(seen.read(air.transmittance) == 1.0)
+
+
+def test_minmax_refuses_density_grids(gpu: Gpu, owned: Any, foggy: Scene) -> None:
+    grid = Volume((1.0, 1.0, 1.0), density=np.ones((2, 3, 4), np.float32), bounds=BOX)
+    scene = dataclasses.replace(foggy, volumes=(grid,))
+    lights = owned(Lights(gpu, scene.lights, None, 64, 64))
+    with pytest.raises(SettingsError) as told:
+        AirLight(gpu, scene, SIZE, lights, AirSettings(shafts="minmax"))
+    assert str(told.value) == (
+        "shafts = 'minmax' knows even air only, and the scene has density grids. "
+        "Use shafts = 'jitter', or 'auto', which takes it for such scenes."
+    )
+
+
+def test_pixels_are_drawn_anew_where_texels_differ(
+    gpu: Gpu, look: Any, owned: Any, foggy: Scene
+) -> None:
+    seen = look(foggy, SIZE)
+    exact = full(gpu, seen, owned)
+    off = [
+        np.abs(seen.read(drawn(gpu, seen, owned, shaft_contrast=c).single_scatter) - exact).sum()
+        for c in (1.0, 0.3, 0.0)
+    ]
+    assert off[0] > 2.0 * off[1] > 0.0
+    # With no difference allowed every pixel is its own, but where all around are the same.
+    assert off[2] < 1e-3 * exact.sum()

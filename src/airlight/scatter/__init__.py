@@ -4,7 +4,9 @@ settings         what it can be told                similar         isotropic ai
 hop_wgsl         the unrolled gather, generated     coefficients    media -> numbers of a step
 propagate        one step in even air               propagate_varied  and in air that varies
 air_cells        the air's coefficients per cell    walls           openness of all 26 hops
+propagate_open   the same without walls, faster     map_blockers    walls from six shadow maps
 levels           sums of states, coarser lattices   schedule        how many steps on which
+correction       how long a coarse correction is
 inject_single    first-scattered light -> cells     inject_maps     reflected light; sampled rays
 emission         the track, for marching            surface_light   summed states, for surfaces
 solver           all of it, top to bottom

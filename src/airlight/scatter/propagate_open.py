@@ -103,7 +103,8 @@ def _rows(width: int, height: int) -> list[str]:
                 value = f"before[b{y} + x + {x - 1}u]"
             lines.append(f"    let v{y}_{x} = {value} * g{y};")
         lines += [
-            f"    let r{y}_{x} = Row(v{y}_{x + 1}, v{y}_{x + 2} + v{y}_{x}, v{y}_{x + 2} - v{y}_{x});"
+            f"    let r{y}_{x} = Row(v{y}_{x + 1}, v{y}_{x + 2} + v{y}_{x}, "
+            f"v{y}_{x + 2} - v{y}_{x});"
             for x in range(width)
         ]
     return lines

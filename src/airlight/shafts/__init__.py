@@ -3,6 +3,7 @@
 bounds     the nearest and farthest depth of every square of shadow-map texels
 shafts     lit runs of eye rays through shadow maps, each integrated at once
 jitter     the cheap way, and the one for density grids: jittered steps
+sky_air    the environment's light in cells: scattered once, and on surfaces through air
 blur       takes the jitter's pattern out again
 air_light  the facade: single scattering, marched sources, transmittance
 """

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -69,7 +70,10 @@ class AirLight:
         settings: AirSettings | None = None, *, sources: int = 0, has_lattice: bool = False,
         has_sky: bool = False, solved: Sequence[Volume] = (),
     ) -> None:  # fmt: skip
-        """`sources` textures and perhaps lattices will be marched; see `Air` for `solved`."""
+        """`sources` textures and perhaps lattices will be marched; see `Air` for `solved`.
+
+        Raises SettingsError for a scheme of shafts that cannot do the scene's air.
+        """
         self.gpu, self.settings = gpu, settings or AirSettings()
         s = self.settings
         self.air = Air(
@@ -131,6 +135,11 @@ class AirLight:
         scheme, s = self.settings.shafts, self.settings
         if scheme == "off" or not lights.count or not self.air.count:
             return None
+        if scheme == "minmax" and self.air.has_grids:
+            raise SettingsError(
+                "shafts = 'minmax' knows even air only, and the scene has density grids",
+                remedy="Use shafts = 'jitter', or 'auto', which takes it for such scenes.",
+            )
         if scheme == "jitter" or self.air.has_grids:
             return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
         return Shafts(gpu, self.air, lights, max_nodes=s.shaft_nodes)

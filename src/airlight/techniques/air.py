@@ -13,6 +13,7 @@ from ..lighting.view import View
 from ..lpv.lpv import Lpv, LpvSettings
 from ..march.march import LatticeSource, Source
 from ..maths.lattice6 import LOOKUP_SCALE
+from ..scatter.map_blockers import MapBlockers
 from ..scatter.settings import ScatterSettings
 from ..scatter.solver import ScatterSolver
 from ..scene.scene import Scene
@@ -38,6 +39,11 @@ class LpvScatterSettings(SurfaceSettings, ScatterSettings, AirSettings):
     """Multiple scattering on a lattice, and how air is drawn."""
 
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
+    blockers: str = setting(
+        "surfels", "what is known of surfaces that stop light: samples of all of them, or what six "
+        "maps around the scene see, as in the paper", choices=("surfels", "maps"))  # fmt: skip
+    blocker_resolution: int = setting(
+        256, "side of those maps", unit="px", low=8, high=4096)  # fmt: skip
 
 
 class InAir(Direct):
@@ -186,6 +192,12 @@ class LpvScatter(InAir, Direct):
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         super().__init__(gpu, scene, meshes, settings, size)
+        if settings.blockers == "maps":
+            self.blockers.release()
+            self.blockers = MapBlockers(
+                gpu, scene, meshes, self.placement, settings.surfels,
+                resolution=settings.blocker_resolution,
+            )  # fmt: skip
         self.solver = ScatterSolver(
             gpu, self.lattice_scene(scene), meshes, self.placement, settings, self.lights,
             self.sky, self.blockers,

@@ -1,0 +1,102 @@
+"""Blockers from six shadow maps around the scene (Billeter2012 section 5).
+
+A map along an axis covers cell faces across that axis, each texel by its own area, so that a
+slanted surface is not counted by two of them. What lies behind the first surface is not seen:
+rooms block as their outside does, and what stands in a closed room does not block.
+differs: the texels go into the non-negative sums of lattice.blockers, not into spherical
+harmonics; a surface counts from both sides, for a wall's far side may be unseen.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.slots import storage, texture, uniform
+from ..lattice.blockers import BlockerParams, Blockers
+from ..lattice.placement import Placement
+from ..scene.lights import DirectionalLight, Light
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene
+from ..surface.light_views import LightViewData, light_views
+from ..surface.reflective import ReflectiveShadowMaps
+
+_UNITS = 2.0**16  # fixed-point units per fully covered cell face, as in lattice.blockers
+_WHITE = (1.0, 1.0, 1.0)
+VIEWS: tuple[Light, ...] = tuple(
+    DirectionalLight(tuple(np.eye(3)[axis] * sign), _WHITE)
+    for axis in range(3)
+    for sign in (-1.0, 1.0)
+)
+"""What the maps look along: -x +x -y +y -z +z. A white light's flux is the reflectance."""
+
+
+class MapParams(Struct):
+    """Where corners are, and the size of the maps."""
+
+    origin = vec3f("m")
+    cell = f32("m")
+    count = vec3u("cells")
+    resolution = u32("texels")
+    units = f32("fixed-point units per fully covered face")
+
+
+class _SumTexels(ComputePass):
+    slots = (
+        uniform("params", MapParams),
+        storage("views", LightViewData),
+        texture("depth", "2d-array", "depth"),
+        texture("flux", "2d-array", "unfilterable-float"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (16, 16, 1)
+    file = "map_blockers.wgsl"
+
+
+class MapBlockers(Blockers):
+    """As lattice.blockers.Blockers, which it replaces; glowing surfaces are still its surfels."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
+        resolution: int,
+    ) -> None:  # fmt: skip
+        """`resolution`: texels along a map's side."""
+        super().__init__(gpu, scene, meshes, placement, count)
+        self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, len(VIEWS))
+        self._texels = _SumTexels(gpu)
+        self._drawn = -1
+
+    def encode(self, commands: Commands) -> bool:
+        """Bring the openness up to date; returns whether anything changed."""
+        if self._drawn == self.meshes.version:
+            return False
+        self._drawn = self.meshes.version
+        place = self.placement
+        if self.meshes.draws:
+            views = light_views(VIEWS, *self.meshes.bounds, self.maps.resolution)
+            self.maps.encode(commands, self.meshes, VIEWS, views)
+        commands.encoder.clear_buffer(self._sums.handle)
+        side = self.maps.resolution
+        self._texels.dispatch(
+            commands, (side, side, len(VIEWS)),
+            params=MapParams(origin=place.origin, cell=place.cell, count=place.count,
+                             resolution=side, units=_UNITS),
+            views=self.maps.views, depth=self.maps.depth, flux=self.maps.flux, sums=self._sums,
+        )  # fmt: skip
+        params = BlockerParams(
+            origin=place.origin, cell=place.cell, count=place.count, surfel_count=self.count,
+            units=_UNITS, first_row=place.first_row,
+        )  # fmt: skip
+        self._open.dispatch(
+            commands, place.count, params=params, sums=self._sums, faces=self.faces,
+            openness=self.openness, open_a=self.open_a, open_b=self.open_b, walls=self.walls,
+        )  # fmt: skip
+        return True
+
+    def release(self) -> None:
+        """Give the memory back."""
+        super().release()
+        self.maps.release()

@@ -1,0 +1,42 @@
+//! use blocker_sums
+//! use light_texel
+
+fn add_side(first: u32, side: u32, units: i32, offset: f32, reflectance: vec3f) {
+    atomicAdd(&sums[first + side], units);
+    let outward = select(-offset, offset, (side & 1u) == 0u);
+    atomicMax(&sums[first + SIDE_BEHIND + side], behind_code(outward));
+    let reflected = vec3i(round(f32(units) * reflectance));
+    for (var channel = 0u; channel < 3u; channel++) {
+        atomicAdd(&sums[first + SIDE_REFLECTED + 3u * side + channel], reflected[channel]);
+    }
+}
+
+// Layer 2 axis + k sees the sides that face +axis (k = 0) or -axis.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.resolution || id.y >= params.resolution || id.z >= 6u) {
+        return;
+    }
+    let d = textureLoad(depth, vec2i(id.xy), id.z, 0);
+    if (d >= 1.0) {
+        return;
+    }
+    let view = views[id.z];
+    let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
+    let place = (world - params.origin) / params.cell;
+    let corner = vec3i(floor(place + 0.5));
+    if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
+        return;
+    }
+    let axis = id.z / 2u;
+    let offset = place[axis] - f32(corner[axis]);
+    let area = view.texel.x * view.texel.y / (params.cell * params.cell);
+    let units = i32(round(area * params.units));
+    let reflectance = textureLoad(flux, vec2i(id.xy), id.z, 0).rgb;
+    let c = vec3u(corner);
+    let n = params.count + 1u;
+    let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
+    add_side(first, id.z, units, offset, reflectance);
+    add_side(first, id.z ^ 1u, units, offset, reflectance);
+    atomicAdd(&sums[first + AXIS_COVER + axis], units);
+    atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset)));
+}
