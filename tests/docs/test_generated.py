@@ -95,6 +95,7 @@ COMMON = {
     "room.obj: file not found. Check the path.": ["render", "room.obj", "-o", "a.png"],
     "--layers needs an .exr, .png holds one picture":
         ["render", "builtin:cornell", "-o", "a.png", "--layers"],
+    "nothing moves in 'room'": ["sequence", "builtin:room", "-o", "frames"],
 }  # fmt: skip
 
 
