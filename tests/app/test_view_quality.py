@@ -95,6 +95,21 @@ def test_what_resolution_cannot_help_ends_at_the_coarsest():
     assert quality.plan(9.0, (3, 2), changed=True).size == (1, 1)
 
 
+def test_stills_that_would_block_the_window_are_smaller():
+    quality, now = Quality(is_cpu=True, samples=8), 1.0
+    plans = []
+    for _ in range(14):
+        now += 0.1
+        plans.append(quality.plan(now, FULL, changed=False))
+        quality.took(1400.0 * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
+    assert plans[0].size == plans[1].size == FULL
+    assert plans[2].size == (400, 225)
+    assert [plan.sample for plan in plans[2:]] == [*range(8), None, None, None, None]
+    quality.plan(8.0, FULL, changed=True)
+    assert quality.plan(8.5, FULL, changed=False).size == (500, 281)  # perhaps it goes now
+    assert quality.plan(9.0, (200, 100), changed=False).size == (200, 100)  # a new window, a try
+
+
 def test_slow_stills_do_not_make_moving_coarser():
     quality = Quality(is_cpu=True)
     still = quality.plan(5.0, FULL, changed=False)

@@ -52,7 +52,7 @@ class Panel:
         place, size = imgui.get_window_pos(), imgui.get_window_size()
         self._box = (place.x, place.y, place.x + size.x, place.y + size.y)
         if is_open:
-            imgui.push_item_width(-130.0)
+            imgui.push_item_width(-165.0)
             self._sections()
             imgui.pop_item_width()
         imgui.end()
@@ -99,7 +99,6 @@ class Panel:
             imgui.text_wrapped(state.notice)
             imgui.pop_style_color()
         if session.renderer is None:
-            imgui.text("preparing ...")
             return
         width, height = session.renderer.size
         imgui.text(f"{session.frame_ms:.0f} ms   {width} x {height}")

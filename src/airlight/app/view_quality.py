@@ -1,7 +1,7 @@
 """How finely the next picture is drawn: coarse while anything moves, finer and finer when still.
 
 Resolution follows the time that frames really took, so that a machine without a GPU stays above
-ten frames a second where it can.
+ten frames a second where it can, and answers within a moment while it refines.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ SETTLE_S = 0.2
 STILL_SAMPLES = 64
 MOST_SCALE = 8.0
 _SLOW_MS, _FAST_MS, _AIM_MS = 90.0, 40.0, 65.0
+_BLOCKING_MS, _STILL_MS = 600.0, 350.0  # a window that answers no later is felt as stuck
 _PATIENCE = 6  # fast frames in a row before a finer one is tried
 _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
@@ -35,6 +36,8 @@ class Quality:
     def __init__(self, *, is_cpu: bool, samples: int = STILL_SAMPLES) -> None:
         self.samples = samples
         self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
+        self.still_scale = 1.0  # of a side, at rest
+        self._full = (0, 0)
         self._quick_frames = 0
         self._slow_ms = 0.0  # of the frame before, where that was slow
         self._changed_s = float("-inf")
@@ -55,11 +58,16 @@ class Quality:
         `changed`: since the last. `is_busy`: a hand is at work, and must not wait for a fine
         picture to be done before the next coarse one.
         """
+        if full != self._full:
+            self._full, self.still_scale = full, 1.0
         if changed:
             self._changed_s = now_s
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done = True, 0
-            return Plan(self._reduced(full), 0 if changed else None, is_moving=True)
+            return Plan(_reduced(full, self.scale), 0 if changed else None, is_moving=True)
+        if self._was_moving and not is_busy:
+            self.still_scale = _step_below(self.still_scale)  # the machine may have time again
+        full = _reduced(full, self.still_scale)
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
         if self._was_moving or self._still_size != full:
@@ -71,11 +79,14 @@ class Quality:
 
     def took(self, ms: float, plan: Plan) -> None:
         """A frame of `plan` took `ms`, with the device done."""
+        slow_ms = _SLOW_MS if plan.is_moving else _BLOCKING_MS
+        # One slow frame may be another program's doing, or a shader's first use.
+        before, self._slow_ms = self._slow_ms, ms if ms > slow_ms else 0.0
         if not plan.is_moving:
-            return
-        before, self._slow_ms = self._slow_ms, ms if ms > _SLOW_MS else 0.0
-        if ms > _SLOW_MS:
-            # One slow frame may be another program's doing, or a shader's first use.
+            if ms > slow_ms and before:
+                share = (min(ms, before) / _STILL_MS) ** 0.5
+                self._slow_ms, self.still_scale = 0.0, _step_above(self.still_scale * share)
+        elif ms > slow_ms:
             self._quick_frames = 0
             if before:
                 self._slow_ms = 0.0
@@ -84,13 +95,18 @@ class Quality:
             self._quick_frames += 1
             if self._quick_frames >= _PATIENCE:
                 self._quick_frames = 0
-                self.scale = _STEPS[max(0, _STEPS.index(self.scale) - 1)]
+                self.scale = _step_below(self.scale)
         else:
             self._quick_frames = 0
 
-    def _reduced(self, full: tuple[int, int]) -> tuple[int, int]:
-        return (max(1, round(full[0] / self.scale)), max(1, round(full[1] / self.scale)))
+
+def _reduced(full: tuple[int, int], scale: float) -> tuple[int, int]:
+    return (max(1, round(full[0] / scale)), max(1, round(full[1] / scale)))
 
 
 def _step_above(scale: float) -> float:
     return next((step for step in _STEPS if step >= scale), MOST_SCALE)
+
+
+def _step_below(scale: float) -> float:
+    return _STEPS[max(0, _STEPS.index(scale) - 1)]

@@ -31,6 +31,7 @@ from .view_watch import Watch
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
+PREPARING = "preparing ..."
 
 
 class Session:
@@ -61,7 +62,7 @@ class Session:
         self._size = (1, 1)
         self._camera, self._time_s = scene.camera, 0.0
         self._jitters = pixel_jitter(STILL_SAMPLES)
-        self._is_announced = False
+        self._announced: tuple[Any, ...] | None = None
         self._refused: tuple[Any, ...] | None = None
         self._made: tuple[Any, ...] | None = None
         self._drawn: tuple[Any, ...] = ()
@@ -114,8 +115,8 @@ class Session:
     def frame(self, target: Any, size: tuple[int, int], now_s: float) -> bool:
         """Draw onto `target`, a surface of `size` pixels; true where more frames are wanted."""
         self._size = size
-        if not self._is_announced:
-            self._is_announced = True  # so that the window says something while all is made
+        if self._announces():
+            self._show(target)
             return True
         self.controls.height_px = size[1]
         self._go_on(now_s)
@@ -174,6 +175,14 @@ class Session:
             self.renderer.close()
         self.renderer = self._presenter = None
 
+    def _announces(self) -> bool:
+        """Whether this frame only says that the next one takes long: it makes a renderer."""
+        wanted = structure(self.state)
+        if wanted in (self._made, self._refused, self._announced):
+            return False
+        self._announced, self.state.notice = wanted, PREPARING
+        return True
+
     def _has_changed(self) -> bool:
         s = self.state
         now = (self.controls.camera, s.scene, structure(s), s.look.layer, s.shows_times, s.time_s)
@@ -189,7 +198,7 @@ class Session:
             self._make_renderer(plan.size)
             self._draw(plan)
         except AirlightError as error:
-            self.state.message = str(error)
+            self.state.message, self.state.notice = str(error), ""
         except Exception as error:  # a driver's refusal must not take the window down
             text = " ".join(str(error).split())[:400]
             self.state.message = f"internal error: {type(error).__name__}: {text}"
@@ -203,7 +212,7 @@ class Session:
         wanted = structure(self.state)
         if wanted in (self._made, self._refused):
             return
-        self._refused = wanted
+        self._refused, self._announced = wanted, None
         state = self.state
         made = Renderer(
             self.scene_now(), state.technique, size, settings=state.chosen_settings,
@@ -213,6 +222,7 @@ class Session:
             self.renderer.close()
         self.renderer, self._made, self._refused = made, wanted, None
         self._solved, state.message = (), ""
+        state.notice = "" if state.notice == PREPARING else state.notice
 
     def _draw(self, plan: Plan) -> None:
         r = self.renderer
