@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from airlight.errors import SettingsError
+from airlight.errors import SceneError, SettingsError
 from airlight.rendering import Renderer, checked_size, render
 from airlight.scene import (
     Camera,
@@ -18,6 +18,7 @@ from airlight.scene import (
     PointLight,
     Scene,
 )
+from airlight.scene.io import load
 
 SIZE = (64, 48)
 DIRECT = {
@@ -335,3 +336,15 @@ def test_an_empty_scene_is_black(gpu):
     image = render(Scene(), "lpv", SIZE, settings=LPV, samples=1)
     assert not image.radiance.any()
     assert np.isinf(image.layers["depth"]).all()
+
+
+def test_a_scene_may_be_named_by_its_file(gpu, tmp_path):
+    text = '[[mesh]]\nshape = "quad"\n[environment]\nradiance = 2.0\n'
+    (tmp_path / "a.toml").write_text(text)
+    settings = {"sky_lights": 8, "surfels": 1000, "resolution": 8}
+    by_file = render(tmp_path / "a.toml", "direct", (8, 8), settings=settings, samples=1)
+    loaded = load(tmp_path / "a.toml")
+    by_value = render(loaded, "direct", (8, 8), settings=settings, samples=1)
+    np.testing.assert_array_equal(by_file.radiance, by_value.radiance)
+    with pytest.raises(SceneError, match="file not found"):
+        render("nowhere.toml")

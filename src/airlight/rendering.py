@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import statistics
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from time import perf_counter
 from types import TracebackType
 from typing import Any
@@ -21,6 +22,7 @@ from .maths.tone import auto_exposure
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image
+from .scene.io import load
 from .scene.lights import Light
 from .scene.mesh import Mesh
 from .scene.point_lights import PointLights
@@ -45,17 +47,18 @@ class Renderer:
 
     The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
     everything that `frame` takes may change from call to call. A picture depends on the scene that
-    the renderer was made with and on the scene it shows, not on the pictures before it. Raises
-    SettingsError, DeviceError.
+    the renderer was made with and on the scene it shows, not on the pictures before it. A path or
+    builtin:NAME is loaded. Raises SceneError, SettingsError, DeviceError.
     """
 
     def __init__(
-        self, scene: Scene, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
-        settings: Mapping[str, Any] | None = None, adapter: str = "auto",
+        self, scene: Scene | str | Path, technique: str = "auto",
+        size: tuple[int, int] = (1280, 720), *, settings: Mapping[str, Any] | None = None,
+        adapter: str = "auto",
     ) -> None:  # fmt: skip
         self._began_s = perf_counter()
         self.size = checked_size(size)
-        self.scene = scene
+        self.scene = scene = scene if isinstance(scene, Scene) else load(scene)
         self.gpu = open_gpu(adapter)
         self.gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
         self.gpu.peak_bytes = self.gpu.allocated_bytes
@@ -227,15 +230,16 @@ class Renderer:
 
 
 def render(
-    scene: Scene, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
+    scene: Scene | str | Path, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
     settings: Mapping[str, Any] | None = None, samples: int = STILL_SAMPLES,
     adapter: str = "auto", progress: Progress | None = None, timed: bool = False,
 ) -> Image:  # fmt: skip
-    """One anti-aliased picture of `scene`.
+    """One anti-aliased picture of `scene`, which may also be a file or builtin:NAME.
 
     `size` (width, height) in pixels; `samples` jittered pictures are averaged; `settings` as in
     `airlight render -D`. `progress(stage, share)` is called as it goes. `timed` adds per-pass
-    milliseconds to `image.stats` (a few more frames). Raises SettingsError, DeviceError.
+    milliseconds to `image.stats` (a few more frames). Raises SceneError, SettingsError,
+    DeviceError.
     """
     if samples < 1 or samples > 4096:
         raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")

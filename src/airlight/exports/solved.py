@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -22,7 +23,7 @@ SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
 
 
 def export_lattice(
-    scene: Scene, path: Any = None, *, technique: str = "auto",
+    scene: Scene | str | Path, path: Any = None, *, technique: str = "auto",
     settings: Mapping[str, Any] | None = None, adapter: str = "auto",
 ) -> LightField:  # fmt: skip
     """Solve the light in `scene`, write it to `path` (.npz or a folder) if given, return it.
