@@ -1,0 +1,165 @@
+"""Nested lattices end to end: as bright as one, still while the camera moves, sane at extremes."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from airlight.rendering import Renderer, render
+from airlight.scene import Camera, PointLight
+from airlight.scene.builtin import cornell, room
+
+SIZE = (48, 27)
+SMALL = {
+    "resolution": 12, "map_resolution": 128, "shadow_resolution": 256, "lamp_resolution": 128,
+    "sky_lights": 16, "sky_resolution": 48, "surfels": 40_000, "iterations": 48,
+    "ambient_occlusion": False,
+}  # fmt: skip
+
+
+def bounced(scene, **settings):
+    """(H, W) mean over channels of the bounced light."""
+    image = render(scene, "lpv", SIZE, settings={**SMALL, **settings}, samples=1)
+    return image.layers["indirect"].mean(axis=-1).astype(np.float64)
+
+
+def inside():
+    """The Cornell box from inside, so that finer lattices hold what is seen."""
+    return dataclasses.replace(cornell(), camera=Camera((0.5, 2.9, 2.2), (-0.6, 2.0, -2.5)))
+
+
+def moved(camera, offset):
+    return dataclasses.replace(
+        camera,
+        position=tuple(np.add(camera.position, offset)),
+        target=tuple(np.add(camera.target, offset)),
+    )
+
+
+class Still:
+    """Pictures from where the scene's camera is, while lattices follow another."""
+
+    def __init__(self, scene, **settings):
+        self.scene = scene
+        self.renderer = Renderer(scene, "lpv", SIZE, settings={**SMALL, **settings})
+        self.technique = self.renderer.technique
+
+    def picture(self, camera=None, lights=None):
+        scene = dataclasses.replace(
+            self.scene, camera=camera or self.scene.camera, lights=lights or self.scene.lights
+        )
+        r = self.renderer
+        self.technique.solve(r.commands, scene)
+        r.view.aim(self.scene.camera)
+        self.technique.draw(r.commands, r.view)
+        r.commands.submit()
+        layers = self.technique.pictures(r.view)
+        return layers["indirect"].read()[..., :3].mean(axis=-1).astype(np.float64)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.renderer.close()
+
+
+@pytest.mark.parametrize("make", [inside, pytest.param(room, marks=pytest.mark.slow)])
+def test_cascades_are_as_bright_as_single_lattices_of_their_cells(gpu, make):
+    # A lattice's light depends on its cells; the nested ones' lies between.
+    scene = make()
+    coarse, fine = bounced(scene, resolution=16), bounced(scene, resolution=30)
+    nested = bounced(scene, cascades=2, resolution=16)
+    low, high = sorted((coarse.mean(), fine.mean()))
+    assert 0.97 * low < nested.mean() < 1.03 * high
+    assert np.linalg.norm(nested - coarse) < 0.15 * np.linalg.norm(coarse)
+
+
+def test_light_from_beyond_the_finer_cascade_is_not_cut_off(gpu):
+    scene = inside()
+    one = bounced(scene)
+    whole = bounced(scene, cascades=3)
+    cut = bounced(scene, cascades=3, cascade_light=False)
+    assert whole.mean() == pytest.approx(one.mean(), rel=0.05)
+    assert cut.mean() < 0.99 * whole.mean()
+
+
+def test_a_moving_camera_changes_still_surfaces_by_little(gpu):
+    scene = inside()
+    with Still(scene, cascades=2) as still:
+        fine = still.technique.placements[0].cell
+        before, origins, changes = None, set(), []
+        for step in range(16):
+            offset = -0.3 * fine * step * np.array([0.5, 0.2, 0.8])
+            now = still.picture(camera=moved(scene.camera, offset))
+            origins.add(still.technique.placements[0].origin)
+            if before is not None:
+                changes.append(np.abs(now - before).mean() / before.mean())
+            before = now
+    assert len(origins) >= 3  # lattices did move
+    assert max(changes) < 0.02
+    assert float(np.median(changes)) < 0.004
+
+
+def test_a_moving_lamp_changes_light_by_little(gpu):
+    lamp = PointLight((0.3, 2.6, 0.4), (4.0, 4.0, 4.0))
+    scene = dataclasses.replace(inside(), lights=(lamp,))
+    with Still(scene, cascades=2) as still:
+        fine, changes, before = still.technique.placements[0].cell, [], None
+        for step in range(8):
+            place = tuple(np.add(lamp.position, (0.25 * fine * step, 0.0, 0.0)))
+            now = still.picture(lights=(dataclasses.replace(lamp, position=place),))
+            if before is not None:
+                changes.append(np.abs(now - before).mean() / before.mean())
+            before = now
+    assert max(changes) < 0.06
+
+
+@pytest.mark.parametrize("position", [(40.0, 30.0, 60.0), (0.1, 6.0, 30.0)])
+def test_a_camera_outside_all_cascades(gpu, position):
+    scene = dataclasses.replace(cornell(), camera=Camera(position, (0.0, 2.7, 0.0), fov_y_deg=8.0))
+    one, three = bounced(scene), bounced(scene, cascades=2)
+    assert np.isfinite(three).all()
+    assert three.mean() == pytest.approx(one.mean(), rel=0.15)
+
+
+def test_lattices_smaller_than_the_scene_fade_to_nothing(gpu):
+    scene = cornell()
+    lit = bounced(scene, cascades=2, cascade_extent=0.8)  # the coarsest follows, 1.6 m
+    assert np.isfinite(lit).all() and lit.min() >= 0.0
+    assert lit.mean() < bounced(scene).mean()
+
+
+def test_a_light_outside_the_lattices(gpu):
+    lamp = PointLight((0.0, 2.7, 30.0), (900.0, 900.0, 900.0))
+    scene = dataclasses.replace(cornell(), lights=(lamp,))
+    one, two = bounced(scene), bounced(scene, cascades=2)
+    assert two.mean() == pytest.approx(one.mean(), rel=0.12)
+
+
+def test_light_does_not_grow_with_iterations(gpu):
+    scene, few = inside(), {"cascades": 3, "tail": False}
+    light = [bounced(scene, **few, iterations=n).mean() for n in (48, 120, 240)]
+    assert light[0] <= light[1] * 1.001
+    assert light[2] == pytest.approx(light[1], rel=0.03)
+
+
+def test_a_teleport_leaves_nothing_of_where_it_was(gpu):
+    scene = inside()
+    away = moved(scene.camera, (-1.0, 0.0, -4.5))
+    with Still(scene, cascades=3) as still:
+        first = still.picture()
+        still.picture(camera=away)
+        back = still.picture(camera=scene.camera)
+    # hysteresis may leave a lattice a cell beside where it began
+    assert np.abs(back - first).mean() < 0.01 * first.mean()
+
+
+def test_a_small_object_that_moves_is_left_to_the_finest(gpu):
+    with Still(inside(), cascades=2, small_objects="moving") as still:
+        kinds = [part.small for part in still.technique.cascades]
+        cells = [place.cell for place in still.technique.placements]
+    assert (kinds[0].least, kinds[0].next_least) == (0.0, cells[1])
+    assert (kinds[1].least, kinds[1].next_least) == (cells[1], 0.0)
+    assert not kinds[0].has_still
