@@ -78,6 +78,9 @@ FIGURES: dict[str, Figure] = {
         f"{_SCATTER} Table 1", "what each stage costs, beside the paper's machine", "lpvms_table1"
     ),
     "clpv-debug": Figure("", "the lattice cut open: light, its direction, and walls", "clpv_debug"),
+    "clpv-leaks": Figure(
+        f"{_PAPER} Fig. 11", "bounced light where a reference has the dark", "leaks"
+    ),
     "pop-1": Figure(f"{_POP} Fig. 1", "smoke under a complex map", "pop_1"),
     "pop-6": Figure(f"{_POP} Fig. 6", "what prefiltering does to a thin medium", "pop_6"),
     "pop-7": Figure(f"{_POP} Fig. 7", "few ordinates, chosen in different ways", "pop_7"),

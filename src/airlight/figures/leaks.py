@@ -1,0 +1,76 @@
+"""Light that leaked: indirect light on surfaces that a reference says are dark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..app.compare_pictures import U8, shown
+from ..app.compare_reference import reference_for
+from ..maths.colour import luminance, srgb_encode
+from ..reference.metrics_display import displayed
+from ..scene.builtin import cornell, room
+from ..scene.checks import F32, F64
+from ..scene.scene import Scene
+from .panels import Drawn, Request, exposure_of, from_here, rendered, sheet
+
+DARK_SHARE = 0.15
+"""Of the reference's mean indirect luminance: what has less is dark."""
+EXCESS = 2.0
+"""Light counts as leaked where it is more than this many times the reference's."""
+MODES: Mapping[str, Mapping[str, Any]] = {"paper's scheme": {"scheme": "paper"}, "ours": {}}
+
+
+def draw(request: Request) -> Drawn:
+    """The room's shelf, boards of 22 mm: each scheme's indirect light, and what of it leaked."""
+    scene = cornell() if request.quick else shelf()
+    truth = reference_for(scene, request.size, request.reference_spp, report=request.report)
+    traced = truth.image.layers["indirect"]
+    stops = exposure_of(scene, traced)
+    rows: list[tuple[str, list[tuple[str, U8 | None]]]] = [
+        ("path traced", [("indirect light", shown(traced, stops))])
+    ]
+    numbers: dict[str, Any] = {"dark_share_of_surfaces": float(dark_places(traced).mean())}
+    for label, settings in MODES.items():
+        indirect = rendered(request, scene, settings).layers["indirect"]
+        share = leaked_share(indirect, traced)
+        numbers[label] = {"leaked_over_all_indirect": share}
+        leak = leak_picture(indirect, traced, stops)
+        rows.append(
+            (label, [("indirect light", shown(indirect, stops)), (f"leaked: {share:.1%}", leak)])
+        )
+    return Drawn(sheet(request, "Light that leaked", rows), numbers)
+
+
+def shelf() -> Scene:
+    """`builtin:room` before its shelf."""
+    return from_here(room(), (-0.2, 1.3, -0.6), (2.4, 1.0, -1.3))
+
+
+def dark_places(truth: F32) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """(H, W): where the reference's indirect light is dark, but something is there."""
+    light = luminance(truth)
+    return np.asarray((light > 0.0) & (light < DARK_SHARE * light.mean()))
+
+
+def leaked(indirect: F32, truth: F32) -> F64:
+    """(H, W) luminance, W m^-2 sr^-1, beyond the reference's on places that it has dark."""
+    light, true = luminance(indirect), luminance(truth)
+    has_leaked = dark_places(truth) & (light > EXCESS * true)
+    return np.where(has_leaked, light - true, 0.0)
+
+
+def leaked_share(indirect: F32, truth: F32) -> float:
+    """The leaked light over all of the reference's indirect light."""
+    return float(leaked(indirect, truth).sum() / max(luminance(truth).sum(), 1e-30))
+
+
+def leak_picture(indirect: F32, truth: F32, stops: float) -> U8:
+    """The reference dimmed to grey, what leaked in red over it; (H, W, 3)."""
+    grey = 0.25 * luminance(displayed(truth, stops))
+    leak = leaked(indirect, truth)
+    red = luminance(displayed(np.repeat(leak[..., None], 3, -1).astype(np.float32), stops))
+    linear = np.stack([np.maximum(grey, red), grey * (leak <= 0.0), grey * (leak <= 0.0)], -1)
+    return np.rint(255.0 * srgb_encode(np.clip(linear, 0.0, 1.0))).astype(np.uint8)
