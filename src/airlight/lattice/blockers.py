@@ -71,7 +71,8 @@ class Blockers:
 
     `faces` holds eight u32 per cell, all unorm8: for the six outgoing hops the reflected share
     (rgb) and the closed share (a), then the open shares of the six incoming hops. `openness` is
-    the last two alone; `open_a`, `open_b` the same as textures. `walls` says how far (in cells)
+    the last two alone. `open_a`, `open_b` are textures of how open each of a cell's six faces is
+    both ways: air on the two sides of a wall is not mixed. `walls` says how far (in cells)
     the walls that were counted on a cell's three low faces really lie from them: readers bend
     space by it, so that a point before a wall is never looked up behind it.
     """

@@ -45,7 +45,7 @@ fn object_share(size: f32, p: vec3f) -> f32 {
     let p = world.xyz / world.w;
     let share = object_share(facing.w, p);
     if (share > 0.0) {
-        let place = bent_place(lattice, p) + 0.5 * n;
+        let place = bent_surface_place(lattice, p, n) + 0.5 * n;
         add_lobe(place, n, power_density * (share * texel_measure(view, centre)));
     }
 }

@@ -92,10 +92,14 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
     var leaving = array<u32, 6>();
     var entering = array<f32, 6>();
+    var between = array<f32, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
         leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
         // A hop enters through the face that the opposite hop leaves by.
-        entering[hop] = 1.0 - closed_share(face_of(id, hop ^ 1u), hop);
+        let face = face_of(id, hop ^ 1u);
+        entering[hop] = 1.0 - closed_share(face, hop);
+        // Air on both sides of a wall is apart, though light from inside the wall could come out.
+        between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
     }
     let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);
     let zz = vec4f(entering[4], entering[5], 1.0, 1.0);
@@ -103,8 +107,8 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], pack4x8unorm(xy), pack4x8unorm(zz));
     openness[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
     let texel = id + vec3u(0u, params.first_row, 0u);
-    textureStore(open_a, texel, xy);
-    textureStore(open_b, texel, zz);
+    textureStore(open_a, texel, vec4f(between[0], between[1], between[2], between[3]));
+    textureStore(open_b, texel, vec4f(between[4], between[5], 1.0, 1.0));
     textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
         wall_shift(face_of(id, 5u), 2u), 0.0));
 }

@@ -1,7 +1,7 @@
 //! use lattice_space
 
 // Reading a solved lattice. The including pass binds lattice_red/green/blue (filtered 3D textures
-// of a, b), lattice_open_a/b (open share of each cell's six incoming hops) and linear_clamp, and
+// of a, b), lattice_open_a/b (how open each cell's six faces are both ways) and linear_clamp, and
 // declares the struct LatticeParams.
 
 // How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
@@ -52,19 +52,23 @@ fn lattice_eased(lattice: LatticeParams, place: vec3f) -> vec3f {
 
 // The same for a surface point, metres.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    return lattice_eased(lattice, lattice_lookup_place(bent_place(lattice, position), n));
+    let place = bent_surface_place(lattice, position, n);
+    return lattice_eased(lattice, lattice_lookup_place(place, n));
 }
 
-// pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light that
-// streams one way are negative behind: beyond what fills half of all directions, the rest is read
-// as a beam (twin: maths.lattice6.surface_irradiance).
+// pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light
+// that streams one way are negative behind: beyond what fills half of all directions, the rest is
+// read as a beam, and some light is left behind it (twin: maths.lattice6.surface_irradiance).
+const LEAST_BEHIND = 0.5;
+
 fn facing_flux(state: vec4f, n: vec3f) -> f32 {
     let a = max(state.x, 0.0);
     let b = length(state.yzw);
     let along = dot(state.yzw, n) / max(b, 1e-20);
     let r = min(b / max(3.0 * a, 1e-20), 1.0);
     let beam = max(2.0 * r - 1.0, 0.0);
-    return a * mix(1.0 - min(2.0 * r, 1.0) * along, 4.0 * max(-along, 0.0), beam);
+    let flux = mix(1.0 - min(2.0 * r, 1.0) * along, 4.0 * max(-along, 0.0), beam);
+    return a * max(flux, LEAST_BEHIND * (1.0 - r) / (1.0 + r));
 }
 
 // The paper's rule: the intensity towards the surface from half a cell away.

@@ -14,27 +14,60 @@ fn wall_shifts_low(lattice: LatticeParams, cell: vec3i) -> vec3f {
     return textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).xyz;
 }
 
-fn wall_shifts_high(lattice: LatticeParams, cell: vec3i) -> vec3f {
-    let last = vec3i(lattice.count) - 1;
-    let next = min(cell + 1, last);
-    let shifts = vec3f(wall_shifts_low(lattice, vec3i(next.x, cell.yz)).x,
-        wall_shifts_low(lattice, vec3i(cell.x, next.y, cell.z)).y,
-        wall_shifts_low(lattice, vec3i(cell.xy, next.z)).z);
-    return select(shifts, vec3f(0.0), cell == last);
+// The same of its high face across one axis.
+fn wall_shift_high(lattice: LatticeParams, cell: vec3i, axis: u32) -> f32 {
+    var next = cell;
+    next[axis] = min(cell[axis] + 1, i32(lattice.count[axis]) - 1);
+    return select(0.0, wall_shifts_low(lattice, next)[axis], next[axis] > cell[axis]);
 }
 
-// Cells from the lattice's origin to bent cells.
+fn wall_shifts_high(lattice: LatticeParams, cell: vec3i) -> vec3f {
+    return vec3f(wall_shift_high(lattice, cell, 0u), wall_shift_high(lattice, cell, 1u),
+        wall_shift_high(lattice, cell, 2u));
+}
+
+// One axis of a place, between walls that lie `low` and `high` from the faces of `cell`.
+fn bent_axis(place: f32, cell: i32, low: f32, high: f32) -> f32 {
+    let t = place - f32(cell);
+    let between = (t - low) / max(1.0 + high - low, 0.25);
+    let below = (t - low) / (1.0 + low);
+    let above = 1.0 + (t - 1.0 - high) / (1.0 - high);
+    return f32(cell) + select(select(between, above, t > 1.0 + high), below, t < low);
+}
+
+// The cell that a place is in; WHOLE_BEFORE cells along n from it, but not along one axis. Walls cover
+// what they need to be known by at that distance from where they end.
+const WHOLE_BEFORE = 0.75;
+
+fn cell_before(lattice: LatticeParams, place: vec3f, n: vec3f, axis: u32) -> vec3i {
+    var beyond = WHOLE_BEFORE * n;
+    beyond[axis] = 0.0;
+    return clamp(vec3i(floor(place + beyond)), vec3i(0), vec3i(lattice.count) - 1);
+}
+
+// Cells from the lattice's origin to bent cells, for a point of a surface of normal n. Where walls
+// meet, the cells behind this one hardly know the others: they are looked up in front of it.
+fn bent_surface_place(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
+    let place = (world - lattice.origin) / lattice.cell;
+    let x = cell_before(lattice, place, n, 0u);
+    let y = cell_before(lattice, place, n, 1u);
+    let z = cell_before(lattice, place, n, 2u);
+    let low = vec3f(wall_shifts_low(lattice, x).x, wall_shifts_low(lattice, y).y,
+        wall_shifts_low(lattice, z).z);
+    let high = vec3f(wall_shift_high(lattice, x, 0u), wall_shift_high(lattice, y, 1u),
+        wall_shift_high(lattice, z, 2u));
+    return vec3f(bent_axis(place.x, x.x, low.x, high.x), bent_axis(place.y, y.y, low.y, high.y),
+        bent_axis(place.z, z.z, low.z, high.z));
+}
+
+// The same for a point in the air.
 fn bent_place(lattice: LatticeParams, world: vec3f) -> vec3f {
     let place = (world - lattice.origin) / lattice.cell;
     let cell = clamp(vec3i(floor(place)), vec3i(0), vec3i(lattice.count) - 1);
     let low = wall_shifts_low(lattice, cell);
     let high = wall_shifts_high(lattice, cell);
-    let t = place - vec3f(cell);
-    let between = (t - low) / max(1.0 + high - low, vec3f(0.25));
-    let below = (t - low) / (1.0 + low);
-    let above = 1.0 + (t - 1.0 - high) / (1.0 - high);
-    let bent = select(select(between, above, t > 1.0 + high), below, t < low);
-    return vec3f(cell) + bent;
+    return vec3f(bent_axis(place.x, cell.x, low.x, high.x),
+        bent_axis(place.y, cell.y, low.y, high.y), bent_axis(place.z, cell.z, low.z, high.z));
 }
 
 // The world point of a place inside a cell (0..1 on each axis), the other way round.
