@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from airlight.app.cli import run
-from airlight.app.view_browser import PAGE, believed, link_to
+from airlight.app.view_browser import PAGE, believed, link_to, say_where
 from airlight.app.view_guard import bound_socket
 
 SCENE = Path(__file__).with_name("view_box.toml")
@@ -51,6 +51,19 @@ def test_the_link_carries_the_token():
     with bound_socket("", 0) as bound:
         port = bound.getsockname()[1]
         assert link_to(bound, "tok") == f"http://127.0.0.1:{port}/tok/"
+
+
+def test_listening_to_others_warns_and_loopback_does_not(capsys, monkeypatch):
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
+    say_where("http://host:8900/tok/", 8900, "0.0.0.0")
+    said = capsys.readouterr()
+    assert said.out == "http://host:8900/tok/\n"
+    assert "warning: served on 0.0.0.0: whoever gets the link can look and steer" in said.err
+    say_where("http://127.0.0.1:8900/tok/", 8900, "")
+    assert "warning" not in capsys.readouterr().err
+    monkeypatch.setenv("SSH_CONNECTION", "198.51.100.7 40000 198.51.100.8 22")
+    say_where("http://127.0.0.1:8900/tok/", 8900, "")
+    assert "ssh -N -L 8900:127.0.0.1:8900" in capsys.readouterr().err
 
 
 def test_the_page_asks_for_nothing_from_elsewhere():

@@ -20,7 +20,8 @@ from .outputs import json_text
 
 _EXTRA_PURPOSE = {
     "reference": "path-traced references (Mitsuba) and comparisons",
-    "view": "the window",
+    "view": "the viewer, in a window or a browser",
+    "notebook": "the viewer in a notebook",
     "vdb": "OpenVDB files (.vdb)",
     "test": "the project's own tests",
 }

@@ -88,7 +88,7 @@ def serve(
     canvas.add_event_handler(stop, "close")
     logging.getLogger("rendercanvas").setLevel(logging.ERROR)
     link = link_to(bound, token)
-    _say_where(link, bound.getsockname()[1], listen)
+    say_where(link, bound.getsockname()[1], listen)
     if opens and not os.environ.get("SSH_CONNECTION"):
         webbrowser.open(link)
     try:
@@ -159,7 +159,8 @@ def link_to(bound: socket.socket, token: str) -> str:
     return f"http://{host}:{port}/{token}/"
 
 
-def _say_where(link: str, port: int, listen: str) -> None:
+def say_where(link: str, port: int, listen: str) -> None:
+    """The link on stdout; on stderr what it exposes, or how to come to it from afar."""
     click.echo(link)
     if not is_loopback(listen):
         click.echo(

@@ -268,9 +268,12 @@ def _slid(control: Control, label: str, value: Any) -> tuple[bool, Any]:
     if control.is_logarithmic:
         flags |= imgui.SliderFlags_.logarithmic
     low, high = control.low, control.high
+    new: Any
     if control.kind == "text" or low is None or high is None:
         text = f"{value:g}" if isinstance(value, float) else str(value)
-        return tuple(imgui.input_text(label, text))
-    if control.kind == "whole":
-        return tuple(imgui.slider_int(label, value, int(low), int(high), "%d", flags))
-    return tuple(imgui.slider_float(label, value, low, high, "%.4g", flags))
+        changed, new = imgui.input_text(label, text)
+    elif control.kind == "whole":
+        changed, new = imgui.slider_int(label, value, int(low), int(high), "%d", flags)
+    else:
+        changed, new = imgui.slider_float(label, value, low, high, "%.4g", flags)
+    return changed, new
