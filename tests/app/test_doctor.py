@@ -70,7 +70,7 @@ def test_missing_extras_say_how_to_get_them(machine, capsys, monkeypatch):
     assert cli.run(["doctor"]) == 0
     out = capsys.readouterr().out
     assert '  reference: mitsuba missing; pip install "airlight[reference]"' in out
-    assert "  view: glfw 2.8 (the window)\n" in out
+    assert "  view: glfw 2.8 (the viewer, in a window or a browser)\n" in out
 
 
 def test_without_installed_metadata_there_are_no_extras(monkeypatch):
