@@ -135,10 +135,17 @@ class Direct:
 
     def _occlude(self, commands: Commands, view: View) -> None:
         g = view.gbuffer
-        radius = self.settings.occlusion_radius * self.placement.cell
+        wanted, finest, coarsest = self.settings.occlusion_radius, *self._end_cells
         self.occlusion.encode(
-            commands, g.depth, g.normal, view.occlusion, view.world_from_clip, radius
-        )
+            commands, g.depth, g.normal, view.occlusion, view.world_from_clip,
+            wanted * finest.cell, growth=wanted * 2.0 / max(finest.count),
+            largest=wanted * coarsest.cell,
+        )  # fmt: skip
+
+    @property
+    def _end_cells(self) -> tuple[Placement, Placement]:
+        """The finest and the coarsest lattice: what is smaller than their cells occludes."""
+        return self.placements[0], self.placements[-1]
 
     def _light(self, commands: Commands, view: View) -> None:
         g = view.gbuffer

@@ -33,6 +33,8 @@ class OcclusionParams(Struct):
     scale = u32("pixels along one side of a texel")
     size = vec2u("px")
     reduced = vec2u("px")
+    growth = f32("how much farther to look per metre from the eye")
+    largest = f32("m, but no farther")
 
 
 class _Horizons(FullscreenPass):
@@ -85,17 +87,21 @@ class Occlusion:
 
     def encode(
         self, commands: Commands, depth: Texture, normal: Texture, layers: OcclusionLayers,
-        world_from_clip: F64, radius: float,
+        world_from_clip: F64, radius: float, *, growth: float = 0.0, largest: float = 0.0,
     ) -> None:  # fmt: skip
-        """Fill `layers.visibility`; only surfaces within `radius` (m) occlude, fading out."""
-        params = occlusion_params(world_from_clip, layers, radius)
+        """Fill `layers.visibility`; only surfaces within `radius` (m) occlude, fading out.
+
+        Where that is less, within `growth` times the distance to the eye, but `largest` (m).
+        """
+        params = occlusion_params(world_from_clip, layers, radius, growth, largest)
         self._horizons.draw(commands, (layers.sampled,), params=params, depth=depth, normal=normal)
         self._blur.draw(commands, (layers.visibility,), params=params, sampled=layers.sampled)
 
 
 def occlusion_params(
-    world_from_clip: F64, layers: OcclusionLayers, radius: float
-) -> OcclusionParams:
+    world_from_clip: F64, layers: OcclusionLayers, radius: float, growth: float = 0.0,
+    largest: float = 0.0,
+) -> OcclusionParams:  # fmt: skip
     """The picture's rays from its matrix (reversed infinite depth), and `radius` in metres."""
     width, height = layers.size
     corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
@@ -103,5 +109,6 @@ def occlusion_params(
         corner=corner, right=world_from_clip[:3, 0] * (2.0 / width),
         down=world_from_clip[:3, 1] * (-2.0 / height), depth_scale=float(world_from_clip[3, 2]),
         radius=radius, scale=layers.scale, size=layers.size,
-        reduced=np.array(layers.visibility.size[:2]),
+        reduced=np.array(layers.visibility.size[:2]), growth=growth,
+        largest=max(largest, radius),
     )  # fmt: skip

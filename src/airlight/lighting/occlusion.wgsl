@@ -51,6 +51,12 @@ struct Slice {
     v: vec3f,           // unit, towards the eye
     axis: vec3f,        // unit, the slice's normal
     sideways: vec3f,    // in the surface's plane, 1 along the axis
+    radius: f32,        // m
+}
+
+// How far to look from a point: cells grow with the distance to the eye where lattices are nested.
+fn radius_at(p: vec3f) -> f32 {
+    return clamp(params.growth * length(p), params.radius, params.largest);
 }
 
 // The cosine between the eye's direction and the horizon as one sample raises it.
@@ -63,7 +69,7 @@ fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> f32 {
     // Whole pixels lie beside the slice: moved onto it, along the surface, at the same height.
     let delta = found - s.sideways * dot(found, s.axis);
     let distance = max(length(delta), 1e-9);
-    let weight = saturate((1.0 - distance / (REACH * params.radius)) / (1.0 - FULL_RANGE));
+    let weight = saturate((1.0 - distance / (REACH * s.radius)) / (1.0 - FULL_RANGE));
     return max(horizon, mix(lowest, dot(delta, s.v) / distance, weight));
 }
 
@@ -76,7 +82,8 @@ fn slice_openness(
     let axis = normalize(cross(tangent, v));
     let projected = n - axis * dot(n, axis);
     let size = length(projected);
-    let s = Slice(p, n, v, axis, (axis - n * dot(n, axis)) / max(size * size, 1e-4));
+    let sideways = (axis - n * dot(n, axis)) / max(size * size, 1e-4);
+    let s = Slice(p, n, v, axis, sideways, radius_at(p));
     let cosine = clamp(dot(projected, v) / max(size, 1e-6), -1.0, 1.0);
     let gamma = sign(dot(tangent, projected)) * acos(cosine);
     // The surface's own plane is the lowest horizon on each side.
@@ -104,7 +111,7 @@ fn slice_openness(
     let v = normalize(-on_surface);
     let p = on_surface * (1.0 - OFFSET);
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
-    let wanted_px = REACH * params.radius * inverse / length(params.right);
+    let wanted_px = REACH * radius_at(p) * inverse / length(params.right);
     let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
     if (radius_px < NEAREST_PX) {
         return vec4f(1.0, 1.0 / inverse, 0.0, 0.0);
