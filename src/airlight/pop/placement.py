@@ -15,6 +15,7 @@ from ..scene.volume import Volume
 FINE = 2  # fine cells per cell and axis: what sweeps sample
 _STRETCH = 4  # a side may have this many times the cells of a cube's
 SPHERE_SIDE = 64  # voxels across a sphere
+THICKEST_CELL = 4.0  # optical depth of a cell; a thicker one is opaque, and its middle dark
 _PROBED = 32  # density samples per axis that tell how wide the medium is
 
 
@@ -153,6 +154,19 @@ def shape_density(volume: Volume, side: int) -> Any:
     return inside.reshape(side, 2, side, 2, side, 2).mean(axis=(1, 3, 5))
 
 
+def solved_extinction(
+    volume: Volume, placement: MediumPlacement, width: Width
+) -> tuple[float, ...]:
+    """m^-1 at density 1: the volume's, or what makes its cells opaque where that is less.
+
+    Hardly any light comes through either, but of thicker cells the middle sees none: a white block
+    under an even sky scatters 1.00 at a cell's depth of 4, 1.3 at 8, 2.3 at 20, nothing at 100.
+    Eye rays are marched through the true extinction.
+    """
+    most = THICKEST_CELL / max(width.density * float(placement.cell.mean()), 1e-30)
+    return tuple(min(sigma, most) for sigma in volume.sigma_t)
+
+
 def medium_fields(
     volume: Volume, placement: MediumPlacement, ordinates: int, width: Width, group: int
 ) -> dict[str, Any]:
@@ -162,7 +176,8 @@ def medium_fields(
     return {
         "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
         "ordinate_count": ordinates, "cell": placement.cell,
-        "count": placement.count, "cells": placement.cells, "sigma_t": volume.sigma_t,
+        "count": placement.count, "cells": placement.cells, "sigma_t": solved_extinction(
+            volume, placement, width),
         "largest_diffusivity": width.diffusivity, "albedo": volume.albedo,
         "mean_density": width.density, "samples": np.clip(per_cell, 1, 16), "g": volume.g,
         "groups": -(-placement.cells // group),

@@ -50,6 +50,8 @@ class Volume:
             raise SceneError(f"volume shape '{self.shape}' is unknown", remedy="Use box or sphere.")
         if (self.density is None) == (self.shape == "grid"):
             raise SceneError("a volume needs either a density grid or a shape (box, sphere)")
+        if self.density is None and self.detail > 0.0:
+            raise SceneError("detail makes a density grid finer, a shape has none")
         if self.density is not None:
             put(self, "density", _checked_density(self.density))
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 
 from ...maths.solid_voxels import solid_voxels
@@ -62,7 +60,7 @@ def knot_density() -> F32:
     inside = solid_voxels(
         mesh.positions.astype(np.float64), mesh.indices.astype(np.int64), low, high, (x, y, z)
     )
-    return cast(F32, f32(inside))
+    return f32(inside)
 
 
 def knot(stations: int = 192, sides: int = 24) -> Geometry:
