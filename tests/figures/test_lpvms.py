@@ -1,4 +1,8 @@
-"""The second paper's figures: a hop's parts add up, and stages stand under the paper's names."""
+"""The second paper's figures: a hop's parts add up, and stages stand under the paper's names.
+
+Drawn from pretended pictures in test_registry: airlight.figures.lpvms_1, airlight.figures.lpvms_2,
+airlight.figures.lpvms_5, airlight.figures.lpvms_6, airlight.figures.lpvms_7.
+"""
 
 from __future__ import annotations
 

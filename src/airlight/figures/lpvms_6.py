@@ -21,7 +21,8 @@ CASES: dict[str, tuple[Callable[[], Scene], dict[str, Any]]] = {
 
 def draw(request: Request) -> Drawn:
     """Each scene by the paper's scheme and by ours, beside the truth; bounced and air's light."""
-    rows, numbers = [], {}
+    rows: list[Any] = []
+    numbers: dict[str, Any] = {}
     for label, (make, settings) in CASES.items():
         request.report(label, len(numbers) / len(CASES))
         scene = make()

@@ -43,7 +43,8 @@ def draw(request: Request) -> Drawn:
     """The foggy atrium, its surfaces and its light moving: medians of a few frames."""
     scene, frames = (haze_box(), 1) if request.quick else (atrium_fog(), 5)
     sides = (8, 12) if request.quick else SIDES
-    found, device = {}, ""
+    found: dict[int, dict[str, float]] = {}
+    device = ""
     for side in sides:
         request.report(f"{side} cells", len(found) / len(sides))
         found[side], device = measured(request, scene, side, frames)

@@ -44,7 +44,7 @@ class AirSettings:
     )
     shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
     shaft_contrast: float = setting(
-        0.1,
+        0.2,
         "between neighbouring texels of reduced single scattering, beyond which pixels "
         "are drawn anew; 1: nowhere",
         low=0.0,
