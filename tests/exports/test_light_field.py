@@ -90,5 +90,5 @@ def test_a_wall_bends_space_to_the_face_it_was_counted_on():
     towards = np.tile([-1.0, 0.0, 0.0], (3, 1))
     np.testing.assert_allclose(held.irradiance(points, towards)[0], np.pi, rtol=1e-6)
     np.testing.assert_allclose(
-        held._bent(points)[:, 0], [2.0, 1.0 + 1.2 / 1.4, 1.0 + 0.4 / 1.4], rtol=1e-6
+        held._bent(points, towards)[:, 0], [2.0, 1.0 + 1.2 / 1.4, 1.0 + 0.4 / 1.4], rtol=1e-6
     )

@@ -18,6 +18,8 @@ F64 = NDArray[np.float64]
 
 AXES: F64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 """Normals of an ambient cube's six values."""
+WHOLE_BEFORE = 0.75
+"""As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""
 CREVICE_SHARE = 0.5
 """As in wgsl/lattice.wgsl: the least share of the light in the next cell that a surface gets."""
 
@@ -29,7 +31,7 @@ class LatticeLight:
     fade       (4, 3) m: where its light begins, over which width, where it ends, over which width
     surfaces   (Z, Y, X, 3, 4) the light that surfaces get: (a, bx, by, bz) for R, G, B
     air        the same for the light that air scatters, or None: J(w) = sigma_s (a + g b.w)
-    openness   (Z, Y, X, 6) the open share of what comes in from the cells at -x +x -y +y -z +z
+    openness   (Z, Y, X, 6) how open the faces at -x +x -y +y -z +z are, both ways
     walls      (Z, Y, X, 3) how far, in cells, the wall that was counted on the cell's low x, y, z
                face really lies from it
     rule       how surfaces read it; "lobe": as a lobe that is nowhere negative, "linear": as
@@ -57,7 +59,7 @@ class LatticeLight:
         `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
         """
         p, n = np.asarray(points, np.float64), np.asarray(normals, np.float64)
-        place = self._bent(p)
+        place = self._bent(p, n)
         uvw = self._eased(place + _raised(place, n))
         here = self._facing(uvw, n)
         next_cell = self._facing(uvw + n / np.array(self.count), n)
@@ -89,17 +91,22 @@ class LatticeLight:
         cell = np.clip(np.floor(place), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
-    def _bent(self, p: F64) -> F64:
-        """Twin: bent_place in wgsl/lattice_space.wgsl."""
+    def _bent(self, p: F64, n: F64) -> F64:
+        """Twin: bent_surface_place in wgsl/lattice_space.wgsl."""
         place = (p - np.array(self.origin)) / self.cell
-        cell, at = self._cells(place)
-        low = self.walls[at].astype(np.float64)
-        high = np.stack([self._wall_above(cell, axis) for axis in range(3)], axis=1)
-        t = place - cell
+        return np.stack([self._bent_axis(place, n, axis) for axis in range(3)], axis=1)
+
+    def _bent_axis(self, place: F64, n: F64, axis: int) -> F64:
+        """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
+        beyond = WHOLE_BEFORE * n
+        beyond[:, axis] = 0.0
+        cell, at = self._cells(place + beyond)
+        low, high = self.walls[at][:, axis].astype(np.float64), self._wall_above(cell, axis)
+        t = place[:, axis] - cell[:, axis]
         between = (t - low) / np.maximum(1.0 + high - low, 0.25)
         below, above = (t - low) / (1.0 + low), 1.0 + (t - 1.0 - high) / (1.0 - high)
         bent = np.where(t < low, below, np.where(t > 1.0 + high, above, between))
-        return np.asarray(cell + bent)
+        return np.asarray(cell[:, axis] + bent)
 
     def _wall_above(self, cell: NDArray[np.intp], axis: int) -> F64:
         """The shift of the wall on the high face along `axis`; 0 at the lattice's end."""

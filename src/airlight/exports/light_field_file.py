@@ -49,7 +49,7 @@ _MEANINGS = {
         "W m^-2 sr^-1",
         "(z, y, x, rgb, 4): SH of the radiance that air scatters; weigh l = 1 by g, times sigma_s",
     ),
-    "openness": ("", "(z, y, x, 6): open share towards -x +x -y +y -z +z"),
+    "openness": ("", "(z, y, x, 6): how open the faces at -x +x -y +y -z +z are"),
     "walls": ("cells", "(z, y, x, 3): how far walls lie from the cell's low faces"),
 }  # fmt: skip
 
