@@ -127,7 +127,9 @@ def test_light_diffuses(solved, truth):
 
 def test_emission_and_its_furnace_correction(solved, truth):
     white = twin(solved, even_sky(SETTINGS.ordinates), 1.0, is_white=True)
-    beams, quasi = white.solution.beam_emission(white.towards_eye)
+    beams, quasi = white.solution.beam_emission(
+        white.towards_eye, db.resolved_by(SETTINGS.ordinates)
+    )
     multiple = quasi + white.solution.diffuse_emission(white.towards_eye)
     correction = np.clip((1.0 - beams) / np.maximum(multiple, 1e-6), 0.5, 2.0)
     got = of_cells(solved, solved.emission.corrections.read(), 1)[0]

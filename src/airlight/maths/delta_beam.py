@@ -71,6 +71,14 @@ def deposited_anisotropy(g: ArrayLike) -> F64:
     return np.asarray((k - f) / (1.0 - f))
 
 
+def resolved_by(count: int) -> float:
+    """The sharpest lobe, a mean cosine, that `count` even ordinates sum up without spots.
+
+    Degree sqrt(count) is the first that they do not integrate: its share g^degree is 5 % then.
+    """
+    return float(0.05 ** (1.0 / np.sqrt(max(count, 1))))
+
+
 def beam_loss(g: ArrayLike, albedo: ArrayLike) -> F64:
     """k1 = 1 - albedo f: extinction of the forward-scaled beam in units of sigma_t."""
     return np.asarray(1.0 - np.asarray(albedo) * forward_share(g))
@@ -192,8 +200,11 @@ class Solution:
         beams, quasi = self.beam_emission(towards_eye)
         return beams + quasi + self.diffuse_emission(towards_eye)
 
-    def beam_emission(self, towards_eye: F64) -> tuple[F64, F64]:
-        """The parts of `emission` from the beams and from quasi-forward light."""
+    def beam_emission(self, towards_eye: F64, sharpest: float = 1.0) -> tuple[F64, F64]:
+        """The parts of `emission` from the beams and from quasi-forward light.
+
+        No quasi-forward lobe has a mean cosine above `sharpest`.
+        """
         g = self.medium.g
         beams, quasi_forward = np.zeros_like(self.fluence), np.zeros_like(self.fluence)
         table = beam_phase_table(g, [one.mean_cosine for one in self.beams])
@@ -201,7 +212,8 @@ class Solution:
             mu = np.clip((towards_eye * one.direction).sum(axis=-1), -1.0, 1.0)
             direct, quasi, a = self.quasi_forward(one)
             beams += direct * beam_phase(phase, mu)
-            quasi_forward += quasi * henyey_greenstein(mu[..., None], g * a * one.mean_cosine)
+            lobe = np.minimum(g * a * one.mean_cosine, sharpest)
+            quasi_forward += quasi * henyey_greenstein(mu[..., None], lobe)
         return beams, quasi_forward
 
     def diffuse_emission(self, towards_eye: F64) -> F64:

@@ -22,8 +22,9 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
     return mix(phase[first].rgb, phase[first + 1u].rgb, at - f32(low));
 }
 
-// Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
-fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
+// Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`. No quasi-forward
+// lobe has a mean cosine above `sharpest`.
+fn beam_emission(cell: u32, travel: vec3f, sharpest: f32) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let loss = beam_loss(params.g, params.albedo);
     let point = cell_centre(cell_of(cell));
@@ -43,8 +44,9 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         }
         let quasi = exp(-loss * tau) - direct;
         let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
+        let lobe = params.g * a * ordinates[n].direction.w;
         sum.quasi_forward += light.irradiance * quasi
-            * henyey_greenstein_rgb(mu, params.g * a * ordinates[n].direction.w);
+            * henyey_greenstein_rgb(mu, min(lobe, vec3f(sharpest)));
     }
     return sum;
 }
