@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -213,3 +214,22 @@ def test_other_triangles_and_other_grids_are_refused(gpu, moving):
         thin = dataclasses.replace(moving.volumes[0], density=np.zeros((2, 2, 2), np.float32))
         with pytest.raises(SceneError, match=r"grid changed from \(6, 8, 6\) to \(2, 2, 2\) cells"):
             renderer.frame(volumes=(thin,))
+
+
+def resident_mb():
+    import resource
+
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc to ask")
+def test_frames_leave_nothing_behind(gpu, moving):
+    # A software driver kept 4 MB of every picture, as long as shaders branched on uniforms.
+    with Renderer(moving, "pop", SIZE, settings=SETTINGS["pop"]) as renderer:
+        for time in np.linspace(0.0, 1.0, 4):
+            renderer.frame(time=float(time))
+        before = resident_mb()
+        for time in np.linspace(0.0, 2.0, 12):
+            renderer.frame(time=float(time))
+        assert resident_mb() - before < 20.0

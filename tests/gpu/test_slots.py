@@ -5,7 +5,15 @@ from __future__ import annotations
 import pytest
 
 from airlight.gpu.layout import Struct, f32
-from airlight.gpu.slots import declarations, image, sampler, storage, texture, uniform
+from airlight.gpu.slots import (
+    declarations,
+    image,
+    on_software,
+    sampler,
+    storage,
+    texture,
+    uniform,
+)
 
 
 class Params(Struct):
@@ -50,3 +58,15 @@ def test_the_preamble_declares_each_struct_once_and_numbers_bindings():
 def test_only_uniforms_have_offsets_of_their_own():
     assert uniform("params", Params).is_dynamic
     assert not storage("rows", Params).is_dynamic
+
+
+def test_software_drivers_get_uniforms_from_storage():
+    slots = (uniform("params", Params), storage("rows", Params), texture("map"))
+    turned = on_software(slots)
+    assert turned[0].declaration == "var<storage, read> params: Params;"
+    assert turned[0].layout["buffer"] == {
+        **slots[0].layout["buffer"], "type": "read-only-storage",
+    }  # fmt: skip
+    assert turned[0].is_dynamic and turned[0].struct is Params
+    assert turned[1:] == slots[1:]
+    assert slots[0].layout["buffer"]["type"] == "uniform"

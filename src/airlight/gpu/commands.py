@@ -30,7 +30,7 @@ class Commands:
         self.arena: Any = gpu.device.create_buffer(
             label="uniforms",
             size=_ARENA_BYTES,
-            usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST,
+            usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST,
         )
         self._staging = np.zeros(_ARENA_BYTES, np.uint8)
         self._used = 0

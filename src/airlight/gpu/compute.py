@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 from .bindings import Bindings
 from .commands import Commands
 from .device import Gpu
-from .slots import Slot, declarations
+from .slots import Slot, declarations, on_software
 from .source import Source, compile_wgsl
 
 
@@ -32,14 +32,15 @@ class ComputePass:
         self.gpu, self.label = gpu, type(self).__name__
         source = Source()
         wx, wy, wz = self.workgroup
-        source.add(declarations(self.slots), f"{self.label} slots")
+        slots = on_software(self.slots) if gpu.is_cpu else self.slots
+        source.add(declarations(slots), f"{self.label} slots")
         source.add(f"const WX = {wx}u;\nconst WY = {wy}u;\nconst WZ = {wz}u;", "workgroup")
         if generated:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
         source.add(path.read_text(), f"{path.parent.name}/{path.name}")
         module = compile_wgsl(gpu.device, source, self.label)
-        self.bindings = Bindings(gpu, self.slots, compute=True, label=self.label)
+        self.bindings = Bindings(gpu, slots, compute=True, label=self.label)
         layout = gpu.device.create_pipeline_layout(
             label=self.label, bind_group_layouts=[self.bindings.layout]
         )

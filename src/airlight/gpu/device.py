@@ -34,6 +34,11 @@ _LIMITS = {  # asked for up to these values, so that code which needs more fails
     "max-color-attachment-bytes-per-sample": 64,
 }
 
+_UNIFORMS_IN_STORAGE = {  # on software drivers, see slots.on_software
+    "max-storage-buffers-per-shader-stage": 18,
+    "max-dynamic-storage-buffers-per-pipeline-layout": 8,
+}
+
 
 @dataclass(frozen=True)
 class AdapterInfo:
@@ -117,7 +122,8 @@ class Gpu:
         adapter = _enumerate()[info.index]
         self.info = info
         self.features = [f for f in _FEATURES if f in adapter.features]
-        limits = {k: min(v, adapter.limits[k]) for k, v in _LIMITS.items() if k in adapter.limits}
+        wanted = {**_LIMITS, **(_UNIFORMS_IN_STORAGE if info.is_cpu else {})}
+        limits = {k: min(v, adapter.limits[k]) for k, v in wanted.items() if k in adapter.limits}
         try:
             self.device: Any = adapter.request_device_sync(
                 label="airlight", required_features=self.features, required_limits=limits

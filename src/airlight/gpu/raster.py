@@ -8,7 +8,7 @@ from .bindings import Bindings
 from .commands import Commands
 from .compute import shader_path
 from .device import Gpu
-from .slots import Slot, declarations
+from .slots import Slot, declarations, on_software
 from .source import Source, compile_wgsl
 
 _FULLSCREEN_VERTEX = """
@@ -40,15 +40,16 @@ class RasterPipeline:
         generated: str = "", targets: tuple[str, ...] | None = None,
     ) -> None:  # fmt: skip
         self.gpu, self.label = gpu, type(self).__name__
+        self._slots, self._second = (
+            on_software(slots) if gpu.is_cpu else slots for slots in (self.slots, self.second_slots)
+        )
         self.targets_used = self.targets if targets is None else targets
         module = compile_wgsl(gpu.device, self._source(generated), self.label)
-        self.bindings = Bindings(gpu, self.slots, compute=False, label=self.label)
+        self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
         groups = [self.bindings.layout]
         self.second: Bindings | None = None
         if self.second_slots:
-            self.second = Bindings(
-                gpu, self.second_slots, compute=False, label=f"{self.label} material"
-            )
+            self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
             groups.append(self.second.layout)
         self.pipeline: Any = gpu.device.create_render_pipeline(
             label=self.label,
@@ -66,9 +67,9 @@ class RasterPipeline:
 
     def _source(self, generated: str) -> Source:
         source = Source()
-        source.add(declarations(self.slots), f"{self.label} slots")
+        source.add(declarations(self._slots), f"{self.label} slots")
         if self.second_slots:
-            source.add(declarations(self.second_slots, 1), f"{self.label} material slots")
+            source.add(declarations(self._second, 1), f"{self.label} material slots")
         if self.vertex_entry == "fullscreen":
             source.add(_FULLSCREEN_VERTEX, "fullscreen vertex")
         if generated:

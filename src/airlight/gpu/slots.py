@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import wgpu
@@ -39,6 +39,21 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
         struct=struct,
         is_dynamic=True,
     )
+
+
+def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
+    """The same slots for a software driver, their uniforms read-only storage.
+
+    Mesa's lavapipe clones a shader that branches on uniforms at every dispatch, to inline their
+    values, and keeps the clones (4 MB a picture): storage buffers it leaves alone.
+    """
+    return tuple(_from_storage(slot) if slot.is_dynamic else slot for slot in slots)
+
+
+def _from_storage(slot: Slot) -> Slot:
+    buffer = {**slot.layout["buffer"], "type": "read-only-storage"}
+    declaration = slot.declaration.replace("var<uniform>", "var<storage, read>")
+    return replace(slot, declaration=declaration, layout={**slot.layout, "buffer": buffer})
 
 
 def storage(
