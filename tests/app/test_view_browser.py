@@ -95,7 +95,7 @@ def server():
     assert process.stdout is not None
     yield process.stdout.readline().strip(), process
     process.terminate()
-    process.wait(20)
+    assert process.wait(20) == 0
 
 
 class Browser:

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from .view_canvas import CanvasView, missing
+from .view_canvas import CanvasView, close_on_signals, missing
 from .view_guard import Guard, bound_socket, is_loopback, new_token
 from .view_session import Session
 
@@ -74,6 +74,7 @@ def serve(
     token = new_token()
     canvas = make_canvas(http, session, size)
     view = CanvasView(canvas, session)
+    http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
     config = uvicorn.Config(
         Guard(http.asgi, token), log_level="error", lifespan="on",
@@ -84,7 +85,6 @@ def serve(
     def stop(event: dict[str, Any]) -> None:
         server.should_exit = True
 
-    # Ctrl-C reaches rendercanvas first, which closes its canvas.
     canvas.add_event_handler(stop, "close")
     logging.getLogger("rendercanvas").setLevel(logging.ERROR)
     link = link_to(bound, token)

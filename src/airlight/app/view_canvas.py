@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -92,6 +95,18 @@ class CanvasView:
             await sleep(INTERVAL_S)
             if self.session.has_edit():
                 self.canvas.request_draw()
+
+
+async def close_on_signals(canvas: Any) -> None:
+    """From now on Ctrl-C and a polite kill close the canvas between two frames.
+
+    rendercanvas's own handler closes it at once, even in the middle of a frame, whose texture is
+    then gone when it is submitted: wgpu aborts the process over that.
+    """
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with contextlib.suppress(NotImplementedError):  # Windows
+            loop.add_signal_handler(number, canvas.close)
 
 
 def missing(what: str) -> AirlightError:

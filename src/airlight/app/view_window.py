@@ -6,7 +6,7 @@ import os
 import sys
 
 from ..errors import DeviceError
-from .view_canvas import CanvasView, missing
+from .view_canvas import CanvasView, close_on_signals, missing
 from .view_session import Session
 
 
@@ -37,6 +37,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
         glfw.set_clipboard_string(canvas._window, text)
 
     view = CanvasView(canvas, session, copy=copy)
+    loop.add_task(close_on_signals, canvas, name="close on signals")
     loop.add_task(view.watch, sleep, name="watch the scene file")
     loop.run()
     session.close()
