@@ -19,6 +19,7 @@ def test_the_tile_does_not_change_the_light(gpu, commands, owned, monkeypatch, t
     lights = []
     for used in ((2, 4), tile):
         monkeypatch.setattr(propagate, "_CPU_TILE", used)
+        monkeypatch.setattr(propagate, "_CPU_OPEN_TILE", used)
         made = owned(
             propagate.Propagate(
                 gpu, Placement((0, 0, 0), 1.0, count), is_blocked=True, is_reflecting=True

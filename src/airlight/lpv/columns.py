@@ -10,8 +10,10 @@ from __future__ import annotations
 _MARCH = """
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {{
     let n = params.count;
-    let z_first = id.z * {slab}u;
-    if ({width}u * id.x >= n.x || {height}u * id.y >= n.y || z_first >= n.z) {{
+    let slabs = (n.z + {slab}u - 1u) / {slab}u;
+    let channel = id.z / slabs;
+    let z_first = (id.z % slabs) * {slab}u;
+    if ({width}u * id.x >= n.x || {height}u * id.y >= n.y || channel >= {channels}u) {{
         return;
     }}
     // The last tiles are pushed back inside; what they share with others comes out the same.
@@ -29,7 +31,7 @@ _MARCH = """
     let to_south = select(0u, n.x, y > 0u);
     let to_north = n.x * select({height}u - 1u, {height}u, y + {height}u < n.y);
     let layer = n.x * n.y;
-    var base = (z_first * n.y + y) * n.x + x;
+    var base = ((channel * n.z + z_first) * n.y + y) * n.x + x;
     let under = select(base, base - layer, z_first > 0u);
 {begin}
     for (var z = z_first; z < z_last; z++) {{
@@ -42,8 +44,10 @@ _MARCH = """
 """
 
 
-def column_march(width: int, height: int, slab: int) -> str:
+def column_march(width: int, height: int, slab: int, channels: int = 1) -> str:
     """`main` over columns of width x height cells, `slab` layers each.
+
+    `channels`: how many the slabs of a lattice follow one another for, one being all at once.
 
     The including shader has `light_at(cell)`, `gathered(cell, here, west, east, south, north,
     below, above)` and `put(cell, light)`, and `params.count`. Invocations: columns along x and y,
@@ -71,7 +75,12 @@ def column_march(width: int, height: int, slab: int) -> str:
         gather.append(f"below_{i}{j} = here_{i}{j};")
         gather.append(f"here_{i}{j} = above_{i}{j};")
     return _MARCH.format(
-        width=width, height=height, slab=slab, begin=_lines(begin, 4), gather=_lines(gather, 8)
+        width=width,
+        height=height,
+        slab=slab,
+        channels=channels,
+        begin=_lines(begin, 4),
+        gather=_lines(gather, 8),
     )
 
 

@@ -34,7 +34,7 @@ from .sums import Sums
 CHANNELS = 3
 BLOCK = 8  # states that are summed by doubling
 _TAIL_BLOCKS = 4  # fewer do not know the slowest mode yet
-_CPU_TILE, _CPU_SLAB = (2, 4), 8  # measured best: wider tiles load less but take long to compile
+_CPU_TILE, _CPU_OPEN_TILE, _CPU_SLAB = (2, 4), (4, 4), 8  # measured best on a software driver
 
 
 class StepParams(Struct):
@@ -58,18 +58,14 @@ class Propagate:
         is_reflecting: bool = False, storage: str = "float32",
     ) -> None:  # fmt: skip
         self.scheme, self.placement = scheme, placement
-        nx, ny, _ = placement.count
-        self._tile = (min(_CPU_TILE[0], nx), min(_CPU_TILE[1], ny)) if gpu.is_cpu else (1, 1)
-        self._slab = _CPU_SLAB if gpu.is_cpu else 1
         self._pack = Pack(gpu, storage)
         format = self._pack.format
-        meeting = Path(__file__).with_name(f"propagate_{scheme}.wgsl").read_text()
-        text = format.wgsl + pair_functions(scheme) + meeting
-        text += column_march(*self._tile, self._slab)
 
-        def step(blocked: bool) -> ComputePass:
-            flags = {"IS_BLOCKED": blocked, "IS_REFLECTING": blocked and is_reflecting}
-            return _step_pass(gpu, format, text, {k: float(v) for k, v in flags.items()})
+        def step(blocked: bool) -> _Step:
+            return _Step(
+                gpu, placement.count, scheme, format, is_blocked=blocked,
+                is_reflecting=blocked and is_reflecting,
+            )  # fmt: skip
 
         self._later = step(is_blocked)
         # The paper's first step ignores blockers.
@@ -95,12 +91,12 @@ class Propagate:
             return total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
-        self._step(commands, self._first, self._stored(commands, injected), block, faces, kept=0.0)
+        self._first.encode(commands, self._stored(commands, injected), block, faces, kept=0.0)
         blocks = 0 if self.scheme == "paper" else iterations // BLOCK
         for left in range(iterations - BLOCK * blocks, 0, -1):
             self._sums.add_to_total(commands, block, total)
             if left > 1 or blocks:
-                self._step(commands, self._later, block, ping, faces)
+                self._later.encode(commands, block, ping, faces)
                 block, ping = ping, block
         if blocks:
             spare = (ping, pong)
@@ -141,20 +137,9 @@ class Propagate:
     ) -> Buffer:  # fmt: skip
         """What `state` has become after `steps` steps, in one of the `spare` lattices."""
         for index in range(steps):
-            self._step(commands, self._later, state, spare[index % 2], faces)
+            self._later.encode(commands, state, spare[index % 2], faces)
             state = spare[index % 2]
         return state
-
-    def _step(
-        self, commands: Commands, step: ComputePass, before: Buffer, after: Buffer, faces: Buffer,
-        kept: float = 1.0,
-    ) -> None:  # fmt: skip
-        nx, ny, nz = self.placement.count
-        columns = (-(-nx // self._tile[0]), -(-ny // self._tile[1]), -(-nz // self._slab))
-        step.dispatch(
-            commands, columns, params=StepParams(count=self.placement.count, kept=kept),
-            before=before, after=after, faces=faces,
-        )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
@@ -164,9 +149,45 @@ class Propagate:
         self._pack.release()
 
 
-def _step_pass(gpu: Gpu, format: Format, text: str, constants: dict[str, float]) -> ComputePass:
-    """One step of all three channels, in columns marched along z (lpv.columns)."""
+class _Step:
+    """One step, in columns marched along z (lpv.columns).
 
+    Where faces block, an invocation has all channels, which share them; else one.
+    """
+
+    def __init__(
+        self, gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format, *,
+        is_blocked: bool, is_reflecting: bool,
+    ) -> None:  # fmt: skip
+        tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
+        width, height = (min(t, n) if gpu.is_cpu else 1 for t, n in zip(tile, count, strict=False))
+        slab, channels = _CPU_SLAB if gpu.is_cpu else 1, 1 if is_blocked else CHANNELS
+        self._count = count
+        self._columns = (
+            -(-count[0] // width), -(-count[1] // height), channels * -(-count[2] // slab)
+        )  # fmt: skip
+        text = format.wgsl + pair_functions(scheme)
+        if is_blocked:
+            text += Path(__file__).with_name(f"propagate_{scheme}.wgsl").read_text()
+        self._pass = _step_pass(
+            gpu, format, text + column_march(width, height, slab, channels),
+            "propagate.wgsl" if is_blocked else "propagate_open.wgsl",
+            {"IS_REFLECTING": float(is_reflecting)} if is_blocked else {},
+        )  # fmt: skip
+
+    def encode(
+        self, commands: Commands, before: Buffer, after: Buffer, faces: Buffer, kept: float = 1.0
+    ) -> None:
+        """after = M before. `kept`: what closed faces hand back of power of the wrong sign."""
+        self._pass.dispatch(
+            commands, self._columns, params=StepParams(count=self._count, kept=kept),
+            before=before, after=after, faces=faces,
+        )  # fmt: skip
+
+
+def _step_pass(
+    gpu: Gpu, format: Format, text: str, wgsl: str, constants: dict[str, float]
+) -> ComputePass:
     class Step(ComputePass):
         slots = (
             uniform("params", StepParams),
@@ -174,8 +195,8 @@ def _step_pass(gpu: Gpu, format: Format, text: str, constants: dict[str, float])
             storage("after", format.element, "read_write"),
             storage("faces", "vec4u"),
         )
-        workgroup = (16, 8, 1)
-        file = "propagate.wgsl"
+        workgroup = (8, 16, 1) if gpu.is_cpu else (32, 8, 1)
+        file = wgsl
 
     return Step(gpu, generated=text, constants=constants)
 

@@ -1,8 +1,7 @@
-// One step: what every cell receives of its six neighbours, and what its own closed faces return.
+// One step among blockers: what every cell receives of its six neighbours, and what its own closed faces return.
 // `main`, which marches columns of cells, comes from lpv/columns.py. `faces` is
 // lattice.blockers.Blockers.faces. A cell's light has a column (a, b) per channel.
 
-override IS_BLOCKED: bool = false;
 override IS_REFLECTING: bool = false;   // blocked light bounces
 
 const BOUNCE_LOBE = 2.0;                // a cosine lobe off the face
@@ -50,9 +49,6 @@ fn gathered(
     cell: u32, here: mat3x4f, west: mat3x4f, east: mat3x4f, south: mat3x4f, north: mat3x4f,
     below: mat3x4f, above: mat3x4f,
 ) -> mat3x4f {
-    if (!IS_BLOCKED) {
-        return all_along(west, east, south, north, below, above);
-    }
     let side = faces[2u * cell];
     let rest = faces[2u * cell + 1u];
     let xy = unpack4x8unorm(rest.z);
