@@ -1,7 +1,7 @@
 """Light that bleeds through thin things (Kaplanyan2010 Fig. 11).
 
-The paper's second picture, a shadow lost because nothing saw its caster, has no counterpart:
-our blockers come from samples of all surfaces.
+The paper's second picture, a shadow lost because nothing saw its caster, is not drawn: by default
+blockers come from samples of all surfaces; scheme paper takes them from views, and loses shadows.
 """
 
 from __future__ import annotations
