@@ -60,9 +60,9 @@ def test_air_under_a_white_sky(gpu: Any, look: Any, g: float) -> None:
     want = scattered_once(look(scene, SIZE).directions())
     got = image.layers["single_scatter"]
     for c in range(3):
-        limit = 0.08 if g == 0.0 else 0.15  # two bands of a lobe
+        limit = 0.08 if g == 0.0 else 0.25  # two bands of a lobe, in dense air
         assert np.linalg.norm(got[..., c] - want[..., c]) < limit * np.linalg.norm(want[..., c])
-    assert abs(got.sum() / want.sum() - 1.0) < 0.03
+    assert abs(got.sum() / want.sum() - 1.0) < (0.03 if g == 0.0 else 0.15)
 
 
 def test_a_floor_under_air_gets_less_of_the_sky(gpu: Any) -> None:
