@@ -77,6 +77,13 @@ class Blockers:
     space by it, so that a point before a wall is never looked up behind it.
     """
 
+    count: int
+    is_emissive: bool
+    surfels: Buffer
+    open_a: Texture
+    open_b: Texture
+    walls: Texture
+
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
         size: tuple[int, int, int] | None = None, beside: Blockers | None = None,

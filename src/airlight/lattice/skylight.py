@@ -70,7 +70,7 @@ class Skylight:
         """
         self.placement, self._is_owner = placement, beside is None
         nx, ny, nz = size or placement.count
-        self.cube = beside.cube if beside else Texture(
+        self.cube: Texture = beside.cube if beside else Texture(
             gpu, "sky light", (nx, ny, FACES * nz), "rgba16float", dimension="3d", written=True
         )  # fmt: skip
         # Of a lattice that moves: its cubes before.
