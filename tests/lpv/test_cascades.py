@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.rendering import Renderer, render
-from airlight.scene import Camera, PointLight
+from airlight.scene import Camera, Material, Mesh, PointLight, shapes
 from airlight.scene.builtin import cornell, room
 
 SIZE = (48, 27)
@@ -163,3 +163,24 @@ def test_a_small_object_that_moves_is_left_to_the_finest(gpu):
     assert (kinds[0].least, kinds[0].next_least) == (0.0, cells[1])
     assert (kinds[1].least, kinds[1].next_least) == (cells[1], 0.0)
     assert not kinds[0].has_still
+
+
+def test_the_light_of_a_small_object_that_moved_is_missing_in_larger_lattices(gpu):
+    white = Material(base_color=(0.9, 0.9, 0.9), specular=0.0)
+    place = np.diag([0.12, 0.12, 0.12, 1.0])
+    place[:3, 3] = (0.0, 2.7, 0.3)
+    aside = place.copy()
+    aside[0, 3] += 0.05
+    body = Mesh(shapes.box(), white, place)
+    lamp = PointLight((0.0, 4.5, 0.5), (20.0, 20.0, 20.0))
+    scene = dataclasses.replace(inside(), meshes=(body,), lights=(lamp,))
+    bounds = (-3.0, -0.2, -3.0, 3.0, 5.7, 2.8)
+    with Still(scene, cascades=2, bounds=bounds) as still:
+        for transform, has_light in ((place, True), (aside, False)):
+            still.renderer.meshes.move((Mesh(body.geometry, white, transform),))
+            still.picture()
+            fine, coarse = (
+                part.injected.read().reshape(-1, 4)[:, 0].max() for part in still.technique.cascades
+            )
+            assert fine > 0.0
+            assert (coarse > 0.0) == has_light
