@@ -1,4 +1,4 @@
-"""The spot's projected fall-off, on its own."""
+"""The spot's projected fall-off, and groups of points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from airlight.reference.mitsuba_lights import spot_falloff, spot_falloff_pixels
+from airlight import PointLights
+from airlight.reference.mitsuba_lights import point_emitters, spot_falloff, spot_falloff_pixels
 
 
 def test_the_fall_off_is_the_smoothstep_of_the_cosine() -> None:
@@ -33,3 +34,13 @@ def test_the_picture_filtered_is_the_fall_off(inner: float, outer: float) -> Non
     row = 0.5 * (pixels[side // 2 - 1, :, 0] + pixels[side // 2, :, 0])
     seen = np.interp(x * side - 0.5, np.arange(side), row)
     np.testing.assert_allclose(seen, spot_falloff(np.cos(angle), inner, outer), atol=0.005)
+
+
+def test_a_group_is_a_point_emitter_for_each_of_its_lights() -> None:
+    group = PointLights([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], [[0.5, 0.25, 0.0]])
+    emitters = point_emitters(group)
+    assert [e.get("type") for e in emitters] == ["point", "point"]
+    places = [e.find("point[@name='position']") for e in emitters]
+    assert [[float(p.get(axis)) for axis in "xyz"] for p in places] == group.positions.tolist()
+    colour = emitters[1].find("rgb[@name='intensity']").get("value")
+    assert [float(c) for c in colour.replace(",", " ").split()] == [0.5, 0.25, 0.0]
