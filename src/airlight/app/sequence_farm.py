@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import importlib.util
+import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -70,6 +71,7 @@ def _client(address: str, answer_s: float) -> Iterator[Any]:
         f"no dask scheduler answers at {address}",
         remedy="Start one by `dask scheduler`, and workers by `dask worker ADDRESS`.",
     )
+    _silence()
     try:
         client = Client(address, timeout=answer_s, set_as_default=False)
     except (OSError, ValueError, TimeoutError, CommClosedError):
@@ -81,6 +83,13 @@ def _client(address: str, answer_s: float) -> Iterator[Any]:
         raise _gone(address) from None
     finally:
         client.close(timeout=2)
+
+
+def _silence() -> None:
+    """Tracebacks of connections that broke are no news to a user: we say it in one line."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    for name in (*names, "distributed", "tornado.application", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _finished(client: Any, pending: set[Any], address: str, patience_s: float) -> Iterator[Any]:
