@@ -135,7 +135,9 @@ def test_emission_and_its_furnace_correction(solved, truth):
     got = of_cells(solved, solved.emission.corrections.read(), 1)[0]
     asked = reached(truth)[..., None]
     assert np.abs((got - correction) * asked).mean() < 2e-3
-    beams, quasi = truth.solution.beam_emission(truth.towards_eye)
+    beams, quasi = truth.solution.beam_emission(
+        truth.towards_eye, db.resolved_by(SETTINGS.ordinates + 1)
+    )
     want = beams + (quasi + truth.solution.diffuse_emission(truth.towards_eye)) * correction
     emission = solved.emission.texture.read()[..., :3].astype(np.float64)
     assert_close(emission, want * asked, 5e-3)

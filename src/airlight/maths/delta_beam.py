@@ -203,7 +203,7 @@ class Solution:
     def beam_emission(self, towards_eye: F64, sharpest: float = 1.0) -> tuple[F64, F64]:
         """The parts of `emission` from the beams and from quasi-forward light.
 
-        No quasi-forward lobe has a mean cosine above `sharpest`.
+        No quasi-forward lobe of light with an extent has a mean cosine above `sharpest`.
         """
         g = self.medium.g
         beams, quasi_forward = np.zeros_like(self.fluence), np.zeros_like(self.fluence)
@@ -212,7 +212,8 @@ class Solution:
             mu = np.clip((towards_eye * one.direction).sum(axis=-1), -1.0, 1.0)
             direct, quasi, a = self.quasi_forward(one)
             beams += direct * beam_phase(phase, mu)
-            lobe = np.minimum(g * a * one.mean_cosine, sharpest)
+            most = sharpest if one.mean_cosine < 1.0 else 1.0
+            lobe = np.minimum(g * a * one.mean_cosine, most)
             quasi_forward += quasi * henyey_greenstein(mu[..., None], lobe)
         return beams, quasi_forward
 

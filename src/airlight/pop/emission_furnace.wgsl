@@ -1,15 +1,6 @@
 //! use beam_emission
 //! use sky_gain
 
-const RIPPLE = 0.05;
-
-// The sharpest lobes whose sum over a sky of this many ordinates is even within RIPPLE: degree
-// sqrt(count) is the first that they do not integrate. Sharper ones would print each ordinate of the
-// furnace onto the medium as a spot; see maths/delta_beam.py.
-fn resolved_by(count: f32) -> f32 {
-    return pow(RIPPLE, 1.0 / sqrt(max(count, 1.0)));
-}
-
 // Under an even sky of radiance 1 a medium that does not absorb scatters exactly 1 everywhere: what
 // multiple scattering has to be multiplied by for that.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -18,7 +9,7 @@ fn resolved_by(count: f32) -> f32 {
     }
     let point = cell_centre(cell_of(id.x));
     let travel = normalize(view.eye - point + vec3f(1e-12));
-    let light = beam_emission(id.x, travel, resolved_by(f32(params.ordinate_count)));
+    let light = beam_emission(id.x, travel, params.ordinate_count);
     let multiple = light.quasi_forward + diffuse_emission(id.x, travel);
     let once = light.sky * sky_gain_towards(travel);
     let c = (1.0 - once) / max(multiple, vec3f(1e-6));
