@@ -23,7 +23,7 @@ F64 = NDArray[np.float64]
 # How much of a cell's net direction a transfer function sees; the best of those measured.
 RHO = 0.93
 # lattice6.surface_irradiance's `scale` for summed states of this scheme, in clear air; measured.
-LOOKUP_SCALE = 1.05
+LOOKUP_SCALE = 1.1
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ LOOKUP_SCALE = 0.69
 SPREAD_KEPT = 0.25
 # How much of the even part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
 # floors go black under the light that they reflect; 1 lets them light themselves twice as much.
-LEAST_BEHIND = 0.5
+LEAST_BEHIND = 0.3
 
 
 @dataclass(frozen=True)

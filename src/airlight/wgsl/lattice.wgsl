@@ -59,7 +59,7 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light
 // that streams one way are negative behind: beyond what fills half of all directions, the rest is
 // read as a beam, and some light is left behind it (twin: maths.lattice6.surface_irradiance).
-const LEAST_BEHIND = 0.5;
+const LEAST_BEHIND = 0.3;
 
 fn facing_flux(state: vec4f, n: vec3f) -> f32 {
     let a = max(state.x, 0.0);
