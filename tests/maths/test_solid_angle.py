@@ -42,7 +42,7 @@ def test_outer_squares_over_a_cube_add_up_to_those_of_the_sphere() -> None:
     square = np.array([[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float)
     top = quad_mean_square(square)
     np.testing.assert_allclose(np.trace(top), 1.0)
-    # Three pairs of faces, each 2 pi/3 of 4 pi; over the sphere the mean is a third of the identity.
+    # Three pairs of faces, 4 pi/3 each; over the sphere the mean is a third of the identity.
     turned = [np.roll(np.roll(top, k, axis=0), k, axis=1) for k in range(3)]
     np.testing.assert_allclose(sum(turned) / 3.0, np.eye(3) / 3.0, atol=1e-12)
 

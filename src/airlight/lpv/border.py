@@ -54,7 +54,8 @@ class Border(ComputePass):
     ) -> None:  # fmt: skip
         """Add to `sums` (`scale` units per W sr^-1) what enters `inner` from the solved `outer`.
 
-        `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both share, of `power_scale` stored units per W sr^-1.
+        `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both
+        share, of `power_scale` stored units per W sr^-1.
         """
         area = (inner.cell / outer.cell) ** 2
         side = max(inner.count)
