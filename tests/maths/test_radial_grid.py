@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.maths import propagate as hop
+from airlight.maths import ordinate_hops as hop
 from airlight.maths.radial_grid import RadialGrid, radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 

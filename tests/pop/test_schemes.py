@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths import delta_beam as db
-from airlight.maths import propagate as hop
+from airlight.maths import ordinate_hops as hop
 from airlight.maths.ordinate_grid import grid_density, ordinate_grids, read_back
 from airlight.maths.radial_grid import radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64

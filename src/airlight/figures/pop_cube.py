@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..maths import delta_beam as db
-from ..maths import propagate as hop
+from ..maths import ordinate_hops as hop
 from ..maths.phase import henyey_greenstein
 from ..scene.checks import F64
 

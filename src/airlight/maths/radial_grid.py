@@ -18,7 +18,7 @@ from .octahedron import (
     octahedron_encode,
     octahedron_neighbour,
 )
-from .propagate import Hops
+from .ordinate_hops import Hops
 from .voxels import trilinear
 
 F64 = NDArray[np.float64]

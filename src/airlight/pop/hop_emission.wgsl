@@ -3,7 +3,7 @@
 const HALF_MAX = 65504.0;
 const RESIDUAL_LOBE = 0.5;
 
-// The residuum's; see maths/propagate.py, residual_emission.
+// The residuum's; see maths/ordinate_hops.py, residual_emission.
 fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     let phi = diffuse[cell].xyz;
     let along = diffuse[cell + params.cells].xyz * travel.x

@@ -1,6 +1,6 @@
 """Light hopping through all ordinates' grids at once (Elek2014 sections 4.1 to 4.3, 5.4, 6).
 
-A chain of dispatches, each over all cells of all grids. See `maths.propagate`.
+A chain of dispatches, each over all cells of all grids. See `maths.ordinate_hops`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """How ordinates' light spreads in one medium: beams with diffusion, or hops from cell to cell.
 
 delta-beam  a forward-scaled beam per ordinate, one diffusion solve; see `maths.delta_beam`
-split       hops in a grid per ordinate, their isotropic residuum solved; see `maths.propagate`
+split       hops in a grid per ordinate, their isotropic residuum solved; see `maths.ordinate_hops`
 paper       Elek2014 as printed, for its figures: measured 3 to 17 times too bright
 """
 
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..maths.ordinate_hops import switch_iteration
 from ..maths.ordinates import Ordinates
-from ..maths.propagate import switch_iteration
 from ..maths.transforms import F64
 from ..scene.lights import Light
 from ..scene.volume import Volume

@@ -1,7 +1,7 @@
 //! use hop_grid
 //! use phase
 
-// What a cell's light is and sends out; see maths/propagate.py. The including pass binds what
+// What a cell's light is and sends out; see maths/ordinate_hops.py. The including pass binds what
 // hop_grid wants, `hops` (HopParams), `states_out` and `gathered` (array<vec4f>).
 
 const LARGEST_A = 0.999;

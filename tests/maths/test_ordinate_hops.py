@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.maths import delta_beam as db
-from airlight.maths import propagate as hop
+from airlight.maths import ordinate_hops as hop
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
 
