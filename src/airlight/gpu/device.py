@@ -14,8 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import wgpu
+from wgpu.backends.wgpu_native import ffi
 
 from ..errors import DeviceError
+from .quick_types import declare_only_what_is_named
 
 NO_DRIVER_REMEDY = (
     "Install a Vulkan driver: your GPU vendor's, or the software one "
@@ -33,6 +35,8 @@ _LIMITS = {  # asked for up to these values, so that code which needs more fails
     "max-sampled-textures-per-shader-stage": 48,
     "max-color-attachment-bytes-per-sample": 64,
 }
+
+declare_only_what_is_named(ffi)
 
 _UNIFORMS_IN_STORAGE = {  # on software drivers, see slots.on_software
     "max-storage-buffers-per-shader-stage": 18,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -80,19 +81,30 @@ def mip_chain(pixels: NDArray[np.uint8], *, is_srgb: bool) -> list[NDArray[np.ui
     texels does not bleed in.
     """
     chain = [np.ascontiguousarray(pixels)]
-    level = pixels.astype(np.float32) / 255.0
-    if is_srgb:
-        level[..., :3] = srgb_decode(level[..., :3])
+    decoded, encoded = _tables(is_srgb)
+    level = np.empty(pixels.shape, np.float32)
+    level[..., :3] = decoded[pixels[..., :3]]
+    level[..., 3] = pixels[..., 3] / np.float32(255.0)
+    is_opaque = bool((pixels[..., 3] == 255).all())
     while max(level.shape[:2]) > 1:
-        level = _halved(level)
-        encoded = level.copy()
-        if is_srgb:
-            encoded[..., :3] = srgb_encode(encoded[..., :3])
-        chain.append((encoded * 255.0 + 0.5).astype(np.uint8))
+        level = _halved(level, is_opaque=is_opaque)
+        coded = np.empty(level.shape, np.uint8)
+        coded[..., :3] = encoded[(level[..., :3] * 65535.0 + 0.5).astype(np.uint16)]
+        coded[..., 3] = level[..., 3] * 255.0 + 0.5
+        chain.append(coded)
     return chain
 
 
-def _halved(level: NDArray[Any]) -> NDArray[Any]:
+@cache
+def _tables(is_srgb: bool) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Linear light of each of 256 codes; the code of each of 65536 steps of linear light."""
+    codes, light = np.arange(256) / 255.0, np.arange(65536) / 65535.0
+    if is_srgb:
+        codes, light = srgb_decode(codes), srgb_encode(light)
+    return codes.astype(np.float32), (light * 255.0 + 0.5).astype(np.uint8)
+
+
+def _halved(level: NDArray[Any], *, is_opaque: bool) -> NDArray[Any]:
     height, width = level.shape[:2]
     if height > 1 and height % 2:
         level = level[:-1]
@@ -104,6 +116,8 @@ def _halved(level: NDArray[Any]) -> NDArray[Any]:
         for row in rows
         for q in ((row[:, 0::2], row[:, 1::2]) if level.shape[1] > 1 else (row, row))
     ]
+    if is_opaque:
+        return np.asarray((quads[0] + quads[1] + quads[2] + quads[3]) * np.float32(0.25))
     alpha = sum(q[..., 3:] for q in quads)
     weighted = sum(q[..., :3] * q[..., 3:] for q in quads)
     plain = sum(q[..., :3] for q in quads) * 0.25
