@@ -66,22 +66,31 @@ def random_faces(rng: np.random.Generator, cells: int) -> NDArray[np.uint32]:
 
 
 def _case(gpu: Gpu, program: Path | None, side: int, blocked: bool, runs: int) -> dict[str, Any]:
-    own: list[float] = []
-    theirs: list[float] = []
     words = [str(side), *(["blocked"] if blocked else [])]
     with device_runner(gpu, side, blocked) as device, c_runner(program, words) as c:
-        for _ in range(2):  # compile, touch the memory
-            device()
-            c()
-        for _ in range(runs):
-            theirs.append(c())
+        found = in_turns(device, c if program else None, runs)
+    return {"side": side, "is_blocked": blocked, **found}
+
+
+def in_turns(
+    device: Callable[[], float], c: Callable[[], float] | None, runs: int
+) -> dict[str, Any]:
+    """Milliseconds of both, run by run in turns so that they see the same machine; the ratio."""
+    own: list[float] = []
+    theirs: list[float] = []
+    for index in range(2 + runs):  # the first two compile and touch the memory
+        yardstick_ms = c() if c else 0.0
+        if index >= 2:
             time.sleep(SETTLE_S)
-            own.append(device())
-    case: dict[str, Any] = {"side": side, "is_blocked": blocked, "device_ms": spread(own)}
-    if program is None:
-        return case
+        device_ms = device()
+        if index >= 2:
+            theirs.append(yardstick_ms)
+            own.append(device_ms)
+    if c is None:
+        return {"device_ms": spread(own)}
     found, yardstick = spread(own), spread(theirs)
-    return case | {
+    return {
+        "device_ms": found,
         "c_ms": yardstick,
         "ratio_min": found["min"] / yardstick["min"],
         "ratio_median": found["median"] / yardstick["median"],

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bench_frames import spread
-from .bench_kernel import SETTLE_S, SIDES, c_runner, compiled
+from .bench_kernel import SIDES, c_runner, compiled, in_turns
 
 if TYPE_CHECKING:
     from ..gpu.device import Gpu
@@ -44,25 +43,9 @@ def c_numbers() -> list[str]:
 
 
 def _case(gpu: Gpu, program: Path | None, side: int, runs: int) -> dict[str, Any]:
-    own: list[float] = []
-    theirs: list[float] = []
     with device_runner(gpu, side) as device, c_runner(program, [str(side), *c_numbers()]) as c:
-        for _ in range(2):  # compile, touch the memory
-            device()
-            c()
-        for _ in range(runs):
-            theirs.append(c())
-            time.sleep(SETTLE_S)
-            own.append(device())
-    case: dict[str, Any] = {"side": side, "is_blocked": False, "device_ms": spread(own)}
-    if program is None:
-        return case
-    found, yardstick = spread(own), spread(theirs)
-    return case | {
-        "c_ms": yardstick,
-        "ratio_min": found["min"] / yardstick["min"],
-        "ratio_median": found["median"] / yardstick["median"],
-    }
+        found = in_turns(device, c if program else None, runs)
+    return {"side": side, "is_blocked": False, **found}
 
 
 @contextmanager
