@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import importlib.util
 import re
 import sys
@@ -29,11 +30,10 @@ def generate():
 
 
 def test_generated_parts_are_up_to_date(generate):
-    old = [
-        path.name for path, text in generate.generated_pages().items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    ]  # fmt: skip
-    assert not old, f"./run docs writes them again: {', '.join(old)}"
+    for path, text in generate.generated_pages().items():
+        kept = path.read_text(encoding="utf-8") if path.exists() else ""
+        changes = difflib.unified_diff(kept.splitlines(), text.splitlines(), lineterm="", n=0)
+        assert kept == text, f"./run docs writes {path.name} again:\n" + "\n".join(changes)
 
 
 @pytest.mark.parametrize("name", list(TECHNIQUES))

@@ -152,10 +152,10 @@ def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> 
 
         check_farm()
     if is_video:
-        check_video()
-        check_writable(output, VIDEO_SUFFIXES)
         if options["kind"] == "exr":
             raise SettingsError("a video has no EXR frames", remedy="Give a folder for frames.")
+        check_writable(output, VIDEO_SUFFIXES)
+        check_video()
     elif output.suffix and not output.is_dir():
         raise OutputError(
             f"'{output.suffix}' is no kind of video that is written here", where=output,
