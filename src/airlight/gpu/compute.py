@@ -39,16 +39,20 @@ class ComputePass:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
         source.add(path.read_text(), f"{path.parent.name}/{path.name}")
-        module = compile_wgsl(gpu.device, source, self.label)
         self.bindings = Bindings(gpu, slots, compute=True, label=self.label)
-        layout = gpu.device.create_pipeline_layout(
+        fixed = (self.label, self.entry, constants, [slot.layout for slot in slots])
+        self.pipeline: Any = gpu.pipelines.get(
+            source.text, fixed, lambda: self._compiled(source, constants or {})
+        )
+
+    def _compiled(self, source: Source, constants: dict[str, float]) -> Any:
+        device = self.gpu.device
+        module = compile_wgsl(device, source, self.label)
+        layout = device.create_pipeline_layout(
             label=self.label, bind_group_layouts=[self.bindings.layout]
         )
-        self.pipeline: Any = gpu.device.create_compute_pipeline(
-            label=self.label,
-            layout=layout,
-            compute={"module": module, "entry_point": self.entry, "constants": constants or {}},
-        )
+        stage = {"module": module, "entry_point": self.entry, "constants": constants}
+        return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""

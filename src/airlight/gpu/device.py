@@ -17,6 +17,7 @@ import wgpu
 from wgpu.backends.wgpu_native import ffi
 
 from ..errors import DeviceError
+from .pipelines import Pipelines
 from .quick_types import declare_only_what_is_named
 
 NO_DRIVER_REMEDY = (
@@ -136,6 +137,7 @@ class Gpu:
             raise DeviceError(f"{info.name} could not be opened: {error}") from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
+        self.pipelines = Pipelines()
         self.allocated_bytes = 0
         self.peak_bytes = 0
         self._fence = self.device.create_buffer(

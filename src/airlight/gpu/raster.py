@@ -44,25 +44,35 @@ class RasterPipeline:
             on_software(slots) if gpu.is_cpu else slots for slots in (self.slots, self.second_slots)
         )
         self.targets_used = self.targets if targets is None else targets
-        module = compile_wgsl(gpu.device, self._source(generated), self.label)
+        source = self._source(generated)
         self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
-        groups = [self.bindings.layout]
         self.second: Bindings | None = None
         if self.second_slots:
             self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
-            groups.append(self.second.layout)
-        self.pipeline: Any = gpu.device.create_render_pipeline(
+        primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
+        layouts = [slot.layout for slot in (*self._slots, *self._second)]
+        fixed = (self.label, constants, primitive, self._depth_state(), self.targets_used,
+                 self.blend, self.vertex_buffers, self.vertex_entry, self.fragment_entry,
+                 layouts)  # fmt: skip
+        self.pipeline: Any = gpu.pipelines.get(
+            source.text, fixed, lambda: self._compiled(source, constants or {}, primitive)
+        )
+
+    def _compiled(
+        self, source: Source, constants: dict[str, float], primitive: dict[str, str]
+    ) -> Any:
+        device = self.gpu.device
+        module = compile_wgsl(device, source, self.label)
+        groups = [b.layout for b in (self.bindings, self.second) if b]
+        vertex = {"module": module, "entry_point": self.vertex_entry, "constants": constants,
+                  "buffers": list(self.vertex_buffers)}  # fmt: skip
+        return device.create_render_pipeline(
             label=self.label,
-            layout=gpu.device.create_pipeline_layout(label=self.label, bind_group_layouts=groups),
-            vertex={
-                "module": module,
-                "entry_point": self.vertex_entry,
-                "buffers": list(self.vertex_buffers),
-                "constants": constants or {},
-            },
-            primitive={"topology": self.topology, "cull_mode": cull, "front_face": front_face},
+            layout=device.create_pipeline_layout(label=self.label, bind_group_layouts=groups),
+            vertex=vertex,
+            primitive=primitive,
             depth_stencil=self._depth_state(),
-            fragment=self._fragment_state(module, constants or {}),
+            fragment=self._fragment_state(module, constants),
         )
 
     def _source(self, generated: str) -> Source:

@@ -1,0 +1,36 @@
+"""Pipelines kept by what they are made of, so that a second renderer compiles nothing anew."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any
+
+MOST_KEPT = 1024
+"""A scene's passes are about a hundred; a session that tries many lattices makes more."""
+
+
+class Pipelines:
+    """Of one device; the one unused for longest goes first."""
+
+    def __init__(self, most: int = MOST_KEPT) -> None:
+        self._most = most
+        self._kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
+
+    def get(self, text: str, parts: Any, make: Callable[[], Any]) -> Any:
+        """The pipeline of the WGSL `text` and of `parts` (whatever else it is made of, compared by
+        its repr), made by `make` where there is none.
+
+        Two threads may make the same one at once; either serves.
+        """
+        key = (text, repr(parts))
+        found = self._kept.pop(key, None)
+        if found is None:
+            found = make()
+        self._kept[key] = found
+        while len(self._kept) > self._most:
+            self._kept.popitem(last=False)
+        return found
+
+    def __len__(self) -> int:
+        return len(self._kept)

@@ -1,0 +1,45 @@
+"""Pipelines are made once for what they are made of."""
+
+from __future__ import annotations
+
+import pytest
+
+from airlight.display.tone import Tone
+from airlight.errors import DeviceError
+from airlight.gpu.device import open_gpu
+from airlight.gpu.pipelines import Pipelines
+
+
+def test_what_differs_in_text_or_parts_is_made_anew_and_what_does_not_is_kept():
+    made, kept = [], Pipelines()
+
+    def make():
+        made.append(object())
+        return made[-1]
+
+    first = kept.get("fn a()", {"entry": "main"}, make)
+    assert kept.get("fn a()", {"entry": "main"}, make) is first
+    assert kept.get("fn b()", {"entry": "main"}, make) is not first
+    assert kept.get("fn a()", {"entry": "other"}, make) is not first
+    assert len(made) == len(kept) == 3
+
+
+def test_the_one_unused_for_longest_goes_first():
+    kept = Pipelines(most=2)
+    a, b = (kept.get(text, (), object) for text in "ab")
+    assert kept.get("a", (), object) is a
+    kept.get("c", (), object)
+    assert kept.get("a", (), object) is a
+    assert kept.get("b", (), object) is not b
+    assert len(kept) == 2
+
+
+def test_a_second_pass_of_a_kind_compiles_nothing():
+    try:
+        gpu = open_gpu()
+    except DeviceError as error:
+        pytest.skip(str(error))
+    Tone(gpu, (8, 8)).release()
+    before = len(gpu.pipelines)
+    Tone(gpu, (12, 5)).release()
+    assert len(gpu.pipelines) == before
