@@ -181,7 +181,9 @@ def command_line_page() -> str:
         "or a missing capability, in one message; 1: a mistake of ours; 130: interrupted. Results "
         "go to standard output, progress to standard error.\n",
     ]
-    context = click.Context(command_line, info_name="airlight", terminal_width=88)
+    context = click.Context(
+        command_line, info_name="airlight", terminal_width=88, **command_line.context_settings
+    )
     for name in command_line.list_commands(context):
         command = command_line.get_command(context, name)
         assert command is not None
