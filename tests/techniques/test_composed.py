@@ -1,8 +1,11 @@
 import dataclasses
 
+import pytest
+
+from airlight.errors import SettingsError
 from airlight.rendering import Renderer, render
 from airlight.scene import Medium, PointLight
-from airlight.techniques import composed
+from airlight.techniques import checked_settings, composed, settings_class
 
 from .conftest import SIZE, SMALL
 
@@ -37,3 +40,32 @@ def test_all_three_solvers_in_one_frame(smoke_over_floor):
     )
     for name in ("direct", "indirect", "single_scatter", "multiple_scatter"):
         assert image.layers[name].mean() > 0.0, name
+
+
+def test_auto_takes_the_settings_of_what_it_chooses(foggy_box, smoke_over_floor):
+    clear = dataclasses.replace(foggy_box, medium=None)
+    with Renderer(clear, "auto", SIZE, settings={**SMALL, "cascades": "2"}) as renderer:
+        assert len(renderer.stats()["cascades"]) == 2
+    assert settings_class("auto", foggy_box).__dataclass_fields__.keys() >= {"acceleration"}
+    # Where volumes have a solver of their own, its settings count too.
+    several = {**SMALL, "ordinates": 9, "iterations": 3, "march_resolution": "full"}
+    with Renderer(smoke_over_floor, "auto", SIZE, settings=several) as renderer:
+        assert renderer.stats()["iterations"] == 3
+        assert renderer.technique.chosen.solvers[0].settings.ordinates == 9
+        assert renderer.technique.chosen.solvers[0].settings.iterations == 20
+
+
+def test_a_setting_that_auto_has_not_here_is_told_with_who_has_it(foggy_box):
+    with pytest.raises(SettingsError) as caught:
+        checked_settings("auto", foggy_box, {"cascades": 2})
+    assert str(caught.value) == (
+        "technique auto, here lpv-scatter: there is no setting 'cascades'. "
+        "lpv, lpv-march, lpv-sum have it"
+    )
+    with pytest.raises(SettingsError, match="Did you mean 'resolution'"):
+        checked_settings("auto", foggy_box, {"resolutoin": 9})
+    in_file = dataclasses.replace(foggy_box, settings={"auto": {"samples": 3}})
+    assert checked_settings("auto", in_file, {}).samples == 3
+    bare = dataclasses.replace(in_file, medium=None)
+    with pytest.raises(SettingsError, match="here lpv: there is no setting 'samples'"):
+        checked_settings("auto", bare, {})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import click
@@ -41,6 +41,15 @@ def settings_option() -> Decorator:
         callback=_settings,
         help="A setting of the technique; may be repeated.",
     )
+
+
+def check_settings(technique: str, settings: Mapping[str, str]) -> None:
+    """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
+    from ..scene.scene import Scene
+    from ..techniques import checked_settings, technique_class
+
+    if not hasattr(technique_class(technique), "settings_for"):
+        checked_settings(technique, Scene(), settings)
 
 
 def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:

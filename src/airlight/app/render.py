@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SettingsError
-from .options import adapter_option, settings_option, size_option
+from .options import adapter_option, check_settings, settings_option, size_option
 from .outputs import check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, show_warnings
@@ -68,7 +68,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     """
     stats_path: Path | None = options["stats"]
     _check_outputs(output, stats_path, options["layers"])
-    _check_technique(options["technique"], options["settings"])
+    check_settings(options["technique"], options["settings"])
     with progress(quiet=options["quiet"]) as report:
         report("loading", 0.0)
         started_s = time.perf_counter()
@@ -101,13 +101,6 @@ def _check_outputs(output: Path, stats_path: Path | None, layers: bool) -> None:
             raise SettingsError("--stats and -o name the same file", where=output)
 
 
-def _check_technique(technique: str, settings: dict[str, str]) -> None:
-    from ..scene.settings import make_settings
-    from ..techniques import technique_class
-
-    make_settings(technique_class(technique).Settings, settings, where=f"technique {technique}")
-
-
 def _stamped(report: Report, finished_s: list[float]) -> Report:
     """`report`, noting when a stage is done: timing goes on after the first image with --stats."""
 
@@ -121,7 +114,9 @@ def _stamped(report: Report, finished_s: list[float]) -> Report:
 
 def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
     from ..rendering import render
+    from ..techniques import checked_settings
 
+    checked_settings(options["technique"], scene, options["settings"])
     image = render(
         scene,
         technique=options["technique"],

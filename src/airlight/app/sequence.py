@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import OutputError, SettingsError
-from .options import adapter_option, settings_option, size_option
+from .options import adapter_option, check_settings, settings_option, size_option
 from .outputs import check_writable
 from .scene_argument import load_scene, show_warnings
 from .sequence_folder import FrameFolder
@@ -58,10 +58,13 @@ def command(scene: str, output: Path, **options: Any) -> None:
     Frames are numbered from 0; each appears whole or not at all, and shows the same whichever are
     made before it. What moves is said in the scene file, or by a glTF file's animation.
     """
+    from ..techniques import checked_settings
+
     is_video = output.suffix.lower() in VIDEO_SUFFIXES
     _check_options(output, options, is_video=is_video)
     loaded = load_scene(scene)
     show_warnings(loaded)
+    checked_settings(options["technique"], loaded, options["settings"])
     plan = _plan(loaded, options, is_video=is_video)
     asked = plan.asked(loaded)
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
@@ -140,13 +143,7 @@ def _note_device(folder: FrameFolder, device: str) -> None:
 
 def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> None:
     """Refuse, before any work, what could not be done after it."""
-    from ..scene.settings import make_settings
-    from ..techniques import technique_class
-
-    make_settings(
-        technique_class(options["technique"]).Settings, options["settings"],
-        where=f"technique {options['technique']}",
-    )  # fmt: skip
+    check_settings(options["technique"], options["settings"])
     if options["farm"]:
         from .sequence_farm import check_farm
 

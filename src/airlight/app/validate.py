@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import AirlightError, SettingsError
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
+
+if TYPE_CHECKING:
+    from ..scene import Scene
 
 
 @click.command("validate")
@@ -19,7 +21,7 @@ def command(file: str, as_json: bool) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
     try:
         scene = load_scene(file)
-        check_techniques(scene.settings, file)
+        check_techniques(scene, file)
     except AirlightError as error:
         if as_json:
             click.echo(json_text(_refusal(file, error)))
@@ -31,16 +33,15 @@ def command(file: str, as_json: bool) -> None:
     click.echo(f"{file}: valid")
 
 
-def check_techniques(settings: Mapping[str, Mapping[str, Any]], file: str) -> None:
+def check_techniques(scene: Scene, file: str) -> None:
     """Raise SettingsError for an unknown technique or setting under [technique.NAME]."""
-    if not settings:
+    if not scene.settings:
         return
-    from ..scene.settings import make_settings
-    from ..techniques import technique_class
+    from ..techniques import checked_settings
 
-    for name, values in settings.items():
+    for name in scene.settings:
         try:
-            make_settings(technique_class(name).Settings, values)
+            checked_settings(name, scene, {})
         except SettingsError as error:
             where = f"{file}: [technique.{name}]"
             raise SettingsError(error.problem, where=where, remedy=error.remedy) from None

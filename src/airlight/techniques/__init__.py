@@ -70,6 +70,40 @@ def technique_class(name: str) -> Any:
     return getattr(importlib.import_module(module), attribute)
 
 
+def settings_class(name: str, scene: Scene) -> Any:
+    """What the technique can be told; of `auto` what the one that it takes for `scene` can be."""
+    cls = technique_class(name)
+    return cls.settings_for(scene)[1] if hasattr(cls, "settings_for") else cls.Settings
+
+
+def checked_settings(name: str, scene: Scene, settings: Mapping[str, Any]) -> Any:
+    """The technique's settings for `scene`: the scene file's, then `settings` over them.
+
+    Raises SettingsError for an unknown technique, or for a setting that it does not have, naming
+    those that have it.
+    """
+    cls, merged = technique_class(name), {**scene.settings.get(name, {}), **settings}
+    where, known = f"technique {name}", cls.Settings
+    if hasattr(cls, "settings_for"):
+        chosen, known = cls.settings_for(scene)
+        where = f"technique {name}, here {chosen}"
+    for key in merged:
+        if key in known.__dataclass_fields__:
+            continue
+        having = [other for other in TECHNIQUES if key in _fields(other)]
+        if having:
+            raise SettingsError(
+                f"there is no setting '{key}'", where=where,
+                remedy=f"{', '.join(having)} {'has' if len(having) == 1 else 'have'} it",
+            )  # fmt: skip
+    return make_settings(known, merged, where=where)
+
+
+def _fields(name: str) -> Mapping[str, Any]:
+    fields: Mapping[str, Any] = technique_class(name).Settings.__dataclass_fields__
+    return fields
+
+
 def make_technique(
     gpu: Gpu, scene: Scene, meshes: GpuScene, name: str, settings: Mapping[str, Any],
     size: tuple[int, int],
@@ -78,8 +112,6 @@ def make_technique(
 
     `size` of the picture in pixels. Raises SettingsError for an unknown technique or setting.
     """
-    cls = technique_class(name)
-    merged = {**scene.settings.get(name, {}), **settings}
-    made = make_settings(cls.Settings, merged, where=f"technique {name}")
-    technique: Technique = cls(gpu, scene, meshes, made, size)
+    made = checked_settings(name, scene, settings)
+    technique: Technique = technique_class(name)(gpu, scene, meshes, made, size)
     return technique

@@ -10,7 +10,9 @@ volumes   pop, a solver each for the light of suns, lamps and sky, marched as so
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, make_dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,8 +22,9 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..lighting.direct import Direct, SurfaceSettings
 from ..lighting.view import View
-from ..lpv.lpv import Lpv, LpvSettings
+from ..lpv.lpv import Lpv
 from ..maths.transforms import F64
+from ..pop.solver import PopSettings
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene, volume_world_bounds
 from ..scene.volume import Volume
@@ -33,7 +36,18 @@ _SHADED_SHARE = 0.05
 
 @dataclass(frozen=True)
 class AutoSettings(SurfaceSettings):
-    """What every technique for surfaces knows; the solvers take their defaults."""
+    """What it can be told whatever it chooses; `Auto.settings_for` knows what more for a scene."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What suits a scene. `name`: of the technique whose settings it takes; `make` is one's class,
+    or makes one as a class would.
+    """
+
+    name: str
+    settings: type[SurfaceSettings]
+    make: Callable[..., Direct]
 
 
 class Auto:
@@ -42,10 +56,18 @@ class Auto:
     Settings = AutoSettings
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: AutoSettings,
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,
         size: tuple[int, int],
     ) -> None:  # fmt: skip
-        self.chosen = _chosen(gpu, scene, meshes, settings, size)
+        choice = choice_for(scene)
+        given = {f.name: getattr(settings, f.name) for f in fields(settings)}
+        self.chosen = choice.make(gpu, scene, meshes, choice.settings(**given), size)
+
+    @staticmethod
+    def settings_for(scene: Scene) -> tuple[str, type[SurfaceSettings]]:
+        """The name of the technique that suits the scene, and what it can be told."""
+        choice = choice_for(scene)
+        return choice.name, choice.settings
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Everything that does not depend on the camera."""
@@ -73,23 +95,30 @@ class Auto:
         self.chosen.release()
 
 
-def _chosen(
-    gpu: Gpu, scene: Scene, meshes: GpuScene, settings: AutoSettings, size: tuple[int, int]
-) -> Direct:
-    common = {f.name: getattr(settings, f.name) for f in fields(settings)}
+def choice_for(scene: Scene) -> Choice:
+    """What `auto` takes for a scene."""
     if scene.medium is None and not scene.volumes:
-        return Lpv(gpu, scene, meshes, LpvSettings(**common), size)
-    from .air import LpvMarchSettings, LpvScatter, LpvScatterSettings, LpvWithVolumes
+        return Choice("lpv", Lpv.Settings, Lpv)
+    from .air import LpvScatter, LpvWithVolumes
 
     is_air = len(scene.volumes) > _MOST_SOLVED or _shades_a_room(scene)
     if not scene.volumes or is_air:
-        return LpvScatter(gpu, scene, meshes, LpvScatterSettings(**common), size)
+        return Choice("lpv-scatter", LpvScatter.Settings, LpvScatter)
     from .with_pop import with_pop
 
-    if scene.medium is None:
-        own = LpvMarchSettings(**common)
-        return with_pop(LpvWithVolumes)(gpu, scene, meshes, own, size)
-    return with_pop(LpvScatter)(gpu, scene, meshes, LpvScatterSettings(**common), size)
+    name, base = ("lpv", LpvWithVolumes) if scene.medium is None else ("lpv-scatter", LpvScatter)
+    return Choice(f"{name} with pop", _joined(base.Settings, PopSettings), with_pop(base))
+
+
+@cache
+def _joined(base: type[SurfaceSettings], more: type) -> type[SurfaceSettings]:
+    """Settings of both; where both have a name it means the first one's."""
+    own = {f.name for f in fields(base)}
+    added: list[tuple[str, Any, Any]] = [
+        (f.name, f.type, field(default=f.default, metadata=f.metadata))
+        for f in fields(more) if f.name not in own
+    ]  # fmt: skip
+    return make_dataclass(f"{base.__name__}And{more.__name__}", added, bases=(base,), frozen=True)
 
 
 def _shades_a_room(scene: Scene) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -32,8 +32,9 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             self._scene = scene
             self._surfaces = Surfaces(meshes, self.lights, self.sky) if scene.meshes else None
             grids = iter(self.air_light.air.grids)
+            pop = _pop_settings(settings, base.Settings)
             self.solvers = [
-                PopSolver(gpu, volume, PopSettings(), lights=len(scene.lights),
+                PopSolver(gpu, volume, pop, lights=len(scene.lights),
                           voxels=next(grids) if volume.density is not None else None)
                 for volume in scene.volumes
             ]  # fmt: skip
@@ -73,3 +74,10 @@ def with_pop(base: type[Direct]) -> type[Direct]:
                 solver.release()
 
     return WithPop
+
+
+def _pop_settings(settings: Any, base: type) -> PopSettings:
+    """What of the settings is meant for the volumes: names that the technique itself lacks."""
+    own = {f.name for f in fields(base)}
+    names = [f.name for f in fields(PopSettings) if f.name not in own and hasattr(settings, f.name)]
+    return PopSettings(**{name: getattr(settings, name) for name in names})
