@@ -9,6 +9,7 @@ from airlight.gpu.memory import Buffer
 from airlight.lattice.blockers import Blockers
 from airlight.lattice.emission import InjectEmission, emitted_flux
 from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
+from airlight.lattice.lookup import texture_scale
 from airlight.lattice.placement import Placement
 from airlight.scene import Material, Scene
 from airlight.surface.geometry import GpuScene
@@ -56,3 +57,8 @@ def test_the_bound_holds_what_is_emitted(square):
     panel = square((0, 0, 0), (1, 0, 0), (0, 0, -0.5), glow)
     assert emitted_flux((panel,)) >= 2.0 * np.pi * 3.0 * 2.0 * (1.0 - 1e-9)
     assert emitted_flux((square((0, 0, 0), (1, 0, 0), (0, 0, -1)),)) == 0.0
+
+
+def test_a_scale_for_no_light_at_all_is_a_float32():
+    assert np.isfinite(np.float32(fixed_point_scale(0.0)))
+    assert np.isfinite(np.float32(texture_scale(0.0)))

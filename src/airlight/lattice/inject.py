@@ -163,7 +163,7 @@ def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[flo
 
 def fixed_point_scale(flux: float) -> float:
     """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits."""
-    largest = SHAPED_LOBE * max(flux, 1e-30) / (4.0 * math.pi)
+    largest = SHAPED_LOBE * max(flux, 1e-24) / (4.0 * math.pi)
     return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
 
 

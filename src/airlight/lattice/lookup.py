@@ -92,7 +92,7 @@ class LatticeTextures:
 
 def texture_scale(flux: float) -> float:
     """Stored units per W sr^-1 for a lattice into which `flux` (W) comes."""
-    return float(2.0 ** math.floor(math.log2(_LARGEST * 4.0 * math.pi / max(flux, 1e-30))))
+    return float(2.0 ** math.floor(math.log2(_LARGEST * 4.0 * math.pi / max(flux, 1e-24))))
 
 
 def own_shares() -> tuple[float, float]:

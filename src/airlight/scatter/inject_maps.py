@@ -98,7 +98,7 @@ class InjectRays(_InjectMaps):
 
 def fixed_point_scale(flux: float) -> float:
     """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits."""
-    largest = returned_sharpness() * max(flux, 1e-30) / (4.0 * math.pi)
+    largest = returned_sharpness() * max(flux, 1e-24) / (4.0 * math.pi)
     return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
 
 
