@@ -74,6 +74,7 @@ def test_arrays_are_read_only_copies_or_views():
     kept = checks.array(mine, "a", shape=(None, 3), dtype=np.float32)
     assert not kept.flags.writeable
     assert mine.flags.writeable, "the caller's own array stays his"
+    assert checks.array(kept, "a", shape=(None, 3), dtype=np.float32) is kept, "checked before"
     assert checks.array([[1, 2, 3]], "a", shape=(1, 3), dtype=np.float32).dtype == np.float32
 
 

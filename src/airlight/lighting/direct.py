@@ -127,7 +127,7 @@ class Direct:
         """The picture: G-buffer and lighting."""
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, self.meshes, view.clip_from_world)
-        if self.settings.ambient_occlusion:
+        if self.settings.ambient_occlusion and self.meshes.draws:
             with commands.stage("ambient occlusion"):
                 self._occlude(commands, view)
         with commands.stage("lighting"):
@@ -157,6 +157,7 @@ class Direct:
             self.lighting = Lighting(
                 self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
                 is_glossy=self._is_glossy, damping=self.damping,
+                has_surfaces=bool(self.meshes.draws),
             )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,

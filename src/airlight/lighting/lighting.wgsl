@@ -5,6 +5,7 @@
 //! use lattice
 //! use occlusion
 
+override HAS_SURFACES: bool = true;
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;
 override DAMPING: f32 = 0.0;
@@ -170,7 +171,7 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     let far = params.world_from_clip * vec4f(ndc, max(d, 1e-7), 1.0);
     let p = far.xyz / far.w;
     let v = normalize(params.eye - p);
-    if (d <= 0.0) {
+    if (!HAS_SURFACES || d <= 0.0) {
         out.direct = vec4f(background(-v), 0.0);
         return out;
     }

@@ -264,7 +264,7 @@ def _emission_wgsl(name: str, share: str) -> str:
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
-        f"        let g = air[m].g;\n        sum += {share} * air_density(m, p) * air[m].sigma_t\n"
+        f"        let g = air[m].g;\n        sum += {share} * air_here[m] * air[m].sigma_t\n"
         f"            * air[m].albedo * vec3f({channels});\n    }}\n"
         f"    return march.{name}_scale * sum;\n}}\n"
     )

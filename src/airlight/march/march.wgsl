@@ -7,10 +7,42 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         return vec3f(1.0);
     }
     if (medium == -2) {
-        return air_scattering(p);
+        return scattering_here();
     }
-    let m = u32(medium);
-    return air_density(m, p) * air[m].sigma_t * air[m].albedo;
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        if (m == u32(medium)) {
+            sum = air_here[m] * air[m].sigma_t * air[m].albedo;
+        }
+    }
+    return sum;
+}
+
+// Densities at a step's middle: asked once, they cost more than all else.
+var<private> air_here: array<f32, AIR_COUNT>;
+
+fn look_around(p: vec3f) {
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        air_here[m] = air_density(m, p);
+    }
+}
+
+fn scattering_here() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        sum += air_here[m] * air[m].sigma_t * air[m].albedo;
+    }
+    return sum;
+}
+
+fn grid_extinction_here() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        if (air[m].kind == AIR_GRID) {
+            sum += air_here[m] * air[m].sigma_t;
+        }
+    }
+    return sum;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -30,7 +62,8 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         let here = max(march.step * step_share(rays.eye + t * ray.direction), longest);
         let dt = min(air_step_limit(t, here), hull.y - t);
         let p = rays.eye + (t + 0.5 * dt) * ray.direction;
-        let depth = air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
+        look_around(p);
+        let depth = air_even_depth(t, t + dt) + dt * grid_extinction_here();
         let reached = T * dt * mean_transmittance_rgb(depth);
         L += reached * emission_at(p, -ray.direction);
         sky += reached * skylit_at(p, -ray.direction);

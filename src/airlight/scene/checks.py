@@ -102,6 +102,8 @@ def array(
 ) -> NDArray[Any]:
     """A read-only contiguous array of the given shape (None: any length), all values finite."""
     a = np.ascontiguousarray(value, dtype=dtype)
+    # What was checked before stays the same object: that is how a frame knows what did not change.
+    is_own = a is value and not a.flags.writeable
     fits = a.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(a.shape, shape, strict=True)
     )
@@ -112,6 +114,8 @@ def array(
         raise SceneError(
             f"{name} has {int((~np.isfinite(a)).sum())} values that are NaN or infinite"
         )
+    if is_own:
+        return a
     if a is value or a.base is not None:
         a = a.view()
     a.flags.writeable = False

@@ -48,7 +48,12 @@ class Pop(Direct):
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Surfaces, then media."""
-        super().solve(commands, scene)
+        if self.meshes.draws:
+            super().solve(commands, scene)
+        else:  # a sky that lights no surface is not worth its lattice
+            with commands.stage("shadow maps"):
+                self.lights.encode(commands, self.meshes, scene.lights, scene.environment,
+                                   *self._bounds(scene))  # fmt: skip
         self.shadow.update(commands, scene, *self._bounds(scene))
         self.media.solve(commands, scene)
 
