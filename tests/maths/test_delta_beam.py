@@ -9,7 +9,7 @@ from airlight.maths import delta_beam as db
 from airlight.maths.medium import ray_box_interval
 from airlight.maths.ordinates import even_sky
 from airlight.maths.phase import henyey_greenstein
-from airlight.maths.sampling import orthonormal_frame
+from airlight.maths.sampling import fibonacci_sphere, orthonormal_frame
 
 from .pop_cubes import CUBES, VIEWS, intensity, medium
 
@@ -170,3 +170,21 @@ def test_quasi_forward_light_is_continuous_where_its_series_takes_over():
     ]
     np.testing.assert_allclose(around[0], around[1], rtol=1e-4)
     np.testing.assert_allclose(db.quasi_forward_anisotropy(g, 1.0, 0.0), (1 + 2 * g) / 3)
+
+
+@pytest.mark.parametrize("count", [16, 64])
+def test_the_sharpest_lobes_of_an_even_sky_sum_up_without_spots(count):
+    """Any lobe integrates to 1; sharper ones would show each ordinate."""
+    sky = even_sky(count)
+    views = fibonacci_sphere(400)
+    cosines = -(views @ sky.direction.T)
+    lobe = db.resolved_by(sky.mean_cosine)
+    assert lobe.mean() == pytest.approx(0.05 ** (1.0 / np.sqrt(count)), abs=0.02)
+
+    def ripple(sharpness):
+        seen = (henyey_greenstein(cosines, sharpness) * sky.irradiance[:, 0]).sum(axis=1)
+        return np.abs(seen - 1.0).max()
+
+    assert ripple(lobe) < 0.1
+    assert ripple(0.5 + 0.5 * lobe) > 0.2
+    assert db.resolved_by(1.0) == 1.0

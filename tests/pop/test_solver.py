@@ -127,17 +127,13 @@ def test_light_diffuses(solved, truth):
 
 def test_emission_and_its_furnace_correction(solved, truth):
     white = twin(solved, even_sky(SETTINGS.ordinates), 1.0, is_white=True)
-    beams, quasi = white.solution.beam_emission(
-        white.towards_eye, db.resolved_by(SETTINGS.ordinates)
-    )
+    beams, quasi = white.solution.beam_emission(white.towards_eye)
     multiple = quasi + white.solution.diffuse_emission(white.towards_eye)
     correction = np.clip((1.0 - beams) / np.maximum(multiple, 1e-6), 0.5, 2.0)
     got = of_cells(solved, solved.emission.corrections.read(), 1)[0]
     asked = reached(truth)[..., None]
     assert np.abs((got - correction) * asked).mean() < 2e-3
-    beams, quasi = truth.solution.beam_emission(
-        truth.towards_eye, db.resolved_by(SETTINGS.ordinates + 1)
-    )
+    beams, quasi = truth.solution.beam_emission(truth.towards_eye)
     want = beams + (quasi + truth.solution.diffuse_emission(truth.towards_eye)) * correction
     emission = solved.emission.texture.read()[..., :3].astype(np.float64)
     assert_close(emission, want * asked, 5e-3)

@@ -71,12 +71,14 @@ def deposited_anisotropy(g: ArrayLike) -> F64:
     return np.asarray((k - f) / (1.0 - f))
 
 
-def resolved_by(count: int) -> float:
-    """The sharpest lobe, a mean cosine, that `count` even ordinates sum up without spots.
+def resolved_by(mean_cosine: ArrayLike) -> F64:
+    """The sharpest lobe, a mean cosine, that ordinates sum up without spots; 1 for a point.
 
-    Degree sqrt(count) is the first that they do not integrate: its share g^degree is 5 % then.
+    N even parts of a sky have a mean cosine of 1 - 1/N. Degree sqrt(N) is the first that they do
+    not integrate: the share g^degree of a lobe is 5 % then. Narrow parts resolve more, and where
+    one holds a small bright light its spot is there.
     """
-    return float(0.05 ** (1.0 / np.sqrt(max(count, 1))))
+    return np.asarray(0.05 ** np.sqrt(np.maximum(1.0 - np.asarray(mean_cosine), 0.0)))
 
 
 def beam_loss(g: ArrayLike, albedo: ArrayLike) -> F64:
@@ -200,11 +202,8 @@ class Solution:
         beams, quasi = self.beam_emission(towards_eye)
         return beams + quasi + self.diffuse_emission(towards_eye)
 
-    def beam_emission(self, towards_eye: F64, sharpest: float = 1.0) -> tuple[F64, F64]:
-        """The parts of `emission` from the beams and from quasi-forward light.
-
-        No quasi-forward lobe of light with an extent has a mean cosine above `sharpest`.
-        """
+    def beam_emission(self, towards_eye: F64) -> tuple[F64, F64]:
+        """The parts of `emission` from the beams and from quasi-forward light."""
         g = self.medium.g
         beams, quasi_forward = np.zeros_like(self.fluence), np.zeros_like(self.fluence)
         table = beam_phase_table(g, [one.mean_cosine for one in self.beams])
@@ -212,8 +211,7 @@ class Solution:
             mu = np.clip((towards_eye * one.direction).sum(axis=-1), -1.0, 1.0)
             direct, quasi, a = self.quasi_forward(one)
             beams += direct * beam_phase(phase, mu)
-            most = sharpest if one.mean_cosine < 1.0 else 1.0
-            lobe = np.minimum(g * a * one.mean_cosine, most)
+            lobe = np.minimum(g * a * one.mean_cosine, resolved_by(one.mean_cosine))
             quasi_forward += quasi * henyey_greenstein(mu[..., None], lobe)
         return beams, quasi_forward
 

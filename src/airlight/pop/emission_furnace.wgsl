@@ -9,7 +9,7 @@
     }
     let point = cell_centre(cell_of(id.x));
     let travel = normalize(view.eye - point + vec3f(1e-12));
-    let light = beam_emission(id.x, travel, params.ordinate_count);
+    let light = beam_emission(id.x, travel);
     let multiple = light.quasi_forward + diffuse_emission(id.x, travel);
     let once = light.sky * sky_gain_towards(travel);
     let c = (1.0 - once) / max(multiple, vec3f(1e-6));

@@ -21,7 +21,7 @@ fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     let travel = normalize(hops.eye - cell_centre(cell) + vec3f(1e-12));
     var light = merged[id.x].xyz + residual_emission(id.x, travel);
     if (hops.is_paper == 0u && reach[id.x] != 0u) {
-        let beams = beam_emission(id.x, travel, params.ordinate_count);
+        let beams = beam_emission(id.x, travel);
         light += beams.beams + beams.sky;
     }
     textureStore(emission, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));

@@ -24,20 +24,17 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
 
 const RIPPLE = 0.05;
 
-// The sharpest lobes whose sum over a sky of this many ordinates is even within RIPPLE: degree
-// sqrt(count) is the first that they do not integrate. Sharper ones would print each ordinate of the
-// sky onto the medium as a spot; see maths/delta_beam.py.
-fn resolved_by(count: f32) -> f32 {
-    return pow(RIPPLE, 1.0 / sqrt(max(count, 1.0)));
+// The sharpest lobe that ordinates as narrow as `mean_cosine` sum up without spots; see
+// maths/delta_beam.py.
+fn resolved_by(mean_cosine: f32) -> f32 {
+    return pow(RIPPLE, sqrt(max(1.0 - mean_cosine, 0.0)));
 }
 
-// Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`. No quasi-forward
-// lobe of the sky's ordinates is sharper than `sky_count` of them resolve.
-fn beam_emission(cell: u32, travel: vec3f, sky_count: u32) -> BeamEmission {
+// Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
+fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let loss = beam_loss(params.g, params.albedo);
     let point = cell_centre(cell_of(cell));
-    let resolved = resolved_by(f32(sky_count));
     for (var n = 0u; n < params.ordinate_count; n++) {
         let light = beam_light(n, cell, point);
         if (all(light.irradiance <= vec3f(0.0))) {
@@ -54,7 +51,7 @@ fn beam_emission(cell: u32, travel: vec3f, sky_count: u32) -> BeamEmission {
         }
         let quasi = exp(-loss * tau) - direct;
         let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
-        let sharpest = select(resolved, 1.0, ordinates[n].spot.w == 0.0);
+        let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;
         sum.quasi_forward += light.irradiance * quasi
             * henyey_greenstein_rgb(mu, min(lobe, vec3f(sharpest)));
