@@ -157,7 +157,8 @@ class Direct:
             self.lighting = Lighting(
                 self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
                 is_glossy=self._is_glossy, damping=self.damping,
-                has_surfaces=bool(self.meshes.draws),
+                has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
+                has_lamps=self.lights.local.layers > 0,
             )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,

@@ -83,11 +83,12 @@ class Lighting(FullscreenPass):
     def __init__(
         self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
+        has_suns: bool = True, has_lamps: bool = True,
     ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
-        `has_surfaces`: else there is nothing to see but the background.
-
+        `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
+        which kinds of lights there may be.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
         surfaces follow their mirrored rays into the lattice. `damping`: how strongly bounced light
         that falls off away from a surface is taken for a leak.
@@ -96,7 +97,8 @@ class Lighting(FullscreenPass):
             self.slots = (*type(self).slots, *air.slots)  # type: ignore[misc]
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
         constants = {"HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": float(is_glossy),
-                     "DAMPING": damping, "HAS_SURFACES": float(has_surfaces)}  # fmt: skip
+                     "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
+                     "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps)}  # fmt: skip
         super().__init__(gpu, generated=(air.wgsl if air else "") + through, constants=constants)
 
 

@@ -9,6 +9,8 @@ override HAS_SURFACES: bool = true;
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;
 override DAMPING: f32 = 0.0;
+override HAS_SUNS: bool = true;
+override HAS_LAMPS: bool = true;
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
@@ -27,7 +29,7 @@ fn background(direction: vec3f) -> vec3f {
 
 fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
     let view = view_of(light, in.to_light);
-    if (light.kind == LIGHT_DIRECTIONAL) {
+    if (HAS_SUNS && (!HAS_LAMPS || light.kind == LIGHT_DIRECTIONAL)) {
         return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
             in.to_light, 1.0);
     }
@@ -37,7 +39,13 @@ fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
 
 fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    for (var i = 0u; i < params.light_count; i++) {
+    if (!HAS_SUNS && !HAS_LAMPS) {
+        return sum;
+    }
+    // Software drivers run a loop's body once more than a test at its head would let them, and both
+    // sides of every branch: loops end with their test.
+    var i = 0u;
+    loop {
         let light = lights[i];
         let in = incoming(light, p);
         let cosine = dot(n, in.to_light);
@@ -47,6 +55,10 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
                 let arriving = in.irradiance * light_passed(i, p) * cosine * lit;
                 sum += reflection(r, n, in.to_light, v) * arriving;
             }
+        }
+        i++;
+        if (i >= params.light_count) {
+            break;
         }
     }
     return sum;
@@ -185,13 +197,18 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         // The finest lattice that has the point; towards its border the next larger one.
         var left = 1.0;
-        for (var k = 0u; k < arrayLength(&lattices) && left > 0.0; k++) {
+        var k = 0u;
+        loop {
             let weight = left * lattice_weight(lattices[k], p);
             if (weight > 0.0) {
                 let light = lattice_light(k, p, r, n, v, open);
                 direct += weight * light.sky;
                 out.indirect += vec4f(weight * light.bounced, 0.0);
                 left -= weight;
+            }
+            k++;
+            if (k >= arrayLength(&lattices) || left <= 0.0) {
+                break;
             }
         }
     }
