@@ -41,6 +41,7 @@ def view():
 def shown(view: CanvasView, frames: int = 4) -> np.ndarray:
     for _ in range(frames):
         picture = view.canvas.draw()
+        view.session.wait()
     return np.asarray(picture)[..., :3].astype(int)
 
 

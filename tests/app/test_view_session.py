@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,9 @@ from airlight.app.view_session import Session
 from airlight.errors import DeviceError, SettingsError
 from airlight.gpu.device import open_gpu
 from airlight.gpu.memory import Texture
+from airlight.maths.tone import display_srgb8
+from airlight.rendering import Renderer
+from airlight.scene import Medium
 from airlight.scene.animation import Animation
 from airlight.scene.io import load
 from airlight.scene.io.images import load_image
@@ -53,6 +57,7 @@ class Screen:
         self.surface = Texture(gpu, "surface", SIZE, "rgba8unorm", target=True)
         session.attach("rgba8unorm")
         self.frame()  # says that it is preparing
+        session.wait()
 
     def frame(self, seconds: float = 0.01) -> bool:
         self.now += seconds
@@ -65,6 +70,7 @@ class Screen:
     def settle(self, frames: int = 3) -> np.ndarray:
         for _ in range(frames):
             self.frame(0.5)
+            self.session.wait()
         return self.pixels
 
 
@@ -129,11 +135,11 @@ def test_solving_is_skipped_while_only_the_camera_moves(screen):
 def test_exposure_and_curve_only_tone_anew(screen):
     before = screen.settle()
     state = screen.session.state
-    drawn = screen.session._drawn
+    drawn = screen.session._seen
     state.look = replace(state.look, exposure_stops=2.0)
     screen.session.quality._done = screen.session.quality.samples  # resting
     screen.frame()
-    assert screen.session._drawn is drawn
+    assert screen.session._seen is drawn
     assert screen.pixels.mean() > before.mean() + 10
 
 
@@ -272,3 +278,61 @@ class Turning:
         side = np.sqrt(0.5) * (1.0 if time_s < 0.5 else -1.0)
         sun = replace(scene.lights[0], direction=(side, -np.sqrt(0.5), 0.0))
         return replace(scene, lights=(sun,))
+
+
+def test_the_old_picture_stays_live_while_another_renderer_is_made(screen):
+    before, session = screen.settle(), screen.session
+    old = session.renderer
+    session.state.settings["direct"] = {**SMALL, "resolution": 10}
+    held = session._turns._device
+    with held:  # so that the new one cannot be done before it was looked at
+        screen.frame(0.5)
+        assert session.state.notice == "rebuilding ..."
+        session.controls.camera = replace(session.controls.camera, fov_y_deg=25.0)
+        screen.frame(0.5)
+        screen.frame(0.5)
+        assert session.renderer is old
+        assert np.abs(screen.pixels - before).mean() > 2.0  # it follows the camera
+    session.wait()
+    screen.frame(0.5)
+    assert session.state.notice == ""
+    assert session.renderer is not old
+
+
+def test_a_wish_taken_back_keeps_the_renderer(screen):
+    screen.settle()
+    session, old = screen.session, screen.session.renderer
+    session.state.settings["direct"] = {**SMALL, "resolution": 10}
+    screen.frame(0.5)
+    session.state.settings["direct"] = dict(SMALL)
+    screen.settle()
+    assert session.renderer is old
+    assert session.state.notice == ""
+
+
+def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, scene_file):
+    fog = Medium((0.3, 0.3, 0.3))
+    session = Session(replace(load(scene_file), medium=fog), technique="single", settings=SMALL)
+    screen = Screen(gpu, session)
+    end = time.monotonic() + 60.0
+    while session.share < 1.0 or session.has_news():
+        assert time.monotonic() < end
+        if not screen.frame(0.3):
+            time.sleep(0.02)
+    assert session.fine.is_shown
+    assert not session.has_news()
+    assert session.status == "refining   64 of 64"
+    shown = screen.pixels
+    with Renderer(session.scene_now(), "single", SIZE, settings={
+            **SMALL, "march_resolution": "full", "shaft_resolution": "full", "resolution": 16},
+    ) as renderer:  # fmt: skip
+        image = renderer.frame(samples=64)
+    expected = display_srgb8(image.radiance, 0.0, "agx").astype(int)
+    assert np.abs(shown - expected).mean() < 0.5
+    saved = session.picture(samples=64)
+    assert np.abs(saved.radiance - image.radiance).max() < 1e-5 * image.radiance.max()
+    session.controls.camera = replace(session.controls.camera, fov_y_deg=25.0)
+    screen.frame(0.01)
+    assert not session.fine.is_shown
+    assert np.abs(screen.pixels - shown).mean() > 2.0
+    session.close()

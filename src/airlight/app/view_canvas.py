@@ -14,7 +14,6 @@ from ..errors import AirlightError
 from ..gpu.canvas import CanvasSurface, imgui_overlay
 from .view_save import Copy, Saver
 from .view_session import Session
-from .view_watch import INTERVAL_S
 
 EVENTS = (
     "pointer_down", "pointer_up", "pointer_move", "wheel", "key_down", "key_up", "resize",
@@ -22,6 +21,7 @@ EVENTS = (
 )  # fmt: skip
 NOT_INSTALLED = "Install it with: pip install 'airlight[view]'"
 _LARGEST_SIDE_PX = 8192
+_NEWS_S = 0.1
 
 
 class CanvasView:
@@ -90,10 +90,12 @@ class CanvasView:
         return event["event_type"] == "key_down" and bool(self.overlay.backend.io.want_text_input)
 
     async def watch(self, sleep: Callable[[float], Any]) -> None:
-        """Draw again after every edit of the scene file."""
+        """Draw again after every edit of the scene file, and when what was made between frames is
+        there.
+        """
         while not self.canvas.get_closed():
-            await sleep(INTERVAL_S)
-            if self.session.has_edit():
+            await sleep(_NEWS_S)
+            if self.session.has_edit() or self.session.has_news():
                 self.canvas.request_draw()
 
 

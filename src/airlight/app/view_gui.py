@@ -8,7 +8,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from ..maths.tone import TONE_CURVES
-from ..techniques import TECHNIQUES, technique_class
+from ..techniques import TECHNIQUES, settings_class
 from .view_gui_scene import air_controls, light_controls
 from .view_panel import Control, checked, controls, shown_value
 from .view_save import Saver
@@ -100,11 +100,10 @@ class Panel:
             imgui.pop_style_color()
         if session.renderer is None:
             return
-        width, height = session.renderer.size
-        imgui.text(f"{session.frame_ms:.0f} ms   {width} x {height}")
+        imgui.text(session.status)
         imgui.same_line()
-        imgui.progress_bar(session.quality.share, (-1.0, 0.0), "")
-        tip(_HELP)
+        imgui.progress_bar(session.share, (-1.0, 0.0), "")
+        tip(f"{_HELP}\n{session.fine.message}".strip())
 
     def _technique(self) -> None:
         state = self.session.state
@@ -113,7 +112,7 @@ class Panel:
         if changed:
             state.technique = names[index]
         if imgui.tree_node("settings"):
-            for control in controls(technique_class(state.technique).Settings):
+            for control in controls(settings_class(state.technique, state.scene)):
                 self._setting(control)
             if imgui.button("as in the file"):
                 state.settings.pop(state.technique, None)
@@ -130,7 +129,7 @@ class Panel:
             return
         own = state.chosen_settings
         try:
-            settings = technique_class(state.technique).Settings
+            settings = settings_class(state.technique, state.scene)
             state.settings[state.technique] = checked(settings, own, control.name, new)
         except Exception as error:  # of the value: said, not raised
             state.message = str(error)

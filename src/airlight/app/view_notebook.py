@@ -65,10 +65,9 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
 
     canvas = LiveView(size=size, max_fps=30, update_mode="ondemand")
     canvas.view = CanvasView(canvas, session)
-    if session.source:
-        from rendercanvas.utils.asyncs import sleep
+    from rendercanvas.utils.asyncs import sleep
 
-        anywidget.loop.add_task(canvas.view.watch, sleep, name="watch the scene file")
+    anywidget.loop.add_task(canvas.view.watch, sleep, name="watch the scene file")
     return canvas
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import os
 import tempfile
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -140,6 +141,7 @@ class Gpu:
         self.pipelines = Pipelines()
         self.allocated_bytes = 0
         self.peak_bytes = 0
+        self._counting = threading.Lock()
         self._fence = self.device.create_buffer(
             label="fence", size=4, usage=wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.MAP_READ
         )
@@ -151,6 +153,12 @@ class Gpu:
     def is_cpu(self) -> bool:
         """Whether this is a software driver: kernels are laid out for lanes, not for threads."""
         return self.info.is_cpu
+
+    def count(self, nbytes: int) -> None:
+        """So much more (or less) is allocated; any thread may say so."""
+        with self._counting:
+            self.allocated_bytes += nbytes
+            self.peak_bytes = max(self.peak_bytes, self.allocated_bytes)
 
     def wait(self) -> None:
         """Return once everything submitted so far is done."""

@@ -55,8 +55,7 @@ class Texture:
         self.resource: Any = self.handle.create_view(label=label, dimension=dimension)
         self._layers: dict[int, Any] = {}
         self.nbytes = width * height * depth * _BYTES[format] * (4 if mips > 1 else 3) // 3
-        gpu.allocated_bytes += self.nbytes
-        gpu.peak_bytes = max(gpu.peak_bytes, gpu.allocated_bytes)
+        gpu.count(self.nbytes)
 
     def layer(self, index: int) -> Any:
         """The view of one array layer, for rendering into it."""
@@ -102,7 +101,7 @@ class Texture:
     def release(self) -> None:
         """Give the memory back."""
         if self.handle is not None:
-            self.gpu.allocated_bytes -= self.nbytes
+            self.gpu.count(-self.nbytes)
             self.handle.destroy()
             self.handle = None
 
@@ -123,8 +122,7 @@ class Buffer:
         self.nbytes = max(16, -(-nbytes // 4) * 4)
         self.handle: Any = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
         self.resource: Any = {"buffer": self.handle, "offset": 0, "size": self.nbytes}
-        gpu.allocated_bytes += self.nbytes
-        gpu.peak_bytes = max(gpu.peak_bytes, gpu.allocated_bytes)
+        gpu.count(self.nbytes)
 
     def write(self, data: NDArray[Any], offset: int = 0) -> None:
         """Upload; happens before anything submitted later, after anything submitted before."""
@@ -138,7 +136,7 @@ class Buffer:
     def release(self) -> None:
         """Give the memory back."""
         if self.handle is not None:
-            self.gpu.allocated_bytes -= self.nbytes
+            self.gpu.count(-self.nbytes)
             self.handle.destroy()
             self.handle = None
 

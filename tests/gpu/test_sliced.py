@@ -1,0 +1,61 @@
+"""Work handed over pass by pass: the same bits, and a turn for each pass."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from airlight.errors import DeviceError
+from airlight.gpu.commands import Commands
+from airlight.gpu.device import open_gpu
+from airlight.gpu.sliced import SlicedCommands
+from airlight.rendering import Renderer
+from airlight.scene.io import load
+
+SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 4,
+         "surfels": 2000}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def gpu():
+    try:
+        return open_gpu()
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+def drawn(commands: Commands) -> np.ndarray:
+    with Renderer(load("builtin:cornell"), "lpv", (24, 18), settings=SMALL) as r:
+        r.view.aim(r.scene.camera, (0.0, 0.0), 0)
+        r.technique.solve(commands, r.scene)
+        r.technique.draw(commands, r.view)
+        commands.submit()
+        r.gpu.wait()
+        return np.stack([t.read() for t in r.technique.pictures(r.view).values()])
+
+
+def test_a_picture_made_pass_by_pass_is_the_same_bits(gpu):
+    turns = []
+
+    @contextmanager
+    def turn():
+        turns.append(1)
+        yield
+
+    sliced = drawn(SlicedCommands(gpu, turn))
+    assert len(turns) > 30  # shadow maps, reflective maps, hops, G-buffer, ...
+    assert np.array_equal(sliced, drawn(Commands(gpu)))
+    assert sliced.max() > 0.1
+
+
+def test_what_a_turn_raises_breaks_the_work_off(gpu):
+    class Enough(BaseException):
+        pass
+
+    def turn():
+        raise Enough
+
+    with pytest.raises(Enough):
+        drawn(SlicedCommands(gpu, turn))
