@@ -24,12 +24,16 @@ def test_fog_is_solved_on_the_lattice(foggy_box):
     assert chosen(foggy_box) == "LpvScatter"
 
 
-def test_smoke_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
+def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
     lamp = (PointLight((0.0, 4.0, 0.0), (9.0, 9.0, 9.0)),)
     under_lamp = dataclasses.replace(smoke_over_floor, lights=lamp)
-    assert chosen(under_lamp) == "LpvScatter"
+    assert chosen(under_lamp) == "WithPop", "a density grid is not"
+    fog = Medium(sigma_t=(0.05, 0.05, 0.05))
+    assert chosen(dataclasses.replace(under_lamp, medium=fog)) == "LpvScatter"
     (smoke,) = smoke_over_floor.volumes
-    thin = dataclasses.replace(smoke, sigma_t=(0.02, 0.02, 0.02))
+    ball = dataclasses.replace(smoke, density=None, shape="sphere")
+    assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "LpvScatter"
+    thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
     assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "WithPop"
 
 

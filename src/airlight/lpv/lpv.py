@@ -9,6 +9,7 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.memory import Buffer
 from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import (
@@ -225,7 +226,7 @@ class Lpv(Direct):
                 solved = {**self.textures.bound, **self.blockers.bound}
                 self.border.encode(
                     commands, part.placement, self.cascades[level + 1].placement, solved,
-                    self.linear, part.blockers.faces, part.sums, power_scale=self.power_scale,
+                    self.linear, self._faces(part), part.sums, power_scale=self.power_scale,
                     scale=scale,
                 )  # fmt: skip
             self.resolve.encode(
@@ -233,7 +234,7 @@ class Lpv(Direct):
             )
         with commands.stage("propagate"):
             total = part.propagate.encode(
-                commands, part.injected, part.blockers.faces, self.lpv.iterations,
+                commands, part.injected, self._faces(part), self.lpv.iterations,
                 has_tail=self.lpv.tail,
             )  # fmt: skip
         with commands.stage("pack"):
@@ -241,6 +242,10 @@ class Lpv(Direct):
                 commands, part.injected, total, self.power_scale, is_shaped=self._is_shaped,
                 placement=part.placement,
             )  # fmt: skip
+
+    def _faces(self, part: Cascade) -> Buffer:
+        """What blocks between the cells of a lattice."""
+        return part.blockers.faces
 
     def _draw_maps(
         self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any

@@ -33,10 +33,14 @@ _WHITE = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Bounced:
-    """A lattice of reflected light, and what tells its versions apart."""
+    """A lattice of reflected light, and what tells its versions apart.
+
+    `knows_media`: it was solved with the media in it, and holds what there is of its light in them.
+    """
 
     source: LatticeSource
     version: tuple[Any, ...]
+    knows_media: bool = False
 
 
 class BounceParams(Struct):
@@ -46,7 +50,7 @@ class BounceParams(Struct):
     eye = vec3f("m, in the medium's frame")
     scale = f32("radiance per stored unit, in units of the emission's scale")
     direct = f32("share of the states' direction that the phase function keeps, per g")
-    is_white = u32("1: nothing is absorbed")
+    is_whole = u32("1: the lattice's light is all there in the medium")
 
 
 class _Bounce(ComputePass):
@@ -79,23 +83,25 @@ class Bounce:
         self._even = Beams(solver.gpu, solver, settings.ordinates)
         self._pass, self._linear = _Bounce(solver.gpu), linear_sampler(solver.gpu)
 
-    def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
+    def encode_medium(
+        self, commands: Commands, params: MediumParams, density: Density, bounced: Bounced
+    ) -> None:
         """Take a changed medium; `params` count the even sky's ordinates."""
         self._even.write(self._sky, (), self._solver.volume, 1.0)
         self._even.encode_medium(commands, params, density)
-        if not self._is_white:
+        if not (self._is_white or bounced.knows_media):
             self._even.encode(commands, params, density)
 
     def encode(
-        self, commands: Commands, params: MediumParams, eye: F64, source: LatticeSource,
+        self, commands: Commands, params: MediumParams, eye: F64, bounced: Bounced,
         density: Density,
     ) -> None:  # fmt: skip
         """For an eye at `eye` (3,), m in the medium's frame."""
-        s = self._solver
+        s, source = self._solver, bounced.source
         bounce = BounceParams(
             world_from_medium=s.placement.world_from_medium, eye=eye,
             scale=source.scale / s.beams.table.scale, direct=source.direct,
-            is_white=int(self._is_white),
+            is_whole=int(self._is_white or bounced.knows_media),
         )  # fmt: skip
         self._pass.dispatch(
             commands, (s.placement.cells,), params=params, bounce=bounce,

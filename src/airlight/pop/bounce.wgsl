@@ -5,7 +5,7 @@
 
 // How much of an even light of radiance 1 there is in a cell; see maths/delta_beam.py, fluence.
 fn even_radiance(cell: u32) -> vec3f {
-    if (bounce.is_white != 0u) {
+    if (bounce.is_whole != 0u) {
         return vec3f(1.0);
     }
     let loss = params.sigma_t * beam_loss(params.g, params.albedo);

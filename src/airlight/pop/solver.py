@@ -195,7 +195,7 @@ class PopSolver:
         if bounced is not None:
             self._bounce = self._bounce or Bounce(self)
             even = self._params(self._bounce.count, v.albedo)
-            self._bounce.encode_medium(commands, even, self.density)
+            self._bounce.encode_medium(commands, even, self.density, bounced)
         return True
 
     def _encode_view(
@@ -218,7 +218,7 @@ class PopSolver:
         if bounced is not None and self._bounce is not None:
             with commands.stage("pop bounce"):
                 even = self._params(self._bounce.count, self.volume.albedo)
-                self._bounce.encode(commands, even, local, bounced.source, self.density)
+                self._bounce.encode(commands, even, local, bounced, self.density)
         self.beams.encode_view(commands, params, local, self.emission, self.density)
 
     def _write_gain(self, beams: Beams, sky: SkyLight | None) -> None:

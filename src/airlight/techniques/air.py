@@ -52,6 +52,7 @@ class InAir(Direct):
     has_single = True
     source_count = 0
     has_lattice = False
+    volumes_in_lattice = False  # whether light that bounced was carried through solved volumes
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,
@@ -162,17 +163,7 @@ class LpvMarch(InAir, Lpv):
 
     def lattice_source(self) -> LatticeSource | None:
         """In-scattered radiance from the lattice's fluence."""
-        return _bounced(self)
-
-
-class LpvWithVolumes(InAir, Lpv):
-    """Bounced light on a lattice that knows no air, seen through air."""
-
-    Settings = LpvMarchSettings
-
-    def bounced_source(self) -> LatticeSource | None:
-        """In-scattered radiance from the lattice's fluence."""
-        return _bounced(self)
+        return bounced_light(self)
 
 
 class LpvSum(LpvMarch):
@@ -233,7 +224,7 @@ class LpvScatter(InAir, Direct):
         self.solver.release()
 
 
-def _bounced(technique: Lpv) -> LatticeSource:
+def bounced_light(technique: Lpv) -> LatticeSource:
     """Mean radiance of a lattice of bounced light."""
     scale = LOOKUP_SCALE / (technique.placement.cell**2 * technique.power_scale)
     bound = {**technique.textures.bound, **technique.blockers.bound}

@@ -2,10 +2,11 @@
 
 surfaces  no air: lpv; air: lpv-scatter, whose lattice carries bounced and scattered light
 volumes   pop, a solver each for the light of suns, lamps and sky, marched as sources; light that
-          surfaces reflect into them comes from the lattice. Part of the lattice's air where
-          there are more than four, or where one takes much of a lamp's light from the room,
-          which a lattice without air does not know: a thick ball of a fifth of the Cornell
-          box's section is 7 to 37% too bright by pop, 1 to 6% too dark as the lattice's air
+          surfaces reflect into them comes from the lattice, which they dim and add to
+          (`volumes`). Part of the lattice's air where there are more than four, or where a box or
+          ball takes much of a lamp's light from the room: there single scattering is exact (a
+          thick ball in the Cornell box: relative L2 error of its light .21, by pop .33; of density
+          grids pop has the smaller error, .27 where the lattice's air has .55)
 """
 
 from __future__ import annotations
@@ -99,11 +100,12 @@ def choice_for(scene: Scene) -> Choice:
     """What `auto` takes for a scene."""
     if scene.medium is None and not scene.volumes:
         return Choice("lpv", Lpv.Settings, Lpv)
-    from .air import LpvScatter, LpvWithVolumes
+    from .air import LpvScatter
 
     is_air = len(scene.volumes) > _MOST_SOLVED or _shades_a_room(scene)
     if not scene.volumes or is_air:
         return Choice("lpv-scatter", LpvScatter.Settings, LpvScatter)
+    from .volumes import LpvWithVolumes
     from .with_pop import with_pop
 
     name, base = ("lpv", LpvWithVolumes) if scene.medium is None else ("lpv-scatter", LpvScatter)
@@ -122,12 +124,17 @@ def _joined(base: type[SurfaceSettings], more: type) -> type[SurfaceSettings]:
 
 
 def _shades_a_room(scene: Scene) -> bool:
-    """Whether a volume takes more than a few percent of the lamps' light from the surfaces."""
+    """Whether a volume takes more than a few percent of the lamps' light from the surfaces.
+
+    Density grids do not count where the lattice is lpv's: it knows them.
+    """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
     low, high = scene.bounds
     room = _section(high - low)
-    return any(_shading(volume) > _SHADED_SHARE * room for volume in scene.volumes)
+    is_even = [scene.medium is not None or v.density is None for v in scene.volumes]
+    shapes = [volume for volume, even in zip(scene.volumes, is_even, strict=True) if even]
+    return any(_shading(volume) > _SHADED_SHARE * room for volume in shapes)
 
 
 def _shading(volume: Volume) -> float:

@@ -66,7 +66,9 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             """What surfaces reflect, and fog scatters, into the volumes."""
             scene, source = self._scene, self.bounced_source()
             version = (scene.lights, scene.environment, scene.medium, self.meshes.version)
-            return None if source is None or not scene.meshes else Bounced(source, version)
+            if source is None or not scene.meshes:
+                return None
+            return Bounced(source, version, knows_media=self.volumes_in_lattice)
 
         def release(self) -> None:
             super().release()

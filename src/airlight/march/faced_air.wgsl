@@ -1,0 +1,48 @@
+// What a hop between two cells meets: rgb turned back, a not let through.
+fn met(one: vec4f, other: vec4f) -> vec4f {
+    let depth = 0.5 * (one + other) * lattice.cell;
+    let collided = 1.0 - exp(-depth.a);
+    let back = 0.5 * collided * min(depth.rgb / max(depth.a, 1e-12), vec3f(1.0));
+    let onwards = (back.r + back.g + back.b) / 3.0;
+    return vec4f(back, collided - onwards);
+}
+
+fn cell_at(cell: vec3i) -> vec4f {
+    let inside = clamp(cell, vec3i(0), vec3i(lattice.count) - 1);
+    let n = vec3i(lattice.count);
+    return cells[(inside.z * n.y + inside.y) * n.x + inside.x];
+}
+
+// Towards hop 0..5 (+x -x +y -y +z -z).
+fn beside(cell: vec3u, hop: u32) -> vec4f {
+    var step = vec3i(0);
+    step[hop / 2u] = select(1, -1, (hop & 1u) == 1u);
+    return cell_at(vec3i(cell) + step);
+}
+
+fn leaving(wall: u32, air: vec4f) -> u32 {
+    let shares = unpack4x8unorm(wall);
+    let open = 1.0 - shares.a;
+    return pack4x8unorm(vec4f(shares.rgb + open * air.rgb, shares.a + open * air.a));
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= lattice.count)) {
+        return;
+    }
+    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let here = cells[cell];
+    var air = array<vec4f, 6>();
+    for (var hop = 0u; hop < 6u; hop++) {
+        air[hop] = met(here, beside(id, hop));
+    }
+    let side = walls[2u * cell];
+    let rest = walls[2u * cell + 1u];
+    // A hop +x comes in through the face towards -x.
+    let xy = unpack4x8unorm(rest.z) * (1.0 - vec4f(air[1].a, air[0].a, air[3].a, air[2].a));
+    let z = unpack4x8unorm(rest.w) * (1.0 - vec4f(air[5].a, air[4].a, 0.0, 0.0));
+    faces[2u * cell] = vec4u(leaving(side.x, air[0]), leaving(side.y, air[1]),
+        leaving(side.z, air[2]), leaving(side.w, air[3]));
+    faces[2u * cell + 1u] = vec4u(leaving(rest.x, air[4]), leaving(rest.y, air[5]),
+        pack4x8unorm(xy), pack4x8unorm(z));
+}

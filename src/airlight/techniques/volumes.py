@@ -1,0 +1,152 @@
+"""Bounced light on a lattice among volumes that solvers of their own draw.
+
+The lattice carries what surfaces reflect. Volumes dim the lights that it starts from, stop and
+turn back what it carries (`march.faced_air`), and send their own first-scattered light to the
+surfaces: a second propagation, from the same light and theirs. Volumes take their bounced light
+from the first: what they scatter themselves their solvers know.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer
+from ..lattice.lookup import LatticeTextures
+from ..lpv.cascades import Cascade
+from ..lpv.lpv import Lpv
+from ..march.air import Air
+from ..march.dimmed import DimmedMaps, owners_of
+from ..march.faced_air import FacedAir
+from ..march.march import LatticeSource
+from ..scatter.inject_single import InjectSingle
+from ..scatter.similar import similar
+from ..scene.lights import DirectionalLight, Light
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene
+from ..surface.reflective import ReflectiveShadowMaps
+from .air import InAir, LpvMarchSettings, bounced_light
+
+
+class LpvWithVolumes(InAir, Lpv):
+    """Bounced light on a lattice, dimmed and turned back by volumes, seen through them."""
+
+    Settings = LpvMarchSettings
+    volumes_in_lattice = True
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvMarchSettings,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__(gpu, scene, meshes, settings, size)
+        suns = [light for light in scene.lights if isinstance(light, DirectionalLight)]
+        lamps = [light for light in scene.lights if not isinstance(light, DirectionalLight)]
+        self._dimmed = {
+            id(maps): DimmedMaps(gpu, maps, self.air, owners_of(scene.lights, group))
+            for maps, group in ((self.sun_maps, suns), (self.lamp_maps, lamps))
+        }
+        self._faced = [FacedAir(gpu, self.air, part.placement.cells) for part in self.cascades]
+        self._faced_of: list[tuple[Any, ...]] = [()] * len(self.cascades)
+        # What volumes send out, a finer cascade would take in a second time at its borders.
+        self._shine = Shine(gpu, scene, self) if len(self.cascades) == 1 else None
+
+    def bounced_source(self) -> LatticeSource | None:
+        """In-scattered radiance from the fluence of what surfaces reflect."""
+        return bounced_light(self)
+
+    def solve(self, commands: Commands, scene: Scene) -> None:
+        """The air first: it dims what the lattice is lit by."""
+        with commands.stage("air"):
+            self.air.update(commands, scene, *self._bounds(scene))
+            if self._shine:
+                self._shine.air.update(commands, _evenly(scene), *self._bounds(scene))
+        super().solve(commands, scene)
+
+    @property
+    def lattice_bound(self) -> dict[str, Any]:
+        """What surfaces take light from: of surfaces and of volumes."""
+        textures = self._shine.textures if self._shine else self.textures
+        return {**super().lattice_bound, **textures.bound}
+
+    def _draw_maps(
+        self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
+    ) -> None:
+        super()._draw_maps(commands, lights, low, high)
+        for maps in self._dimmed.values():
+            maps.dim(commands, self.lights.table)
+
+    def _inject(
+        self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
+    ) -> None:
+        super()._inject(commands, part, self._dimmed.get(id(maps), maps), scale)
+
+    def _propagate(self, commands: Commands, level: int, scale: float) -> None:
+        part = self.cascades[level]
+        made = (self.meshes.version, replace(part.placement, fade=None), self.air.version)
+        if made != self._faced_of[level]:
+            self._faced_of[level] = made
+            with commands.stage("blockers"):
+                self._faced[level].encode(commands, part.placement, part.blockers.faces)
+        super()._propagate(commands, level, scale)
+        if self._shine:
+            self._shine.encode(commands, self, part, self._faces(part))
+
+    def _faces(self, part: Cascade) -> Buffer:
+        return self._faced[self.cascades.index(part)].faces
+
+    def release(self) -> None:
+        """Give the memory back."""
+        super().release()
+        for made in (*self._dimmed.values(), *self._faced, self._shine):
+            if made is not None:
+                made.release()
+
+
+class Shine:
+    """What volumes scatter once onto surfaces, with all that bounced: `textures`.
+
+    What they scatter more than once, the lattice's own turning back makes of it.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, technique: Lpv) -> None:
+        part = technique.cascades[0]
+        self.air = Air(gpu, _evenly(scene), light_count=technique.lights.count)
+        self.textures = LatticeTextures(gpu, part.placement, technique.texture_size)
+        self._inject = InjectSingle(gpu, self.air)
+        self._cells = Buffer(gpu, "light of volumes", part.injected.nbytes)
+
+    def encode(self, commands: Commands, technique: Lpv, part: Cascade, faces: Buffer) -> None:
+        """After the lattice of surfaces alone was solved."""
+        with commands.stage("inject"):
+            self._inject.encode(
+                commands, part.placement, technique.lights.bound, technique.lights.count,
+                walls=part.blockers.walls, base=part.injected, cells=self._cells,
+            )  # fmt: skip
+        with commands.stage("propagate"):
+            total = part.propagate.encode(
+                commands, self._cells, faces, technique.lpv.iterations,
+                has_tail=technique.lpv.tail,
+            )  # fmt: skip
+        with commands.stage("pack"):
+            self.textures.encode(
+                commands, self._cells, total, technique.power_scale,
+                is_shaped=technique.lpv.occlusion, placement=part.placement,
+            )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.air, self.textures, self._cells):
+            part.release()
+
+
+def _evenly(scene: Scene) -> Scene:
+    """Volumes that scatter evenly, and per steradian: the lattice keeps W sr^-1."""
+    volumes = []
+    for volume in scene.volumes:
+        even = similar(volume)
+        r, g, b = (share / (4.0 * math.pi) for share in even.albedo)
+        volumes.append(replace(even, albedo=(r, g, b)))
+    return replace(scene, volumes=tuple(volumes))
