@@ -45,10 +45,12 @@ class LpvWithVolumes(InAir, Lpv):
         suns = [light for light in scene.lights if isinstance(light, DirectionalLight)]
         lamps = [light for light in scene.lights if not isinstance(light, DirectionalLight)]
         self._dimmed = {
-            id(maps): DimmedMaps(gpu, maps, self.air, owners_of(scene.lights, group))
+            id(maps): DimmedMaps(gpu, maps, self.air_light.air, owners_of(scene.lights, group))
             for maps, group in ((self.sun_maps, suns), (self.lamp_maps, lamps))
         }
-        self._faced = [FacedAir(gpu, self.air, part.placement.cells) for part in self.cascades]
+        self._faced = [
+            FacedAir(gpu, self.air_light.air, part.placement.cells) for part in self.cascades
+        ]
         self._faced_of: list[tuple[Any, ...]] = [()] * len(self.cascades)
         # What volumes send out, a finer cascade would take in a second time at its borders.
         self._shine = Shine(gpu, scene, self) if len(self.cascades) == 1 else None
@@ -60,7 +62,7 @@ class LpvWithVolumes(InAir, Lpv):
     def solve(self, commands: Commands, scene: Scene) -> None:
         """The air first: it dims what the lattice is lit by."""
         with commands.stage("air"):
-            self.air.update(commands, scene, *self._bounds(scene))
+            self.air_light.air.update(commands, scene, *self._bounds(scene))
             if self._shine:
                 self._shine.air.update(commands, _evenly(scene), *self._bounds(scene))
         super().solve(commands, scene)
@@ -85,7 +87,7 @@ class LpvWithVolumes(InAir, Lpv):
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:
         part = self.cascades[level]
-        made = (self.meshes.version, replace(part.placement, fade=None), self.air.version)
+        made = (self.meshes.version, replace(part.placement, fade=None), self.air_light.air.version)
         if made != self._faced_of[level]:
             self._faced_of[level] = made
             with commands.stage("blockers"):
