@@ -22,6 +22,7 @@ EVENTS = (
 NOT_INSTALLED = "Install it with: pip install 'airlight[view]'"
 _LARGEST_SIDE_PX = 8192
 _NEWS_S = 0.1
+_FRAMES_PER_EVENT = 4  # imgui takes a click in over several: moved there, pressed, let go, shown
 
 
 class CanvasView:
@@ -37,6 +38,7 @@ class CanvasView:
         self.saver = Saver(session, folder or Path.cwd(), copy)
         self.overlay: Any = None
         self.panel: Any = None
+        self._owed = 0
         self._make_panel()
         # Before the overlay, which decides by the last frame: on a slow machine, too long ago.
         canvas.add_event_handler(self.on_event, *EVENTS, order=-100)
@@ -61,7 +63,8 @@ class CanvasView:
         wants_more = self.session.frame(self.surface.view(), size, time.monotonic())
         if self.overlay:
             self.overlay.render()
-        if wants_more:
+        self._owed = max(0, self._owed - 1)
+        if wants_more or self._owed:
             self.canvas.request_draw()
 
     def on_event(self, event: dict[str, Any]) -> None:
@@ -71,6 +74,7 @@ class CanvasView:
                 self._key(event["key"])
             self.session.controls.handle(event)
         self.session.touch(time.monotonic())
+        self._owed = _FRAMES_PER_EVENT
         self.canvas.request_draw()
 
     def _key(self, key: str) -> None:

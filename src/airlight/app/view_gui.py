@@ -258,7 +258,7 @@ def style_like_a_darkroom() -> None:
 
 def _header(name: str, *, is_open: bool = True) -> bool:
     flags = imgui.TreeNodeFlags_.default_open if is_open else imgui.TreeNodeFlags_.none
-    return bool(imgui.collapsing_header(name, flags))
+    return bool(imgui.collapsing_header(f"{name}##section", flags))
 
 
 def _slid(control: Control, label: str, value: Any) -> tuple[bool, Any]:

@@ -134,12 +134,15 @@ class Session:
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
             is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
+            # A picture that is soon another one needs no refinement: the new renderer needs time.
+            is_busy |= self._making.is_under_way
             changed = self._has_changed()
             if changed:
                 self._shot = None
                 self.fine.moved()
             plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
             wants_more = self._drawn is not None and self._drew(plan)
+            wants_more &= changed or not self._making.is_under_way
             self._show(target)
             is_waiting = self.state.notice in (PREPARING, REBUILDING)
             is_moving = self.controls.is_moving or self.state.is_playing
