@@ -128,12 +128,9 @@ def test_even_air_is_a_grid_of_one_density(judged, error):
             assert abs(varied.layers[layer].mean() / truth.mean() - 1.0) < 0.08
 
 
-FURNACE = {("lpv-scatter", 0.7): 0.65, ("auto", 0.7): 0.65}
-"""Share of light from everywhere that comes out again, at least; 1 is right, and these may only
-rise. Measured 2026-11-21: pop .999, lpv-scatter 1.15 for g 0 and .71 for .7."""
-
 GROWS = {"lpv-scatter": 1.2, "auto": 1.2}
-"""At most. The converged lattice is too bright in thin air: measured 1.15 for g 0."""
+"""Share of light from everywhere that comes out again, at most; 1 is right. The converged lattice
+is too bright in thin air. Measured 2026-11-21: pop .999, lpv-scatter 1.15 for g 0, 1.04 for .7."""
 
 
 @pytest.mark.parametrize("g", [0.0, 0.7])
@@ -145,16 +142,15 @@ def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
     print(judged.name, g, centre)
     assert centre < GROWS.get(judged.name, 1.05)
     if scatters_often(image):
-        assert centre > FURNACE.get((judged.name, g), 0.95)
-
-
-SENT = {("lpv-scatter", 0.7): 0.6, ("auto", 0.7): 0.6}
-"""Share of the power at least. Measured 2026-11-21: pop .99, .97; lpv-scatter 1.06, .67."""
+        assert centre > 0.95
 
 
 @pytest.mark.parametrize("g", [0.0, 0.7])
 def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
-    """White air in parallel light: what was not let through leaves again, to all sides."""
+    """White air in parallel light: what was not let through leaves again, to all sides.
+
+    Measured 2026-11-21: pop .99 (g 0) and .97 (.7); lpv-scatter 1.06 and .93.
+    """
     half = 0.5
     air = Medium((1.5,) * 3, WHITE, (g,) * 3, ((-half,) * 3, (half,) * 3))
     scene = Scene(lights=(DirectionalLight((0.0, 0.0, 1.0), WHITE),), medium=air)
@@ -164,7 +160,7 @@ def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
     sent = power_out(judged, scene, 0.9, bounds=around) / (1.0 - math.exp(-1.5))
     assert sent < 1.1
     if scatters_often(image):
-        assert sent > SENT.get((judged.name, g), 0.9)
+        assert sent > 0.9
 
 
 def test_the_lattice_holds_air_without_surfaces(judged):

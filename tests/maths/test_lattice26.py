@@ -142,3 +142,12 @@ def test_steps_commute_with_swapping_axes() -> None:
         back = swapped[k].transpose(0, 3, 2, 1, 4)[..., [0, 3, 2, 1]]
         np.testing.assert_allclose(back, direct[k], atol=1e-12)
     np.testing.assert_allclose(swapped[1].transpose(0, 3, 2, 1), direct[1], atol=1e-12)
+
+
+def test_scattered_light_brings_to_a_wall_what_its_hops_bring():
+    """Evenly spread isotropic power: nine hops of each cell go into a wall, E = scale A/4."""
+    power = np.zeros((1, 4, 4, 4, 4))
+    power[..., 0] = 1.0
+    down = [j for j in range(26) if lattice26.hops().offsets[j, 2] < 0]
+    into = sum(lattice26.leaving_power(power, j)[0, 0, 0, 0] for j in down)
+    assert lattice26.scattered_lookup_scale() / 4.0 == pytest.approx(into, rel=1e-12)

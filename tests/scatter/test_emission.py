@@ -5,7 +5,7 @@ import pytest
 
 from airlight.lattice.placement import Placement
 from airlight.maths.lattice6 import surface_irradiance
-from airlight.maths.lattice26 import LOOKUP_SCALE
+from airlight.maths.lattice26 import LOOKUP_SCALE, scattered_lookup_scale
 from airlight.maths.lattice26_levels import mean_track
 from airlight.maths.lattice26_walls import returned_sharpness
 from airlight.reference.quadrature import polygon_irradiance
@@ -53,15 +53,21 @@ def test_half_floats_never_overflow(gpu, commands, lattice):
     emission.release()
 
 
-def test_surfaces_see_half_of_what_starts_in_their_cell_and_less_in_fog(gpu, commands, lattice):
-    total, source, reflected = (random_cells(k) for k in (3, 4, 5))
+def test_surfaces_see_less_in_fog_and_more_of_what_comes_from_the_air(gpu, commands, lattice):
+    total, forward = random_cells(3), random_cells(4)
     surfaces = SurfaceLight(gpu, PLACEMENT)
-    surfaces.encode(commands, *map(lattice, (total, source, reflected)), flux=40.0, medium=None,
-                    sigma_t=SIGMA_T)  # fmt: skip
+    sigma_s = tuple(0.8 * t for t in SIGMA_T)
+    surfaces.encode(commands, lattice(total), 40.0, medium=None, sigma_s=sigma_s, sigma_t=SIGMA_T,
+                    forward=lattice(forward))  # fmt: skip
     commands.submit()
     got = np.stack([t.read() for t in (surfaces.red, surfaces.green, surfaces.blue)])
     share = mean_track(np.array(SIGMA_T), 0.5) / mean_track(0.0, 0.5)
-    want = (total - 0.5 * (source - reflected)) * share.reshape(3, 1, 1, 1, 1)
+    sides = np.array(PLACEMENT.count) * PLACEMENT.cell
+    chord = 4.0 * sides.prod() / (2.0 * sides.prod() * (1.0 / sides).sum())
+    scattered = 1.0 - np.exp(-np.array(sigma_s) * chord)
+    share *= 1.0 + (scattered_lookup_scale() / LOOKUP_SCALE - 1.0) * scattered
+    beams = forward * [1.0, 3.0, 3.0, 3.0] / (LOOKUP_SCALE * PLACEMENT.cell)
+    want = total * share.reshape(3, 1, 1, 1, 1) + beams
     np.testing.assert_allclose(got / surfaces.scale, want, rtol=3e-3, atol=3e-3)
     record = surfaces.params().record
     assert record["lookup_scale"] == pytest.approx(LOOKUP_SCALE)

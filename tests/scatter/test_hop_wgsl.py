@@ -44,11 +44,12 @@ def test_mean_track_is_numpys(gpu, commands, lattice):
 
     sigma_t = (1e-3, 0.7, 9.0)
     placement = Placement((0.0, 0.0, 0.0), 0.4, (2, 2, 2))
-    ones, nothing = np.zeros((3, 2, 2, 2, 4)), np.zeros((3, 2, 2, 2, 4))
+    ones = np.zeros((3, 2, 2, 2, 4))
     ones[..., 0] = 1.0
     surfaces = SurfaceLight(gpu, placement)
-    surfaces.encode(commands, lattice(ones), lattice(nothing), lattice(nothing), 1.0, medium=None,
-                    sigma_t=sigma_t)  # fmt: skip
+    surfaces.encode(
+        commands, lattice(ones), 1.0, medium=None, sigma_s=(0.0, 0.0, 0.0), sigma_t=sigma_t
+    )
     commands.submit()
     textures = (surfaces.red, surfaces.green, surfaces.blue)
     got = [t.read()[0, 0, 0, 0] / surfaces.scale for t in textures]

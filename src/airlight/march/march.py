@@ -28,6 +28,7 @@ from ..lattice.placement import LatticeParams, Placement
 from ..lattice.table import LatticeTable
 from ..maths.transforms import F64
 from .air import Air
+from .forward_source import FORWARD_WGSL, ForwardSource, forward_slots
 from .rays import RayParams, Rays
 
 ABSOLUTE, ALL_MEDIA = -1, -2
@@ -44,6 +45,9 @@ class MarchParams(Struct):
     lattice_direct = f32("share of b that the phase function keeps, per g")
     sky_scale = f32("W m^-2 sr^-1 per stored unit of a")
     sky_direct = f32("share of b that the phase function keeps, per g")
+    forward_scale = f32("W m^-2 per stored unit of light scattered forwards")
+    forward_slabs = f32("lights that its texture holds along z")
+    forward_count = u32("of which so many shine")
 
 
 class SourceData(Struct):
@@ -85,6 +89,7 @@ class LatticeSource:
     accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
     `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
     as the cells of the finest that has the place (Kaplanyan2010 section 7).
+    `forward`: what is near its beam still, where the pass has been made for it.
     """
 
     placement: Placement
@@ -92,6 +97,7 @@ class LatticeSource:
     scale: float
     direct: float = 1.0
     finer: tuple[Placement, ...] = ()
+    forward: ForwardSource | None = None
 
     @property
     def levels(self) -> tuple[Placement, ...]:
@@ -119,17 +125,26 @@ class March(ComputePass):
 
     def __init__(
         self, gpu: Gpu, air: Air, *, sources: int = 0, has_lattice: bool = False,
-        has_sky: bool = False,
+        has_sky: bool = False, has_forward: bool = False,
     ) -> None:  # fmt: skip
-        self.slots = _slots(air, sources, has_lattice, has_sky)  # type: ignore[misc]
+        """`has_forward`: the lattice always brings a ForwardSource; else it may, at some cost."""
+        own = forward_slots() if has_forward else ()
+        self.slots = (*_slots(air, sources, has_lattice, has_sky), *own)  # type: ignore[misc]
         generated = (
             air.medium_wgsl + _sources_wgsl(sources, has_lattice, has_sky) + _sky_wgsl(has_sky)
         )
-        super().__init__(gpu, generated=generated)
+        super().__init__(gpu, generated=generated + (FORWARD_WGSL if has_forward else _NO_FORWARD))
         self._air, self._linear = air, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
+        self._kinds: dict[str, Any] = {
+            "sources": sources,
+            "has_lattice": has_lattice,
+            "has_sky": has_sky,
+        }
+        self._has_forward = has_forward
+        self._forward: March | None = None
 
     def encode(
         self, commands: Commands, params: RayParams, rays: Rays, *,
@@ -139,6 +154,13 @@ class March(ComputePass):
         cutoff: float = 1e-3,
     ) -> None:  # fmt: skip
         """Fill `scattered`, `transmittance` and, from `sky`, `skylit`: of `rays.reduced` size."""
+        if lattice is not None and lattice.forward is not None and not self._has_forward:
+            self._with_forward.encode(
+                commands, params, rays, sources=sources, lattice=lattice, sky=sky,
+                scattered=scattered, transmittance=transmittance, skylit=skylit,
+                steps_per_cell=steps_per_cell, max_steps=max_steps, cutoff=cutoff,
+            )  # fmt: skip
+            return
         values: dict[str, Any] = {}
         if sources:
             self._write(sources)
@@ -152,17 +174,30 @@ class March(ComputePass):
             # wgsl/lattice wants a lattice's textures.
             own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
             values = {"skylit": skylit, **own, **values}
+        forward = lattice.forward if lattice else None
+        if forward is not None:
+            values |= {"forward_table": forward.table, "forward_lights": forward.texture}
         cells = [s.cell_m for s in sources] + [s.cell_m for s in lattices]
         march = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
             max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
             lattice_direct=lattice.direct if lattice else 0.0,
             sky_scale=sky.scale if sky else 0.0, sky_direct=sky.direct if sky else 0.0,
+            forward_scale=forward.scale if forward else 0.0,
+            forward_slabs=forward.slabs if forward else 1.0,
+            forward_count=forward.count if forward else 0,
         )  # fmt: skip
         self.dispatch(
             commands, rays.reduced, rays=params, march=march, picked=rays.picked,
             **self._air.medium_bound, **values, scattered=scattered, passed=transmittance,
         )  # fmt: skip
+
+    @property
+    def _with_forward(self) -> March:
+        """The same for a lattice with light scattered forwards: its loop costs wherever it is."""
+        if self._forward is None:
+            self._forward = March(self.gpu, self._air, **self._kinds, has_forward=True)
+        return self._forward
 
     def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
         if self._lattices is None or self._lattices.count != len(levels):
@@ -187,6 +222,11 @@ class March(ComputePass):
         """Give the memory back."""
         self._table.release()
         self._release_levels()
+        if self._forward is not None:
+            self._forward.release()
+
+
+_NO_FORWARD = "fn forward_emission(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 
 
 def _slots(air: Air, sources: int, has_lattice: bool, has_sky: bool) -> tuple[Slot, ...]:
@@ -221,7 +261,7 @@ def _sources_wgsl(sources: int, has_lattice: bool, has_sky: bool) -> str:
         for i in range(sources)
     ]
     if has_lattice:
-        parts.append("    sum += lattice_emission(p, travel);\n")
+        parts.append("    sum += lattice_emission(p, travel) + forward_emission(p, travel);\n")
     uses = "//! use march_lattice\n" if has_lattice or has_sky else ""
     if has_lattice:
         uses += _emission_wgsl("lattice", "f32(air[m].has_shafts)")

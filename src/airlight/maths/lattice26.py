@@ -23,7 +23,7 @@ F64 = NDArray[np.float64]
 # How much of a cell's net direction a transfer function sees; the best of those measured.
 RHO = 0.93
 # lattice6.surface_irradiance's `scale` for summed states of this scheme, in clear air; measured.
-LOOKUP_SCALE = 1.1
+LOOKUP_SCALE = 1.1  # scattered light: see scattered_lookup_scale
 
 
 @dataclass(frozen=True)
@@ -196,3 +196,13 @@ def mean_hop_length() -> float:
     """Mean length of a hop of isotropic light, in cells."""
     table = hops()
     return float(table.weights @ table.lengths)
+
+
+def scattered_lookup_scale() -> float:
+    """lattice6.surface_irradiance's `scale` where light comes from all of the air: 1.288.
+
+    With it, what surfaces are lit by is what the hops of a state bring to a wall, so that no light
+    is lost. In clear air most light comes from few surfaces, and LOOKUP_SCALE errs less.
+    """
+    table = hops()
+    return 4.0 * float(table.weights[table.directions[:, 2] < -1e-9].sum())

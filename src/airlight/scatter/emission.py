@@ -14,10 +14,11 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
+from ..march.forward_source import ForwardSource
 from ..march.march import LatticeSource
 
 _TRACK_LOOKUP_SCALE = 0.9  # irradiance of a cell's mean fluence; measured
@@ -31,12 +32,14 @@ class EmissionParams(Struct):
 
     count = vec3u("cells")
     scale = f32("stored units per W m of track")
+    has_forward = u32("1: light scattered forwards comes on top")
 
 
 class _Pack(ComputePass):
     slots = (
         uniform("params", EmissionParams),
         storage("track", "vec4f"),
+        storage("forward", "vec4f"),
         image("red", "rgba16float", "3d"),
         image("green", "rgba16float", "3d"),
         image("blue", "rgba16float", "3d"),
@@ -59,14 +62,22 @@ class Emission:
             for name in ("red", "green", "blue", "mean")
         )  # fmt: skip
 
-    def encode(self, commands: Commands, track: Buffer, flux: float) -> None:
-        """Fill the textures; `flux`, W, bounds what came into the lattice."""
+    def encode(
+        self, commands: Commands, track: Buffer, flux: float, forward: Buffer | None = None
+    ) -> None:
+        """Fill the textures; `flux`, W, bounds what came into the lattice.
+
+        `forward`: more track, of light that never was in it.
+        """
         cell = self.placement.cell
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
-        params = EmissionParams(count=self.placement.count, scale=self.scale)
+        params = EmissionParams(
+            count=self.placement.count, scale=self.scale, has_forward=int(forward is not None)
+        )
         self._pack.dispatch(
-            commands, self.placement.count, params=params, track=track, red=self.red,
-            green=self.green, blue=self.blue, mean=self.mean,
+            commands, self.placement.count, params=params, track=track,
+            forward=forward or track, red=self.red, green=self.green, blue=self.blue,
+            mean=self.mean,
         )  # fmt: skip
 
     @property
@@ -88,9 +99,9 @@ class Emission:
         """By slot name, for passes that use `wgsl/lattice.wgsl`."""
         return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
 
-    def source(self, walls: dict[str, Any]) -> LatticeSource:
+    def source(self, walls: dict[str, Any], forward: ForwardSource | None = None) -> LatticeSource:
         """For marching; `walls` as Blockers.bound."""
-        return LatticeSource(self.placement, self.bound | walls, self.mean_scale)
+        return LatticeSource(self.placement, self.bound | walls, self.mean_scale, forward=forward)
 
     def release(self) -> None:
         """Give the memory back."""

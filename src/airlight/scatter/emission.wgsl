@@ -1,6 +1,10 @@
 const LARGEST_HALF = 65504.0;
 
-fn stored(v: vec4f) -> vec4f {
+fn stored(index: u32) -> vec4f {
+    var v = track[index];
+    if (params.has_forward != 0u) {
+        v += forward[index];
+    }
     // A two-band state may dip below zero beside a strong source; light does not.
     let even = max(v.x, 0.0);
     return clamp(vec4f(even, 3.0 * v.yzw) * params.scale, vec4f(-LARGEST_HALF),
@@ -13,9 +17,9 @@ fn stored(v: vec4f) -> vec4f {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
-    let r = stored(track[cell]);
-    let g = stored(track[cell + cells]);
-    let b = stored(track[cell + 2u * cells]);
+    let r = stored(cell);
+    let g = stored(cell + cells);
+    let b = stored(cell + 2u * cells);
     textureStore(red, id, r);
     textureStore(green, id, g);
     textureStore(blue, id, b);

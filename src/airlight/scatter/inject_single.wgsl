@@ -1,21 +1,6 @@
 //! use lattice_space
 //! use air_light
-
-// The mean of 1/|x|^2 over a ball of radius R whose centre is D away from the light, m^-2: finite
-// where the light is in the cell.
-fn mean_inverse_square(D: f32, R: f32) -> f32 {
-    let d = max(D, 1e-3 * R);
-    let q = R * R / (d * d);
-    if (q < 0.09) {
-        return (1.0 + q * (0.2 + q * (0.0857143 + q * 0.0476190))) / (d * d);
-    }
-    let inside = max(abs(R - d), 1e-6 * R);
-    return 1.5 / (R * R * R) * (R + (R * R - d * d) / (2.0 * d) * log((R + d) / inside));
-}
-
-fn ball_radius(size: vec3f) -> f32 {
-    return 0.6203505 * pow(size.x * size.y * size.z, 0.3333333);
-}
+//! use cell_light
 
 // Mean irradiance of a lamp over a box of sides `size` about p, which it is close to, and which it
 // reaches attenuated by `passed` at p. The box is cut into 27, each of which stands for a ball.
@@ -31,29 +16,6 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
             vec3f(1.0));
     }
     return sum / 27.0;
-}
-
-fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
-    let index = view_of(light, to_light);
-    let is_parallel = light.kind == LIGHT_DIRECTIONAL;
-    var clip: vec4f;
-    if (is_parallel) {
-        clip = parallel_views[index].clip_from_world * vec4f(p, 1.0);
-    } else {
-        clip = local_views[index].clip_from_world * vec4f(p, 1.0);
-    }
-    if (clip.w <= 0.0) {
-        return 1.0;
-    }
-    let ndc = clip.xyz / clip.w;
-    let uv = ndc.xy * vec2f(0.5, -0.5) + 0.5;
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {
-        return 1.0;
-    }
-    if (is_parallel) {
-        return textureSampleCompareLevel(parallel_shadows, shadow_compare, uv, index, ndc.z);
-    }
-    return textureSampleCompareLevel(local_shadows, shadow_compare, uv, index, ndc.z);
 }
 
 // The light's mean over a box of sides `size` about p, where it is attenuated by depth x = sigma |d|

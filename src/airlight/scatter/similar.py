@@ -19,8 +19,7 @@ Air = TypeVar("Air", Medium, Volume)
 
 def similar_scene(scene: Scene) -> Scene:
     """`scene` with similar isotropic media; the very same where they are isotropic already."""
-    media = [*((scene.medium,) if scene.medium else ()), *scene.volumes]
-    if not any(c != 0.0 for m in media for c in m.g):
+    if not is_forward(scene):
         return scene
     return dataclasses.replace(
         scene,
@@ -29,12 +28,18 @@ def similar_scene(scene: Scene) -> Scene:
     )
 
 
+def is_forward(scene: Scene) -> bool:
+    """Whether any medium scatters unevenly."""
+    media = [*((scene.medium,) if scene.medium else ()), *scene.volumes]
+    return any(c != 0.0 for m in media for c in m.g)
+
+
 def similar(air: Air) -> Air:
-    """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a, g' = 0."""
+    """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a. Its g says what it stands for."""
     kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
     r, g, b = (t * k for t, k in zip(air.sigma_t, kept, strict=True))
     x, y, z = (
         min(1.0, w * (1.0 - c) / k) if k > 0.0 else 0.0
         for w, c, k in zip(air.albedo, air.g, kept, strict=True)
     )
-    return dataclasses.replace(air, sigma_t=(r, g, b), albedo=(x, y, z), g=(0.0, 0.0, 0.0))
+    return dataclasses.replace(air, sigma_t=(r, g, b), albedo=(x, y, z))

@@ -2,7 +2,7 @@
 
 solver = ScatterSolver(gpu, scene, meshes, placement, settings, lights, sky, blockers)
 solver.encode(commands, scene, low, high)     # after shadow maps, blockers and sky are drawn
-solver.emission.source(blockers.bound)        # for marching
+solver.marched()                              # for marching
 solver.surfaces.params(), solver.surfaces.bound   # for lighting surfaces
 """
 
@@ -25,6 +25,7 @@ from ..lattice.point_lights import InjectPoints
 from ..lighting.lights import Lights
 from ..lighting.sky import Sky
 from ..march.air import Air
+from ..march.march import LatticeSource
 from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
@@ -34,12 +35,13 @@ from ..surface.light_views import light_views, view_count
 from ..surface.reflective import ReflectiveShadowMaps
 from .air_cells import AirCells
 from .emission import Emission
+from .forward import ForwardLight
 from .inject_maps import InjectRays, InjectReflected, fixed_point_scale, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
 from .schedule import Schedule, cycles_to, iterations_to, schedule
 from .settings import ScatterSettings, densest_air, is_varied
-from .similar import similar_scene
+from .similar import is_forward, similar_scene
 from .surface_light import SurfaceLight
 from .walls import CellReflectance
 
@@ -88,6 +90,8 @@ class ScatterSolver:
         self.inject_single = InjectSingle(gpu, self.air)
         self.sky_reflected = InjectReflected(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
+        self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
+        self._is_forward = False
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         self.reflectance_of = CellReflectance(gpu)
@@ -108,7 +112,7 @@ class ScatterSolver:
         )  # fmt: skip
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
-        self._sigma_t = (0.0, 0.0, 0.0)
+        self._sigma_s = self._sigma_t = (0.0, 0.0, 0.0)
         self._air_version = -1
         self._walls_key = self._steady_key = b""
 
@@ -135,17 +139,20 @@ class ScatterSolver:
             self._resolve(commands, self.steady, self.reflected, scale)
         with commands.stage("single-scattered"):
             self._inject_single(commands)
+            self._take_forward(commands, scene)
         with commands.stage("propagate"):
             total, track = self.levels.encode(commands, self.source)
         with commands.stage("copy"):
-            self.emission.encode(commands, track, flux)
+            forward = self.forward if self._is_forward else None
+            self.emission.encode(commands, track, flux, self._sky_forward if forward else None)
             self.surfaces.encode(
-                commands, total, self.source, self.reflected, flux,
-                medium=self.medium if self.is_varied else None, sigma_t=self._sigma_t,
+                commands, total, flux, medium=self.medium if self.is_varied else None,
+                sigma_s=self._sigma_s, sigma_t=self._sigma_t,
+                forward=forward.all if forward else None,
             )  # fmt: skip
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
-        even = similar_scene(scene)
+        even, self._is_forward = similar_scene(scene), is_forward(scene)
         self.air.update(commands, even, low, high)
         sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
         self.sky_air.update(commands, sky, low, high)
@@ -153,8 +160,8 @@ class ScatterSolver:
             return False
         self._air_version = self.air.version
         if self.air_cells is None:
-            sigma_s, self._sigma_t = densest_air(even)
-            self.levels.set_air(sigma_s, self._sigma_t)
+            self._sigma_s, self._sigma_t = densest_air(even)
+            self.levels.set_air(self._sigma_s, self._sigma_t)
             return True
         self.air_cells.encode(commands, self.placement, self.medium, self._places())
         self.levels.set_medium(commands, self.medium)
@@ -203,6 +210,9 @@ class ScatterSolver:
             count = len(self.sky.lights) if self.settings.single != "off" else 0
             self.sky_single.encode(commands, place, bound, count, walls=walls,
                                    base=self.black, cells=self.source)  # fmt: skip
+            if self._is_forward:
+                self.forward.encode_sky(commands, bound, count, black=self.black, walls=walls,
+                                        openness=self.blockers.openness)  # fmt: skip
             self.sky_reflected.encode(commands, maps, self._sky_table, self._sky_owners, place,
                                       walls, self.sums, scale)  # fmt: skip
             base = self.source
@@ -231,6 +241,23 @@ class ScatterSolver:
             commands, self.placement, self.lights.bound, count, walls=self.blockers.walls,
             base=self.reflected, cells=self.source,
         )  # fmt: skip
+
+    @property
+    def _sky_forward(self) -> Buffer:
+        return self.forward.sky if self.sky.lights and self.sky.maps.layers else self.black
+
+    def _take_forward(self, commands: Commands, scene: Scene) -> None:
+        if self._is_forward:
+            self.forward.encode(
+                commands, scene, self.lights.bound, base=self._sky_forward,
+                walls=self.blockers.walls, openness=self.blockers.openness,
+            )  # fmt: skip
+
+    def marched(self) -> LatticeSource:
+        """For marching."""
+        is_lit = self._is_forward and self.lights.count > 0
+        beams = self.forward.source(self.lights.table) if is_lit else None
+        return self.emission.source(self.blockers.bound, beams)
 
     def _resolve(self, commands: Commands, base: Buffer, cells: Buffer, scale: float) -> None:
         # Sums are W sr^-1; cells hold power.
@@ -263,7 +290,7 @@ class ScatterSolver:
         self.points.release()
         buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
                    self.steady, self.reflected, self.source, self.medium,
-                   self.reflectance]  # fmt: skip
+                   self.reflectance, self.forward]  # fmt: skip
         parts: list[Any] = [self.air, self.sky_air, *self.maps, *buffers, self.levels,
                             self.emission, self.surfaces]  # fmt: skip
         for part in parts:

@@ -1,8 +1,8 @@
 """The summed states as textures, for lighting surfaces as lattice.lookup's are.
 
-Light scattered once starts in a cell and has half a hop behind it when it reaches the cell's own
-walls: it counts half. Air shortens the track that a state leaves, and so the light that reaches a
-wall, by mean_track's share.
+Air shortens the track that a state leaves, and so the light that reaches a wall, by mean_track's
+share. The more of it comes from the air and not from a few lit surfaces, the nearer is what lights
+a wall to what the hops bring to it (maths.lattice26.scattered_lookup_scale).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
-from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length
+from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length, scattered_lookup_scale
 from ..scene.checks import Rgb
-from .hop_wgsl import constants, mean_track
+from .hop_wgsl import constants, literal, mean_track
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
@@ -29,17 +29,19 @@ class SurfaceLightParams(Struct):
     count = vec3u("cells")
     cell = f32("m")
     sigma_t = vec3f("m^-1, where the air is even")
+    chord = f32("m, mean way through the lattice")
+    sigma_s = vec3f("m^-1, likewise")
     scale = f32("stored units per W of state in clear air, and per m of mean track there")
     is_varied = u32()
+    forward = f32("stored units per W m of light scattered forwards; 0: there is none")
 
 
 class _Pack(ComputePass):
     slots = (
         uniform("params", SurfaceLightParams),
         storage("total", "vec4f"),
-        storage("source", "vec4f"),
-        storage("reflected", "vec4f"),
         storage("medium", "vec2f"),
+        storage("forward", "vec4f"),
         image("red", "rgba16float", "3d"),
         image("green", "rgba16float", "3d"),
         image("blue", "rgba16float", "3d"),
@@ -53,7 +55,8 @@ class SurfaceLight:
 
     def __init__(self, gpu: Gpu, placement: Placement) -> None:
         self.placement, self.scale = placement, 1.0
-        self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}")
+        gain = f"const SCATTERED_GAIN = {literal(scattered_lookup_scale() / LOOKUP_SCALE - 1.0)};"
+        self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}\n{gain}")
         self.red, self.green, self.blue = (
             Texture(gpu, f"surface {name}", placement.count, "rgba16float", dimension="3d",
                     written=True)
@@ -61,23 +64,26 @@ class SurfaceLight:
         )  # fmt: skip
 
     def encode(
-        self, commands: Commands, total: Buffer, source: Buffer, reflected: Buffer, flux: float, *,
-        medium: Buffer | None, sigma_t: Rgb,
+        self, commands: Commands, total: Buffer, flux: float, *, medium: Buffer | None,
+        sigma_s: Rgb, sigma_t: Rgb, forward: Buffer | None = None,
     ) -> None:  # fmt: skip
-        """From the sum of states, the injected light, and what of it surfaces reflected.
+        """From the sum of states; `flux`, W, bounds what came in.
 
-        `flux`, W, bounds what came in; `medium` as for VariedStep, or None for even `sigma_t`.
+        `medium` as for VariedStep, or None for even `sigma_s`, `sigma_t`. `forward`: fluence and
+        flux, W m, of beams that the lattice does not hold.
         """
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
         clear_m = mean_hop_length() * self.placement.cell
         params = SurfaceLightParams(
             count=self.placement.count, cell=self.placement.cell, sigma_t=sigma_t,
+            sigma_s=sigma_s, chord=_mean_chord(self.placement),
             scale=self.scale / clear_m, is_varied=int(medium is not None),
+            # Fluence is read off as irradiance by surface_irradiance, whatever the lookup's scale.
+            forward=self.scale / (LOOKUP_SCALE * self.placement.cell) if forward else 0.0,
         )  # fmt: skip
         self._pack.dispatch(
-            commands, self.placement.count, params=params, total=total, source=source,
-            reflected=reflected, medium=medium or total, red=self.red, green=self.green,
-            blue=self.blue,
+            commands, self.placement.count, params=params, total=total, medium=medium or total,
+            forward=forward or total, red=self.red, green=self.green, blue=self.blue,
         )  # fmt: skip
 
     def params(self) -> LatticeParams:
@@ -94,3 +100,9 @@ class SurfaceLight:
         """Give the memory back."""
         for texture in (self.red, self.green, self.blue):
             texture.release()
+
+
+def _mean_chord(placement: Placement) -> float:
+    """4 V/S of a lattice, m."""
+    x, y, z = (n * placement.cell for n in placement.count)
+    return 2.0 * x * y * z / (x * y + y * z + z * x)

@@ -1,8 +1,11 @@
 const LARGEST_HALF = 65504.0;
 
-fn stored(index: u32, way: f32) -> vec4f {
-    let single = source[index] - reflected[index];
-    let state = (total[index] - 0.5 * single) * (way * params.scale);
+fn stored(index: u32, weight: f32) -> vec4f {
+    var state = total[index] * (weight * params.scale);
+    if (params.forward > 0.0) {
+        let beams = forward[index];
+        state += params.forward * vec4f(beams.x, 3.0 * beams.yzw);
+    }
     return clamp(state, vec4f(-LARGEST_HALF), vec4f(LARGEST_HALF));
 }
 
@@ -12,12 +15,19 @@ fn stored(index: u32, way: f32) -> vec4f {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    var sigma_s = params.sigma_s;
     var sigma_t = params.sigma_t;
     if (params.is_varied != 0u) {
-        sigma_t = vec3f(medium[cell].y, medium[cell + cells].y, medium[cell + 2u * cells].y);
+        let r = medium[cell];
+        let g = medium[cell + cells];
+        let b = medium[cell + 2u * cells];
+        sigma_s = vec3f(r.x, g.x, b.x);
+        sigma_t = vec3f(r.y, g.y, b.y);
     }
-    let way = way_m(sigma_t, params.cell);
-    textureStore(red, id, stored(cell, way.r));
-    textureStore(green, id, stored(cell + cells, way.g));
-    textureStore(blue, id, stored(cell + 2u * cells, way.b));
+    // Of the light that reaches a wall, this share comes from the air.
+    let scattered = 1.0 - exp(-sigma_s * params.chord);
+    let weight = way_m(sigma_t, params.cell) * (1.0 + SCATTERED_GAIN * scattered);
+    textureStore(red, id, stored(cell, weight.r));
+    textureStore(green, id, stored(cell + cells, weight.g));
+    textureStore(blue, id, stored(cell + 2u * cells, weight.b));
 }

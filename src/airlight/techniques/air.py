@@ -205,7 +205,7 @@ class LpvScatter(InAir, Direct):
 
     def lattice_source(self) -> LatticeSource | None:
         """The accumulated track of light."""
-        return self.solver.emission.source(self.blockers.bound)
+        return self.solver.marched()
 
     @property
     def lattice_bound(self) -> dict[str, Any]:

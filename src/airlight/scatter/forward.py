@@ -1,0 +1,150 @@
+"""Light that was scattered forwards only: near its beam still, and in no other layer.
+
+The lattice solves for similar isotropic air (see similar), in which light scattered forwards goes
+on as if nothing had happened; single scattering draws what the air itself lets through. What the
+one lets through and the other does not, Phi (T' - T), is scattered by forward_phase of how often
+it has been, and lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in
+the air, as far as walls let it.
+Source: ours. differs: Billeter2012 knows isotropic media only.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..march.air import Air
+from ..march.forward_source import ForwardSource
+from ..scene.lights import DirectionalLight, Light
+from ..scene.scene import Scene
+from ..surface.light_table import LightData
+from ..surface.light_views import LightViewData
+
+_LARGEST = 1000.0  # what the brightest light becomes; half floats go to 65504
+_SKY_STRIDE = 4  # every fourth part of a cell for each of a sky's many lights
+
+
+class ForwardParams(Struct):
+    """Which lights shine, and how finely cells are sampled."""
+
+    light_count = u32()
+    stride = u32("every so many of a cell's eight parts")
+    is_blurred = u32("1: suns spread across their way")
+    scale = f32("stored units per W m^-2")
+
+
+class _Forward(ComputePass):
+    """forward = base + fluence and flux per cell, W m; `keeps` each light's in a texture."""
+
+    workgroup = (32, 4, 2)
+    file = "forward.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air, *, keeps: bool) -> None:
+        own: tuple[Slot, ...] = (image("kept", "rgba16float", "3d"),) if keeps else ()
+        self.slots = (  # type: ignore[misc]
+            uniform("params", ForwardParams),
+            uniform("lattice", LatticeParams),
+            storage("lights", LightData),
+            storage("parallel_views", LightViewData),
+            storage("local_views", LightViewData),
+            texture("parallel_shadows", "2d-array", "depth"),
+            texture("local_shadows", "2d-array", "depth"),
+            sampler("shadow_compare", "comparison"),
+            texture("lattice_walls", "3d"),
+            storage("openness", "vec2u"),
+            *air.slots,
+            storage("base", "vec4f"),
+            storage("forward", "vec4f", "read_write"),
+            *own,
+        )
+        super().__init__(gpu, generated=air.wgsl + (_KEEP if keeps else _DROP))
+
+
+_DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
+_KEEP = """
+fn store_light(id: vec3u, i: u32, light: vec4f) {
+    let stored = clamp(light.rgb * params.scale, vec3f(0.0), vec3f(65504.0));
+    textureStore(kept, vec3u(id.xy, id.z + i * lattice.count.z), vec4f(stored, light.a));
+}
+"""
+
+
+class ForwardLight:
+    """The sky's and all lights' forward light in cells, W m, and each light's own for marching."""
+
+    def __init__(
+        self, gpu: Gpu, placement: Placement, air: Air, sky_air: Air, light_count: int
+    ) -> None:
+        self.placement, self.light_count = placement, light_count
+        self._lights = _Forward(gpu, air, keeps=True)
+        self._sky = _Forward(gpu, sky_air, keeps=False)
+        self._air, self._sky_air = air, sky_air
+        x, y, z = placement.count
+        cells = x * y * z
+        self.sky = Buffer(gpu, "forward light of the sky", 3 * cells * 16)
+        self.all = Buffer(gpu, "forward light", 3 * cells * 16)
+        self.kept = Texture(gpu, "forward light by light", (x, y, z * max(1, light_count)),
+                            "rgba16float", dimension="3d", written=True)  # fmt: skip
+        self.scale = 1.0
+
+    def encode_sky(
+        self, commands: Commands, bound: dict[str, Any], count: int, *, black: Buffer,
+        walls: Texture, openness: Buffer,
+    ) -> None:  # fmt: skip
+        """Of `count` lights that stand for the sky; arguments as InjectSingle.encode."""
+        params = ForwardParams(light_count=count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0)
+        self._dispatch(commands, self._sky, self._sky_air, params, bound, base=black,
+                       forward=self.sky, lattice_walls=walls, openness=openness)  # fmt: skip
+
+    def encode(
+        self, commands: Commands, scene: Scene, bound: dict[str, Any], *, base: Buffer,
+        walls: Texture, openness: Buffer,
+    ) -> None:  # fmt: skip
+        """Of the scene's lights, on top of `base`: the sky's, or no light."""
+        count = len(scene.lights)
+        self.scale = _scale(scene.lights, self.placement.cell)
+        params = ForwardParams(light_count=count, stride=1, is_blurred=1, scale=self.scale)
+        self._dispatch(commands, self._lights, self._air, params, bound, base=base,
+                       forward=self.all, kept=self.kept, lattice_walls=walls,
+                       openness=openness)  # fmt: skip
+
+    def _dispatch(
+        self, commands: Commands, step: _Forward, air: Air, params: ForwardParams,
+        bound: dict[str, Any], **values: Any,
+    ) -> None:  # fmt: skip
+        names = ("lights", "parallel_views", "local_views", "parallel_shadows", "local_shadows",
+                 "shadow_compare")  # fmt: skip
+        step.dispatch(
+            commands, self.placement.count, params=params, lattice=self.placement.params(),
+            **{name: bound[name] for name in names}, **air.bound, **values,
+        )  # fmt: skip
+
+    def source(self, table: Buffer) -> ForwardSource:
+        """For marching; `table` of lights."""
+        count = self.light_count
+        return ForwardSource(self.kept, table, count, max(1, count), 1.0 / self.scale)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.sky, self.all, self.kept):
+            part.release()
+
+
+def _scale(lights: tuple[Light, ...], cell_size_m: float) -> float:
+    """Such that no sun, and no lamp half a cell away, is too bright for half floats."""
+    largest = max(
+        (
+            max(x.irradiance) if isinstance(x, DirectionalLight)
+            else max(x.intensity) / (0.5 * cell_size_m) ** 2
+            for x in lights
+        ),
+        default=0.0,
+    )  # fmt: skip
+    return float(2.0 ** math.floor(math.log2(_LARGEST / max(largest, 1e-20))))

@@ -1,0 +1,126 @@
+// Of each cell, the light that was scattered forwards only: what similar air lets through, less
+// what the air itself does. `store_light` is generated.
+//! use lattice_space
+//! use air_light
+//! use cell_light
+
+const BLUR_CELLS = 6.0;         // that light spreads across its way at most
+
+struct Depths {
+    even: vec3f,        // optical depth of the similar air
+    forward: vec3f,     // what the air itself has besides
+    deviation: f32,     // m, of the light's spread across its way
+}
+
+fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
+    let way = air_light_way(light, p);
+    var sum = Depths(vec3f(0.0), vec3f(0.0), 0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        let column = air_light_column(m, index, p, way);
+        let even = air[m].sigma_t * column;
+        let kept = max(vec3f(1e-4), 1.0 - air[m].g);
+        sum.even += even;
+        sum.forward += even * air[m].albedo * air[m].g / kept;
+        // Of the green of spread; lengths of several media add up.
+        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * kept.g) * column, air[m].g.g > 0.0);
+    }
+    return sum;
+}
+
+fn is_shut(cell: vec3i, face: u32) -> bool {
+    let c = vec3u(clamp(cell, vec3i(0), vec3i(lattice.count) - 1));
+    let packed = openness[(c.z * lattice.count.y + c.y) * lattice.count.x + c.x];
+    let open = select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face & 3u],
+        face < 4u);
+    return open < 0.5;
+}
+
+// From a place among the cells by `way` cells, but not through walls.
+fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
+    let steps = ceil(length(way));
+    var at = place;
+    for (var i = 0.0; i < steps; i += 1.0) {
+        let next = at + way / steps;
+        let from_cell = vec3i(floor(at));
+        let to_cell = vec3i(floor(next));
+        for (var axis = 0u; axis < 3u; axis++) {
+            let step = to_cell[axis] - from_cell[axis];
+            // Openness is of the hops that enter a cell: + of a pair first.
+            if (step != 0 && is_shut(to_cell, 2u * axis + select(1u, 0u, step > 0))) {
+                return at;
+            }
+        }
+        at = next;
+    }
+    return at;
+}
+
+// W m^-2 of light i at part k of a cell.
+fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> vec4f {
+    let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
+    var p = unbent_point(lattice, id, half);
+    var depths = depths_towards(light, i, p);
+    let u = depths.forward;
+    let radius = depths.deviation / lattice.cell;
+    if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
+        // Two rings of four, each for half of a Gaussian.
+        let across = normalize(cross(light.direction,
+            select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
+        let turn = (f32(k) + 0.5) * 0.7853981634;
+        let ring = min(radius, BLUR_CELLS) * select(0.83, 1.82, (k & 1u) == 1u);
+        let way = ring * (cos(turn) * across + sin(turn) * cross(light.direction, across));
+        let place = moved_freely(vec3f(id) + half, way);
+        // Beyond the lattice cells go on.
+        p = lattice.origin + place * lattice.cell;
+        depths = depths_towards(light, i, p);
+    }
+    let in = incoming(light, p);
+    var irradiance = in.irradiance;
+    if (light.kind != LIGHT_DIRECTIONAL) {
+        let near = ball_radius(vec3f(0.5 * lattice.cell));
+        irradiance *= in.distance * in.distance * mean_inverse_square(in.distance, near);
+    }
+    if (all(irradiance * depths.forward == vec3f(0.0))) {
+        return vec4f(0.0, 0.0, 0.0, dot(u, vec3f(1.0)) / 3.0);
+    }
+    let lit = lit_point(light, in.to_light, p);
+    let gained = exp(-depths.even) * (1.0 - exp(-depths.forward));
+    return vec4f(lit * irradiance * gained, dot(u, vec3f(1.0)) / 3.0);
+}
+
+fn travel_of(light: LightData, id: vec3u) -> vec3f {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        return light.direction;
+    }
+    let away = unbent_point(lattice, id, vec3f(0.5)) - light.position;
+    return away / max(length(away), 1e-6);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= lattice.count)) {
+        return;
+    }
+    var fluence = vec3f(0.0);
+    var flux = mat3x3f();   // columns x, y, z of rgb
+    for (var i = 0u; i < params.light_count; i++) {
+        let light = lights[i];
+        var sum = vec4f(0.0);
+        for (var k = 0u; k < 8u; k += params.stride) {
+            // Of few parts the next light takes others.
+            sum += forward_part(light, i, id, (k + select(0u, 3u * i, params.stride > 1u)) & 7u);
+        }
+        sum *= f32(params.stride) / 8.0;
+        store_light(id, i, sum);
+        let way = travel_of(light, id);
+        fluence += sum.rgb;
+        flux += mat3x3f(sum.rgb * way.x, sum.rgb * way.y, sum.rgb * way.z);
+    }
+    let volume = lattice.cell * lattice.cell * lattice.cell;
+    let cells = lattice.count.x * lattice.count.y * lattice.count.z;
+    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    for (var c = 0u; c < 3u; c++) {
+        let index = c * cells + cell;
+        forward[index] = base[index]
+            + volume * vec4f(fluence[c], flux[0][c], flux[1][c], flux[2][c]);
+    }
+}
