@@ -18,13 +18,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from airlight.app.compare import picture
 from airlight.errors import AirlightError
 from airlight.reference.kept import KEPT, load_kept
 from airlight.reference.metrics import Metrics, compare
-from airlight.rendering import render
 from airlight.scene import Scene
 from airlight.scene.image import Image
-from airlight.techniques import TECHNIQUES, technique_class
+from airlight.techniques import TECHNIQUES
 
 FOLDER = Path(__file__).parent
 CEILINGS = FOLDER / "ceilings.toml"
@@ -56,20 +56,13 @@ def techniques_for(scene: Scene) -> list[str]:
 
 
 def measure(name: str, technique: str, *, perceptual: bool = False) -> dict[str, Score]:
-    """The scores of a technique on a kept scene, by layer; settings are the defaults.
-
-    one_bounce is of a picture of its own, where the technique can leave later bounces out.
-    """
+    """The scores of a technique on a kept scene, by layer; settings are the defaults."""
     scene = KEPT[name].load()
     reference = load_kept(FOLDER / f"{name}.exr", shrink=SHRINK)
     size = (reference.radiance.shape[1], reference.radiance.shape[0])
-    image = render(scene, technique, size, samples=SAMPLES)
+    image, _ = picture(scene, technique, size, SAMPLES)
     whole = compare(image, reference, perceptual=perceptual)
-    scores = {"whole": whole, **{k: m for k, m in whole.layers.items() if k != "one_bounce"}}
-    fields = {f.name for f in dataclasses.fields(technique_class(technique).Settings)}
-    if "bounces" in fields:
-        once = render(scene, technique, size, samples=SAMPLES, settings={"bounces": False})
-        scores["one_bounce"] = compare(once, reference, perceptual=False).layers["one_bounce"]
+    scores = {"whole": whole, **whole.layers}
     return {layer: _score(m) for layer, m in scores.items() if _is_lit(reference, layer)}
 
 

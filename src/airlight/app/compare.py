@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import platform
 import shlex
 import time
@@ -168,7 +169,7 @@ def _outcome(
     made = f"airlight render {shlex.quote(label)} -o {name}.exr --layers --technique {name} "
     made += f"--size {size[0]}x{size[1]} --samples {samples}"
     try:
-        image, taken_s = _picture(scene, name, size, samples, adapter)
+        image, taken_s = picture(scene, name, size, samples, adapter)
         metrics = compare(image, reference.image)
     except AirlightError as error:
         return Outcome(name, made, error=str(error))
@@ -198,10 +199,14 @@ def _in_equal_time(error: float, floor: float, taken_s: float, reference: Refere
     )
 
 
-def _picture(
-    scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str
+def picture(
+    scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str = "auto"
 ) -> tuple[Image, float]:
-    """The picture and the seconds it took once shaders were compiled and textures loaded."""
+    """The picture and the seconds it took once shaders were compiled and textures loaded.
+
+    Its layer one_bounce, where the technique can leave later bounces out, is the indirect light of
+    another one.
+    """
     from ..rendering import Renderer
 
     with Renderer(scene, technique, size, adapter=adapter) as renderer:
@@ -210,7 +215,20 @@ def _picture(
         image = renderer.frame(samples=samples)
         taken_s = time.perf_counter() - started_s
     assert image is not None
+    if _has_bounces(technique, scene):
+        once = {"bounces": False}
+        with Renderer(scene, technique, size, adapter=adapter, settings=once) as renderer:
+            bounced = renderer.frame(samples=samples)
+        assert bounced is not None
+        layers = {**image.layers, "one_bounce": bounced.layers["indirect"]}
+        image = dataclasses.replace(image, layers=layers)
     return image, taken_s
+
+
+def _has_bounces(technique: str, scene: Scene) -> bool:
+    from ..techniques import settings_class
+
+    return "bounces" in settings_class(technique, scene).__dataclass_fields__
 
 
 def write(comparison: Comparison, folder: Path) -> None:

@@ -100,9 +100,8 @@ class Comparison:
         return tuple(view for view in made if view is not None)
 
     def _view(self, name: str) -> LayerView | None:
-        own, true = LAYERS.get(name, (WHOLE, WHOLE))
-        truth = _layer(self.reference.image, true)
-        images = {o.technique: _layer(o.image, own) for o in self.outcomes if o.image is not None}
+        truth = _layer(self.reference.image, name)
+        images = {o.technique: _layer(o.image, name) for o in self.outcomes if o.image is not None}
         lit = [a for a in (truth, *images.values()) if a is not None and a.any()]
         if truth is None or (not lit and name != WHOLE):
             return None

@@ -23,15 +23,7 @@ from . import metrics_display as display
 
 __all__ = ["EqualTime", "Metrics", "compare", "equal_time", "noise_floor", "relmse"]
 
-# Score -> layer of the picture, layer of the reference. A technique of one bounce is fairly
-# judged against one bounce, so indirect light is scored against both.
-LAYERS = {
-    "direct": ("direct", "direct"),
-    "indirect": ("indirect", "indirect"),
-    "one_bounce": ("indirect", "one_bounce"),
-    "single_scatter": ("single_scatter", "single_scatter"),
-    "multiple_scatter": ("multiple_scatter", "multiple_scatter"),
-}
+LAYERS = ("direct", "indirect", "one_bounce", "single_scatter", "multiple_scatter")
 SCENE_EPSILON = 1e-4  # of the squared mean luminance of the reference
 FIXED_EPSILON = 1e-2  # W^2 m^-4 sr^-2, as much of the literature has it
 
@@ -118,7 +110,7 @@ class EqualTime:
 
 
 def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metrics:
-    """Score `image` and each radiance layer it shares with `reference`, by the table LAYERS.
+    """Score `image` and each of the radiance LAYERS that it shares with `reference`.
 
     The reference's variance of the mean is its layer "variance" (of a layer NAME,
     "NAME_variance"); without it there is no noise floor. `perceptual = False` leaves FLIP out.
@@ -128,10 +120,10 @@ def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metri
     judge.check(image.radiance, "picture")
     layers = {
         name: judge.score_beside_black(
-            image.layers[own], reference.layers[true], reference.layers.get(f"{true}_variance")
+            image.layers[name], reference.layers[name], reference.layers.get(f"{name}_variance")
         )
-        for name, (own, true) in LAYERS.items()
-        if own in image.layers and true in reference.layers
+        for name in LAYERS
+        if name in image.layers and name in reference.layers
     }
     whole = judge.score_beside_black(
         image.radiance, reference.radiance, reference.layers.get("variance")
