@@ -233,20 +233,21 @@ def render(
     scene: Scene | str | Path, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
     settings: Mapping[str, Any] | None = None, samples: int = STILL_SAMPLES,
     adapter: str = "auto", progress: Progress | None = None, timed: bool = False,
+    time: float | None = None,
 ) -> Image:  # fmt: skip
     """One anti-aliased picture of `scene`, which may also be a file or builtin:NAME.
 
     `size` (width, height) in pixels; `samples` jittered pictures are averaged; `settings` as in
     `airlight render -D`. `progress(stage, share)` is called as it goes. `timed` adds per-pass
-    milliseconds to `image.stats` (a few more frames). Raises SceneError, SettingsError,
-    DeviceError.
+    milliseconds to `image.stats` (a few more frames). `time`: when, seconds, in a scene that moves.
+    Raises SceneError, SettingsError, DeviceError.
     """
     if samples < 1 or samples > 4096:
         raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
     if progress:
         progress("upload", 0.0)
     with Renderer(scene, technique, size, settings=settings, adapter=adapter) as renderer:
-        image = renderer.frame(samples=samples, progress=progress)
+        image = renderer.frame(time=time, samples=samples, progress=progress)
         assert image is not None
         if not timed:
             return image

@@ -62,7 +62,7 @@ def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
          "End its name in one of .exr, .hdr, .png, .jpg, .jpeg."),
         (["builtin:cornell", "{in}.obj"],
          "error: {in}.obj: a scene cannot be written as '.obj'. "
-         "End its name in .xml, for Mitsuba 3."),
+         "End its name in .xml, for Mitsuba 3, or in .toml."),
         (["nowhere.toml", "{in}.xml"],
          "error: nowhere.toml: file not found. Check the path."),
         (["builtin:cornell", "{in}.xml", "--exposure", "1"],
@@ -86,3 +86,18 @@ def test_a_scene_is_not_written_over_itself(tmp_path, capsys):
     assert cli.run(["convert", str(path), str(path)]) == 2
     assert "IN and OUT are the same file" in capsys.readouterr().err
     assert path.read_text() == "<scene version='3.0.0'/>"
+
+
+def test_a_scene_as_a_scene_file(tmp_path, capsys):
+    (tmp_path / "tri.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    folder = tmp_path / "deep"
+    folder.mkdir()
+    assert cli.run(["convert", str(tmp_path / "tri.obj"), str(folder / "a.toml")]) == 0
+    scene, before = load(folder / "a.toml"), load(tmp_path / "tri.obj")
+    assert scene.camera == before.camera
+    assert scene.lights == before.lights
+    assert scene.triangle_count == 1
+    assert 'file = "../tri.obj"' in (folder / "a.toml").read_text()
+    capsys.readouterr()
+    assert cli.run(["convert", "builtin:bleeding", str(folder / "b.toml")]) == 0
+    assert "note: The meshes of builtin:bleeding are no file" in capsys.readouterr().err

@@ -47,6 +47,22 @@ def test_one_that_fails_does_not_cost_the_others(monkeypatch, tmp_path, capsys):
     assert said.err == "error: 1 of 2 figures could not be drawn: clpv-7: not today\n"
 
 
+def test_a_mistake_of_ours_does_not_either_and_ends_with_one(monkeypatch, tmp_path, capsys):
+    def stumble(request):
+        raise ZeroDivisionError("division\nby zero")
+
+    monkeypatch.setattr("airlight.figures.clpv_7.draw", stumble)
+    assert cli.run(["figure", "clpv-7", "clpv-5", "-o", str(tmp_path), "-q"]) == 1
+    said = capsys.readouterr()
+    assert said.out == f"{tmp_path / 'clpv-5.png'}\n"
+    assert said.err == (
+        "error: 1 of 2 figures could not be drawn: clpv-7: internal error: ZeroDivisionError: "
+        "division by zero. Please report it, with AIRLIGHT_DEBUG=1.\n"
+    )
+    assert cli.run(["figure", "clpv-7", "-o", str(tmp_path), "-q"]) == 1  # alone: as any other
+    assert capsys.readouterr().err.startswith("internal error: ZeroDivisionError: division by zero")
+
+
 def test_the_list_names_them_all(capsys):
     assert cli.run(["figure", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -10,8 +10,10 @@ import pytest
 
 import airlight.rendering
 from airlight.app import cli, render
+from airlight.errors import DeviceError
 from airlight.scene import Scene
 from airlight.scene.image import Image
+from airlight.scene.io import load
 
 SCENE = '[[mesh]]\nshape = "box"\n[[light]]\ntype = "point"\nposition = [0, 2, 0]\nintensity = 3\n'
 
@@ -187,3 +189,35 @@ def test_the_first_image_is_timed_before_the_timing_frames():
     report("render", 1.0)
     assert len(finished_s) == 1
     assert seen == [("render", 0.5), ("render", 1.0)]
+
+
+def test_a_time_is_that_of_the_scenes_animation(scene_file, tmp_path, calls, capsys):
+    out = str(tmp_path / "a.png")
+    assert cli.run(["render", scene_file, "-o", out, "--time", "1", "-q"]) == 2
+    assert capsys.readouterr().err == "error: nothing moves in 'box'. Leave --time out.\n"
+    keys = "".join(f"[[light.key]]\ntime_s = {t}\nintensity = {t}\n" for t in (1, 3))
+    moving = tmp_path / "moving.toml"
+    moving.write_text(SCENE + keys)
+    assert cli.run(["render", str(moving), "-o", out, "--time", "1.5", "-q"]) == 0
+    assert calls[-1]["time"] == 1.5
+
+
+def test_a_picture_at_a_time_is_that_frame_of_a_sequence(tmp_path):
+    pytest.importorskip("wgpu")
+    small = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
+    moving = tmp_path / "moving.toml"
+    moving.write_text(SCENE + "[[light.key]]\ntime_s = 0\nintensity = 1\n[[light.key]]\n"
+                      "time_s = 2\nintensity = 9\n")  # fmt: skip
+    scene = load(moving)
+    try:
+        image = airlight.rendering.render(
+            scene, "direct", (16, 9), settings=small, samples=2, time=1.5
+        )
+    except DeviceError as error:
+        pytest.skip(str(error))
+    with airlight.rendering.Renderer(scene, "direct", (16, 9), settings=small) as renderer:
+        renderer.frame(time=0.25, samples=2)
+        frame = renderer.frame(time=1.5, samples=2)
+        other = renderer.frame(time=0.25, samples=2)
+    assert np.array_equal(image.radiance, frame.radiance)
+    assert image.radiance.max() > 1.5 * other.radiance.max()

@@ -1,20 +1,25 @@
-"""`airlight convert`: a scene to Mitsuba XML, or a picture to another format."""
+"""`airlight convert`: a scene to Mitsuba XML or a scene file, or a picture to another format."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import SettingsError
+from ..errors import OutputError, SettingsError
 from .outputs import check_writable
 from .scene_argument import load_scene, show_warnings
+
+if TYPE_CHECKING:
+    from ..scene import Scene
 
 LINEAR_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe")
 DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
 PICTURES_OUT = (".exr", ".hdr", *DISPLAY_SUFFIXES)
-SCENES_OUT = (".xml",)
+SCENES_OUT = (".xml", ".toml")
 
 
 @click.command("convert")
@@ -33,6 +38,7 @@ def command(source: str, target: Path, exposure: float | None, tone_map: str | N
 
     \b
     airlight convert room.toml room.xml     any scene to Mitsuba 3
+    airlight convert room.glb room.toml     a scene file that names its meshes and grids
     airlight convert room.exr room.png      pictures: .exr .hdr .png .jpg
     """
     suffix = Path(source).suffix.lower()
@@ -67,7 +73,7 @@ def convert_picture(
 
 
 def convert_scene(source: str, target: Path) -> None:
-    """Write the scene that `source` names as Mitsuba XML, saying what was approximated.
+    """Write the scene that `source` names as Mitsuba XML or a scene file, saying what it lacks.
 
     Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format.
     """
@@ -75,15 +81,33 @@ def convert_scene(source: str, target: Path) -> None:
         raise SettingsError(
             f"a scene cannot be written as '{target.suffix}'",
             where=target,
-            remedy="End its name in .xml, for Mitsuba 3.",
+            remedy="End its name in .xml, for Mitsuba 3, or in .toml.",
         )
     check_writable(target)
     if target.resolve() == Path(source).resolve():
         raise SettingsError("IN and OUT are the same file", where=target)
-    from ..reference.mitsuba import write_mitsuba
-
     scene = load_scene(source)
-    notes = write_mitsuba(scene, target)
+    notes = _write_toml(scene, source, target) if target.suffix.lower() == ".toml" else (
+        _write_xml(scene, target))  # fmt: skip
     show_warnings(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)
+
+
+def _write_xml(scene: Scene, target: Path) -> Sequence[str]:
+    from ..reference.mitsuba import write_mitsuba
+
+    return write_mitsuba(scene, target)
+
+
+def _write_toml(scene: Scene, source: str, target: Path) -> Sequence[str]:
+    from ..scene.io.files import whole_file
+    from ..scene.io.toml_text import scene_text
+
+    text = scene_text(scene, scene, source, target.parent)
+    try:
+        with whole_file(target) as part:
+            part.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"cannot be written ({error.strerror})", where=target) from None
+    return [line[2:] for line in text.splitlines() if line.startswith("# ")]

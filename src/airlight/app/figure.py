@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import shlex
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import __version__
+from .. import __version__, env
 from ..errors import AirlightError, OutputError, SettingsError
 from .options import adapter_option, size_option
 from .progress import progress
@@ -71,12 +72,12 @@ def command(
 def _draw_all(
     names: tuple[str, ...], folder: Path, size: tuple[int, int], options: dict[str, Any],
     report: Report,
-) -> dict[str, AirlightError]:  # fmt: skip
-    """Each figure; one that cannot be drawn does not cost the others."""
+) -> dict[str, Exception]:  # fmt: skip
+    """Each figure; one that cannot be drawn does not cost the others, whoever made the mistake."""
     from ..figures.panels import Request
     from ..figures.registry import figure, keep
 
-    failed = {}
+    failed: dict[str, Exception] = {}
     for name in names:
         report(name, 0.0)
 
@@ -86,8 +87,10 @@ def _draw_all(
         request = Request(size, options["quick"], options["adapter"], told)
         try:
             drawn = figure(name).draw(request)
-        except AirlightError as error:
+        except Exception as error:
             failed[name] = error
+            if env.is_on("AIRLIGHT_DEBUG") and not isinstance(error, AirlightError):
+                traceback.print_exception(error)
             continue
         about = {
             "command": _command(name, folder, options["size"], options["quick"]),
@@ -126,10 +129,25 @@ def _folder(output: Path | None) -> Path:
     return output
 
 
-def _complain(failed: dict[str, AirlightError], count: int) -> None:
-    """Raise where a figure failed: its own error, or all of them in one message."""
+def _complain(failed: dict[str, Exception], count: int) -> None:
+    """Raise where a figure failed: its own error, or all of them in one message.
+
+    A mistake of ours among several figures is told in words, and ends with exit code 1.
+    """
     if len(failed) == 1 and count == 1:
         raise next(iter(failed.values()))
-    if failed:
-        said = "; ".join(f"{name}: {error}" for name, error in failed.items())
-        raise SettingsError(f"{len(failed)} of {count} figures could not be drawn: {said}")
+    if not failed:
+        return
+    said = "; ".join(f"{name}: {_words(error)}" for name, error in failed.items())
+    problem = f"{len(failed)} of {count} figures could not be drawn: {said}"
+    if all(isinstance(error, AirlightError) for error in failed.values()):
+        raise SettingsError(problem)
+    click.echo(f"error: {problem}. Please report it, with AIRLIGHT_DEBUG=1.", err=True)
+    raise click.exceptions.Exit(1)
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, AirlightError):
+        return str(error)
+    text = " ".join(str(error).split()) or "no message"
+    return f"internal error: {type(error).__name__}: {text}"

@@ -66,6 +66,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         },
         "medium": None if scene.medium is None else _coefficients(scene.medium),
         "volumes": [_volume_facts(volume) for volume in scene.volumes],
+        "animation": _animation_facts(scene),
         "techniques": {name: dict(values) for name, values in scene.settings.items()},
         "warnings": list(scene.warnings),
     }
@@ -115,6 +116,18 @@ def _textures(material: Material) -> list[Texture]:
 
 def _light_facts(light: Light) -> dict[str, Any]:
     return {"type": type(light).__name__.removesuffix("Light").lower(), **vars(light)}
+
+
+def _animation_facts(scene: Scene) -> dict[str, Any] | None:
+    """From when to when it goes, as `airlight sequence` shows it, seconds; None for a still."""
+    moving = scene.animation
+    if moving is None:
+        return None
+    return {
+        "start_s": moving.start_s, "end_s": moving.last_s, "fps": moving.fps,
+        "loop": moving.is_loop, "frames": round((moving.last_s - moving.start_s) * moving.fps),
+        "moving": [type(t).__name__.removesuffix("Track").lower() for t in moving.tracks],
+    }  # fmt: skip
 
 
 def _coefficients(medium: Any) -> dict[str, Any]:

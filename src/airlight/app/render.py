@@ -41,6 +41,9 @@ _STARTED_S = time.perf_counter()
 )
 @size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
+@click.option(
+    "--time", "time_s", type=float, metavar="SECONDS", help="Of a scene that moves: when.",
+)  # fmt: skip
 @settings_option()
 @click.option("--layers", is_flag=True, help="Keep every layer in the EXR.")
 @click.option(
@@ -65,6 +68,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     \b
     airlight render builtin:atrium -o atrium.png
     airlight render room.toml -o room.exr --layers -t lpv -D resolution=48
+    airlight render builtin:smoke -o smoke.png --time 2.5
     """
     stats_path: Path | None = options["stats"]
     _check_outputs(output, stats_path, options["layers"])
@@ -117,6 +121,8 @@ def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
     from ..techniques import checked_settings
 
     checked_settings(options["technique"], scene, options["settings"])
+    if options["time_s"] is not None and scene.animation is None:
+        raise SettingsError(f"nothing moves in '{scene.name}'", remedy="Leave --time out.")
     image = render(
         scene,
         technique=options["technique"],
@@ -125,6 +131,7 @@ def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
         adapter=options["adapter"],
         progress=report,
         timed=options["stats"] is not None,
+        time=options["time_s"],
         **({"samples": options["samples"]} if options["samples"] else {}),
     )
     if options["exposure"] is not None:

@@ -21,11 +21,13 @@ from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
+from . import MESH_SUFFIXES, VOLUME_SUFFIXES
 from .light_groups import is_group
+from .toml_text_moving import has_own_camera, moves_light, with_motion
 
-_MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
 _NO_MAP = "# The environment's picture is no file: its mean stands for it.\n"
+_NO_GRID = "# A volume's density is no file: it is left out.\n"
 _SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g")
 
 
@@ -41,12 +43,20 @@ def scene_text(
     """
     raw, notes = _original(source, folder)
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
+    if has_own_camera(scene):
+        raw["camera"] = {}
+    is_default = _is_default_light(raw, scene, original)
+    notes_before = len(notes)
     own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
     groups = [table for table in raw.get("light", []) if is_group(table)]
     raw["light"] = [*(_light(light) for light in own_lights), *groups]
     raw["environment"] = _environment(raw.get("environment", {}), scene.environment, notes)
+    if is_default:
+        raw["light"], raw["environment"] = groups, {}
+        del notes[notes_before:]
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
-    raw["volume"] = _volumes(scene.volumes, raw.get("volume", []))
+    raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes)
+    with_motion(raw, scene, original, notes)
     techniques = dict(scene.settings)
     for name, values in (settings or {}).items():
         techniques[name] = {**techniques.get(name, {}), **values}
@@ -62,11 +72,14 @@ def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
         for table in (*many, raw.get("environment", {})):
-            if "file" in table:
-                table["file"] = _relative(path.parent / table["file"], folder)
+            for key in ("file", "sequence"):
+                if key in table:
+                    table[key] = _relative(path.parent / table[key], folder)
         return raw, []
-    if path.suffix.lower() in _MESH_SUFFIXES:
+    if path.suffix.lower() in MESH_SUFFIXES:
         return {"mesh": [{"file": _relative(path, folder)}]}, []
+    if path.suffix.lower() in VOLUME_SUFFIXES:
+        return {"volume": [{"file": _relative(path, folder)}]}, []
     return {}, [_NO_MESHES.format(source=source)]
 
 
@@ -83,6 +96,19 @@ def _brought(raw: Mapping[str, Any], original: Scene) -> int:
         return 0  # nothing shone: a loader added sun and sky
     own = [table for table in raw.get("light", ()) if not is_group(table)]
     return max(0, len(original.lights) - len(own))
+
+
+def _is_default_light(raw: Mapping[str, Any], scene: Scene, original: Scene) -> bool:
+    """Whether nothing shines of itself, and the loader's sun and sky are as it made them."""
+    now, before = scene.environment, original.environment
+    if any(name in raw for name in ("light", "environment")) or moves_light(scene):
+        return False
+    if now is None or before is None or now.map is None or before.map is None:
+        return False
+    plain = ("radiance", "scale", "rotation_deg", "visible")
+    is_same_sky = all(getattr(now, key) == getattr(before, key) for key in plain)
+    is_same_light = is_same_sky and scene.lights == original.lights
+    return is_same_light and np.array_equal(now.map, before.map)
 
 
 def _camera(camera: Camera) -> dict[str, Any]:
@@ -136,14 +162,21 @@ def _scattering(of: Medium | Volume) -> dict[str, Any]:
     return {"sigma_t": _colour(of.sigma_t), "albedo": _colour(of.albedo), "g": _colour(of.g)}
 
 
-def _volumes(volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def _volumes(
+    volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]], notes: list[str]
+) -> list[dict[str, Any]]:
     tables = []
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
         tables.append({**kept, **_scattering(volume)})
     for volume in volumes[len(raw) :]:
         if volume.density is None:
-            tables.append({"shape": volume.shape, "bounds": volume.bounds, **_scattering(volume)})
+            matrix = volume.world_from_volume
+            placed = {} if np.array_equal(matrix, np.eye(4)) else {"matrix": matrix.ravel()}
+            shaped = {"shape": volume.shape, "bounds": volume.bounds, **placed}
+            tables.append({**shaped, **_scattering(volume)})
+        else:
+            notes.append(_NO_GRID)
     return tables
 
 
@@ -186,6 +219,5 @@ def _value(value: Any) -> str:
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(_value(v) for v in value) + "]"
     if isinstance(value, (float, np.floating)):
-        text = f"{float(value):.7g}"
-        return text if any(c in text for c in ".en") else f"{text}.0"
+        return repr(float(value))
     return str(value)
