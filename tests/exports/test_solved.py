@@ -75,6 +75,7 @@ def some_points(lattice, count):
 @pytest.mark.parametrize(
     ("name", "technique", "settings"),
     [("cornell", "lpv", {"cascades": 2}), ("cornell", "lpv", {"scheme": "paper"}),
+     ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
      ("haze-box", "lpv-scatter", {})],
 )  # fmt: skip
 def test_numpy_reads_the_file_as_the_device_reads_its_textures(
@@ -89,6 +90,11 @@ def test_numpy_reads_the_file_as_the_device_reads_its_textures(
         expected = on_device(renderer.technique, points, normals)
     found = field.irradiance(points, normals)
     assert expected.max() > 0.0
+    if "bounds" in settings:  # lattices that differ along every axis, in shared textures
+        coarse, fine = (np.array(lattice.count) for lattice in reversed(field.lattices))
+        assert (coarse != fine)[1:].all()
+    for lattice in field.lattices:
+        assert lattice.walls.shape[2::-1] == lattice.openness.shape[2::-1] == lattice.count
     air = field.lattices[-1].air
     assert (air is not None and air[..., 0].max() > 0.0) == (technique == "lpv-scatter")
     # Half floats, and texture filtering with 8 bits of fraction.

@@ -75,9 +75,10 @@ def _lattices(used: Any) -> tuple[LatticeLight, ...]:
 
 def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
     cell, is_paper = float(record["cell"]), bool(record["is_paper"])
-    first, rows = int(record["first_row"]), int(record["count"][1])
+    first, (x, y, z) = int(record["first_row"]), (int(n) for n in record["count"])
+    # Lattices share textures as large as the largest of them.
     states, openness, walls = (
-        held[k][:, first : first + rows] for k in ("states", "open", "walls")
+        held[k][:z, first : first + y, :x] for k in ("states", "open", "walls")
     )
     # Stored units to radiance, so that irradiance is pi (a - 2/3 b.n) to first order.
     scale = 1.0 / (cell**2 * float(record["power_scale"]))
