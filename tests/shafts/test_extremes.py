@@ -27,7 +27,7 @@ LIGHTS = (
 )
 
 
-@pytest.mark.parametrize("scheme", ["minmax", "jitter"])
+@pytest.mark.parametrize("scheme", ["minmax", "volumes", "jitter"])
 @pytest.mark.parametrize("sigma_t", [(0.0, 1e-6, 1e-3), (1.0, 30.0, 1e4)])
 def test_everything_is_finite(
     gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], scheme: str, sigma_t: Any

@@ -110,14 +110,16 @@ class Buffer:
     """A buffer for storage, vertices, indices or uniforms."""
 
     def __init__(
-        self, gpu: Gpu, label: str, nbytes: int, *, vertex: bool = False, index: bool = False
-    ) -> None:
+        self, gpu: Gpu, label: str, nbytes: int, *, vertex: bool = False, index: bool = False,
+        indirect: bool = False,
+    ) -> None:  # fmt: skip
         gpu.require("max-buffer-size", nbytes, f"buffer '{label}'")
         if not (vertex or index):
             gpu.require("max-storage-buffer-binding-size", nbytes, f"buffer '{label}'")
         usage = wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.STORAGE
         usage |= wgpu.BufferUsage.VERTEX if vertex else 0
         usage |= wgpu.BufferUsage.INDEX if index else 0
+        usage |= wgpu.BufferUsage.INDIRECT if indirect else 0
         self.gpu, self.label = gpu, label
         self.nbytes = max(16, -(-nbytes // 4) * 4)
         self.handle: Any = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)

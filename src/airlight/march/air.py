@@ -78,6 +78,11 @@ class Air:
         return bool(self.grids)
 
     @property
+    def is_one_box(self) -> bool:
+        """Whether all there is is one box of even air."""
+        return self._kinds == (BOX,)
+
+    @property
     def finest_voxel_m(self) -> float:
         """The shortest cell side of all grids, metres; infinite without grids."""
         return min((r["voxel"] for r in self.rows if r["kind"] == GRID), default=float("inf"))

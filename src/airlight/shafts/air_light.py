@@ -30,6 +30,7 @@ from ..scene.settings import setting
 from ..scene.volume import Volume
 from .jitter import Jitter
 from .shafts import Shafts
+from .volumes import Volumes
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,13 @@ class AirSettings:
     shafts: str = setting(
         "auto",
         "how single scattering finds its shadows; auto: minmax, or "
-        "jitter where there are density grids",
-        choices=("auto", "minmax", "jitter", "off"),
+        "jitter where there are density grids; volumes: light volumes, as in the paper",
+        choices=("auto", "minmax", "volumes", "jitter", "off"),
     )
+    volume_tolerance: float = setting(
+        0.5, "how far facets of light volumes may lie off the shadow map", unit="texels",
+        low=0.0, high=16.0,
+    )  # fmt: skip
     shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
     shaft_contrast: float = setting(
         0.2,
@@ -119,7 +124,7 @@ class AirLight:
         """Go on with pictures of `size`, pixels; media, lights and passes stay."""
         for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
             rays.resize(size)
-        if isinstance(self.shafts, Jitter):
+        if isinstance(self.shafts, (Jitter, Volumes)):
             self.shafts.resize(self.shaft_rays.reduced)
         for texture in (*self._pictures, *self._reduced.values()):
             texture.release()
@@ -131,7 +136,7 @@ class AirLight:
         alone = (self._shafts_alone,) if self.has_sky else ()
         return (self.single_scatter, self.multiple_scatter, self.transmittance, *alone)
 
-    def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | None:
+    def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | Volumes | None:
         scheme, s = self.settings.shafts, self.settings
         if scheme == "off" or not lights.count or not self.air.count:
             return None
@@ -142,6 +147,9 @@ class AirLight:
             )
         if scheme == "jitter" or self.air.has_grids:
             return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
+        if scheme == "volumes":
+            return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
+                           tolerance=s.volume_tolerance)  # fmt: skip
         return Shafts(gpu, self.air, lights, max_nodes=s.shaft_nodes)
 
     def solve(

@@ -151,3 +151,22 @@ fn lit_run(
     }
     return sum * light.color;
 }
+
+// What of the entered ray a light can reach.
+fn light_span(light: LightData, origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f {
+    if (light.kind != LIGHT_SPOT) {
+        return hull;
+    }
+    let cone = ray_cone_interval(
+        origin, direction, light.position, light.direction, light.cos_outer);
+    return vec2f(max(hull.x, cone.x), min(hull.y, cone.y));
+}
+
+// In one dense medium, no farther than light can come from.
+fn visible_hull(hull: vec2f) -> vec2f {
+    if (AIR_COUNT > 1u || AIR_GRIDS > 0u) {
+        return hull;
+    }
+    let thinnest = min(air[0].sigma_t.x, min(air[0].sigma_t.y, air[0].sigma_t.z));
+    return vec2f(hull.x, min(hull.y, hull.x + 16.0 / max(thinnest, 1e-12)));
+}

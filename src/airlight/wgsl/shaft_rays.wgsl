@@ -83,12 +83,7 @@ fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < shafts.light_count; i++) {
         let light = lights[i];
-        var span = hull;
-        if (light.kind == LIGHT_SPOT) {
-            let cone = ray_cone_interval(
-                rays.eye, direction, light.position, light.direction, light.cos_outer);
-            span = vec2f(max(span.x, cone.x), min(span.y, cone.y));
-        }
+        let span = light_span(light, rays.eye, direction, hull);
         if (span.x < span.y && any(light.color > vec3f(0.0))) {
             run_prepare(light, rays.eye, direction);
             for (var v = 0u; v < light.view_count; v++) {
@@ -97,13 +92,4 @@ fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
         }
     }
     return sum;
-}
-
-// In one dense medium, no farther than light can come from.
-fn visible_hull(hull: vec2f) -> vec2f {
-    if (AIR_COUNT > 1u || AIR_GRIDS > 0u) {
-        return hull;
-    }
-    let thinnest = min(air[0].sigma_t.x, min(air[0].sigma_t.y, air[0].sigma_t.z));
-    return vec2f(hull.x, min(hull.y, hull.x + 16.0 / max(thinnest, 1e-12)));
 }

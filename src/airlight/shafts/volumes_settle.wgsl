@@ -1,0 +1,8 @@
+// Where all is dark, sums end a little off zero.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= textureDimensions(summed))) {
+        return;
+    }
+    let light = textureLoad(summed, vec2i(id.xy), 0);
+    textureStore(scattered, id.xy, vec4f(max(light.rgb, vec3f(0.0)), 1.0));
+}
