@@ -27,7 +27,8 @@ from .placement import Placement
 from .surfels import SurfelData, follow, surfels
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
-_UNITS = 2.0**16  # fixed-point units per fully covered cell face
+UNITS = 2.0**16
+"""Fixed-point units per fully covered cell face."""
 
 
 class BlockerParams(Struct):
@@ -99,8 +100,8 @@ class Blockers:
             self.count, self.is_emissive = beside.count, beside.is_emissive
             self.surfels, self.walls = beside.surfels, beside.walls
             self.open_a, self.open_b = beside.open_a, beside.open_b
-        corners = int(np.prod([n + 1 for n in placement.count]))
-        self._sums = Buffer(gpu, "blocker sums", corners * _CORNER_VALUES * 4)
+        self.corners = int(np.prod([n + 1 for n in placement.count]))
+        self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
         self.openness = Buffer(gpu, "openness", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
@@ -131,26 +132,42 @@ class Blockers:
         if self._made == made:
             return False
         self._made = made
-        if self._is_owner:
-            self._follow()
-        params = BlockerParams(
-            origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
-            surfel_count=self.count, units=_UNITS, first_row=self.placement.first_row,
-        )  # fmt: skip
-        commands.encoder.clear_buffer(self._sums.handle)
-        self._sum.dispatch(
-            commands, (self.count,), params=params, surfels=self.surfels,
-            instances=self.meshes.instances, sums=self._sums,
-        )  # fmt: skip
-        self._open.dispatch(
-            commands, self.placement.count, params=params, sums=self._sums, faces=self.faces,
-            openness=self.openness, open_a=self.open_a, open_b=self.open_b, walls=self.walls,
-        )  # fmt: skip
+        self.clear(commands)
+        self.sum_meshes(commands)
+        self.open(commands)
         return True
 
-    def _follow(self) -> None:
-        """Move the surfels of meshes whose vertices moved."""
+    def clear(self, commands: Commands) -> None:
+        """Nothing is around the corners any more."""
+        commands.encoder.clear_buffer(self.sums.handle)
+
+    def sum_meshes(self, commands: Commands) -> None:
+        """Add the surfels of all meshes to the sums around the corners."""
+        self.follow_vertices()
+        self._sum.dispatch(
+            commands, (self.count,), params=self._params(), surfels=self.surfels,
+            instances=self.meshes.instances, sums=self.sums,
+        )  # fmt: skip
+
+    def open(self, commands: Commands) -> None:
+        """Openness and reflectance of all faces, and their walls, from the sums."""
+        self._open.dispatch(
+            commands, self.placement.count, params=self._params(), sums=self.sums,
+            faces=self.faces, openness=self.openness, open_a=self.open_a, open_b=self.open_b,
+            walls=self.walls,
+        )  # fmt: skip
+
+    def _params(self) -> BlockerParams:
+        return BlockerParams(
+            origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
+            surfel_count=self.count, units=UNITS, first_row=self.placement.first_row,
+        )  # fmt: skip
+
+    def follow_vertices(self) -> None:
+        """Move the surfels of meshes whose vertices moved; nested lattices share their owner's."""
         meshes = self.meshes
+        if not self._is_owner:
+            return
         pairs = zip(self._followed, meshes.current, strict=True)
         if any(before.geometry is not now.geometry for before, now in pairs):
             moved = follow(self._samples, meshes.order, meshes.original, meshes.current)
@@ -165,7 +182,7 @@ class Blockers:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._sums, self.faces, self.openness):
+        for part in (self.sums, self.faces, self.openness):
             part.release()
         if self._is_owner:
             for shared in (self.surfels, self.open_a, self.open_b, self.walls):

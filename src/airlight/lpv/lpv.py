@@ -36,7 +36,7 @@ from ..surface.reflective import ReflectiveShadowMaps
 from .border import Border
 from .cascades import Cascade, cascade, follow
 from .propagate import Propagate
-from .seen_blockers import SeenBlockers
+from .seen_blockers import SOURCES, SeenBlockers
 from .storage import STORAGES
 
 
@@ -53,13 +53,12 @@ class LpvSettings(SurfaceSettings):
     map_resolution: int = setting(
         256, "side of reflective shadow maps", unit="px", low=8, high=4096
     )
+    surfel_source: str = setting("meshes", "what blockers are sampled from", choices=SOURCES)
     surfel_resolution: int = setting(
-        128, "side of the views that scheme paper takes blockers from", unit="px", low=8, high=2048
+        128, "side of the views that blockers are taken from", unit="px", low=8, high=2048
     )
     peel_layers: int = setting(2, "depth layers of each of them", low=1, high=8)
-    keep_surfels: bool = setting(
-        True, "whether what earlier frames saw of unmoved surfaces still blocks"
-    )
+    keep_surfels: bool = setting(True, "whether what views saw before still blocks, until it moves")
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
     cascades: int = setting(
@@ -118,11 +117,12 @@ class Lpv(Direct):
         if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
             self.border = Border(gpu)
         self.seen: SeenBlockers | None = None
-        if self.is_paper:
+        if self.is_paper or settings.surfel_source != "meshes":
             self.seen = SeenBlockers(
                 gpu, scene, [part.blockers for part in self.cascades],
                 resolution=settings.surfel_resolution, peels=settings.peel_layers,
-                keeps=settings.keep_surfels, aspect=size[0] / size[1],
+                keeps=settings.keep_surfels, aspect=size[0] / size[1], is_paper=self.is_paper,
+                source=settings.surfel_source,
             )  # fmt: skip
         self._is_first = True
 
@@ -148,13 +148,9 @@ class Lpv(Direct):
     def _cascade(self, scene: Scene, level: int) -> Cascade:
         gpu, placement = self.gpu, self.nest.levels[level]
         propagate = Propagate(
-            gpu,
-            placement,
-            cast(Scheme, self.lpv.scheme),
-            is_blocked=self.lpv.occlusion,
-            is_reflecting=self.lpv.bounces,
-            storage=self.lpv.storage,
-        )
+            gpu, placement, cast(Scheme, self.lpv.scheme), is_blocked=self.lpv.occlusion,
+            is_reflecting=self.lpv.bounces, storage=self.lpv.storage,
+        )  # fmt: skip
         if level == len(self.nest.levels) - 1:
             return cascade(
                 gpu, placement, self.blockers, self.sky.skylight, propagate, self._small(level)
@@ -264,9 +260,7 @@ class Lpv(Direct):
         )  # fmt: skip
 
     def _inject_steady(self, commands: Commands, part: Cascade, scale: float) -> None:
-        """What changes only with the environment, the geometry or the lattice's place: the sky's
-        bounce, emission.
-        """
+        """What sky, geometry and the lattice's place alone change: sky bounce, emission."""
         part.is_stale = False
         if self.sky.maps.layers:
             self._inject(commands, part, self.sky.maps, scale)

@@ -1,0 +1,38 @@
+//! use blocker_sums
+
+// The maximum of what several buffers cover. What hangs on a share (its reflectance, its moment)
+// comes from the buffer that covers more.
+
+fn merged_units(value: i32) -> i32 {
+    return i32(round(f32(value) / params.finer));
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.corners) {
+        return;
+    }
+    let first = CORNER_VALUES * id.x;
+    for (var side = 0u; side < 6u; side++) {
+        let covered = merged_units(sums[first + side]);
+        if (covered > merged[first + side]) {
+            merged[first + side] = covered;
+            let at = first + SIDE_REFLECTED + 3u * side;
+            for (var k = 0u; k < 3u; k++) {
+                merged[at + k] = merged_units(sums[at + k]);
+            }
+        }
+        let behind = first + SIDE_BEHIND + side;
+        merged[behind] = max(merged[behind], sums[behind]);
+    }
+    for (var axis = 0u; axis < 3u; axis++) {
+        let at = first + AXIS_COVER + axis;
+        let covered = merged_units(sums[at]);
+        if (covered > merged[at]) {
+            merged[at] = covered;
+            merged[first + AXIS_MOMENT + axis] = merged_units(sums[first + AXIS_MOMENT + axis]);
+        }
+    }
+    for (var k = 0u; k < CORNER_VALUES; k++) {
+        sums[first + k] = 0;
+    }
+}

@@ -1,0 +1,123 @@
+"""Surfels of what the camera and the lights see, for the default blockers (Kaplanyan2010, 3.2).
+
+Each texel of a view stands for the surface that it shows, and stops what comes towards the side
+that is seen. All peeled layers of a buffer (the camera's, or all faces of a light's) are summed
+around the lattice's corners, as lattice.blockers has them for surfels of meshes; buffers are merged
+by the maximum, which non-negative projected areas allow: what two of them see blocks once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, texture, uniform
+from ..surface.geometry import GpuScene
+from ..surface.light_views import LightView, LightViewData
+from ..surface.surfel_views import SurfelViews
+from .blockers import UNITS, Blockers
+from .placement import Placement
+
+_FINER = 16.0
+"""A view's areas are summed in units so much finer: texels near the eye show little each."""
+
+
+class ViewSurfelParams(Struct):
+    """Where corners are, and which view's layers are put in."""
+
+    origin = vec3f("m")
+    cell = f32("m")
+    count = vec3u("cells")
+    units = f32("fixed-point units per fully covered face, in a buffer's sums")
+    resolution = u32("texels")
+    view = u32()
+    first_layer = u32()
+    finer = f32("those units over those of the merged sums")
+    corners = u32("around the lattice's cells")
+
+
+class _SumTexels(ComputePass):
+    slots = (
+        uniform("params", ViewSurfelParams),
+        storage("views", LightViewData),
+        texture("depth", "2d-array", "depth"),
+        texture("normal", "2d-array", "unfilterable-float"),
+        texture("reflectance", "2d-array", "unfilterable-float"),
+        storage("sums", "atomic<i32>", "read_write"),
+    )
+    workgroup = (16, 16, 1)
+    file = "view_surfels.wgsl"
+
+
+class _MergeSums(ComputePass):
+    slots = (
+        uniform("params", ViewSurfelParams),
+        storage("sums", "i32", "read_write"),
+        storage("merged", "i32", "read_write"),
+    )
+    workgroup = (256, 1, 1)
+    file = "merge_sums.wgsl"
+
+
+class ViewSurfels:
+    """Fills the sums of `blockers` from views in the place of its own encoding.
+
+    `keeps`: surfels of earlier frames stay as long as geometry and lattice do. `has_meshes`: the
+    surfels of the meshes are a buffer of their own beside those of the views.
+    """
+
+    def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool, has_meshes: bool) -> None:
+        self.blockers, self.keeps, self.has_meshes = blockers, keeps, has_meshes
+        self._sums = Buffer(gpu, "surfels of a buffer", blockers.sums.nbytes)
+        self._sum, self._merge = _SumTexels(gpu), _MergeSums(gpu)
+        self._made: tuple[int, Placement] | None = None
+
+    def encode(
+        self, commands: Commands, meshes: GpuScene, maps: SurfelViews, views: Sequence[LightView],
+        *, is_drawn: bool,
+    ) -> bool:  # fmt: skip
+        """Bring the blockers up to date with `maps`, the camera's view first; returns whether
+        anything changed. `is_drawn`: a view was drawn anew.
+        """
+        blockers = self.blockers
+        made = (meshes.version, replace(blockers.placement, fade=None))
+        is_new, self._made = made != self._made, made
+        if not (is_new or is_drawn):
+            return False
+        if is_new or not self.keeps:
+            blockers.clear(commands)
+            if self.has_meshes:
+                blockers.sum_meshes(commands)
+        commands.encoder.clear_buffer(self._sums.handle)
+        for index, view in enumerate(views):
+            self._sum.dispatch(
+                commands, (maps.resolution, maps.resolution, maps.peels),
+                params=self._params(maps, index), views=maps.views, depth=maps.depth,
+                normal=maps.normal, reflectance=maps.reflectance, sums=self._sums,
+            )  # fmt: skip
+            # The faces of one light's cube see what is beside each other: one buffer.
+            is_last = index + 1 == len(views) or views[index + 1].light != view.light
+            if index == 0 or is_last:
+                self._merge.dispatch(
+                    commands, (blockers.corners,), params=self._params(maps, index),
+                    sums=self._sums, merged=blockers.sums,
+                )  # fmt: skip
+        blockers.open(commands)
+        return True
+
+    def _params(self, maps: SurfelViews, index: int) -> ViewSurfelParams:
+        placement = self.blockers.placement
+        return ViewSurfelParams(
+            origin=placement.origin, cell=placement.cell, count=placement.count,
+            units=_FINER * UNITS, resolution=maps.resolution, view=index,
+            first_layer=index * maps.peels, finer=_FINER, corners=self.blockers.corners,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._sums.release()
