@@ -31,12 +31,13 @@ class View:
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.sample = 0
+        self.camera = Camera()
 
     def aim(
         self, camera: Camera, jitter_px: tuple[float, float] = (0.0, 0.0), sample: int = 0
     ) -> None:
         """Look through `camera`, the picture moved by `jitter_px`; it is the still's `sample`."""
-        self.sample = sample
+        self.sample, self.camera = sample, camera
         look = np.subtract(camera.target, camera.position)
         view = view_from_world(camera.position, look, camera.up)
         aspect = self.size[0] / self.size[1]

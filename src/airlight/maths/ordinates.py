@@ -71,14 +71,14 @@ def partition(radiance: ArrayLike, count: int, rounds: int = ROUNDS) -> Ordinate
     They carry the map's light exactly: irradiance sums to the integral of radiance, and each
     channel's share goes with its part. Black parts get irradiance 0.
     """
-    power, weight, towards, solid_angle = _texels(np.asarray(radiance, dtype=np.float64))
-    centre = _seeds(weight, count)
+    power, weight, towards, solid_angle = map_texels(np.asarray(radiance, dtype=np.float64))
+    centre = seeds(weight, count)
     flat = towards.reshape(-1, 3)
     pull = np.maximum(weight, 1e-12 * weight.max(initial=1e-300)).ravel()
     unit = flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-300)
     for _ in range(rounds):
         part = np.argmax(unit @ centre.T, axis=1)
-        centre = _unit(_sums(part, pull[:, None] * unit, count), centre)
+        centre = unit_rows(_sums(part, pull[:, None] * unit, count), centre)
     part = np.argmax(unit @ centre.T, axis=1)
     light = luminance(power).reshape(-1, 1)
     carried = _sums(part, light, count)[:, 0]
@@ -88,12 +88,14 @@ def partition(radiance: ArrayLike, count: int, rounds: int = ROUNDS) -> Ordinate
     # A black part's cosine is that of a cone of its solid angle; it weighs nothing.
     cosine = np.where(carried > 0.0, np.minimum(cosine, 1.0), 1.0 - omega / (4.0 * np.pi))
     return Ordinates(
-        -_unit(vector, centre), _sums(part, power.reshape(-1, 3), count), omega, cosine
+        -unit_rows(vector, centre), _sums(part, power.reshape(-1, 3), count), omega, cosine
     )
 
 
-def importance_sampled(radiance: ArrayLike, count: int) -> Ordinates:
+def importance_sampled(radiance: ArrayLike, count: int, importance: F64 | None = None) -> Ordinates:
     """`count` ordinates of a map where its light is, each with as much of it: Elek2014, 5.1.
+
+    Light counts by `importance` (H, W), 1 where there is none given: product sampling, 5.2.
 
     Directions follow the map's luminance through a Fibonacci lattice, so that nothing is random;
     colours are those of single texels. An ordinate's solid angle is the inverse of the sampling
@@ -102,9 +104,9 @@ def importance_sampled(radiance: ArrayLike, count: int) -> Ordinates:
     rgb = np.asarray(radiance, dtype=np.float64)
     height, width = rgb.shape[:2]
     omega = latlong_row_solid_angles(height, width)[:, None]
-    light = luminance(rgb)
+    light = luminance(rgb) * (1.0 if importance is None else importance)
     total = float((light * omega).sum())
-    towards = _seeds(light * omega + 1e-12 * max(total, 1e-300) / light.size, count)
+    towards = seeds(light * omega + 1e-12 * max(total, 1e-300) / light.size, count)
     u = np.arctan2(towards[:, 0], -towards[:, 2]) / (2.0 * np.pi) % 1.0
     v = np.arccos(np.clip(towards[:, 1], -1.0, 1.0)) / np.pi
     at = (np.minimum((v * height).astype(int), height - 1),
@@ -121,7 +123,7 @@ def even_sky(count: int) -> Ordinates:
     return partition(np.ones((height, 2 * height, 3)), count)
 
 
-def _texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
+def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
     """Power (h, w, 3) W m^-2, k-means weight (h, w), mean direction (h, w, 3), solid angle.
 
     Blocks of texels are merged; their mean direction is weighted by luminance and keeps its
@@ -150,7 +152,7 @@ def _blocks(values: F64, blocks: tuple[int, int]) -> F64:
     return np.asarray(np.add.reduceat(by_row, starts, axis=1))
 
 
-def _seeds(weight: F64, count: int) -> F64:
+def seeds(weight: F64, count: int) -> F64:
     """Unit directions (count, 3) towards the map, spread by `weight` (h, w).
 
     A Fibonacci lattice through the map's cumulative weights: on an even map, the Fibonacci sphere.
@@ -180,7 +182,7 @@ def _sums(part: I64, values: F64, count: int) -> F64:
     return np.stack(columns, axis=-1)
 
 
-def _unit(vectors: F64, otherwise: F64) -> F64:
+def unit_rows(vectors: F64, otherwise: F64) -> F64:
     """Rows scaled to length 1; rows of (nearly) no length replaced by `otherwise`'s."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     scale = float(length.max(initial=0.0))

@@ -45,12 +45,12 @@ def convolved(radiance: ArrayLike, g: ArrayLike) -> F64:
     return np.maximum(np.stack(channels, axis=-1), 0.0)
 
 
-def sky_gain(radiance: ArrayLike, ordinates: Ordinates, table: F64, g: ArrayLike) -> F64:
-    """(h, w, channel): `convolved` over the ordinates' own sum, by direction towards the sky.
+def sky_gain(exact: F64, ordinates: Ordinates, table: F64) -> F64:
+    """(h, w, channel): `exact`, the map `convolved`, over the ordinates' own sum, by direction
+    towards the sky.
 
-    `ordinates` of the map `radiance`, `table` their `beam_phase_table`. Within LARGEST_GAIN.
+    `ordinates` of the same map, `table` their `beam_phase_table`. Within LARGEST_GAIN.
     """
-    exact = convolved(radiance, g)
     towards = latlong_texel_directions(*exact.shape[:2])
     own = np.zeros_like(exact)
     for n in range(ordinates.count):

@@ -23,6 +23,7 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
+from .importance import Look
 from .solver import PopSettings, PopSolver
 from .visibility import Surfaces
 
@@ -78,9 +79,10 @@ class PopMedia:
     def draw(self, commands: Commands, view: View) -> None:
         """Fill `scattered` and `transmittance` for a view whose G-buffer is drawn."""
         scene, picture = self._scene, self._of_size(view.size)
+        look = Look(view.camera, view.size[0] / view.size[1])
         for solver, volume in zip(self.solvers, self._volumes(scene), strict=True):
             solver.encode(commands, scene.lights, scene.environment, np.asarray(view.eye), volume,
-                          self._surfaces)  # fmt: skip
+                          self._surfaces, look=look)  # fmt: skip
         with commands.stage("march"):
             rays = picture.rays.encode(commands, view)
             self._march.encode(

@@ -20,6 +20,8 @@ from ..maths.ordinates import (
     parallel,
     partition,
 )
+from ..maths.transforms import F64
+from ..maths.view_ordinates import view_partition, view_samples
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from ..surface.sky import environment_map
@@ -43,31 +45,40 @@ class OrdinateData(Struct):
 _EVEN = np.ones((2, 4, 3))
 MAKERS = {"partition": partition, "importance": importance_sampled}
 """How a map becomes ordinates."""
+_SEEN = {"partition": view_partition, "importance": view_samples}
 
 
 class SceneOrdinates:
     """Sun lights and environment as ordinates in the world; made anew where they changed.
 
     A turned environment turns its ordinates: they are made in the map's own frame, so that nothing
-    flickers while it turns. No ordinate depends on the camera.
+    flickers while it turns. The camera has no say, unless `of` is told what it sees.
     """
 
     def __init__(self, count: int, made_by: str = "partition") -> None:
         """`made_by` is one of `MAKERS`."""
-        self.count, self._maker = count, MAKERS[made_by]
+        self.count, self._maker, self._seen_maker = count, MAKERS[made_by], _SEEN[made_by]
+        self._importance: F64 | None = None
+        self._made_for: F64 | None = None
         self._environment: Environment | None = None
         self._sky: Ordinates | None = None
         self._made: tuple[Environment, SkyLight | None] | None = None
         self.sky: SkyLight | None = None  # the last one's map and ordinates, before it is turned
 
-    def of(self, lights: tuple[Light, ...], environment: Environment | None) -> Ordinates:
-        """All ordinates; a black environment has none."""
+    def of(
+        self, lights: tuple[Light, ...], environment: Environment | None,
+        importance: F64 | None = None,
+    ) -> Ordinates:  # fmt: skip
+        """All ordinates; a black environment has none.
+
+        `importance` (h, w) by direction towards the map, before it is turned: draws them to it.
+        """
         parts = []
         suns = [light for light in lights if isinstance(light, DirectionalLight)]
         if suns:
             parts.append(parallel([s.direction for s in suns], [s.irradiance for s in suns]))
-        if environment is not self._environment:
-            self._environment = environment
+        if environment is not self._environment or importance is not self._importance:
+            self._environment, self._importance = environment, importance
             self._sky = self._of_sky(environment)
         if self._sky is not None:
             parts.append(self._sky)
@@ -81,10 +92,13 @@ class SceneOrdinates:
             light = np.asarray(environment.radiance) * environment.scale
             self.sky = even_light(even)
             return replace(even, irradiance=even.irradiance * light) if light.any() else None
+        seen = self._importance
         if self._made is None or not _is_same_map(self._made[0], environment):
             radiance = environment_map(environment)
-            made = self._maker(radiance, self.count) if radiance.max() > 0.0 else None
-            self._made = environment, None if made is None else SkyLight(radiance, made)
+            self._made = environment, self._cut(radiance, seen) if radiance.max() > 0.0 else None
+        elif self._made_for is not seen and self._made[1] is not None:
+            self._made = environment, self._cut(self._made[1].radiance, seen)
+        self._made_for = seen
         if self._made[1] is None:
             return None
         self.sky = replace(self._made[1], rotation_deg=environment.rotation_deg)
@@ -93,6 +107,11 @@ class SceneOrdinates:
         c, s = np.cos(angle), np.sin(angle)
         about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         return straight.turned(about_y)
+
+    def _cut(self, radiance: F64, importance: F64 | None) -> SkyLight:
+        if importance is None:
+            return SkyLight(radiance, self._maker(radiance, self.count))
+        return SkyLight(radiance, self._seen_maker(radiance, self.count, importance))
 
 
 def even_light(even: Ordinates) -> SkyLight:

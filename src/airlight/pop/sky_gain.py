@@ -11,7 +11,7 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Sampler, Texture
 from ..maths.beam_phase import beam_phase_table
 from ..maths.ordinates import Ordinates
-from ..maths.sky_phase import ROWS, sky_gain
+from ..maths.sky_phase import ROWS, convolved, sky_gain
 from ..maths.transforms import F64
 from .placement import MediumPlacement
 
@@ -37,6 +37,7 @@ class SkyGain:
         )  # fmt: skip
         self.sky_from_medium = np.eye(4)
         self._key: tuple[Any, ...] = ()
+        self._exact: tuple[F64, tuple[float, ...], F64] | None = None  # map, g, convolved
 
     def write(
         self, sky: SkyLight | None, placement: MediumPlacement, g: tuple[float, ...], *,
@@ -56,15 +57,22 @@ class SkyGain:
         ):
             return
         self._key = key
-        repeats = -(-ROWS // len(sky.radiance))
-        radiance = sky.radiance.repeat(repeats, axis=0).repeat(repeats, axis=1)
         table = beam_phase_table(np.asarray(g), sky.ordinates.mean_cosine, prefilter=prefilter)
-        gain = sky_gain(radiance, sky.ordinates, table, g)
+        gain = sky_gain(self._convolved(sky.radiance, g), sky.ordinates, table)
         if self.texture.size[:2] != (gain.shape[1], gain.shape[0]):
             self.texture.release()
             self.texture = self._made(gain)
         else:
             self.texture.write(_rgba(gain))
+
+    def _convolved(self, radiance: F64, g: tuple[float, ...]) -> F64:
+        """Of the map: the same for every choice of ordinates."""
+        known = self._exact
+        if known is None or known[0] is not radiance or known[1] != g:
+            repeats = -(-ROWS // len(radiance))
+            wide = radiance.repeat(repeats, axis=0).repeat(repeats, axis=1)
+            known = self._exact = radiance, g, convolved(wide, g)
+        return known[2]
 
     def _made(self, gain: F64) -> Texture:
         made = Texture(self._gpu, "sky gain", (gain.shape[1], gain.shape[0]), "rgba16float")

@@ -30,6 +30,7 @@ from .bounce import Bounce, Bounced
 from .density import Density
 from .diffuse import GROUP
 from .emission import Emission
+from .importance import WAYS, Look, ViewImportance
 from .ordinates import MAKERS, SceneOrdinates, even_light, lamps_of
 from .placement import (
     SPHERE_SIDE,
@@ -60,6 +61,10 @@ class PopSettings:
     ordinates_from: str = setting(
         "partition", "how a map becomes directions: parts of it, or samples of it as in the paper",
         choices=tuple(MAKERS),
+    )  # fmt: skip
+    importance: str = setting(
+        "none", "where few directions are drawn to: the map's light alone, or what the camera sees "
+        "of it, too", choices=WAYS,
     )  # fmt: skip
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
@@ -103,6 +108,7 @@ class PopSolver:
         has_furnace = is_beam and settings.furnace_correction > 0.0
         self.furnace = Beams(gpu, self, settings.ordinates) if has_furnace else None
         self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
+        self._importance = ViewImportance() if settings.importance == "view" else None
         self._even = even_sky(settings.ordinates) if self.furnace else None
         self._bounce: Bounce | None = None
         self._own_voxels = voxels is None
@@ -115,17 +121,19 @@ class PopSolver:
     def encode(
         self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
         eye: F64, volume: Volume | None = None, surfaces: Surfaces | None = None,
-        bounced: Bounced | None = None,
+        bounced: Bounced | None = None, look: Look | None = None,
     ) -> Texture:  # fmt: skip
         """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
 
         `volume`: the medium as it is now; of the same box and grid size as at the start.
-        `surfaces`: what shades it; `bounced`: what light they reflect into it.
+        `surfaces`: what shades it; `bounced`: what light they reflect into it. `look`: the view,
+        where importance asks for it.
         """
         if volume is not None and volume is not self.volume:
             self._take(volume)
         with commands.stage("pop ordinates"):
-            ordinates = self._scene_ordinates.of(lights, environment)
+            seen = self._seen(environment, look)
+            ordinates = self._scene_ordinates.of(lights, environment, seen)
         lamps = lamps_of(lights)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params, bounced)
@@ -173,6 +181,13 @@ class PopSolver:
                 part.release()
         if self._own_voxels:
             self.voxels.release()
+
+    def _seen(self, environment: Environment | None, look: Look | None) -> F64 | None:
+        """What the camera sees of the map, where that is asked for."""
+        if self._importance is None or look is None or environment is None:
+            return None
+        rotation_deg = environment.rotation_deg
+        return self._importance.of(self.volume, self.placement, look, rotation_deg)
 
     def _encode_density(
         self, commands: Commands, params: MediumParams, bounced: Bounced | None

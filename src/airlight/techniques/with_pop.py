@@ -13,6 +13,7 @@ from ..lighting.direct import Direct
 from ..lighting.view import View
 from ..march.march import Source
 from ..pop.bounce import Bounced
+from ..pop.importance import Look
 from ..pop.solver import PopSettings, PopSolver
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
@@ -55,10 +56,11 @@ def with_pop(base: type[Direct]) -> type[Direct]:
 
         def draw(self, commands: Commands, view: View) -> None:
             scene, eye = self._scene, np.asarray(view.eye)
+            look = Look(view.camera, view.size[0] / view.size[1])
             for solver, volume in zip(self.solvers, scene.volumes, strict=True):
                 solver.encode(
                     commands, scene.lights, scene.environment, eye, volume, self._surfaces,
-                    self._bounced(),
+                    self._bounced(), look,
                 )  # fmt: skip
             super().draw(commands, view)
 

@@ -1,0 +1,188 @@
+"""What a camera sees of light from everywhere: importance, light that the eye sends out.
+
+Elek2014 section 5.2. Importance enters the air along the eye's rays, scatters as light does and
+leaves towards the sky; where it leaves says which parts of the sky matter to the picture. It hops
+in a grid that is warped into the view, as light does in `ordinate_hops`. Everything follows
+smoothly from the camera and the air: nothing is remembered between frames.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .delta_beam import MediumGrid
+from .latlong import latlong_row_solid_angles
+from .ordinate_hops import Hops, first_light, parallel_hops, propagate
+from .phase import ISOTROPIC, henyey_greenstein
+from .voxels import density_behind, trilinear
+
+F64 = NDArray[np.float64]
+
+SIDE = 16  # cells of the view's grid along each axis (Elek2014)
+ROWS = 16  # of the map, 32 columns (Elek2014)
+HOPS = 16
+_MERGED = 2  # cells along each axis that leave as one
+_NEAREST = 1e-3  # of the farthest depth: where the view's grid begins around an eye in the air
+_LEAVING = 4  # points along each axis of the air's box from which the way out is marched
+_SHARPEST = 0.98
+
+
+@dataclass(frozen=True, eq=False)
+class Frustum:
+    """A camera in the air's frame: `eye` (3,) m, unit `right`, `up`, `forward` (3,).
+
+    `tangents` of half the field of view: across, up.
+    """
+
+    eye: F64
+    right: F64
+    up: F64
+    forward: F64
+    tangents: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class ViewGrid:
+    """The part of a view that the air's box fills: SIDE columns and rows of rays, SIDE layers.
+
+    `centres` (z, y, x, 3) m, `ray` (y, x, 3) unit; `hops`: its geometry.
+    """
+
+    centres: F64
+    ray: F64
+    hops: Hops
+
+
+def view_grid(view: Frustum, extent: F64) -> ViewGrid | None:
+    """None where the box is not in the picture."""
+    window = _window(view, extent)
+    if window is None:
+        return None
+    (near, far), low, high = window
+    x, y = low[:, None] + (np.arange(SIDE) + 0.5) / SIDE * (high - low)[:, None]
+    slant = view.forward + x[None, :, None] * view.right + y[:, None, None] * view.up
+    thick = (far - near) / SIDE
+    z = (near + (np.arange(SIDE) + 0.5) * thick)[:, None, None, None]
+    length = np.linalg.norm(slant, axis=-1, keepdims=True)
+    section = np.broadcast_to(z**2 * float(np.prod((high - low) / SIDE)), (SIDE, SIDE, SIDE, 1))
+    plain = parallel_hops((SIDE,) * 3, 1.0)
+    path = np.full((SIDE, 1, 1, 1), thick * float(length.mean()))
+    hops = Hops(path, section * path, section, plain.beside, plain.side_gain, plain.curvature)
+    return ViewGrid(view.eye + z * slant, slant / length, hops)
+
+
+def _window(view: Frustum, extent: F64) -> tuple[tuple[float, float], F64, F64] | None:
+    """((near, far) m, lower and upper tangents (2,)) of a box in a view."""
+    corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * 3), axis=-1).reshape(8, 3) * extent
+    away = corners - view.eye
+    depth = away @ view.forward
+    far = float(depth.max())
+    half = np.array(view.tangents)
+    low, high = -half, half
+    if depth.min() > 0.0:
+        place = (away @ np.stack([view.right, view.up]).T) / depth[:, None]
+        low = np.clip(place.min(axis=0), -half, half)
+        high = np.clip(place.max(axis=0), -half, half)
+    if far <= 0.0 or np.any(high - low <= 1e-6 * half):
+        return None
+    return (max(float(depth.min()), _NEAREST * far), far), low, high
+
+
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """Importance that scatters at `point` (n, 3) m: `power` (n,), about `travel` (n, 3), unit.
+
+    `a` (n,): mean cosine. `even`: power that has forgotten its direction.
+    """
+
+    point: F64
+    travel: F64
+    power: F64
+    a: F64
+    even: float
+
+
+def scattered_importance(grid: ViewGrid, air: MediumGrid) -> Lobes:
+    """Of a picture whose pixels all matter alike. `air` has one channel."""
+    inside = np.all((grid.centres >= 0.0) & (grid.centres <= air.extent), axis=-1)
+    density = np.where(inside, trilinear(air.density, grid.centres / air.cell), 0.0)
+    here = MediumGrid(air.extent, density, density, air.sigma_t, air.albedo, air.g)
+    hops = grid.hops
+    light = first_light(hops, here, density, 1.0 / hops.section, is_paper=False)
+    sigma_s = density[..., None] * air.sigma_t * air.albedo
+    power, along = light.copy(), light * air.g
+
+    def watch(fluence: F64, a: F64) -> None:
+        again = sigma_s * fluence * hops.volume
+        power[...] += again
+        along[...] += again * a * air.g
+
+    done = propagate(hops, here, density, light, 1.0, [], iterations=HOPS, watch=watch)
+    return _merged(grid, power[..., 0], along[..., 0], float(done.residual.sum()))
+
+
+def _merged(grid: ViewGrid, power: F64, along: F64, even: float) -> Lobes:
+    n, k = SIDE // _MERGED, _MERGED
+
+    def joined(values: F64) -> F64:
+        blocks = values.reshape(n, k, n, k, n, k, -1).sum(axis=(1, 3, 5))
+        return np.asarray(blocks.reshape(n**3, -1))
+
+    total = joined(power)
+    kept = total[:, 0] > 1e-6 * total.max(initial=1e-30)
+    total = total[kept]
+    travel = joined(power[..., None] * grid.ray)[kept]
+    travel = travel / np.linalg.norm(travel, axis=1, keepdims=True)
+    a = np.clip(joined(along)[kept] / total, -_SHARPEST, _SHARPEST)
+    point = joined(power[..., None] * grid.centres)[kept] / total
+    return Lobes(point, travel, total[:, 0], a[:, 0], even)
+
+
+@dataclass(frozen=True, eq=False)
+class WayOut:
+    """Density passed (point, direction), m, on leaving the air along `directions` (n, 3).
+
+    It is the same for every view.
+    """
+
+    directions: F64
+    passed: F64
+
+
+def way_out(air: MediumGrid, directions: F64) -> WayOut:
+    """From a few points of the air's box, in steps of a sixth of its shortest side."""
+    unit = (np.arange(_LEAVING) + 0.5) / _LEAVING
+    z, y, x = np.meshgrid(unit, unit, unit, indexing="ij")
+    points = (np.stack([x, y, z], axis=-1) * air.extent)[..., None, :]
+    points = np.broadcast_to(points, (*x.shape, len(directions), 3))
+    step = float(air.extent.min()) / 6.0
+    passed = density_behind(air.fine, air.extent, points, -directions, step)
+    return WayOut(directions, passed.reshape(-1, len(directions)))
+
+
+def _nearness(place: F64) -> F64:
+    """(n, point): shares of the points of `way_out` at places (n, 3) in 0..1, trilinear."""
+    at = np.clip(place * _LEAVING - 0.5, 0.0, _LEAVING - 1.0)
+    x, y, z = np.maximum(0.0, 1.0 - np.abs(at.T[..., None] - np.arange(_LEAVING)))
+    return np.einsum("nz,ny,nx->nzyx", z, y, x).reshape(len(place), _LEAVING**3)
+
+
+def importance_map(lobes: Lobes, out: WayOut, air: MediumGrid, shape: tuple[int, int]) -> F64:
+    """(h, w), mean 1 over the sphere: what leaves along `out.directions`, a map's row by row."""
+    h, w = shape
+    passed = _nearness(lobes.point / air.extent) @ out.passed
+    mu = lobes.travel @ out.directions.T
+    phase = henyey_greenstein(mu, lobes.a[:, None])
+    left = np.exp(-float(air.sigma_t[0]) * passed)
+    omega = np.repeat(latlong_row_solid_angles(h, w), w)
+    # Lobes have what leaves at once; only what scatters again leaves evenly.
+    at_once = float(lobes.power @ left @ omega) * ISOTROPIC
+    again = lobes.even * (1.0 - at_once / max(float(lobes.power.sum()), 1e-300))
+    seen = lobes.power @ (phase * left) + again * ISOTROPIC
+    total = float(seen @ omega)
+    return np.asarray(
+        (seen * (4.0 * np.pi / total) if total > 0.0 else np.ones(h * w)).reshape(h, w)
+    )
