@@ -138,6 +138,7 @@ class March(ComputePass):
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
+        self.params: MarchParams | None = None  # the last ones
         self._kinds: dict[str, Any] = {
             "sources": sources,
             "has_lattice": has_lattice,
@@ -178,7 +179,7 @@ class March(ComputePass):
         if forward is not None:
             values |= {"forward_table": forward.table, "forward_lights": forward.texture}
         cells = [s.cell_m for s in sources] + [s.cell_m for s in lattices]
-        march = MarchParams(
+        self.params = march = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
             max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
             lattice_direct=lattice.direct if lattice else 0.0,

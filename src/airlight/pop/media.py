@@ -16,8 +16,9 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..lighting.view import View
 from ..march.air import Air, medium_box
+from ..march.guided import GuidedUpsample
 from ..march.march import MAX_SOURCES, March
-from ..march.rays import RESOLUTIONS, Rays
+from ..march.rays import RESOLUTIONS, RayParams, Rays
 from ..march.upsample import Upsample
 from ..maths.transforms import F64
 from ..scene.scene import Scene
@@ -67,6 +68,7 @@ class PopMedia:
         ]  # fmt: skip
         self._march = March(gpu, self.air, sources=len(self.solvers))
         self._upsample = Upsample(gpu)
+        self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
         self._scene = scene
         self._picture: _Picture | None = None
 
@@ -92,9 +94,21 @@ class PopMedia:
                 max_steps=self.settings.march_steps,
             )  # fmt: skip
         with commands.stage("upsample"):
-            depth = view.gbuffer.depth
-            for reduced, target in picture.pairs:
-                self._upsample.encode(commands, rays, picture.rays, depth, reduced, target)
+            self._finish(commands, rays, picture, view.gbuffer.depth)
+
+    def _finish(
+        self, commands: Commands, rays: RayParams, picture: _Picture, depth: Texture
+    ) -> None:
+        """The marched picture at full size."""
+        if picture.rays.scale > 1 and self._guided is not None:
+            self._guided.encode(
+                commands, rays, picture.rays, self._march, depth,
+                scattered=picture.reduced_scattered, transmittance=picture.reduced_passed,
+                targets=(picture.scattered, picture.passed),
+            )  # fmt: skip
+            return
+        for reduced, target in picture.pairs:
+            self._upsample.encode(commands, rays, picture.rays, depth, reduced, target)
 
     @property
     def scattered(self) -> Texture:

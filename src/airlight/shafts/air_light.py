@@ -20,6 +20,7 @@ from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..march.air import Air
 from ..march.compose import Compose
+from ..march.guided import GuidedUpsample
 from ..march.march import LatticeSource, March, Source
 from ..march.rays import RESOLUTIONS, RayParams, Rays
 from ..march.transmittance import Transmittance
@@ -100,6 +101,7 @@ class AirLight:
                            has_sky=self.has_sky)  # fmt: skip
         self._exact = Transmittance(gpu, self.air)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
+        self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
         self.composed = Compose(gpu, size)
         self._make_pictures(size)
 
@@ -204,16 +206,27 @@ class AirLight:
                 skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
                 max_steps=self.settings.march_steps,
             )  # fmt: skip
-            self._finish(commands, params, self.march_rays, view, "multiple")
+            self._finish_march(commands, params, view)
         if sky is not None:
             self._upsample_onto.encode(
                 commands, params, self.march_rays, view.gbuffer.depth, self._reduced["sky"],
                 self._shafts_alone, self.single_scatter,
             )  # fmt: skip
-        if self.air.has_grids:
-            self._finish(commands, params, self.march_rays, view, "transmittance")
-        else:
+        if not self.air.has_grids:
             self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
+
+    def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
+        """What was marched at full size; its transmittance where no closed form knows it."""
+        if self.march_rays.scale == 1:
+            return
+        if self._guided is None:
+            self._finish(commands, params, self.march_rays, view, "multiple")
+            return
+        self._guided.encode(
+            commands, params, self.march_rays, self.march, view.gbuffer.depth,
+            scattered=self._reduced["multiple"], transmittance=self._reduced["transmittance"],
+            targets=(self.multiple_scatter, self.transmittance),
+        )  # fmt: skip
 
     def compose(self, commands: Commands, view: View) -> None:
         """`composed`: the view's layers behind the air, and everything summed."""

@@ -1,0 +1,56 @@
+//! use air
+//! use upsample_weight
+
+// Texels whose transmittance differs by more are not interpolated.
+const SAME_AIR = 0.01;
+// Less than this share of light hidden tells nothing of its colour.
+const LEAST_HIDDEN = 1e-4;
+
+struct Sharpened {
+    @location(0) scattered: vec4f,
+    @location(1) transmittance: vec4f,
+}
+
+// What a pixel's ray lets through, by the march's own steps; 1 where it is not asked.
+fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f {
+    let hull = air_enter(rays.eye, direction, reach);
+    let end = select(-1.0, hull.y, is_asked);
+    let longest = max(march.step, (hull.y - hull.x) / f32(march.max_steps));
+    var depth = vec3f(0.0);
+    var t = hull.x;
+    let most = 2u * march.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
+    for (var i = 0u; i < most && t < end; i++) {
+        let dt = min(air_step_limit(t, longest), end - t);
+        let p = rays.eye + (t + 0.5 * dt) * direction;
+        depth += air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
+        t += dt;
+    }
+    return exp(-depth);
+}
+
+@fragment fn fragment(@builtin(position) position: vec4f) -> Sharpened {
+    let own = own_distance(position.xy);
+    var light = vec3f(0.0);
+    var through = vec3f(0.0);
+    var total = 0.0;
+    var low = vec3f(1.0);
+    var high = vec3f(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        let one = upsampled(position.xy, own, k);
+        let T = textureLoad(passed, one.texel, 0).rgb;
+        light += one.weight * textureLoad(reduced, one.texel, 0).rgb;
+        through += one.weight * T;
+        total += one.weight;
+        low = min(low, T);
+        high = max(high, T);
+    }
+    light /= total;
+    through /= total;
+    let is_asked = any(high - low > vec3f(SAME_AIR));
+    let direction = pixel_direction(rays.world_from_clip, position.xy, vec2f(rays.size));
+    let exact = marched_transmittance(normalize(direction), own, is_asked);
+    let hidden = 1.0 - through;
+    let gain = select((1.0 - exact) / max(hidden, vec3f(LEAST_HIDDEN)), vec3f(1.0),
+        (hidden < vec3f(LEAST_HIDDEN)) | vec3<bool>(!is_asked));
+    return Sharpened(vec4f(light * gain, 1.0), vec4f(select(through, exact, is_asked), 1.0));
+}
