@@ -17,10 +17,13 @@ a sky of 1 to 4 they would hardly show."""
 
 
 def with_default_camera(scene: Scene) -> Scene:
-    """The scene with a camera that shows it well; the one it had is replaced."""
-    if scene.volumes and not scene.meshes:
-        return replace(scene, camera=framing_box(*scene.bounds))
-    return replace(scene, camera=framing_camera(Probe.of(scene)))
+    """The scene with a camera that shows it well; the one it had is replaced.
+
+    It is exposed by the picture: who gave no camera has not said how bright the scene is.
+    """
+    is_air = scene.volumes and not scene.meshes
+    framed = framing_box(*scene.bounds) if is_air else framing_camera(Probe.of(scene))
+    return replace(scene, camera=replace(framed, exposure_stops=None))
 
 
 def with_default_lights(scene: Scene) -> Scene:

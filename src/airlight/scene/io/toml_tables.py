@@ -25,7 +25,8 @@ _TRAVEL = "unit vector (normalised for you)"
 
 CAMERA = Table(
     "camera",
-    "The pinhole camera. Without the table, one that frames the scene is chosen.",
+    "The pinhole camera. Without the table, one is chosen that frames the scene and is exposed by "
+    "the picture.",
     (
         _POSITION,
         Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
