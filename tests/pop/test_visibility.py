@@ -16,7 +16,8 @@ from airlight.scene.material import Material
 from airlight.scene.shapes import box
 
 SUN, LAMP = DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((-0.5, 1.8, 0.0), (1, 1, 1))
-SETTINGS = {"ordinates": 16, "grid": 8, "solver_steps": 4, "resolution": 8, "surfels": 1000}
+SETTINGS = {"ordinates": 16, "grid": 8, "solver_steps": 4, "resolution": 8, "surfels": 1000,
+            "virtual_lights": 0}  # fmt: skip
 
 
 def plate(x: float, width: float) -> Mesh:

@@ -61,8 +61,9 @@ class PopMedia:
             raise SceneError(f"the scene has {len(media)} media", remedy=f"Use {MAX_SOURCES}")
         self.air = Air(gpu, scene, light_count=0, solved=scene.volumes)
         grids = iter(self.air.grids)
+        lights = len(scene.lights) + (surfaces.virtual_lights if surfaces else 0)
         self.solvers = [
-            PopSolver(gpu, volume, settings, lights=len(scene.lights),
+            PopSolver(gpu, volume, settings, lights=lights,
                       voxels=next(grids) if volume.density is not None else None)
             for volume in media
         ]  # fmt: skip

@@ -36,7 +36,7 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let point = cell_centre(cell_of(id.x));
     var sum = vec3f(0.0);
     for (var n = 0u; n < params.ordinate_count; n++) {
-        if (ordinates[n].position.w != 0.0) {
+        if (ordinates[n].position.w == 1.0) {
             sum += near_fluence(n, id.x, point);
         }
     }

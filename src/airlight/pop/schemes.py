@@ -30,6 +30,7 @@ from .ordinates import Lamp, OrdinateTable
 from .paths import Paths
 from .placement import MediumParams
 from .propagate import Propagate
+from .virtual_lights import VirtualLights
 from .visibility import Surfaces, Visibility
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class Beams:
         self.diffuse = Diffuse(gpu, solver.placement)
         self._deposit, self._near = Deposit(gpu), NearLight(gpu)
         self._visibility: Visibility | None = None
+        self._virtual: VirtualLights | None = None
         self._has_lamps = False
         self._solver = solver
 
@@ -67,8 +69,10 @@ class Beams:
         """Take what shades the medium, with the light of the scene."""
         if self._visibility is None:
             self._visibility = Visibility(self._solver.gpu, self.table.capacity)
-        self._visibility.write(ordinates, lights, surfaces.sky)
+        self._visibility.write(ordinates, lights, surfaces.sky, surfaces.virtual_lights)
         self._surfaces = surfaces
+        if self._virtual is None and surfaces.reflected is not None:
+            self._virtual = VirtualLights(self._solver.gpu, surfaces.reflected)
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """Take a changed medium."""
@@ -93,14 +97,23 @@ class Beams:
 
     def encode_paths(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """March to the light from every cell."""
+        placement, virtual = self._solver.placement, self._virtual
+        if virtual is not None:
+            first = self.table.count - self._surfaces.virtual_lights
+            with commands.stage("pop virtual lights"):
+                virtual.encode(commands, placement, self.table.rows, first, self.table.scale)
         with commands.stage("pop paths"):
             self.paths.encode(commands, params, self.table.rows, self.table.count, density)
         if self._visibility is not None:
             with commands.stage("pop visibility"):
                 self._visibility.encode(
-                    commands, params, self._solver.placement, self.table.count, self._surfaces,
+                    commands, params, placement, self.table.count, self._surfaces,
                     reach=density.reach, passed=self.paths.passed,
                 )  # fmt: skip
+        if virtual is not None:
+            with commands.stage("pop visibility"):
+                virtual.encode_sight(commands, params, placement, reach=density.reach,
+                                     passed=self.paths.passed)  # fmt: skip
 
     def encode_view(
         self, commands: Commands, params: MediumParams, eye: F64, emission: Emission,
@@ -115,7 +128,14 @@ class Beams:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.table, self.paths, self.diffuse, self._near, self._visibility):
+        for part in (
+            self.table,
+            self.paths,
+            self.diffuse,
+            self._near,
+            self._visibility,
+            self._virtual,
+        ):
             if part is not None:
                 part.release()
 

@@ -23,7 +23,7 @@ from ..march.march import Source
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
 from ..scene.environment import Environment
-from ..scene.lights import Light
+from ..scene.lights import Light, PointLight
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .bounce import Bounce, Bounced
@@ -45,6 +45,7 @@ from .sky_gain import SkyLight
 from .visibility import Surfaces
 
 _DENSITY_MAX = 65504.0
+_DARK = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,13 @@ class PopSettings:
     residuum_iterations: int = setting(20, "hops of the shared grid (paper)", low=0, high=400)
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
+    virtual_lights: int = setting(
+        0, "points of lit surfaces whose reflected light media see, once (delta-beam); 0: the "
+        "light of a lattice, where there is one", low=0, high=512,
+    )  # fmt: skip
+    virtual_resolution: int = setting(
+        256, "side of the maps that they are taken from", unit="px", low=8, high=4096
+    )
     exact_sky: bool = setting(
         True, "whether the sky's light that scatters once is exact in clear air, however few "
         "directions stand for it",
@@ -135,6 +143,8 @@ class PopSolver:
             seen = self._seen(environment, look)
             ordinates = self._scene_ordinates.of(lights, environment, seen)
         lamps = lamps_of(lights)
+        # Virtual lights' rows are written on the device.
+        lamps += [_DARK] * (surfaces.virtual_lights if surfaces is not None else 0)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params, bounced)
         seen = () if surfaces is None else surfaces.version

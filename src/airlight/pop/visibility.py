@@ -27,6 +27,7 @@ from ..surface.geometry import GpuScene
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from .placement import MediumParams, MediumPlacement
+from .virtual_lights import Reflected
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +37,18 @@ class Surfaces:
     meshes: GpuScene
     lights: Lights
     sky: Sky
+    reflected: Reflected | None = None
 
     @property
     def version(self) -> tuple[int, ...]:
         """Another one whenever a map was drawn anew."""
-        return self.meshes.version, self.lights.parallel.version, self.lights.local.version
+        own = self.meshes.version, self.lights.parallel.version, self.lights.local.version
+        return own if self.reflected is None else (*own, self.reflected.version)
+
+    @property
+    def virtual_lights(self) -> int:
+        """How many there are, the last of a medium's ordinates."""
+        return 0 if self.reflected is None else self.reflected.count
 
 
 class SightParams(Struct):
@@ -93,9 +101,14 @@ class Visibility(ComputePass):
         self._sights = Buffer(gpu, "sights", SightData.dtype.itemsize * capacity)
         self._shares = Buffer(gpu, "sky shares", SkyViewData.dtype.itemsize)
 
-    def write(self, ordinates: Ordinates, lights: tuple[Light, ...], sky: Sky) -> None:
-        """Take the light; `ordinates` without the scene's lamps, suns first."""
+    def write(
+        self, ordinates: Ordinates, lights: tuple[Light, ...], sky: Sky, unshaded: int = 0
+    ) -> None:
+        """Take the light; `ordinates` without the scene's lamps, suns first. Nothing shades
+        `unshaded` more of them.
+        """
         rows, shares = sights(ordinates, lights, sky.lights if sky.maps.layers else [])
+        rows = np.concatenate([rows, np.zeros(unshaded, rows.dtype)])
         self._sights.write(rows)
         if shares.nbytes > self._shares.nbytes:
             self._shares.release()

@@ -13,14 +13,21 @@ from ..lighting.view import View
 from ..march.air import Air
 from ..march.compose import Compose
 from ..pop.media import PopMedia, PopMediaSettings
+from ..pop.reflected_maps import reflected_maps
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
+from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 
 
 @dataclass(frozen=True)
 class PopTechniqueSettings(SurfaceSettings, PopMediaSettings):
     """Surfaces, and principal ordinates."""
+
+    virtual_lights: int = setting(
+        64, "points of lit surfaces whose reflected light media see, once (delta-beam); 0: none",
+        low=0, high=512,
+    )  # fmt: skip
 
 
 class Pop(Direct):
@@ -33,10 +40,12 @@ class Pop(Direct):
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         super().__init__(gpu, scene, meshes, settings, size)
-        surfaces = Surfaces(meshes, self.lights, self.sky) if scene.meshes else None
-        self.media = PopMedia(gpu, scene, settings, surfaces)
         self.shadow = Air(gpu, scene, light_count=self.lights.count)
         self.air = self.shadow
+        self.reflected = reflected_maps(scene, settings, self, self.shadow)
+        virtual = self.reflected.reflected if self.reflected else None
+        surfaces = Surfaces(meshes, self.lights, self.sky, virtual) if scene.meshes else None
+        self.media = PopMedia(gpu, scene, settings, surfaces)
         self.composed = Compose(gpu, size)
         self._none = Texture(gpu, "no single scatter", size, "rgba32float")
 
@@ -55,6 +64,9 @@ class Pop(Direct):
                 self.lights.encode(commands, self.meshes, scene.lights, scene.environment,
                                    *self._bounds(scene))  # fmt: skip
         self.shadow.update(commands, scene, *self._bounds(scene))
+        if self.reflected:
+            with commands.stage("reflective shadow maps"):
+                self.reflected.encode(commands, self.meshes, scene.lights, *self._bounds(scene))
         self.media.solve(commands, scene)
 
     def draw(self, commands: Commands, view: View) -> None:
@@ -85,5 +97,6 @@ class Pop(Direct):
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for part in (self.media, self.shadow, self.composed, self._none):
-            part.release()
+        for part in (self.media, self.reflected, self.shadow, self.composed, self._none):
+            if part is not None:
+                part.release()

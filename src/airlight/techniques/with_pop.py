@@ -14,6 +14,7 @@ from ..lighting.view import View
 from ..march.march import Source
 from ..pop.bounce import Bounced
 from ..pop.importance import Look
+from ..pop.reflected_maps import reflected_maps
 from ..pop.solver import PopSettings, PopSolver
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
@@ -31,11 +32,14 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             self.source_count = len(scene.volumes)
             super().__init__(gpu, scene, meshes, settings, size)
             self._scene = scene
-            self._surfaces = Surfaces(meshes, self.lights, self.sky) if scene.meshes else None
-            grids = iter(self.air_light.air.grids)
             pop = _pop_settings(settings, base.Settings)
+            self._maps = reflected_maps(scene, pop, self, self.air_light.air)
+            virtual = self._maps.reflected if self._maps else None
+            surfaces = Surfaces(meshes, self.lights, self.sky, virtual)
+            self._surfaces = surfaces if scene.meshes else None
+            grids = iter(self.air_light.air.grids)
             self.solvers = [
-                PopSolver(gpu, volume, pop, lights=len(scene.lights),
+                PopSolver(gpu, volume, pop, lights=len(scene.lights) + surfaces.virtual_lights,
                           voxels=next(grids) if volume.density is not None else None)
                 for volume in scene.volumes
             ]  # fmt: skip
@@ -53,6 +57,9 @@ def with_pop(base: type[Direct]) -> type[Direct]:
         def solve(self, commands: Commands, scene: Scene) -> None:
             self._scene = scene
             super().solve(commands, scene)
+            if self._maps:
+                with commands.stage("reflective shadow maps"):
+                    self._maps.encode(commands, self.meshes, scene.lights, *self._bounds(scene))
 
         def draw(self, commands: Commands, view: View) -> None:
             scene, eye = self._scene, np.asarray(view.eye)
@@ -68,14 +75,15 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             """What surfaces reflect, and fog scatters, into the volumes."""
             scene, source = self._scene, self.bounced_source()
             version = (scene.lights, scene.environment, scene.medium, self.meshes.version)
-            if source is None or not scene.meshes:
+            if source is None or not scene.meshes or self._maps:
                 return None
             return Bounced(source, version, knows_media=self.volumes_in_lattice)
 
         def release(self) -> None:
             super().release()
-            for solver in self.solvers:
-                solver.release()
+            for part in (*self.solvers, self._maps):
+                if part is not None:
+                    part.release()
 
     return WithPop
 

@@ -23,12 +23,25 @@ fn mean_inverse_square(away: vec3f) -> f32 {
     return total / 8.0;
 }
 
+// A piece of surface; see pop/virtual_lights.py. Its own width and the cell's blunt the fall-off.
+fn reflected_light(n: u32, away: vec3f) -> OrdinateLight {
+    let o = ordinates[n];
+    let r2 = dot(away, away);
+    let travel = away / max(sqrt(r2), 1e-9);
+    let cosine = max(dot(travel, o.direction.xyz), 0.0);
+    let blunt = r2 + o.spot.x + dot(params.cell, params.cell) / 12.0;
+    return OrdinateLight(travel, o.irradiance.rgb * cosine / blunt, sqrt(r2));
+}
+
 fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
     let o = ordinates[n];
     if (o.position.w == 0.0) {
         return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
     }
     let away = point - o.position.xyz;
+    if (o.position.w == 2.0) {
+        return reflected_light(n, away);
+    }
     let distance = max(length(away), 1e-9);
     let travel = away / distance;
     let fade = smoothstep(o.spot.y, o.spot.x, dot(travel, o.direction.xyz));
