@@ -78,6 +78,7 @@ def followed(gpu, commands, owned, kernel):
         shares = np.round(cells.open * 255).astype(np.uint8)
         rest = np.full_like(shares[..., :4], 255)
         rest[..., :2] = shares[..., 4:]
+        rest[..., 2:] = shares[..., 0:4:2]
         given = owned(buffer_of(gpu, "rays", rays))
         results = owned(buffer_of(gpu, "results", np.zeros((len(rays), 2, 4), np.float32)))
         kernel(_KERNEL, _SLOTS).dispatch(
@@ -193,8 +194,8 @@ def test_a_slanted_surface_does_not_stop_its_own_rays(followed):
 
 
 def _share(gain, roughness):
-    """glossy_share of wgsl/glossy.wgsl, its numbers read from there."""
-    text = (LIBRARY / "glossy.wgsl").read_text()
+    """glossy_share of wgsl/surface_reflection.wgsl, its numbers read from there."""
+    text = (LIBRARY / "surface_reflection.wgsl").read_text()
     low, high = map(float, re.search(r"smoothstep\(([\d.]+), ([\d.]+), gain", text).groups())
     t = np.clip((gain * (1.0 - roughness) - low) / (high - low), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)

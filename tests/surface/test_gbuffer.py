@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -137,3 +139,59 @@ def test_an_image_is_not_blurred_along_the_edges_of_triangles(
     for column in np.unique(columns):
         same = albedo[columns == column]
         np.testing.assert_allclose(same, same[0], atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["base_color", "metallic_roughness", "normal", "emission"])
+def test_a_placed_image_is_one_on_other_texture_coordinates(
+    gpu, commands, owned, on_device, square, name
+):
+    """A map's scale and offset against vertices that have them already."""
+    rng = np.random.default_rng(7)
+    small = rng.integers(60, 255, (4, 4, 4)).astype(np.uint8)
+    pixels = np.repeat(np.repeat(small, 8, axis=0), 8, axis=1)
+    pixels[..., 3] = 255
+    shared = {"base_color": (0.8, 0.7, 0.6), "emission": (2.0, 1.0, 3.0), "roughness": 0.9}
+    scale, offset = (0.5, 0.25), (0.25, 0.5)
+    placed = Texture(pixels, is_srgb=False, scale=scale, offset=offset)
+    found = []
+    for image, uvs in ((placed, UVS), (Texture(pixels, is_srgb=False), UVS * scale + offset)):
+        paint = Material(**shared, **{f"{name}_texture": image})
+        mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), paint, uvs=uvs.astype(np.float32))
+        g = looked_at(gpu, commands, owned, on_device(mesh))
+        found.append([t.read().astype(float) for t in (g.albedo, g.normal, g.emission)])
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, atol=0.03 * max(1.0, other.max()))
+
+
+def test_pictures_stay_the_same_as_their_draws_are_recorded(
+    gpu, commands, owned, on_device, square
+):
+    """The second and third picture of a view are replayed; a mesh that moves is where it is."""
+    image = Texture(np.full((2, 2, 4), 200, np.uint8), is_srgb=False)
+    meshes = [
+        square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0, 0, 1))),
+        square((0.5, 0, 0.5), (0.2, 0, 0), (0, 0.2, 0), Material(base_color=(0, 1, 0))),
+        square((-0.5, 0, 0.5), (0.2, 0, 0), (0, 0.2, 0),
+               Material(base_color_texture=image, alpha_cutoff=0.5), uvs=UVS),
+    ]  # fmt: skip
+    scene, made = on_device(*meshes), owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
+
+    def pictures():
+        for _ in range(4):
+            made.encode(commands, scene, clip)
+            commands.submit()
+            yield np.concatenate([made.albedo.read(), made.depth.read()[..., None]], axis=-1)
+
+    first, *later = pictures()
+    assert len(np.unique(first.reshape(-1, 5), axis=0)) == 4  # three squares and nothing
+    for picture in later:
+        np.testing.assert_array_equal(picture, first)
+    up = np.eye(4)
+    up[1, 3] = 0.5
+    moved = [dataclasses.replace(m, world_from_object=up @ m.world_from_object) for m in meshes]
+    scene.move(tuple(moved))
+    fresh = looked_at(gpu, commands, owned, on_device(*moved))
+    for picture in pictures():
+        np.testing.assert_array_equal(picture[..., :4], fresh.albedo.read())

@@ -77,6 +77,24 @@ def test_instances_of_one_geometry_and_material_are_one_draw(gpu, owned):
     assert scene.order == [0, 2, 4, 1, 3]
 
 
+def test_instances_are_culled_one_by_one(gpu, owned):
+    """Of a row of boxes those before the eye are drawn, as runs of the one draw that they are."""
+    geometry, material = shapes.box(), Material()
+    xs = [-40.0, -1.0, 0.0, 1.0, 60.0, 70.0, 0.5]
+    placed = np.tile(np.eye(4), (len(xs), 1, 1))
+    placed[:, 0, 3] = xs
+    scene = owned(GpuScene(gpu, Scene(meshes=tuple(Mesh(geometry, material, m) for m in placed))))
+    ahead = camera_clip((0.0, 0.0, 6.0), (0.0, 0.0, -1.0))
+    found = scene.visible(ahead)
+    assert [(d.first_instance, d.instance_count) for d in found] == [(1, 3), (6, 1)]
+    assert scene.visible(ahead.copy()) is found
+    assert scene.visible(camera_clip((0, 0, 4000.0), (0, 0, -1.0))) is scene.draws
+    assert scene.visible(camera_clip((0, 0, 6.0), (0, 0, 1.0))) == []
+    scene.move(tuple(Mesh(geometry, material, m) for m in placed[::-1]))
+    again = [(d.first_instance, d.instance_count) for d in scene.visible(ahead)]
+    assert again == [(0, 1), (3, 3)]
+
+
 def test_moving_meshes_moves_bounds_and_counts_a_version(gpu, owned):
     mesh = box_mesh((1, 2, 3), 2.0)
     scene = owned(GpuScene(gpu, Scene(meshes=(mesh,))))

@@ -27,6 +27,7 @@ class RasterPipeline:
     targets: ClassVar[tuple[str, ...]] = ()
     depth: ClassVar[str] = ""
     depth_compare: ClassVar[str] = "greater"
+    depth_writes: ClassVar[bool] = True
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = ()
     vertex_entry: ClassVar[str] = "vertex"
     fragment_entry: ClassVar[str] = "fragment"
@@ -93,7 +94,7 @@ class RasterPipeline:
             return None
         return {
             "format": self.depth,
-            "depth_write_enabled": True,
+            "depth_write_enabled": self.depth_writes,
             "depth_compare": self.depth_compare,
         }
 
@@ -116,17 +117,21 @@ class FullscreenPass(RasterPipeline):
 
     def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
         """Write `targets` (textures, or views); `values` name every slot."""
-        keep = self.blend is not None
-        colors = [
-            {
-                "view": getattr(t, "resource", t),
-                "load_op": "load" if keep else "clear",
-                "store_op": "store",
-                "clear_value": (0, 0, 0, 0),
-            }
-            for t in targets
-        ]
+        colors = color_attachments(targets, keep=self.blend is not None)
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)
             encoder.draw(3)
+
+
+def color_attachments(targets: tuple[Any, ...], *, keep: bool = False) -> list[dict[str, Any]]:
+    """`targets` (textures, or views) as a render pass takes them; `keep` what is in them."""
+    return [
+        {
+            "view": getattr(t, "resource", t),
+            "load_op": "load" if keep else "clear",
+            "store_op": "store",
+            "clear_value": (0, 0, 0, 0),
+        }
+        for t in targets
+    ]

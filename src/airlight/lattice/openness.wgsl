@@ -108,7 +108,8 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     openness[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
     let texel = id + vec3u(0u, params.first_row, 0u);
     textureStore(open_a, texel, vec4f(between[0], between[1], between[2], between[3]));
-    textureStore(open_b, texel, vec4f(between[4], between[5], 1.0, 1.0));
+    // And its low faces across x and y once more: rays find all three in one texture.
+    textureStore(open_b, texel, vec4f(between[4], between[5], between[0], between[2]));
     textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
         wall_shift(face_of(id, 5u), 2u), 0.0));
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -76,13 +77,7 @@ class Placement:
         is_paper: bool = False,
     ) -> LatticeParams:  # fmt: skip
         """The struct that shaders read."""
-        fade = self.borders
-        return LatticeParams(
-            origin=self.origin, cell=self.cell, count=self.count, power_scale=power_scale,
-            lookup_scale=lookup_scale, is_paper=int(is_paper), first_row=self.first_row,
-            fade_low=fade.low, fade_low_width=fade.low_width, fade_high=fade.high,
-            fade_high_width=fade.high_width,
-        )  # fmt: skip
+        return _params(self, power_scale, lookup_scale, is_paper)
 
     @property
     def borders(self) -> Fade:
@@ -92,6 +87,20 @@ class Placement:
         low, high = self.bounds
         half, width = 0.5 * self.cell, (self.cell,) * 3
         return Fade(triple(low - half), width, triple(high + half), width)
+
+
+@lru_cache(maxsize=256)
+def _params(
+    place: Placement, power_scale: float, lookup_scale: float, is_paper: bool
+) -> LatticeParams:
+    """One struct for all who read the same lattice."""
+    fade = place.borders
+    return LatticeParams(
+        origin=place.origin, cell=place.cell, count=place.count, power_scale=power_scale,
+        lookup_scale=lookup_scale, is_paper=int(is_paper), first_row=place.first_row,
+        fade_low=fade.low, fade_low_width=fade.low_width, fade_high=fade.high,
+        fade_high_width=fade.high_width,
+    )  # fmt: skip
 
 
 def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:

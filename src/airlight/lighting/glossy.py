@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from ..scene.material import Material
 
-# Above these `glossy_share` in wgsl/glossy.wgsl is 0 at every angle.
+# Above these `glossy_share` in wgsl/surface_reflection.wgsl is 0 at every angle.
 _DIELECTRIC_ROUGHNESS, _METAL_ROUGHNESS = 0.65, 0.97
 
 

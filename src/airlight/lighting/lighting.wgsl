@@ -1,9 +1,11 @@
+//! use pixel_point
 //! use lights
 //! use shadow
 //! use surface_reflection
 //! use glossy
 //! use lattice
-//! use occlusion
+//! use ambient_cube
+//! use near_visibility
 
 override HAS_SURFACES: bool = true;
 override HAS_OCCLUSION: bool = false;
@@ -11,9 +13,6 @@ override HAS_GLOSS: bool = false;
 override DAMPING: f32 = 0.0;
 override HAS_SUNS: bool = true;
 override HAS_LAMPS: bool = true;
-
-// Occlusion of depths farther off than this share does not count.
-const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
 struct Lit {
     @location(0) direct: vec4f,
@@ -64,44 +63,6 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     return sum;
 }
 
-// The face of the ambient cube that looks along one axis: 0 +x, 1 -x, 2 +y ...
-fn sky_face(uvw: vec3f, face: f32) -> vec3f {
-    let z = (face + uvw.z) / 6.0;
-    return textureSampleLevel(sky_cube, linear_clamp, vec3f(uvw.xy, z), 0.0).rgb;
-}
-
-fn sky_irradiance(uvw: vec3f, n: vec3f) -> vec3f {
-    let s = n * n;
-    return s.x * sky_face(uvw, select(1.0, 0.0, n.x > 0.0))
-        + s.y * sky_face(uvw, select(3.0, 2.0, n.y > 0.0))
-        + s.z * sky_face(uvw, select(5.0, 4.0, n.z > 0.0));
-}
-
-// How open the near surroundings are: bilinear among texels of about the pixel's own depth (m
-// along the view axis). Source: Kopf et al. 2007 (joint bilateral upsampling).
-fn near_visibility(position: vec2f, own: f32) -> f32 {
-    if (!HAS_OCCLUSION) {
-        return 1.0;
-    }
-    let size = vec2f(textureDimensions(occlusion));
-    // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
-    let place = position * size / params.size - 1.0;
-    let base = floor(place);
-    let t = place - base;
-    var sum = 0.0;
-    var total = 0.0;
-    for (var k = 0u; k < 4u; k++) {
-        let corner = vec2f(f32(k & 1u), f32(k >> 1u));
-        let texel = textureLoad(occlusion, vec2i(clamp(base + corner, vec2f(0.0), size - 1.0)), 0);
-        let share = mix(1.0 - t, t, corner);
-        let off = abs(texel.y - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
-        let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
-        sum += weight * texel.x;
-        total += weight;
-    }
-    return sum / total;
-}
-
 struct Mirrored {
     sky: vec3f,         // irradiance, W m^-2
     bounced: vec3f,
@@ -114,11 +75,12 @@ fn mirrored_light(
 ) -> Mirrored {
     var k = level;
     var uvw = own;
-    var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
-    var share = 0.0;
-    if (HAS_GLOSS) {
-        share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
+    if (!HAS_GLOSS) {
+        return Mirrored(sky_irradiance(own, mirrored),
+            lattice_irradiance_at(lattices[k], own, mirrored));
     }
+    var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
+    let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
     if (share > 0.0) {
         ray = glossy_begun();
         let last = arrayLength(&lattices) - 1u;
@@ -176,12 +138,9 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
     let pixel = vec2i(position.xy);
     let d = textureLoad(depth, pixel, 0);
-    let ndc = vec2f(position.x / params.size.x, 1.0 - position.y / params.size.y) * 2.0 - 1.0;
     var out: Lit;
     out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
-    // A point on the pixel's ray: reversed depth, so any depth > 0 is in front of the eye.
-    let far = params.world_from_clip * vec4f(ndc, max(d, 1e-7), 1.0);
-    let p = far.xyz / far.w;
+    let p = pixel_point(position.xy, d);
     let v = normalize(params.eye - p);
     if (!HAS_SURFACES || d <= 0.0) {
         out.direct = vec4f(background(-v), 0.0);
@@ -196,18 +155,24 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     if (params.has_lattice != 0u) {
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         // The finest lattice that has the point; towards its border the next larger one.
+        let last = arrayLength(&lattices) - 1u;
         var left = 1.0;
         var k = 0u;
         loop {
-            let weight = left * lattice_weight(lattices[k], p);
-            if (weight > 0.0) {
-                let light = lattice_light(k, p, r, n, v, open);
-                direct += weight * light.sky;
-                out.indirect += vec4f(weight * light.bounced, 0.0);
-                left -= weight;
+            var weight = 0.0;
+            loop {
+                weight = left * lattice_weight(lattices[k], p);
+                if (weight > 0.0 || k >= last) {
+                    break;
+                }
+                k++;
             }
+            let light = lattice_light(k, p, r, n, v, open);
+            direct += weight * light.sky;
+            out.indirect += vec4f(weight * light.bounced, 0.0);
+            left -= weight;
             k++;
-            if (k >= arrayLength(&lattices) || left <= 0.0) {
+            if (k > last || left <= 0.0) {
                 break;
             }
         }

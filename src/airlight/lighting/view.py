@@ -32,12 +32,17 @@ class View:
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.sample = 0
         self.camera = Camera()
+        self._aimed: tuple[Camera, tuple[float, float], tuple[int, int]] | None = None
 
     def aim(
         self, camera: Camera, jitter_px: tuple[float, float] = (0.0, 0.0), sample: int = 0
     ) -> None:
         """Look through `camera`, the picture moved by `jitter_px`; it is the still's `sample`."""
         self.sample, self.camera = sample, camera
+        aim = (camera, jitter_px, self.size)
+        if aim == self._aimed:
+            return
+        self._aimed = aim
         look = np.subtract(camera.target, camera.position)
         view = view_from_world(camera.position, look, camera.up)
         aspect = self.size[0] / self.size[1]

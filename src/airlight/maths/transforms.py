@@ -22,14 +22,20 @@ def unit(v: Vector) -> F64:
     return a / np.linalg.norm(a)
 
 
+def _cross(a: Vector, b: Vector) -> F64:
+    """np.cross of two vectors, without its looking at shapes."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], np.float64)
+
+
 def view_from_world(eye: Vector, forward: Vector, up: Vector) -> F64:
     """(4, 4): the eye at the origin looking down -Z, +Y as near to `up` as it can be."""
     z = -unit(forward)
-    x = np.cross(up, z)
+    x = _cross(up, z)
     if np.linalg.norm(x) < 1e-9:
-        x = np.cross((0.0, 0.0, 1.0) if abs(z[1]) > 0.5 else (0.0, 1.0, 0.0), z)
+        x = _cross((0.0, 0.0, 1.0) if abs(z[1]) > 0.5 else (0.0, 1.0, 0.0), z)
     x = unit(x)
-    y = np.cross(z, x)
+    y = _cross(z, x)
     m = np.eye(4)
     m[:3, :3] = (x, y, z)
     m[:3, 3] = -m[:3, :3] @ np.asarray(eye, dtype=np.float64)

@@ -6,10 +6,11 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f
 from ..gpu.memory import Texture
+from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
-from .geometry import GpuScene
-from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+from .geometry import Draw, GpuScene
+from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 
 
 class CameraParams(Struct):
@@ -18,10 +19,20 @@ class CameraParams(Struct):
     clip_from_world = mat4x4f()
 
 
-class _GBufferPipeline(MeshPipeline):
+class _Depth(DepthPipeline):
     slots = (uniform("params", CameraParams), *MESH_SLOTS)
+
+
+class _Cutout(MeshPipeline):
+    slots = _Depth.slots
     targets = ("rgba16float", "rgba16float", "rgba16float")
     file = "gbuffer.wgsl"
+
+
+class _Opaque(_Cutout):
+    """Of what the depth says can be seen: no pixel is shaded twice."""
+
+    depth_compare, depth_writes = "equal", False
 
 
 class GBuffer:
@@ -33,7 +44,9 @@ class GBuffer:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.gpu, self._pass = gpu, MeshPass(gpu, _GBufferPipeline)
+        self._depth_pass = MeshPass(gpu, _Depth)
+        self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
+        self._drawn: tuple[list[Draw], list[Draw]] = ([], [])  # all that is seen, and the opaque
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
@@ -50,23 +63,22 @@ class GBuffer:
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         """Rasterise the scene as seen through `clip_from_world`."""
-        colors = [
-            {"view": t.resource, "load_op": "clear", "store_op": "store",
-             "clear_value": (0, 0, 0, 0)}
-            for t in (self.albedo, self.normal, self.emission)
-        ]  # fmt: skip
+        draws = scene.visible(clip_from_world)
+        if draws is not self._drawn[0]:
+            self._drawn = (draws, [draw for draw in draws if draw.material.alpha_cutoff <= 0.0])
+        params = CameraParams(clip_from_world=clip_from_world)
         depth = {"view": self.depth.resource, "depth_load_op": "clear",
                  "depth_store_op": "store", "depth_clear_value": 0.0}  # fmt: skip
         with commands.render(
-            "g-buffer", color_attachments=colors, depth_stencil_attachment=depth
+            "depth", color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:
-            self._pass.draw(
-                commands,
-                encoder,
-                scene,
-                scene.visible(clip_from_world),
-                CameraParams(clip_from_world=clip_from_world),
-            )
+            self._depth_pass.draw(commands, encoder, scene, self._drawn[1], params)
+        with commands.render(
+            "g-buffer",
+            color_attachments=color_attachments((self.albedo, self.normal, self.emission)),
+            depth_stencil_attachment={**depth, "depth_load_op": "load"},
+        ) as encoder:
+            self._pass.draw(commands, encoder, scene, draws, params)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -13,7 +13,6 @@ from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
-from ..maths.transforms import box_corners
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
@@ -24,6 +23,8 @@ F64 = NDArray[np.float64]
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
 
 
+_UNPLACED = (1.0, 1.0, 0.0, 0.0)  # scale and offset of a map
+_VIEWS_KEPT = 256  # whose culling is remembered
 MAPS = ("base_color", "metallic_roughness", "normal", "emission")
 
 
@@ -65,7 +66,14 @@ class Draw:
     material: Material
     textures: dict[str, Texture | Sampler]
     maps: frozenset[str]
+    is_placed: bool  # whether any of the maps has a scale or an offset
     is_mirrored: bool
+
+    def part(self, first: int, count: int) -> Draw:
+        """The same of some of its instances."""
+        if (first, count) == (self.first_instance, self.instance_count):
+            return self
+        return replace(self, first_instance=first, instance_count=count)
 
 
 class GpuScene:
@@ -112,10 +120,14 @@ class GpuScene:
                     mesh.material,
                     self._bound_textures(mesh.material),
                     frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
+                    any(_placed(_map(mesh.material, n)) != _UNPLACED for n in MAPS),
                     is_mirrored(mesh),
                 )
             )
             first += len(run)
+        counts = [d.instance_count for d in self.draws]
+        self._draw_of = np.repeat(np.arange(len(counts)), counts)
+        self._visible: dict[bytes, list[Draw]] = {}
         self.move(scene.meshes)
 
     def move(self, meshes: tuple[Mesh, ...]) -> None:
@@ -140,11 +152,10 @@ class GpuScene:
             return
         self._placed = packed.tobytes()
         self.instances.write(packed)
-        boxes = [box_corners(*meshes[i].world_bounds) for i in self.order]
-        edges = [d.first_instance for d in self.draws]
-        corners = np.array(boxes).reshape(-1, 3)
-        self._draw_low = _reduce(np.minimum, corners, edges)
-        self._draw_high = _reduce(np.maximum, corners, edges)
+        boxes = np.array([meshes[i].world_bounds for i in self.order]).reshape(-1, 2, 3)
+        self._low, self._high = boxes[:, 0], boxes[:, 1]
+        self._middles, self._halves = boxes.mean(axis=1), 0.5 * (boxes[:, 1] - boxes[:, 0])
+        self._visible.clear()
         self.version += 1
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
@@ -173,24 +184,39 @@ class GpuScene:
     @property
     def bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner, metres, of all instances; raises ValueError without any."""
-        return self._draw_low.min(axis=0), self._draw_high.max(axis=0)
+        return self._low.min(axis=0), self._high.max(axis=0)
 
     def visible(self, clip_from_world: F64) -> list[Draw]:
-        """The draws whose boxes are not wholly outside one plane of the clip box.
+        """The draws, of those of their instances whose boxes are not wholly outside one plane of
+        the clip box. The same list for the same view, until something moves.
 
         The depth planes are not tested: what stands before a light's near plane still shadows.
         """
+        key = clip_from_world.tobytes()
+        found = self._visible.get(key)
+        if found is None:
+            if len(self._visible) >= _VIEWS_KEPT:
+                self._visible.pop(next(iter(self._visible)))
+            found = self._visible[key] = self._culled(clip_from_world)
+        return found
+
+    def _culled(self, clip_from_world: F64) -> list[Draw]:
         if not self.draws:
             return []
-        pick = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, 8).T
-        both = np.stack([self._draw_low, self._draw_high])
-        corners = np.stack([both[pick[:, k], :, k] for k in range(3)], axis=-1)
-        homogeneous = corners @ clip_from_world[:, :3].T + clip_from_world[:, 3]
-        x, y, w = homogeneous[..., 0], homogeneous[..., 1], homogeneous[..., 3]
-        outside: NDArray[np.bool_] = np.asarray(
-            (x < -w).all(0) | (x > w).all(0) | (y < -w).all(0) | (y > w).all(0) | (w <= 0.0).all(0)
-        )
-        return [draw for draw, out in zip(self.draws, outside.tolist(), strict=True) if not out]
+        x, y, w = clip_from_world[0], clip_from_world[1], clip_from_world[3]
+        planes = np.stack([w + x, w - x, w + y, w - y, w])
+        # The corner that lies farthest inside a plane decides.
+        nearest = self._middles @ planes[:, :3].T + self._halves @ np.abs(planes[:, :3]).T
+        seen = (nearest + planes[:, 3] >= 0.0).all(axis=1)
+        if seen.all():
+            return self.draws
+        # Runs of instances of one draw.
+        begins = seen & ~(np.roll(seen, 1) & (np.roll(self._draw_of, 1) == self._draw_of))
+        ends = seen & ~(np.roll(seen, -1) & (np.roll(self._draw_of, -1) == self._draw_of))
+        begins[0], ends[-1] = seen[0], seen[-1]
+        first, last = np.flatnonzero(begins), np.flatnonzero(ends)
+        runs = zip(self._draw_of[first].tolist(), first.tolist(), last.tolist(), strict=True)
+        return [self.draws[d].part(begin, end - begin + 1) for d, begin, end in runs]
 
     def release(self) -> None:
         """Give the memory back."""
@@ -262,17 +288,18 @@ def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
 
 
-def _fields(m: Material) -> dict[str, Any]:
-    def placed(texture: SceneTexture | None) -> tuple[float, ...]:
-        return (*texture.scale, *texture.offset) if texture else (1.0, 1.0, 0.0, 0.0)
+def _placed(texture: SceneTexture | None) -> tuple[float, ...]:
+    return (*texture.scale, *texture.offset) if texture else _UNPLACED
 
+
+def _fields(m: Material) -> dict[str, Any]:
     return {
         "base_color": m.base_color, "alpha": m.alpha, "emission": m.emission,
         "alpha_cutoff": m.alpha_cutoff, "roughness": m.roughness, "metallic": m.metallic,
         "specular": m.specular, "normal_scale": m.normal_scale,
-        "uv_base_color": placed(m.base_color_texture),
-        "uv_metallic_roughness": placed(m.metallic_roughness_texture),
-        "uv_normal": placed(m.normal_texture), "uv_emission": placed(m.emission_texture),
+        "uv_base_color": _placed(m.base_color_texture),
+        "uv_metallic_roughness": _placed(m.metallic_roughness_texture),
+        "uv_normal": _placed(m.normal_texture), "uv_emission": _placed(m.emission_texture),
     }  # fmt: skip
 
 
@@ -310,9 +337,3 @@ def _size(mesh: Mesh, first: Mesh) -> float:
 
 def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
     return np.concatenate(parts) if parts else np.zeros(empty, dtype)
-
-
-def _reduce(operation: np.ufunc, corners: F64, first_instances: list[int]) -> F64:
-    if not first_instances:
-        return np.zeros((0, 3))
-    return np.asarray(operation.reduceat(corners, [8 * f for f in first_instances], axis=0))

@@ -24,6 +24,7 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
         {"shader_location": 2, "offset": 8, "format": "float32x2"},
         {"shader_location": 3, "offset": 16, "format": "float16x4"}]},
 )  # fmt: skip
+_RECORDED = 64  # views whose draws are kept as they were encoded
 
 
 class MeshPipeline(RasterPipeline):
@@ -39,9 +40,12 @@ class MeshPipeline(RasterPipeline):
     maps: ClassVar[tuple[str, ...]] = MAPS
 
     def __init__(
-        self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str], front_face: str
-    ) -> None:
+        self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str], front_face: str,
+        is_placed: bool,
+    ) -> None:  # fmt: skip
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
+        if self.maps:
+            constants["HAS_PLACED_MAPS"] = float(is_placed)
         if self.fragment_entry:
             constants["IS_CUTOUT"] = float(is_cutout)
         super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
@@ -58,6 +62,16 @@ class MeshPipeline(RasterPipeline):
         encoder.set_bind_group(1, found[0])
 
 
+class DepthPipeline(MeshPipeline):
+    """Depth of opaque materials alone. Subclass it with `slots`, the first called `params`."""
+
+    second_slots = ()
+    vertex_buffers = VERTEX_BUFFERS[:1]
+    fragment_entry = ""
+    maps = ()
+    file = "shadow_opaque.wgsl"
+
+
 class MeshPass:
     """The pipelines of one kind of pass, one per way a material differs in its shader.
 
@@ -68,19 +82,51 @@ class MeshPass:
         self, gpu: Gpu, kind: type[MeshPipeline], *, opaque: type[MeshPipeline] | None = None
     ) -> None:
         self.gpu, self.kind, self.opaque = gpu, kind, opaque or kind
-        self._pipelines: dict[tuple[bool, bool, bool, frozenset[str]], MeshPipeline] = {}
+        self._pipelines: dict[tuple[Any, ...], MeshPipeline] = {}
+        self._recorded: dict[tuple[int, ...], tuple[Any, tuple[Any, ...]]] = {}
 
     def draw(
         self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any,
         **bound: Any,
     ) -> None:  # fmt: skip
-        """Draw into an open render pass; `params` is the uniform, `bound` more slots."""
-        encoder.set_vertex_buffer(0, scene.positions.handle)
-        encoder.set_vertex_buffer(1, scene.vertices.handle)
-        encoder.set_index_buffer(scene.indices.handle, "uint32")
+        """Draw into an open render pass; `params` is the uniform, `bound` more slots.
+
+        The same `draws` (the list itself, as `GpuScene.visible` keeps it) with the same resources
+        are recorded the second time, and replayed from then on.
+        """
+        if not draws:
+            return
         shared = {
             "params": params, "instances": scene.instances, "materials": scene.materials, **bound
         }  # fmt: skip
+        # What stands in the key by its id is kept beside it: the id stays its own.
+        kept = (draws, commands, scene.instances, *bound.values())
+        key = (commands.put(params), *map(id, kept))
+        if key not in self._recorded:
+            if len(self._recorded) >= _RECORDED:
+                self._recorded.pop(next(iter(self._recorded)))
+            self._recorded[key] = (None, kept)
+            self._encode(commands, encoder, scene, draws, shared)
+            return
+        bundle = self._recorded[key][0]
+        if bundle is None:
+            recorder = self.gpu.device.create_render_bundle_encoder(
+                label=self.kind.__name__, color_formats=list(self.kind.targets),
+                depth_stencil_format=self.kind.depth,
+            )  # fmt: skip
+            self._encode(commands, recorder, scene, draws, shared)
+            bundle = recorder.finish(label=self.kind.__name__)
+            self._recorded[key] = (bundle, kept)
+        encoder.execute_bundles([bundle])
+
+    def _encode(
+        self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw],
+        shared: dict[str, Any],
+    ) -> None:  # fmt: skip
+        """Into a render pass, or a bundle to be."""
+        encoder.set_vertex_buffer(0, scene.positions.handle)
+        encoder.set_vertex_buffer(1, scene.vertices.handle)
+        encoder.set_index_buffer(scene.indices.handle, "uint32")
         active: MeshPipeline | None = None
         textures: Any = None
         for draw in draws:
@@ -100,11 +146,13 @@ class MeshPass:
     def _pipeline(self, draw: Draw) -> MeshPipeline:
         is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
         kind = self.kind if is_cutout else self.opaque
-        key = (is_cutout, two_sided, draw.is_mirrored, draw.maps & frozenset(kind.maps))
+        maps = draw.maps & frozenset(kind.maps)
+        is_placed = draw.is_placed and bool(maps)
+        key = (is_cutout, two_sided, draw.is_mirrored, maps, is_placed)
         if key not in self._pipelines:
             cull = "none" if two_sided else "back"
             self._pipelines[key] = kind(
-                self.gpu, is_cutout=is_cutout, cull=cull, maps=key[3],
+                self.gpu, is_cutout=is_cutout, cull=cull, maps=maps, is_placed=is_placed,
                 front_face="cw" if draw.is_mirrored else "ccw",
             )  # fmt: skip
         return self._pipelines[key]

@@ -9,7 +9,7 @@ from ..gpu.memory import Buffer, Sampler, Texture
 from ..gpu.slots import uniform
 from .geometry import GpuScene
 from .light_views import LightView, LightViewData
-from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 
 
 class ShadowParams(Struct):
@@ -25,13 +25,9 @@ class _CutoutPipeline(MeshPipeline):
     file = "shadow.wgsl"
 
 
-class _OpaquePipeline(MeshPipeline):
+class _OpaquePipeline(DepthPipeline):
     slots = _CutoutPipeline.slots
-    second_slots = ()
     depth_compare = "less"
-    fragment_entry = ""
-    maps = ()
-    file = "shadow_opaque.wgsl"
 
 
 class ShadowMaps:

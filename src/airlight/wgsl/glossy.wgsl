@@ -31,25 +31,13 @@ struct GlossyRay {
     raised: f32,        // cells above the surface at which it starts
 }
 
-// How much of what a surface mirrors deserves a ray: none where it is rough or hardly mirrors.
-fn glossy_share(specular_albedo: vec3f, roughness: f32) -> f32 {
-    let gain = max(specular_albedo.x, max(specular_albedo.y, specular_albedo.z));
-    return smoothstep(0.03, 0.08, gain * (1.0 - roughness));
-}
-
-// The open share of the face through which a ray enters `cell` at `place`, along axis 0, 1 or 2.
+// The open share of the low face of `cell` across axis 0, 1 or 2, where a ray crosses it at `place`.
 // Interpolated in the face's plane, so that pictures of partly open cells have no edges.
-fn glossy_open(lattice: LatticeParams, cell: vec3f, place: vec3f, axis: u32, forward: bool) -> f32 {
+fn glossy_open(lattice: LatticeParams, cell: f32, place: vec3f, axis: u32) -> f32 {
     var at = place;
-    at[axis] = cell[axis] + 0.5;
-    let uvw = lattice_uvw(lattice, at);
-    if (axis == 2u) {
-        let z = textureSampleLevel(lattice_open_b, linear_clamp, uvw, 0.0);
-        return select(z.y, z.x, forward);
-    }
-    let xy = textureSampleLevel(lattice_open_a, linear_clamp, uvw, 0.0);
-    let along = select(xy.xy, xy.zw, axis == 1u);
-    return select(along.y, along.x, forward);
+    at[axis] = cell + 0.5;
+    let low = textureSampleLevel(lattice_open_b, linear_clamp, lattice_uvw(lattice, at), 0.0);
+    return select(select(low.x, low.w, axis == 1u), low.z, axis == 0u);
 }
 
 // How much of a closed face that a ray crosses `height` cells above its own surface is that
@@ -77,7 +65,24 @@ fn glossy_begun() -> Glossy {
     return Glossy(vec3f(0.0), 1.0, 1.0, vec3f(0.0), 0.0, true);
 }
 
-// The same, from where `before` (of a finer lattice, its end in cells of this one) ended.
+// Which face a ray crosses next.
+struct Crossing {
+    axis: u32,
+    t: f32,             // where, cells from its start
+    is_inside: bool,    // of the lattice, and before the ray's end
+}
+
+fn next_crossing(crossing: vec3f, cell: vec3f, towards: vec3f, count: vec3f, reach: f32) -> Crossing {
+    var axis = select(0u, 1u, crossing.y < crossing.x);
+    axis = select(axis, 2u, crossing.z < crossing[axis]);
+    let t = crossing[axis];
+    let next = cell[axis] + towards[axis];
+    return Crossing(axis, t, t < reach && next >= 0.0 && next < count[axis]);
+}
+
+// The same, from where `before` (of a finer lattice, its end in cells of this one) ended. Two loops:
+// light is looked up only where a face took some of it. Both end with their test, after which
+// software drivers run nothing.
 fn glossy_walk(
     lattice: LatticeParams, surface: vec3f, lookup: vec3f, ray: GlossyRay, before: Glossy,
     is_outermost: bool,
@@ -93,32 +98,45 @@ fn glossy_walk(
     // Ends where every ray is sure to come: its number of crossings jumps from pixel to pixel.
     let widest = GLOSSY_REACH / ray.alpha;
     let reach = min(widest, before.end + f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
-    var t = before.end;
     var left = before.left;
     var transmittance = mix(GLOSSY_LEAST_LEFT, 1.0, left);
     var irradiance = before.irradiance;
-    for (var i = 0u; i < GLOSSY_CELLS && left > 0.0; i++) {
-        var axis = select(0u, 1u, crossing.y < crossing.x);
-        axis = select(axis, 2u, crossing.z < crossing[axis]);
-        t = crossing[axis];
-        var next = cell;
-        next[axis] += towards[axis];
-        if (t >= reach || next[axis] < 0.0 || next[axis] >= count[axis]) {
+    var next = next_crossing(crossing, cell, towards, count, reach);
+    var goes = next.is_inside && left > 0.0;
+    var t = next.t;
+    var i = 0u;
+    loop {
+        var lost = 0.0;
+        var seen = start;
+        loop {
+            let axis = next.axis;
+            let place = start + next.t * r;
+            let own = glossy_own(n, towards, axis, dot(place - surface, n));
+            let face = max(cell[axis], cell[axis] + towards[axis]);
+            let open = min(1.0, glossy_open(lattice, face, place, axis) + own);
+            if (goes) {
+                transmittance *= open;
+                let kept = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
+                lost = left - kept;
+                left = kept;
+                seen = place;
+                seen[axis] = cell[axis] + 0.5;
+                cell[axis] += towards[axis];
+                crossing[axis] += per_cell[axis];
+                i++;
+                next = next_crossing(crossing, cell, towards, count, reach);
+                goes = next.is_inside && left > 0.0 && i < GLOSSY_CELLS;
+                t = select(t, next.t, left > 0.0);
+            }
+            if (lost > 0.0 || !goes) {
+                break;
+            }
+        }
+        let uvw = lattice_eased(lattice, glossy_raised(seen, lookup, n));
+        irradiance += lost * lattice_irradiance_at(lattice, uvw, r);
+        if (!goes) {
             break;
         }
-        var place = start + t * r;
-        let own = glossy_own(n, towards, axis, dot(place - surface, n));
-        let open = min(1.0, glossy_open(lattice, next, place, axis, towards[axis] > 0.0) + own);
-        transmittance *= open;
-        let kept = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
-        if (kept < left) {
-            place[axis] = cell[axis] + 0.5;
-            let uvw = lattice_eased(lattice, glossy_raised(place, lookup, n));
-            irradiance += (left - kept) * lattice_irradiance_at(lattice, uvw, r);
-        }
-        left = kept;
-        cell = next;
-        crossing[axis] += per_cell[axis];
     }
     t = min(t, reach);
     let border = select(-start, count - start, r > vec3f(0.0)) * towards * per_cell;

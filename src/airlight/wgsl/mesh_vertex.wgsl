@@ -9,13 +9,17 @@ struct VertexIn {
 }
 
 struct VertexOut {
-    @builtin(position) clip: vec4f,
+    @invariant @builtin(position) clip: vec4f,
     @location(0) world: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
     @location(3) color: vec4f,
     @location(4) @interpolate(flat) material: u32,
     @location(5) @interpolate(flat) size: f32,
+}
+
+fn clip_position(instance: u32, position: vec3f, clip_from_world: mat4x4f) -> vec4f {
+    return clip_from_world * (instances[instance].world_from_object * vec4f(position, 1.0));
 }
 
 fn placed_vertex(in: VertexIn, clip_from_world: mat4x4f) -> VertexOut {

@@ -56,3 +56,9 @@ fn specular_albedo(r: Reflector, n_v: f32) -> vec3f {
     let f90 = saturate(max(r.f0.x, max(r.f0.y, r.f0.z)) * 50.0);
     return r.f0 * scale_bias.x + vec3f(scale_bias.y * f90);
 }
+
+// How much of what a surface mirrors deserves a ray: none where it is rough or hardly mirrors.
+fn glossy_share(specular_albedo: vec3f, roughness: f32) -> f32 {
+    let gain = max(specular_albedo.x, max(specular_albedo.y, specular_albedo.z));
+    return smoothstep(0.03, 0.08, gain * (1.0 - roughness));
+}
