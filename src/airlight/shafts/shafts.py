@@ -58,25 +58,32 @@ def _slots(air: Air, *more: Slot) -> tuple[Slot, ...]:
     )  # fmt: skip
 
 
+def run_wgsl(air: Air, lights: Lights) -> str:
+    """What wgsl/lit_run.wgsl is to know beforehand: what air and lights there are."""
+    known = {"AIR_IS_BOX": air.is_one_box, "HAS_SUNS": lights.parallel.layers > 0,
+             "HAS_LAMPS": lights.local.layers > 0}  # fmt: skip
+    return air.wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items())
+
+
 class _Shafts(ComputePass):
     workgroup = (8, 8, 1)
     file = "shafts.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
         self.slots = _slots(air, texture("picked", "2d", "unfilterable-float"))  # type: ignore[misc]
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
 class _Refine(ComputePass):
     workgroup = (8, 8, 1)
     file = "refine.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
         self.slots = _slots(  # type: ignore[misc]
             air, uniform("refine", RefineParams), texture("depth", "2d", "depth"),
             texture("reduced", "2d", "unfilterable-float"),
         )  # fmt: skip
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
 class Shafts:
@@ -86,8 +93,8 @@ class Shafts:
         self.air, self.max_nodes = air, max_nodes
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
-        self._pass = _Shafts(gpu, air)
-        self._refine = _Refine(gpu, air)
+        self._pass = _Shafts(gpu, air, lights)
+        self._refine = _Refine(gpu, air, lights)
 
     def prepare(self, commands: Commands) -> None:
         """Bring the hierarchies up to date, where shadow maps changed."""

@@ -31,6 +31,7 @@ from ..maths.transforms import F64
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from .facets import TREE_SLOTS, Draw, FacetTrees
+from .shafts import run_wgsl
 
 FEATURE = "float32-blendable"
 _ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
@@ -54,12 +55,12 @@ class _Lit(FullscreenPass):
     targets = ("rgba32float",)
     file = "volumes_lit.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams), uniform("params", LitParams), *air.slots,
             storage("lights", LightData), texture("picked", "2d", "unfilterable-float"),
         )  # fmt: skip
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
 class _Dark(RasterPipeline):
@@ -67,14 +68,14 @@ class _Dark(RasterPipeline):
     blend: ClassVar[dict[str, Any]] = {"color": _ADDED, "alpha": _ADDED}
     file = "volumes.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams), uniform("params", VolumeParams), *TREE_SLOTS, *air.slots,
             storage("lights", LightData), storage("views", LightViewData),
             storage("facets", "vec4f"), storage("triangles", "u32"),
             texture("picked", "2d", "unfilterable-float"),
         )  # fmt: skip
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
 class _Settle(ComputePass):
@@ -94,7 +95,8 @@ class Volumes:
         self.air = air
         self.parallel = FacetTrees(gpu, lights.parallel, tolerance)
         self.local = FacetTrees(gpu, lights.local, tolerance)
-        self._lit, self._dark, self._settle = _Lit(gpu, air), _Dark(gpu, air), _Settle(gpu)
+        self._settle = _Settle(gpu)
+        self._lit, self._dark = _Lit(gpu, air, lights), _Dark(gpu, air, lights)
         self._make_sum(reduced)
 
     def _make_sum(self, reduced: tuple[int, int]) -> None:

@@ -1,4 +1,6 @@
-// Radiance towards the eye from a lit stretch of an eye ray that `air_enter` has entered.
+// Radiance towards the eye from a lit stretch of an eye ray that `air_enter` has entered. The
+// including pass adds run_wgsl (shafts/shafts.py), which says what cannot occur: software drivers
+// run both sides of every branch, and bodies of loops once before a test at their head.
 //! use air
 //! use air_light
 //! use airlight
@@ -47,12 +49,15 @@ fn parallel_run(t0: f32, t1: f32) -> vec3f {
     let entry = air_spans[0].x;
     var sum = vec3f(0.0);
     var t = t0;
-    for (var piece = 0u; piece < 4u && t < t1; piece++) {
+    var piece = 0u;
+    loop {
         let end = next_face(t, t1);
         let a = sigma_t * (t - entry + light_way(t));
         let b = sigma_t * (end - entry + light_way(end));
         sum += exp(-min(a, b)) * (end - t) * mean_transmittance_rgb(abs(b - a));
         t = end;
+        piece++;
+        if (piece >= 4u || t >= t1) { break; }
     }
     return sum * air[0].albedo * sigma_t * run_phase;
 }
@@ -101,7 +106,8 @@ fn lamp_run(
     let pieces = lamp_pieces(m, x1 - x0, t1 - t0);
     let half = 0.5 * (x1 - x0) / f32(pieces);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < 2u * pieces; i++) {
+    var i = 0u;
+    loop {
         // Gauss-Legendre with 4 nodes, as two pairs.
         let outer = (i & 1u) == 1u;
         let off = select(0.3399810435848563, 0.8611363115940526, outer) * half;
@@ -109,6 +115,8 @@ fn lamp_run(
         let x = x0 + f32(2u * (i >> 1u) + 1u) * half;
         sum += weight * (lamp_node(light, index, m, origin, direction, t_near, h, x - off)
             + lamp_node(light, index, m, origin, direction, t_near, h, x + off));
+        i++;
+        if (i >= 2u * pieces) { break; }
     }
     return sum * half / h;
 }
@@ -136,18 +144,21 @@ fn lit_run(
     light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
+    var m = 0u;
+    loop {
         let a = max(t0, air_spans[m].x);
         let b = min(t1, air_spans[m].y);
         if (a < b && air[m].has_shafts != 0u) {
-            if (light.kind != LIGHT_DIRECTIONAL) {
+            if (HAS_LAMPS && light.kind != LIGHT_DIRECTIONAL) {
                 sum += lamp_run(light, index, m, origin, direction, a, b);
-            } else if (AIR_COUNT == 1u && air[0].kind == AIR_BOX) {
+            } else if (HAS_SUNS && AIR_IS_BOX) {
                 sum += parallel_run(a, b);
-            } else {
+            } else if (HAS_SUNS) {
                 sum += parallel_nodes(light, index, m, origin, direction, a, b);
             }
         }
+        m++;
+        if (m >= AIR_COUNT) { break; }
     }
     return sum * light.color;
 }

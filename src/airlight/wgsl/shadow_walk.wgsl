@@ -148,13 +148,14 @@ fn visit_square() -> vec2f {
 // integrate their runs together.
 fn next_run() -> vec2f {
     var run = vec2f(0.0);
-    while (walk.s < FINISHED && run.y <= run.x) {
+    loop {
         if (walk.s >= 1.0 || walk.node >= 4u * shafts.max_nodes) {
             run = last_run();
         } else {
             run = visit_square();
             walk.node++;
         }
+        if (walk.s >= FINISHED || run.y > run.x) { break; }
     }
     return run;
 }

@@ -6,7 +6,7 @@
 //! use shadow_walk
 
 fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
-    if (is_parallel) {
+    if (HAS_SUNS && (is_parallel || !HAS_LAMPS)) {
         return parallel_views[view].clip_from_world;
     }
     return local_views[view].clip_from_world;
@@ -14,7 +14,7 @@ fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
 
 // The nearest and farthest shadow depth of a square of 2^level texels.
 fn shadow_bounds(is_parallel: bool, view: u32, level: u32, square: vec2u) -> vec2f {
-    if (is_parallel) {
+    if (HAS_SUNS && (is_parallel || !HAS_LAMPS)) {
         if (level == 0u) {
             return vec2f(shadow_depth(textureLoad(parallel_shadows, vec2i(square), view, 0)));
         }
@@ -63,16 +63,17 @@ fn view_radiance(
     if (outer.x >= outer.y) {
         return sum;
     }
-    if (inner.x >= inner.y) {
-        let t = t0 + outer * (t1 - t0);
-        return lit_run(light, index, rays.eye, direction, t.x, t.y);
-    }
-    enter_map(clip0, step, outer, inner, t0, t1);
-    while (walk.s < FINISHED) {
+    // Where the map has no texels there is one run, as at the end of a map.
+    let is_in = inner.x < inner.y;
+    enter_map(clip0, step, outer, select(outer, inner, is_in), t0, t1);
+    walk.s = select(FINISHED - 1.0, 0.0, is_in);
+    walk.is_lit = walk.is_lit || !is_in;
+    loop {
         let run = next_run();
         if (run.y > run.x) {
             sum += lit_run(light, index, rays.eye, direction, run.x, run.y);
         }
+        if (walk.s >= FINISHED) { break; }
     }
     return sum;
 }
@@ -81,15 +82,21 @@ fn view_radiance(
 fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
     let hull = visible_hull(air_enter(rays.eye, direction, reach));
     var sum = vec3f(0.0);
-    for (var i = 0u; i < shafts.light_count; i++) {
+    var i = 0u;
+    loop {
         let light = lights[i];
         let span = light_span(light, rays.eye, direction, hull);
         if (span.x < span.y && any(light.color > vec3f(0.0))) {
             run_prepare(light, rays.eye, direction);
-            for (var v = 0u; v < light.view_count; v++) {
+            var v = 0u;
+            loop {
                 sum += view_radiance(light, i, light.first_view + v, direction, span.x, span.y);
+                v++;
+                if (!HAS_LAMPS || v >= light.view_count) { break; }
             }
         }
+        i++;
+        if (i >= shafts.light_count) { break; }
     }
     return sum;
 }
