@@ -147,9 +147,14 @@ class PopSolver:
         lamps += [_DARK] * (surfaces.virtual_lights if surfaces is not None else 0)
         params = self._params(ordinates.count + len(lamps), self.volume.albedo)
         new_medium = self._encode_density(commands, params, bounced)
-        seen = () if surfaces is None else surfaces.version
-        seen += () if bounced is None else bounced.version
-        light_key = (ordinates.direction.tobytes(), ordinates.irradiance.tobytes(), *lamps, *seen)
+        versions = () if surfaces is None else surfaces.version
+        versions += () if bounced is None else bounced.version
+        light_key = (
+            ordinates.direction.tobytes(),
+            ordinates.irradiance.tobytes(),
+            *lamps,
+            *versions,
+        )
         new_light = new_medium or light_key != self._light_key
         if new_light:
             self._light_key = light_key
