@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import sys
 import zlib
 from pathlib import Path
 
@@ -80,6 +81,48 @@ def test_leaves_tiles_and_background_are_spread(tmp_path, packed):
     assert at[0, 6, 8] == 0.0  # (-3, 8, 128)
 
 
+def blosc_bytes(*, chunk: int, flipped: int | None = None) -> bytes:
+    """The same file with its grid in chunks of c-blosc, as nanovdb/io/IO.h writes them."""
+    blosc = pytest.importorskip("blosc", reason="needs the `vdb` extra")
+    plain = nvdb_bytes(packed=False)
+    start = struct.calcsize("<8sIHH") + struct.calcsize("<4Q2I6d6i3dI4I3I2HI") + len(NAME)
+    buffer, body = plain[start:], b""
+    for at in range(0, len(buffer), chunk):
+        one = blosc.compress(buffer[at : at + chunk], typesize=4, clevel=9, cname="lz4")
+        body += struct.pack("<Q", len(one)) + one
+    head = bytearray(plain[:start])
+    struct.pack_into("<H", head, 14, 2)
+    struct.pack_into("<Q", head, 24, len(body))
+    struct.pack_into("<H", head, start - len(NAME) - 8, 2)
+    if flipped is not None:
+        body = body[:flipped] + bytes([body[flipped] ^ 0x55]) + body[flipped + 1 :]
+    return bytes(head) + body
+
+
+def test_blosc_is_unpacked_chunk_by_chunk(tmp_path):
+    (tmp_path / "a.nvdb").write_bytes(blosc_bytes(chunk=100_000))
+    (tmp_path / "b.nvdb").write_bytes(nvdb_bytes())
+    got, want = (read_nanovdb(tmp_path / name, "density") for name in ("a.nvdb", "b.nvdb"))
+    np.testing.assert_array_equal(got.values, want.values)
+
+
+@pytest.mark.parametrize("byte", [0, 12, 13, 20, 24])
+def test_damaged_blosc_says_so(tmp_path, byte):
+    """A length, the unpacked size, the packed size, and where blocks start."""
+    (tmp_path / "a.nvdb").write_bytes(blosc_bytes(chunk=1 << 30, flipped=byte))
+    with pytest.raises(SceneError) as caught:
+        read_volume(tmp_path / "a.nvdb")
+    assert "a.nvdb: is damaged" in str(caught.value)
+
+
+def test_without_blosc_it_says_what_to_install(tmp_path, monkeypatch):
+    (tmp_path / "a.nvdb").write_bytes(nvdb_bytes(codec=2))
+    monkeypatch.setitem(sys.modules, "blosc", None)
+    with pytest.raises(SceneError) as caught:
+        read_volume(tmp_path / "a.nvdb")
+    assert "needs the package blosc. Run: pip install 'airlight[vdb]'" in str(caught.value)
+
+
 def test_its_place_is_read_and_negative_density_refused(tmp_path):
     (tmp_path / "a.nvdb").write_bytes(nvdb_bytes())
     grid = read_volume(tmp_path / "a.nvdb")
@@ -98,7 +141,7 @@ def test_its_place_is_read_and_negative_density_refused(tmp_path):
         (nvdb_bytes()[:100], "is damaged: unpack_from requires a buffer of at least 192 bytes"),
         (nvdb_bytes()[:900], "is cut short"),
         (nvdb_bytes(packed=False)[:9000], "is cut short"),
-        (nvdb_bytes(codec=2), "is packed by Blosc, which is not read. Convert it with"),
+        (nvdb_bytes(codec=3), "is packed by a codec that is not known, 3"),
         (nvdb_bytes(kind=13), "holds values of NanoVDB's type 13, only 32-bit floats are read"),
         (nvdb_bytes(version=29 << 21), "is of NanoVDB version 29, only 32 is read"),
     ],

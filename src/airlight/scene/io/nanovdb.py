@@ -6,6 +6,7 @@ per grid; a buffer is a tree of root, 32^3, 16^3 and 8^3 nodes, each kind in one
 
 from __future__ import annotations
 
+import importlib
 import struct
 import zlib
 from dataclasses import dataclass
@@ -24,7 +25,9 @@ _RECORD = struct.Struct("<4Q2I6d6i3dI4I3I2HI")
 _MAGICS = (b"NanoVDB0", b"NanoVDB2")
 _MAJOR = 32
 _FLOAT, _LEVEL_SET = 1, 1
-_UNPACKED, _ZIP = 0, 1
+_UNPACKED, _ZIP, _BLOSC = 0, 1, 2
+_LENGTH = struct.Struct("<Q")
+_BLOSC_SIZES = struct.Struct("<4xIII")  # of a chunk's header: bytes unpacked, of a block, packed
 _MAP_OFFSET, _TREE_OFFSET = 296, 672
 _ROOT_TILE, _UPPER, _LOWER, _LEAF = (
     np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
@@ -55,7 +58,8 @@ class SparseGrid:
 def read_nanovdb(path: Path, wanted: str) -> SparseGrid:
     """The grid called `wanted`; the only one, where there is only one.
 
-    Raises SceneError for what is damaged, packed by Blosc or not of 32-bit floats.
+    Raises SceneError for what is damaged, packed by Blosc where that is not installed, or not of
+    32-bit floats.
     """
     content = path.read_bytes()
     if len(content) < _FILE.size or content[:8] not in _MAGICS:
@@ -103,17 +107,41 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
 
 
 def _unpacked(packed: bytes, size: int, codec: int) -> bytes:
-    if codec not in (_UNPACKED, _ZIP):
-        raise SceneError(
-            "is packed by Blosc, which is not read",
-            remedy="Convert it with nanovdb_convert --zip.",
-        )
+    if codec not in (_UNPACKED, _ZIP, _BLOSC):
+        raise SceneError(f"is packed by a codec that is not known, {codec}")
     if codec == _ZIP:
         stream = zlib.decompressobj()
         packed = stream.decompress(packed[8:], size + 1)
+    elif codec == _BLOSC:
+        packed = _without_blosc(packed, size)
     if len(packed) != size:
         raise SceneError(f"is cut short: {len(packed):,} of {size:,} bytes of a grid")
     return packed
+
+
+def _without_blosc(packed: bytes, size: int) -> bytes:
+    """Chunks of Blosc, each after its length; as far as they say that they fit into `size`."""
+    try:
+        blosc = importlib.import_module("blosc")
+    except ImportError:
+        raise SceneError(
+            "is packed by Blosc, which needs the package blosc",
+            remedy="Run: pip install 'airlight[vdb]', or convert it with nanovdb_convert --zip.",
+        ) from None
+    found, at, left = [], 0, size
+    while left > 0:
+        (length,) = _LENGTH.unpack_from(packed, at)
+        at += _LENGTH.size
+        whole, _, said = _BLOSC_SIZES.unpack_from(packed, at)
+        if whole > left or said != length or at + length > len(packed) or not whole:
+            raise ValueError("a Blosc chunk of the wrong size")
+        try:
+            found.append(blosc.decompress(packed[at : at + length]))
+        except blosc.blosc_extension.error as error:
+            raise ValueError(error) from None
+        at += length
+        left -= whole
+    return b"".join(found)
 
 
 def _dense(record: _Record, buffer: bytes) -> SparseGrid:
