@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from airlight.app.view_drawn import Drawn, is_same
+from airlight.app.view_drawn import QUICK_STEPS, Drawn, is_same
 from airlight.errors import DeviceError
 from airlight.rendering import Renderer
 from airlight.scene.io import load
@@ -48,6 +48,20 @@ def test_a_camera_needs_no_solution_and_other_meshes_do():
     assert drawn.solve_ms == 0.0
     other = (replace(scene.meshes[0], name="other"), *scene.meshes[1:])
     assert solved(drawn, replace(scene, meshes=other)) == 1
+    drawn.close()
+
+
+def test_a_moving_light_makes_fewer_steps_until_it_rests():
+    drawn = drawn_with(iterations=64)
+    r, steps = drawn.renderer, []
+    if not r.gpu.is_cpu:
+        pytest.skip("a GPU has time for all steps")
+    inner = r.technique.solve
+    r.technique.solve = lambda *a: (steps.append(r.technique.lpv.iterations), inner(*a))
+    for is_quick in (True, True, False, False, True):
+        drawn.solve(r.commands, is_quick=is_quick)
+    assert steps == [QUICK_STEPS, 64]  # once quickly, once in full, which then does for both
+    assert r.technique.lpv.iterations == 64
     drawn.close()
 
 

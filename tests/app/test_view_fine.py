@@ -102,7 +102,8 @@ def test_what_moves_takes_it_back_and_only_samples_are_made_anew(gpu, fine):
 
     fine.begin(make, Shot(scene, SIZE, Look(), "rgba8unorm"))
     until(lambda: fine.samples > 1)
-    fine.moved()
+    with fine._turns.frame():  # as a session does
+        fine.moved()
     assert not fine.is_shown
     held = fine.samples
     time.sleep(0.05)

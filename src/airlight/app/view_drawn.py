@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +15,9 @@ from ..rendering import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 
+QUICK_STEPS = 32
+"""The fewest with an estimate of what later ones would add: living room, .86 of 64 steps' light."""
+
 
 class Drawn:
     """For one thread at a time. `solve_ms`: what the last `solve` took on a software driver."""
@@ -20,6 +26,7 @@ class Drawn:
         self.renderer = renderer
         self.solve_ms = 0.0
         self._solved: tuple[Any, ...] = ()
+        self._is_quick = False
 
     def give(self, scene: Scene) -> None:
         """Show `scene`, which has the structure of the one the renderer was made for."""
@@ -28,15 +35,21 @@ class Drawn:
             r.meshes.move(scene.meshes)
         r.scene = scene
 
-    def solve(self, commands: Commands) -> None:
-        """All that the camera does not matter for, unless nothing else has changed."""
+    def solve(self, commands: Commands, *, is_quick: bool = False) -> None:
+        """All that the camera does not matter for, unless nothing else has changed.
+
+        `is_quick`: a hand moves what shines, and fewer steps of propagation will do for now on a
+        software driver; what was solved so is solved again where it is not.
+        """
         self.solve_ms = 0.0
         r = self.renderer
         now = solved_by(r)
-        if is_same(now, self._solved):
+        if is_same(now, self._solved) and (is_quick or not self._is_quick):
             return
         begin = time.perf_counter()
-        r.technique.solve(commands, r.scene)
+        self._is_quick = is_quick and r.gpu.is_cpu and _steps(r) > QUICK_STEPS
+        with _fewer_steps(r) if self._is_quick else nullcontext():
+            r.technique.solve(commands, r.scene)
         self._solved = now
         if r.gpu.is_cpu:
             commands.submit()
@@ -54,6 +67,24 @@ class Drawn:
     def close(self) -> None:
         """Give the device's memory back."""
         self.renderer.close()
+
+
+def _steps(r: Renderer) -> int:
+    """Of light propagation volumes; 0 in techniques without."""
+    technique: Any = getattr(r.technique, "chosen", r.technique)
+    return int(technique.lpv.iterations) if hasattr(technique, "lpv") else 0
+
+
+@contextmanager
+def _fewer_steps(r: Renderer) -> Iterator[None]:
+    """Light propagation volumes make QUICK_STEPS steps."""
+    technique: Any = getattr(r.technique, "chosen", r.technique)
+    settings = technique.lpv
+    technique.lpv = replace(settings, iterations=QUICK_STEPS)
+    try:
+        yield
+    finally:
+        technique.lpv = settings
 
 
 def solved_by(r: Renderer) -> tuple[Any, ...]:

@@ -109,7 +109,7 @@ class Fine:
         return None if self.is_working else self._drawn
 
     def moved(self) -> None:
-        """The view no longer stands still: what is being made holds."""
+        """The view no longer stands still: what is being made holds. Only in the viewer's turn."""
         self.samples, self._shot = 0, None
         if self._task:
             self._task.pause(holds=True)

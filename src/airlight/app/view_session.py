@@ -319,7 +319,7 @@ class Session:
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
         if self._made == structure(self.state):
             drawn.give(self.scene_now())
-        drawn.solve(commands)
+        drawn.solve(commands, is_quick=plan.is_moving)
         x, y = (0.0, 0.0) if plan.is_moving else self._jitters[plan.sample]
         drawn.draw(commands, self.controls.camera, (float(x), float(y)), plan.sample)
         if self._presenter is None:
