@@ -2,7 +2,7 @@
 //! use upsample_weight
 
 // Texels whose transmittance differs by more are not interpolated.
-const SAME_AIR = 0.01;
+const SAME_AIR = 0.02;
 // Less than this share of light hidden tells nothing of its colour.
 const LEAST_HIDDEN = 1e-4;
 

@@ -69,7 +69,7 @@ class PopMedia:
         ]  # fmt: skip
         self._march = March(gpu, self.air, sources=len(self.solvers))
         self._upsample = Upsample(gpu)
-        self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
+        self._guided = GuidedUpsample(gpu, self.air)
         self._scene = scene
         self._picture: _Picture | None = None
 
@@ -101,7 +101,7 @@ class PopMedia:
         self, commands: Commands, rays: RayParams, picture: _Picture, depth: Texture
     ) -> None:
         """The marched picture at full size."""
-        if picture.rays.scale > 1 and self._guided is not None:
+        if picture.rays.scale > 1:
             self._guided.encode(
                 commands, rays, picture.rays, self._march, depth,
                 scattered=picture.reduced_scattered, transmittance=picture.reduced_passed,
