@@ -42,7 +42,7 @@ def test_a_beam_is_scattered_by_the_forward_phase_function(gpu, look):
     bound = {f"lattice_{name}": dark for name in ("red", "green", "blue", "walls")}
     bound |= {"lattice_open_a": open_to_all, "lattice_open_b": open_to_all}
     lattice = LatticeSource(placement, bound, 1.0, forward=ForwardSource(texture, table, 2, 2, 0.5))
-    march = March(gpu, air, has_lattice=True, has_forward=True)
+    march = March(gpu, air, has_lattice=True)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in ("L", "T"))
     march.encode(seen.commands, rays.encode(seen.commands, seen.view), rays, lattice=lattice,
                  scattered=L, transmittance=T, cutoff=0.0)  # fmt: skip

@@ -16,7 +16,8 @@ from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
 from .air import Air
-from .march import March, MarchParams
+from .march import March
+from .march_kernel import MarchParams
 from .rays import RayParams, Rays
 
 

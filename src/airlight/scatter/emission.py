@@ -101,7 +101,9 @@ class Emission:
 
     def source(self, walls: dict[str, Any], forward: ForwardSource | None = None) -> LatticeSource:
         """For marching; `walls` as Blockers.bound."""
-        return LatticeSource(self.placement, self.bound | walls, self.mean_scale, forward=forward)
+        return LatticeSource(
+            self.placement, self.bound | walls, self.mean_scale, forward=forward, mean=self.mean
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -77,10 +77,11 @@ def _tile_wgsl(width: int, height: int) -> str:
         f"const SLAB = {SLAB}u;", f"const WIDTH = {width}u;", f"const HEIGHT = {height}u;",
         f"struct Tile {{\n{fields}}}",
         "struct Layer { below: Tile, here: Tile, above: Tile }",
-        "fn layer_at(c: StepCoefficients, w: Weights, base: u32, x: u32, y: u32) -> Layer {",
-        "    let n = params.count;", "    var layer: Layer;",
+        "fn layer_at(n: vec3u, c: StepCoefficients, w: Weights, base: u32, x: u32, y: u32)"
+        " -> Layer {",
+        "    var layer: Layer;",
         *_rows(width, height), *_sums(width, height), "    return layer;", "}",
-        "fn store(index: u32, tile: Tile) {", *_stores(width, height), "}",
+        "fn store(index: u32, nx: u32, tile: Tile) {", *_stores(width, height), "}",
         *_added(width * height),
     ])  # fmt: skip
 
@@ -123,7 +124,7 @@ def _stores(width: int, height: int) -> list[str]:
     lines = []
     for k in range(width * height):
         y, x = divmod(k, width)
-        at = f"index + {y}u * params.count.x + {x}u"
+        at = f"index + {y}u * nx + {x}u"
         lines.append(f"    after[{at}] = source[{at}] + tile.v{k};")
     return lines
 

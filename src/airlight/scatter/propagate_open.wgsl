@@ -1,6 +1,7 @@
 // One step over tiles of columns, marched along z. A layer's cells send to three layers: what the
 // nine around a column send is made of the sums (e) and differences (o) of neighbours along x, then
-// along y. `layer_at`, `store` and `added` are generated.
+// along y. `layer_at`, `store` and `added` are generated; the size is handed to them, as reading it
+// again costs as much as a cell.
 
 struct Row { c: vec4f, e: vec4f, o: vec4f }     // the middle; the two beside it: sum, difference
 struct Sent { below: vec4f, here: vec4f, above: vec4f }
@@ -63,18 +64,18 @@ fn sent(k: StepCoefficients, w: Weights, a: Row, c: Row, b: Row) -> Sent {
     var earlier: Tile;
     var current: Tile;
     if (z_first > 0u) {
-        current = layer_at(c, w, first + (z_first - 1u) * plane, x, y).above;
+        current = layer_at(n, c, w, first + (z_first - 1u) * plane, x, y).above;
     }
     for (var z = z_first; z < z_last; z++) {
-        let layer = layer_at(c, w, first + z * plane, x, y);
+        let layer = layer_at(n, c, w, first + z * plane, x, y);
         if (z > z_first) {
-            store(first + (z - 1u) * plane + y * n.x + x, added(earlier, layer.below));
+            store(first + (z - 1u) * plane + y * n.x + x, n.x, added(earlier, layer.below));
         }
         earlier = added(current, layer.here);
         current = layer.above;
     }
     if (z_last < n.z) {
-        earlier = added(earlier, layer_at(c, w, first + z_last * plane, x, y).below);
+        earlier = added(earlier, layer_at(n, c, w, first + z_last * plane, x, y).below);
     }
-    store(first + (z_last - 1u) * plane + y * n.x + x, earlier);
+    store(first + (z_last - 1u) * plane + y * n.x + x, n.x, earlier);
 }

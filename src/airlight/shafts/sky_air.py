@@ -61,6 +61,7 @@ class _SkyAir(ComputePass):
             image("green", "rgba16float", "3d"),
             image("blue", "rgba16float", "3d"),
             image("cube", "rgba16float", "3d"),
+            image("mean", "rgba16float", "3d"),
         )
         super().__init__(gpu, generated=air.wgsl)
 
@@ -96,6 +97,7 @@ class SkyAir:
 
         self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
         self.cube = made("cube", FACES * nz)
+        self.mean = made("mean", nz)
         self._written = (b"", -1)
 
     def encode(
@@ -125,7 +127,7 @@ class SkyAir:
                 lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
                 depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
                 red=self.red, green=self.green, blue=self.blue, cube=self.cube,
-                **self.air.bound,
+                mean=self.mean, **self.air.bound,
             )  # fmt: skip
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
@@ -133,12 +135,13 @@ class SkyAir:
         bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
         return LatticeSource(
             self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0,
-            finer=finer,
+            finer=finer, mean=self.mean,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube):
+        for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube,
+                     self.mean):  # fmt: skip
             part.release()
 
 

@@ -60,6 +60,8 @@ fn stored(even: f32, flux: vec3f) -> vec4f {
     textureStore(red, texel, stored(fluence.r, vec3f(flux[0].r, flux[1].r, flux[2].r)));
     textureStore(green, texel, stored(fluence.g, vec3f(flux[0].g, flux[1].g, flux[2].g)));
     textureStore(blue, texel, stored(fluence.b, vec3f(flux[0].b, flux[1].b, flux[2].b)));
+    textureStore(mean, texel, vec4f(stored(fluence.r, vec3f(0.0)).x,
+        stored(fluence.g, vec3f(0.0)).x, stored(fluence.b, vec3f(0.0)).x, 1.0));
     // The ambient cube of lattice/skylight: +x -x +y -y +z -z.
     for (var axis = 0u; axis < 3u; axis++) {
         let layers = vec3u(0u, 0u, textureDimensions(red).z);

@@ -1,9 +1,9 @@
 // What lattices scatter towards the eye. The including pass binds what `lattice` needs and the
-// table `lattices`, the finest first, and adds what samples their textures (march/march.py).
+// table `lattices`, the finest first, and adds LATTICES_AT_ONCE, how many fade into each other at one
+// place, and what samples their textures (march/march.py). Loops are tested at their ends: software
+// drivers run a body once more than a test before it lets through.
 //! use air
 //! use lattice
-
-const LATTICES_AT_ONCE = 3u;        // that fade into each other at one place
 
 // Texture coordinates of the step's middle, and their weight; the first is 0 where there are none.
 var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;
@@ -12,12 +12,19 @@ var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
 fn lattice_enter(p: vec3f) {
     let last = arrayLength(&lattices) - 1u;
+    if (LATTICES_AT_ONCE == 1u) {
+        let uvw = lattice_coordinates(lattices[last], p, vec3f(0.0));
+        lattice_at[0] = vec4f(uvw, lattice_weight(lattices[last], p));
+        lattice_gain[0] = 1.0;
+        return;
+    }
     for (var i = 0u; i < LATTICES_AT_ONCE; i++) {
         lattice_at[i].w = 0.0;
     }
     var left = 1.0;
     var found = 0u;
-    for (var k = 0u; k <= last && left > 0.0 && found < LATTICES_AT_ONCE; k++) {
+    var k = 0u;
+    loop {
         let weight = left * lattice_weight(lattices[k], p);
         if (weight > 0.0) {
             let finer = lattices[last].cell / lattices[k].cell;
@@ -27,21 +34,36 @@ fn lattice_enter(p: vec3f) {
             left -= weight;
             found++;
         }
+        k++;
+        if (k > last || left <= 0.0 || found >= LATTICES_AT_ONCE) {
+            break;
+        }
     }
 }
 
 // `is_power`: the texture holds the power of cells, not what is per square metre.
 fn lattice_blended(states: texture_3d<f32>, is_power: bool) -> vec4f {
+    if (LATTICES_AT_ONCE == 1u) {
+        return lattice_at[0].w * textureSampleLevel(states, linear_clamp, lattice_at[0].xyz, 0.0);
+    }
     var sum = vec4f(0.0);
-    for (var i = 0u; i < LATTICES_AT_ONCE && lattice_at[i].w > 0.0; i++) {
+    var i = 0u;
+    loop {
         let gain = lattice_at[i].w * select(1.0, lattice_gain[i], is_power);
         sum += gain * textureSampleLevel(states, linear_clamp, lattice_at[i].xyz, 0.0);
+        i++;
+        if (i >= LATTICES_AT_ONCE || lattice_at[min(i, LATTICES_AT_ONCE - 1u)].w <= 0.0) {
+            break;
+        }
     }
     return sum;
 }
 
 // Cells of the finest lattice that has the place, over the finest lattice's.
 fn march_step_share(p: vec3f) -> f32 {
+    if (LATTICES_AT_ONCE == 1u) {
+        return 1.0;
+    }
     let last = arrayLength(&lattices) - 1u;
     var k = 0u;
     while (k < last && lattice_weight(lattices[k], p) <= 0.0) {

@@ -1,0 +1,166 @@
+"""What marching's kernel is made of, by what is marched: parameters, slots, generated WGSL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..gpu.layout import Struct, f32, i32, mat4x4f, u32
+from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams
+from .air import Air
+from .forward_source import FORWARD_WGSL, forward_slots
+from .rays import RayParams
+
+MAX_LEVELS_AT_ONCE = 3
+"""Nested lattices that fade into each other at one place."""
+
+
+class MarchParams(Struct):
+    """How rays are cut into steps, and how the lattice is read."""
+
+    step = f32("m")
+    max_steps = u32()
+    cutoff = f32("transmittance below which a ray ends")
+    lattice_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    lattice_direct = f32("share of b that the phase function keeps, per g")
+    sky_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    sky_direct = f32("share of b that the phase function keeps, per g")
+    forward_scale = f32("W m^-2 per stored unit of light scattered forwards")
+    forward_slabs = f32("lights that its texture holds along z")
+    forward_count = u32("of which so many shine")
+
+
+class SourceData(Struct):
+    """One source texture; its box is 0..1 on each axis of its own space."""
+
+    uvw_from_world = mat4x4f()
+    scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
+    medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
+    scatters evenly; beams besides the lattice; how many nested lattices there are at one place.
+    """
+
+    sources: int = 0
+    has_lattice: bool = False
+    has_sky: bool = False
+    is_even: bool = False
+    is_sky_even: bool = False
+    has_forward: bool = False
+    levels: int = 1
+
+
+_NO_FORWARD = "fn forward_emission(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+
+
+def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
+    """What the kernel binds."""
+    made = [uniform("rays", RayParams), uniform("march", MarchParams),
+            texture("picked", "2d", "unfilterable-float"), *air.medium_slots]  # fmt: skip
+    if variant.sources:
+        made += [storage("sources", SourceData), sampler("source_linear")]
+        made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
+    names: list[str] = []
+    if variant.has_lattice or variant.has_sky:
+        made += [storage("lattices", LatticeParams), sampler("linear_clamp")]
+        colours = ("red", "green", "blue", "open_a", "open_b", "walls")
+        names += [f"lattice_{name}" for name in colours]
+    if variant.has_sky:
+        names += [f"sky_{name}" for name in ("red", "green", "blue")]
+        made += [image("skylit", "rgba32float")]
+    names += ["lattice_mean"] * variant.is_even + ["sky_mean"] * variant.is_sky_even
+    made += [texture(name, "3d") for name in names]
+    beams = forward_slots() if variant.has_forward else ()
+    return (*made, *beams, image("scattered", "rgba32float"), image("passed", "rgba32float"))
+
+
+def generated(variant: Variant) -> str:
+    """The WGSL before the kernel."""
+    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else ""
+    beams = FORWARD_WGSL if variant.has_forward else _NO_FORWARD
+    return _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams
+
+
+def _sources_wgsl(variant: Variant) -> str:
+    """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
+    `step_share`: how long a step from a place is, in steps of the finest source.
+    """
+    sources, has_lattices = variant.sources, variant.has_lattice or variant.has_sky
+    parts = ["    lattice_enter(p);\n"] if has_lattices else []
+    parts += [
+        f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
+        f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
+        f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
+        f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
+        for i in range(sources)
+    ]
+    if variant.has_lattice:
+        parts.append("    sum += lattice_emission(p, travel) + forward_emission(p, travel);\n")
+    uses = "//! use march_lattice\n" if has_lattices else ""
+    share = "march_step_share(p)" if has_lattices and not sources else "1.0"
+    uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    return (
+        f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
+        + "".join(parts)
+        + "    return sum;\n}\n"
+    )
+
+
+def _lattice_wgsl(variant: Variant) -> str:
+    """`lattice_emission`, and how many lattices fade into each other at one place."""
+    count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
+    return count + (_even_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+
+
+def _sky_wgsl(variant: Variant) -> str:
+    """`skylit_at`, after `emission_at` of the same place, and `store_skylit`."""
+    if not variant.has_sky:
+        return (
+            "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+            "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
+        )
+    return (
+        (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return sky_emission(p, travel); }\n"
+        "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
+        "    textureStore(skylit, texel, vec4f(radiance, 1.0));\n}\n"
+    )
+
+
+def _emission_wgsl(name: str) -> str:
+    """`{name}_emission`, W m^-3 sr^-1: the phase function keeps g of the two-band direction.
+
+    Of media whose single scattering comes with a source of its own, that is whole.
+    """
+    samples = "".join(
+        f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
+        for c in ("red", "green", "blue")
+    )
+    channels = ", ".join(
+        f"lattice_radiance({c}, travel, march.{name}_direct * g.{c[0]})"
+        for c in ("red", "green", "blue")
+    )
+    return (
+        f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
+        "        let g = air[m].g;\n"
+        "        sum += f32(air[m].has_shafts) * air_here[m] * air[m].sigma_t * air[m].albedo\n"
+        f"            * vec3f({channels});\n    }}\n"
+        f"    return march.{name}_scale * sum;\n}}\n"
+    )
+
+
+def _even_wgsl(name: str) -> str:
+    """The same where all air scatters evenly: of the three channels' means."""
+    return (
+        f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
+        "        sum += f32(air[m].has_shafts) * air_here[m] * air[m].sigma_t * air[m].albedo;\n"
+        f"    }}\n    return march.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
+        "lattice_at[0].w > 0.0);\n}\n"
+    )

@@ -1,0 +1,71 @@
+"""Kernels that leave out what is not needed draw what the others draw."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from airlight.gpu.memory import Texture
+from airlight.lattice.placement import Placement
+from airlight.march.air import Air
+from airlight.march.march import LatticeSource, March
+from airlight.march.march_kernel import Variant, generated, slots
+from airlight.march.rays import Rays
+from airlight.scene.camera import Camera
+from airlight.scene.medium import Medium
+from airlight.scene.scene import Scene
+
+BOX = ((-1.0, -0.8, -1.2), (1.0, 1.1, 1.3))
+CELLS = 8
+
+
+def lattice(gpu, rng):
+    """Random states of three channels, their means, everything open."""
+    made, means = {}, np.ones((CELLS,) * 3 + (4,), np.float16)
+    for c, name in enumerate(("red", "green", "blue")):
+        states = rng.normal(size=(CELLS,) * 3 + (4,)).astype(np.float16)
+        states[..., 0] = np.abs(states[..., 0])
+        means[..., c] = states[..., 0]
+        made[f"lattice_{name}"] = states
+    for name in ("open_a", "open_b"):
+        made[f"lattice_{name}"] = np.ones((CELLS,) * 3 + (4,), np.float16)
+    made["lattice_walls"] = np.zeros((CELLS,) * 3 + (4,), np.float16)
+    made["mean"] = means
+    bound = {}
+    for name, values in made.items():
+        bound[name] = Texture(gpu, name, (CELLS,) * 3, "rgba16float", dimension="3d")
+        bound[name].write(values)
+    mean = bound.pop("mean")
+    return LatticeSource(Placement((-2.0,) * 3, 0.5, (CELLS,) * 3), bound, 1.0, mean=mean)
+
+
+def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
+    """Three channels' states or their means; one lattice, or the same as two at one place."""
+    medium = Medium((0.9, 0.5, 1.6), (0.9, 0.8, 1.0), bounds=BOX)
+    seen = look(Scene(medium=medium, camera=Camera((0.4, 0.3, 4.0), (0.0, 0.0, 0.0), fov_y_deg=40)))
+    air = Air(gpu, seen.scene, light_count=0)
+    air.update(seen.commands, seen.scene, *seen.scene.bounds)
+    rays = Rays(gpu, seen.size, 1)
+    params, march = rays.encode(seen.commands, seen.view), March(gpu, air, has_lattice=True)
+    source = lattice(gpu, np.random.default_rng(5))
+
+    def drawn(given):
+        out = [Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in "LT"]
+        march.encode(seen.commands, params, rays, lattice=given, scattered=out[0],
+                     transmittance=out[1])  # fmt: skip
+        return seen.read(out[0])
+
+    means, states = drawn(source), drawn(replace(source, mean=None))
+    assert means.max() > 0.1
+    np.testing.assert_allclose(means, states, rtol=1e-4, atol=1e-6)
+    twice = drawn(replace(source, finer=(source.placement,)))
+    np.testing.assert_allclose(twice, means, rtol=1e-4, atol=1e-6)
+    march.release()
+
+
+def test_a_kernel_binds_what_it_reads(gpu):
+    air = Air(gpu, Scene(medium=Medium((1.0,) * 3)), light_count=0)
+    names = {slot.name for slot in slots(air, Variant(has_lattice=True, is_even=True))}
+    assert "lattice_mean" in names
+    assert not names & {"sky_mean", "skylit", "forward_lights"}
+    assert "forward_lights" in {s.name for s in slots(air, Variant(0, True, has_forward=True))}
+    assert "LATTICES_AT_ONCE = 2u" in generated(Variant(has_sky=True, levels=2))
