@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -10,19 +12,22 @@ from airlight.maths import ordinate_hops as hop
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
 
-from .pop_cubes import CUBES, VIEWS, intensity, medium
+from .pop_cubes import CUBES, VIEWS, Cube, intensity, medium
 
 GROUPS = (([0, 1, 2], (0, 1, 2)), ([3, 4, 5], (0, 1, 2)), ([6, 0, 0], (0,)))
-NOTED_FLUENCE = (0.12, 0.29, 0.15, 0.21, 0.43, 0.16, 0.17)
-"""Relative L2 of scattered fluence that a prototype of the split scheme reached at 16^3; its
-brightness was off by .16 on average, |log|."""
+FLUENCE = (0.12, 0.12, 0.10, 0.10, 0.23, 0.11, 0.20)
+"""At most the relative L2 of scattered fluence at 16^3. A prototype of the split scheme, whose hops
+were as long as the way of light, had .12, .29, .15, .21, .43, .16, .17."""
+HELD_OUT = ((2, 1, 0.7), (2, 1, 0.9), (16, 1, 0.7), (16, 1, 0.9), (8, 1, 0.5), (5, 0.8, 0.7),
+            (5, 0.8, 0.9), (12, 0.8, 0.9), (20, 0.95, 0.96))  # fmt: skip
+"""sigma_t, albedo, g of cubes that no constant was fitted on."""
 
 
 class Solved:
     """One group of cubes as the channels of a medium, light along +z."""
 
-    def __init__(self, group: list[int], cells: int, *, is_paper: bool = False) -> None:
-        self.air = medium([CUBES[i] for i in group], cells)
+    def __init__(self, group: Sequence[int | Cube], cells: int, *, is_paper: bool = False) -> None:
+        self.air = medium([CUBES[i] if isinstance(i, int) else i for i in group], cells)
         rho, h = self.air.density, 1.0 / cells
         hops = hop.parallel_hops((cells,) * 3, h)
         light = hop.first_light(
@@ -58,7 +63,7 @@ class Solved:
 
 @pytest.mark.parametrize("cells", [8, 16])
 def test_split_has_the_brightness_fluence_and_exits_of_monte_carlo(cells):
-    """Brightness: measured .131, .141; exits off by .05 on average; means within 10 to 35 %."""
+    """Brightness: measured .116, .137; exits off by .05 on average; means within 12 %."""
     logs, means, exits = [], [], []
     for group, channels in GROUPS:
         done = Solved(group, cells)
@@ -68,12 +73,12 @@ def test_split_has_the_brightness_fluence_and_exits_of_monte_carlo(cells):
             logs.append(np.log(brightness[:, c] / cube.intensity))
             means.append(done.fluence[..., c].mean() / cube.fluence)
             exits.append(done.exits[:, c] - cube.exits)
-    assert np.abs(logs).mean() < 0.16
+    assert np.abs(logs).mean() < 0.15
     assert np.abs(exits).mean() < 0.055
     # Light goes forwards and not sideways, most at g = .96.
     assert np.abs(exits).max() < 0.19
-    assert np.abs(np.log(means)).mean() < 0.13
-    assert max(means) < 1.36
+    assert np.abs(np.log(means)).mean() < 0.07
+    assert max(means) < 1.14
     assert min(means) > 0.9
 
 
@@ -83,6 +88,18 @@ def test_the_papers_scheme_counts_light_many_times():
     over = done.fluence.mean(axis=(0, 1, 2)) / [CUBES[i].fluence for i in (0, 1, 3)]
     assert over.min() > 6.0
     assert over.max() < 18.0
+
+
+def test_a_lobe_s_way_is_shorter_than_hops_along_the_axes():
+    """The mean of 1/(|x| + |y| + |z|) over lobes, sampled through their cumulative function."""
+    u, phi = (np.arange(2000) + 0.5) / 2000, (np.arange(45) + 0.5) / 90.0 * np.pi
+    for a in (0.1, 0.5, 0.8, 0.95):
+        t = (1.0 - a * a) / (1.0 - a + 2.0 * a * u)
+        mu = np.clip((1.0 + a * a - t * t) / (2.0 * a), -1.0, 1.0)[:, None]
+        across = np.sqrt(1.0 - mu * mu) * (np.abs(np.cos(phi)) + np.abs(np.sin(phi)))
+        want = (1.0 / (np.abs(mu) + across)).mean()
+        assert hop.straight_way(np.array(a)) == pytest.approx(want, abs=0.01)
+    assert hop.straight_way(np.array(1.0)) == 1.0
 
 
 def test_no_light_is_lost_or_made():
@@ -126,7 +143,7 @@ def test_isotropic_hops_keep_their_power_until_it_leaves():
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [8, 16, 32])
 def test_split_has_the_fluence_of_monte_carlo(cells):
-    """Relative L2: measured .183, .188, .202; at 16^3 none over the prototype's."""
+    """Relative L2: measured .128, .125, .135."""
     pytest.importorskip("numba")
     from airlight.reference.tracer import Beam, BoxMedium, trace
 
@@ -143,9 +160,39 @@ def test_split_has_the_fluence_of_monte_carlo(cells):
             got = done.fluence[..., c].reshape(side, f, side, f, side, f).mean(axis=(1, 3, 5))
             want = want.scattered_fluence
             errors.append(np.sqrt(((got - want) ** 2).sum() / (want**2).sum()))
-    assert np.mean(errors) < 0.21, np.round(errors, 3)
+    assert np.mean(errors) < 0.15, np.round(errors, 3)
     if cells == 16:
-        assert np.all(np.array(errors) < np.array(NOTED_FLUENCE) + 0.006), np.round(errors, 3)
+        assert np.all(np.array(errors) < np.array(FLUENCE)), np.round(errors, 3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", [8, 16, 32])
+def test_split_is_as_good_where_nothing_was_fitted(cells):
+    """Fluence: measured .13, .14, .16; brightness, |log|: .17, .19, .21, worst for thick air ahead.
+
+    Delta beams have .12 and .10 on the same cubes at 16^3.
+    """
+    pytest.importorskip("numba")
+    from airlight.reference.tracer import Beam, BoxMedium, trace
+
+    errors, logs, means = [], [], []
+    for first in range(0, len(HELD_OUT), 3):
+        three = HELD_OUT[first : first + 3]
+        group = [Cube(t * w, t * (1.0 - w), g, 0.0, (1.0,) * 3, (1.0,) * 3) for t, w, g in three]
+        done = Solved(group, cells)
+        brightness = done.brightness()
+        for c, optics in enumerate(three):
+            seen = trace(BoxMedium(*optics), Beam((0, 0, 1)), cells=(8,) * 3, photons=150_000,
+                         views=VIEWS)  # fmt: skip
+            f = cells // 8
+            got = done.fluence[..., c].reshape(8, f, 8, f, 8, f).mean(axis=(1, 3, 5))
+            want = seen.scattered_fluence
+            errors.append(np.linalg.norm(got - want) / np.linalg.norm(want))
+            means.append(got.mean() / want.mean())
+            logs.append(np.log(brightness[:, c] / seen.brightness.sum(axis=0)))
+    assert np.mean(errors) < 0.18, np.round(errors, 3)
+    assert np.abs(logs).mean() < 0.24, np.round(logs, 2)
+    assert 0.75 < min(means) < max(means) < 1.2, np.round(means, 2)
 
 
 @pytest.mark.slow

@@ -57,7 +57,7 @@ def test_thin_air_scatters_once(gpu, scheme, angle):
 def test_a_blob_vanishes_in_a_white_furnace(gpu, scheme):
     """Radiance 1 from everywhere and no absorption: what the blob scatters to any eye is 1.
 
-    Measured .012 by default; hops, without the furnace's correction, .12, rms .14.
+    Measured .012 by default; hops, without the furnace's correction, .08, rms .13.
     """
     at = (np.arange(16) + 0.5) / 16 - 0.5
     radius = np.sqrt(at[:, None, None] ** 2 + at[:, None] ** 2 + at**2)
@@ -69,6 +69,6 @@ def test_a_blob_vanishes_in_a_white_furnace(gpu, scheme):
     weight = rho[..., None] / rho.sum()
     mean = (weight * seen).sum(axis=(0, 1, 2))
     rms = np.sqrt((weight * (seen - 1.0) ** 2).sum(axis=(0, 1, 2)))
-    limits = (0.02, 0.06) if scheme == "delta-beam" else (0.13, 0.16)
+    limits = (0.02, 0.06) if scheme == "delta-beam" else (0.09, 0.14)
     assert np.abs(mean - 1.0).max() < limits[0], (mean, rms)
     assert rms.max() < limits[1], (mean, rms)

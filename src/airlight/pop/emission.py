@@ -74,7 +74,7 @@ class Emission:
         """For an eye at `eye` (3,), m in the medium's frame."""
         self._emission.dispatch(
             commands, (self.cells,), params=params,
-            **_seen(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
+            **seen_by(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
             corrections=self.corrections, bounced=self.bounced, emission=self.texture,
         )  # fmt: skip
 
@@ -84,7 +84,7 @@ class Emission:
     ) -> None:  # fmt: skip
         """Fill `corrections` from the same medium without absorption under an even sky of 1."""
         self._furnace.dispatch(
-            commands, (self.cells,), params=params, **_seen(table, eye, 0.0), passed=passed,
+            commands, (self.cells,), params=params, **seen_by(table, eye, 0.0), passed=passed,
             diffuse=diffuse, reach=reach,
             corrections=self.corrections,
         )  # fmt: skip
@@ -96,8 +96,8 @@ class Emission:
         self.bounced.release()
 
 
-def _seen(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
-    """The light and the eye."""
+def seen_by(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
+    """The light and the eye, as emission binds them."""
     gain = table.gain
     view = ViewParams(eye=eye, correction=correction, sky_from_medium=gain.sky_from_medium)
     return {"view": view, "ordinates": table.rows, "phase": table.phase,

@@ -51,7 +51,7 @@ fn entering(n: u32, cell: vec3u) -> vec3f {
         send_out(slot, power, a);
         var seen = vec3f(0.0);
         if (hops.is_paper == 0u && rho > 0.0) {
-            seen = 0.5 * seen_light(n, cell, rho, power, a);
+            seen = 0.5 * seen_light(n, cell, rho, power, a, vec3f(1.0));
         }
         gathered[slot] = vec4f(seen, 0.0);
         gathered[slot + 1u] = vec4f(0.0);

@@ -12,9 +12,11 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..maths.transforms import F64
+from .emission import ViewParams, seen_by
 from .hop_grids import HopParams
-from .ordinates import OrdinateData
+from .ordinates import OrdinateData, OrdinateTable
 from .placement import MediumParams, MediumPlacement
 
 
@@ -37,6 +39,9 @@ class HopEmission(ComputePass):
         storage("diffuse", "vec4f"),
         storage("reach", "u32"),
         storage("merged", "vec4f"),
+        uniform("view", ViewParams),
+        texture("sky_gain"),
+        sampler("sky_sampler"),
         image("emission", "rgba16float", "3d"),
     )
     workgroup = (64, 1, 1)
@@ -90,12 +95,11 @@ class Isotropic:
 
 
 def bound_emission(
-    params: MediumParams, hops: HopParams, table: Any, passed: Buffer, diffuse: Buffer,
-    reach: Buffer, merged: Buffer, texture: Texture,
+    params: MediumParams, hops: HopParams, table: OrdinateTable, eye: F64, passed: Buffer,
+    diffuse: Buffer, reach: Buffer, merged: Buffer, emission: Texture,
 ) -> dict[str, Any]:  # fmt: skip
-    """The slots of `HopEmission` by name."""
+    """The slots of `HopEmission` by name; `eye` (3,), m in the medium's frame."""
     return {
-        "params": params, "hops": hops, "ordinates": table.rows, "phase": table.phase,
-        "passed": passed, "diffuse": diffuse, "reach": reach, "merged": merged,
-        "emission": texture,
+        "params": params, "hops": hops, **seen_by(table, eye, 0.0), "passed": passed,
+        "diffuse": diffuse, "reach": reach, "merged": merged, "emission": emission,
     }  # fmt: skip

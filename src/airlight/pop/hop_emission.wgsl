@@ -1,4 +1,5 @@
 //! use beam_emission
+//! use sky_gain
 
 const HALF_MAX = 65504.0;
 const RESIDUAL_LOBE = 0.5;
@@ -22,7 +23,7 @@ fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     var light = merged[id.x].xyz + residual_emission(id.x, travel);
     if (hops.is_paper == 0u && reach[id.x] != 0u) {
         let beams = beam_emission(id.x, travel);
-        light += beams.beams + beams.sky;
+        light += beams.beams + beams.sky * sky_gain_towards(travel);
     }
     textureStore(emission, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));
 }

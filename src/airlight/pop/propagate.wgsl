@@ -93,12 +93,12 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     let some = sum.power > vec3f(1e-30);
     var a = select(vec3f(0.0), sum.along / select(vec3f(1.0), sum.power, some), some);
     let absorption = rho * params.sigma_t * (1.0 - params.albedo);
-    let power = sum.power * exp(-absorption * hop_path(n, cell.z));
+    let power = sum.power * exp(-absorption * hop_path(n, cell.z) * straight_way(n, a));
     let gone = scattered(n, cell, rho, a);
     a = gone.a;
     let left = power * (1.0 - gone.leaving);
     if (rho > 0.0) {
-        gathered[slot] += vec4f(seen_light(n, cell, rho, left, a), 0.0);
+        gathered[slot] += vec4f(seen_light(n, cell, rho, left, a, straight_way(n, a)), 0.0);
     }
     let handed = select(power * gone.leaving, power, hops.is_last == 1u);
     let carried = select(CARRIED, 0.0, hops.is_paper == 1u || grids[n].is_radial == 1u);

@@ -191,7 +191,7 @@ class HoppingBeams(Beams):
             self._encode_residuum(commands, params, density)
         with commands.stage("pop emission"):
             bound = bound_emission(
-                params, hops, self.table, self.paths.passed, self.diffuse.diffuse,
+                params, hops, self.table, eye, self.paths.passed, self.diffuse.diffuse,
                 density.reach, self.merge.merged, emission.texture,
             )  # fmt: skip
             self._emission.encode(commands, emission.cells, **bound)

@@ -22,14 +22,6 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
     return mix(phase[first].rgb, phase[first + 1u].rgb, at - f32(low));
 }
 
-const RIPPLE = 0.05;
-
-// The sharpest lobe that ordinates as narrow as `mean_cosine` sum up without spots; see
-// maths/delta_beam.py.
-fn resolved_by(mean_cosine: f32) -> f32 {
-    return pow(RIPPLE, sqrt(max(1.0 - mean_cosine, 0.0)));
-}
-
 // Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
 fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));

@@ -23,3 +23,11 @@ fn quasi_forward_anisotropy(g: vec3f, albedo: vec3f, tau: vec3f) -> vec3f {
     let exact = (exp(-safe * (1.0 - kept)) - none) / (1.0 - none);
     return select(exact, kept * (1.0 - 0.5 * m * (1.0 - kept)), small);
 }
+
+const RIPPLE = 0.05;
+
+// The sharpest lobe that ordinates as narrow as `mean_cosine` sum up without spots; see
+// maths/delta_beam.py.
+fn resolved_by(mean_cosine: f32) -> f32 {
+    return pow(RIPPLE, sqrt(max(1.0 - mean_cosine, 0.0)));
+}

@@ -1,3 +1,4 @@
+//! use delta_beam
 //! use hop_grid
 //! use phase
 
@@ -27,19 +28,33 @@ fn send_out(slot: u32, power: vec3f, a: vec3f) {
     states_out[slot + 2u] = vec4f(power * vec3f(r.z, g.z, b.z), a.b);
 }
 
+const EVEN_WAY = 0.674;
+
+// How long the way of a lobe's light is, in hops; see maths/ordinate_hops.py.
+fn straight_way(n: u32, a: vec3f) -> vec3f {
+    if (hops.is_paper == 1u || grids[n].is_radial == 1u) {
+        return vec3f(1.0);
+    }
+    let b = min(abs(a), vec3f(1.0));
+    let b2 = b * b;
+    return 1.0 - (1.0 - EVEN_WAY) * pow(1.0 - b2 * b2 * b, vec3f(0.65));
+}
+
 // Mean of exp(-x t) over t = 0..1.
 fn mean_on_the_way(x: vec3f) -> vec3f {
     let safe = max(x, vec3f(1e-3));
     return select(1.0 - 0.5 * x, (1.0 - exp(-safe)) / safe, x > vec3f(1e-3));
 }
 
-// In-scattered radiance towards the eye, per unit scattering coefficient.
-fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f) -> vec3f {
-    let path = hop_path(n, cell.z);
+// In-scattered radiance towards the eye, per unit scattering coefficient, on `way` hops.
+fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f, way: vec3f) -> vec3f {
+    let path = hop_path(n, cell.z) * way;
     let point = hop_point(n, vec3f(cell) + 0.5);
     let absorbed = rho * params.sigma_t * (1.0 - params.albedo) * path;
     let light = mean_on_the_way(absorbed) * power * path / hop_volume(n, cell);
     let mu = clamp(dot(hop_travel(n, point), normalize(hops.eye - point)), -1.0, 1.0);
     let lobe = select(a * params.g, a, hops.is_paper == 1u);
-    return light * henyey_greenstein_rgb(mu, min(lobe, vec3f(LARGEST_A)));
+    let sharpest = select(min(resolved_by(grids[n].mean_cosine), LARGEST_A), LARGEST_A,
+        hops.is_paper == 1u);
+    return light * henyey_greenstein_rgb(mu, min(lobe, vec3f(sharpest)));
 }
