@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 from .bindings import Bindings
 from .commands import Commands
 from .device import Gpu
+from .memory import Buffer
 from .slots import Slot, declarations, on_software
 from .source import Source, compile_wgsl
 
@@ -65,6 +66,13 @@ class ComputePass:
         encoder.set_pipeline(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values)
         encoder.dispatch_workgroups(*groups)
+
+    def dispatch_indirect(self, commands: Commands, groups: Buffer, **values: Any) -> None:
+        """Run as many groups as the first three numbers of `groups` say, on the device."""
+        encoder = commands.compute
+        encoder.set_pipeline(self.pipeline)
+        self.bindings.bind(commands, encoder, 0, values)
+        encoder.dispatch_workgroups_indirect(groups.handle, 0)
 
 
 def shader_path(cls: type) -> Path:

@@ -128,6 +128,8 @@ class AirLight:
             rays.resize(size)
         if isinstance(self.shafts, (Jitter, Volumes)):
             self.shafts.resize(self.shaft_rays.reduced)
+        elif self.shafts:
+            self.shafts.resize(size)
         for texture in (*self._pictures, *self._reduced.values()):
             texture.release()
         self._make_pictures(size)
@@ -152,7 +154,7 @@ class AirLight:
         if scheme == "volumes":
             return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
                            tolerance=s.volume_tolerance)  # fmt: skip
-        return Shafts(gpu, self.air, lights, max_nodes=s.shaft_nodes)
+        return Shafts(gpu, self.air, lights, self.shaft_rays.size, max_nodes=s.shaft_nodes)
 
     def solve(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *,

@@ -82,11 +82,14 @@ fn step_radiance(
     for (var i = 0u; i < most && t < hull.y; i++) {
         let dt = min(jitter_step(t, longest), hull.y - t);
         let grids = air_grid_extinction(rays.eye + (t + u * dt) * ray.direction);
-        for (var k = 0u; k < params.light_count; k++) {
+        var k = 0u;
+        loop {
             let light = lights[k];
             let place = sample_place(light, ray.direction, t, t + dt, u);
             let depth = air_even_depth(0.0, place.x) + grid_depth + grids * (place.x - t);
             sum += exp(-depth) * step_radiance(light, k, ray.direction, place);
+            k++;
+            if (k >= params.light_count) { break; }
         }
         grid_depth += grids * dt;
         t += dt;

@@ -16,7 +16,7 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
-from ..gpu.memory import Texture
+from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lighting.lights import Lights
 from ..march.air import Air
@@ -30,6 +30,7 @@ class RefineParams(Struct):
     """Which pixels of a picture from reduced texels are drawn anew."""
 
     contrast = f32("(most - least)/most among texels around, beyond which they are")
+    group = u32("pixels that a group of the drawing pass takes")
 
 
 class ShaftParams(Struct):
@@ -74,27 +75,51 @@ class _Shafts(ComputePass):
         super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
-class _Refine(ComputePass):
+class _RefineFind(ComputePass):
+    slots = (
+        uniform("rays", RayParams), uniform("refine", RefineParams),
+        texture("reduced", "2d", "unfilterable-float"),
+        storage("found", "atomic<u32>", "read_write"),
+        storage("groups", "atomic<u32>", "read_write"), storage("chosen", "u32", "read_write"),
+    )  # fmt: skip
     workgroup = (8, 8, 1)
+    file = "refine_find.wgsl"
+
+
+class _Refine(ComputePass):
+    workgroup = (64, 1, 1)
     file = "refine.wgsl"
 
     def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
         self.slots = _slots(  # type: ignore[misc]
-            air, uniform("refine", RefineParams), texture("depth", "2d", "depth"),
-            texture("reduced", "2d", "unfilterable-float"),
-        )  # fmt: skip
+            air, storage("found", "u32"), storage("chosen", "u32"), texture("depth", "2d", "depth")
+        )
         super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
 class Shafts:
     """The scheme `minmax`: for air without density grids."""
 
-    def __init__(self, gpu: Gpu, air: Air, lights: Lights, *, max_nodes: int = 256) -> None:
+    def __init__(
+        self, gpu: Gpu, air: Air, lights: Lights, size: tuple[int, int], *, max_nodes: int = 256
+    ) -> None:
+        """`size` of the picture, pixels."""
         self.air, self.max_nodes = air, max_nodes
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
         self._pass = _Shafts(gpu, air, lights)
-        self._refine = _Refine(gpu, air, lights)
+        self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights)
+        self._found = Buffer(gpu, "differing pixels", 16)
+        self._groups = Buffer(gpu, "groups of them", 16, indirect=True)
+        self._make_list(size)
+
+    def _make_list(self, size: tuple[int, int]) -> None:
+        self._chosen = Buffer(self.air.gpu, "list of them", 4 * size[0] * size[1])
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self._chosen.release()
+        self._make_list(size)
 
     def prepare(self, commands: Commands) -> None:
         """Bring the hierarchies up to date, where shadow maps changed."""
@@ -119,9 +144,16 @@ class Shafts:
 
         Beside a lamp and at the edges of shafts, a reduced picture cannot be interpolated.
         """
-        self._refine.dispatch(
-            commands, scattered.size[:2], rays=params, refine=RefineParams(contrast=contrast),
-            depth=depth, reduced=reduced, **self._bound(lights), scattered=scattered,
+        for counted in (self._found, self._groups):
+            commands.encoder.clear_buffer(counted.handle)
+        self._find.dispatch(
+            commands, scattered.size[:2], rays=params, reduced=reduced, found=self._found,
+            refine=RefineParams(contrast=contrast, group=self._refine.workgroup[0]),
+            groups=self._groups, chosen=self._chosen,
+        )  # fmt: skip
+        self._refine.dispatch_indirect(
+            commands, self._groups, rays=params, found=self._found, chosen=self._chosen,
+            depth=depth, **self._bound(lights), scattered=scattered,
         )  # fmt: skip
 
     def _bound(self, lights: Lights) -> dict[str, Any]:
@@ -142,5 +174,5 @@ class Shafts:
 
     def release(self) -> None:
         """Give the memory back."""
-        self.parallel.release()
-        self.local.release()
+        for part in (self.parallel, self.local, self._found, self._groups, self._chosen):
+            part.release()
