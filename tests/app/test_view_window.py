@@ -170,6 +170,37 @@ def test_a_window_that_becomes_tiny_and_large_again(desk):
 
 
 @pytest.mark.slow
+def test_another_renderer_is_made_while_the_old_picture_stays_live(desk):
+    before = desk.rested()
+    blank, seen = [], []
+
+    def is_new(pixels):
+        blank.append(pixels.std() < 15.0)
+        seen.append(np.abs(pixels - before).mean())
+        return seen[-1] > 3.0
+
+    ball = '\n[[mesh]]\nshape = "sphere"\nscale = 0.8\ntranslate = [0.9, 0.4, 1.1]\n'
+    desk.scene.write_text(desk.scene.read_text() + ball)
+    desk.until(is_new, "the ball is seen")
+    assert not any(blank)
+
+
+@pytest.mark.slow
+def test_a_click_at_rest_opens_the_list_of_techniques(desk):
+    desk.rested()
+    desk.do("mousemove", 60, 52)
+    time.sleep(0.5)
+    before = desk.shot()[65:200, 5:130]
+    desk.do("click", 1)
+    end = time.monotonic() + 20.0
+    while np.abs(desk.shot()[65:200, 5:130] - before).mean() < 8.0:
+        assert time.monotonic() < end, "the list stayed shut"
+        time.sleep(0.2)
+    desk.do("mousemove", 480, 310, "click", 1)  # beside it: shut again
+    time.sleep(1.0)
+
+
+@pytest.mark.slow
 def test_ctrl_c_in_the_middle_of_frames_ends_it_quietly(desk):
     # The last test of this desk. Seen before: the window's texture gone when it was submitted.
     desk.do("keydown", "a")
