@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.exports.solved import export_lattice
 from airlight.gpu.memory import Buffer
 from airlight.lattice.blockers import Blockers
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
 from airlight.scene import Material, Scene, SpotLight
+from airlight.scene.builtin import cornell
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
@@ -42,3 +44,19 @@ def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, comman
     flux = (maps.flux.read(0)[..., 0].astype(np.float64) * omega).sum()
     assert 4.0 * np.pi * made[0, ..., 0].sum() == pytest.approx(flux, rel=1e-3)
     assert not made[:, :, :8].any()  # nothing below the floor
+
+
+@pytest.mark.parametrize("scheme", ["centroid", "paper"])
+def test_nothing_bounces_onto_what_faces_out_of_the_scene(scheme, gpu):
+    # In front of the box's rim is nothing: no light comes from there.
+    settings = {"resolution": 16, "iterations": 16, "map_resolution": 64, "scheme": scheme}
+    scene = cornell()
+    made = export_lattice(scene, technique="lpv", settings=settings)
+    _, high = scene.bounds
+    across = np.linspace(0.1, 0.9, 9)
+    x = scene.bounds[0][0] + across * (high[0] - scene.bounds[0][0])
+    rim = np.stack([x, np.full(9, scene.bounds[0][1]), np.full(9, high[2])], axis=1)
+    out, up = np.tile([0.0, 0.0, 1.0], (9, 1)), np.tile([0.0, 1.0, 0.0], (9, 1))
+    on_rim, inside = made.irradiance(rim, out), made.irradiance(rim - [0.0, 0.0, 0.5], up)
+    assert inside.sum(axis=1).min() > 0.0
+    assert on_rim.max() == 0.0 if scheme == "centroid" else on_rim.max() > 0.0

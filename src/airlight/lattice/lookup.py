@@ -11,11 +11,11 @@ import math
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from .inject import SHAPED_LOBE, forward_share
-from .placement import Placement
+from .placement import EVERYWHERE, Hull, Placement
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
@@ -28,6 +28,10 @@ class PackParams(Struct):
     own_even = f32("share of the injected a that surfaces in the cell see")
     own_direct = f32("share of the injected b")
     first_row = u32("where its cells begin along y of the textures")
+    origin = vec3f("m")
+    cell = f32("m")
+    low = vec3f("m, corner of a box beyond which it is dark")
+    high = vec3f("m")
 
 
 class Pack(ComputePass):
@@ -63,18 +67,20 @@ class LatticeTextures:
 
     def encode(
         self, commands: Commands, injected: Buffer, propagated: Buffer, scale: float,
-        *, is_shaped: bool, placement: Placement | None = None,
+        *, is_shaped: bool, placement: Placement | None = None, hull: Hull = EVERYWHERE,
     ) -> None:  # fmt: skip
         """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are.
 
-        `placement`: which of the lattices that share the textures.
+        `placement`: which of the lattices that share the textures. `hull`: cells beyond it are
+        dark.
         """
         place = placement or self.placement
         even, direct = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
             commands, place.count,
             params=PackParams(count=place.count, scale=scale, own_even=even,
-                              own_direct=direct, first_row=place.first_row),
+                              own_direct=direct, first_row=place.first_row,
+                              origin=place.origin, cell=place.cell, low=hull[0], high=hull[1]),
             injected=injected, propagated=propagated, red=self.red, green=self.green,
             blue=self.blue,
         )  # fmt: skip

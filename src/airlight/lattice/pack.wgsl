@@ -1,3 +1,10 @@
+// Beyond all surfaces nothing shines on what faces out; two bands would leave some light there.
+fn is_beyond(cell: vec3u) -> bool {
+    let low = params.origin + vec3f(cell) * params.cell;
+    let slack = 0.01 * params.cell;
+    return any(low + params.cell < params.low + slack) || any(low > params.high - slack);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
         return;
@@ -9,7 +16,8 @@
     let g = injected[cell + cells] * own + propagated[cell + cells];
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];
     let texel = id + vec3u(0u, params.first_row, 0u);
-    textureStore(red, texel, r * params.scale);
-    textureStore(green, texel, g * params.scale);
-    textureStore(blue, texel, b * params.scale);
+    let scale = select(params.scale, 0.0, is_beyond(id));
+    textureStore(red, texel, r * scale);
+    textureStore(green, texel, g * scale);
+    textureStore(blue, texel, b * scale);
 }

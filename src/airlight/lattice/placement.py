@@ -35,6 +35,9 @@ class LatticeParams(Struct):
 
 
 Triple = tuple[float, float, float]
+Hull = tuple[Triple, Triple]
+"""Corners, metres, of a box around all surfaces: no light comes back from beyond it."""
+EVERYWHERE: Hull = ((-1e30,) * 3, (1e30,) * 3)
 
 
 @dataclass(frozen=True)

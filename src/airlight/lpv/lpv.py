@@ -22,7 +22,7 @@ from ..lattice.inject import (
 )
 from ..lattice.lookup import texture_scale
 from ..lattice.nested import nested
-from ..lattice.placement import Placement
+from ..lattice.placement import EVERYWHERE, Placement, triple
 from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
@@ -174,6 +174,8 @@ class Lpv(Direct):
         self._is_first = False
         self.placement = self.cascades[-1].placement
         low, high = self._bounds(scene)
+        is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
+        self._hull = EVERYWHERE if is_open else (triple(low), triple(high))
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
@@ -235,8 +237,8 @@ class Lpv(Direct):
             )  # fmt: skip
         with commands.stage("pack"):
             self.textures.encode(
-                commands, part.injected, total, self.power_scale, is_shaped=self._is_shaped,
-                placement=part.placement,
+                commands, part.injected, total, self.power_scale, hull=self._hull,
+                is_shaped=self._is_shaped, placement=part.placement,
             )  # fmt: skip
 
     def _faces(self, part: Cascade) -> Buffer:
@@ -289,9 +291,8 @@ class Lpv(Direct):
             part.skylight.release()
         if self.seen:
             self.seen.release()
-        self.points.release()
-        self.sun_maps.release()
-        self.lamp_maps.release()
+        for shared in (self.points, self.sun_maps, self.lamp_maps):
+            shared.release()
 
 
 def _by_kind(lights: tuple[Light, ...]) -> tuple[list[Light], list[Light]]:
