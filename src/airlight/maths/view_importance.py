@@ -167,7 +167,8 @@ def _nearness(place: F64) -> F64:
     """(n, point): shares of the points of `way_out` at places (n, 3) in 0..1, trilinear."""
     at = np.clip(place * _LEAVING - 0.5, 0.0, _LEAVING - 1.0)
     x, y, z = np.maximum(0.0, 1.0 - np.abs(at.T[..., None] - np.arange(_LEAVING)))
-    return np.einsum("nz,ny,nx->nzyx", z, y, x).reshape(len(place), _LEAVING**3)
+    shares = np.einsum("nz,ny,nx->nzyx", z, y, x)
+    return np.asarray(shares.reshape(len(place), _LEAVING**3))
 
 
 def importance_map(lobes: Lobes, out: WayOut, air: MediumGrid, shape: tuple[int, int]) -> F64:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -43,7 +43,9 @@ class OrdinateData(Struct):
 
 
 _EVEN = np.ones((2, 4, 3))
-MAKERS = {"partition": partition, "importance": importance_sampled}
+MAKERS: dict[str, Callable[[F64, int], Ordinates]] = {
+    "partition": partition, "importance": importance_sampled,
+}  # fmt: skip
 """How a map becomes ordinates."""
 _SEEN = {"partition": view_partition, "importance": view_samples}
 
