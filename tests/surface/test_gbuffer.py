@@ -67,7 +67,11 @@ def test_a_one_sided_square_has_no_back(
     assert bool(g.depth.read().any()) is is_seen
 
 
-def test_the_nearer_square_hides_the_farther(gpu, commands, owned, on_device, square):
+@pytest.mark.parametrize("depth_first_px", [0.0, 1e9])
+def test_the_nearer_square_hides_the_farther(
+    gpu, commands, owned, on_device, square, monkeypatch, depth_first_px
+):
+    monkeypatch.setattr("airlight.surface.gbuffer.DEPTH_FIRST_PX", depth_first_px)
     near = square((0, 0, 0.5), (0.5, 0, 0), (0, 0.5, 0), Material(base_color=(1, 0, 0)))
     far = square((0, 0, 0), (4, 0, 0), (0, 4, 0), Material(base_color=(0, 0, 1)))
     for order in ((near, far), (far, near)):

@@ -12,6 +12,9 @@ from ..maths.transforms import F64
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 
+DEPTH_FIRST_PX = 1.5
+"""Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once."""
+
 
 class CameraParams(Struct):
     """Where the camera is."""
@@ -44,8 +47,9 @@ class GBuffer:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._depth_pass = MeshPass(gpu, _Depth)
+        self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
         self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
+        self._is_depth_first = False
         self._drawn: tuple[list[Draw], list[Draw]] = ([], [])  # all that is seen, and the opaque
         self._make_textures(size)
 
@@ -59,6 +63,7 @@ class GBuffer:
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
         self.release()
+        self._drawn = ([], [])
         self._make_textures(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
@@ -66,19 +71,25 @@ class GBuffer:
         draws = scene.visible(clip_from_world)
         if draws is not self._drawn[0]:
             self._drawn = (draws, [draw for draw in draws if draw.material.alpha_cutoff <= 0.0])
+            triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
+            self._is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
         params = CameraParams(clip_from_world=clip_from_world)
         depth = {"view": self.depth.resource, "depth_load_op": "clear",
                  "depth_store_op": "store", "depth_clear_value": 0.0}  # fmt: skip
-        with commands.render(
-            "depth", color_attachments=[], depth_stencil_attachment=depth
-        ) as encoder:
-            self._depth_pass.draw(commands, encoder, scene, self._drawn[1], params)
+        used = self._only_pass
+        if self._is_depth_first:
+            used = self._pass
+            with commands.render(
+                "depth", color_attachments=[], depth_stencil_attachment=depth
+            ) as encoder:
+                self._depth_pass.draw(commands, encoder, scene, self._drawn[1], params)
+            depth = {**depth, "depth_load_op": "load"}
         with commands.render(
             "g-buffer",
             color_attachments=color_attachments((self.albedo, self.normal, self.emission)),
-            depth_stencil_attachment={**depth, "depth_load_op": "load"},
+            depth_stencil_attachment=depth,
         ) as encoder:
-            self._pass.draw(commands, encoder, scene, draws, params)
+            used.draw(commands, encoder, scene, draws, params)
 
     def release(self) -> None:
         """Give the memory back."""
