@@ -12,7 +12,7 @@ from ..maths.transforms import F64
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 
-DEPTH_FIRST_PX = 1.5
+DEPTH_FIRST_PX = 0.8
 """Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once."""
 
 
