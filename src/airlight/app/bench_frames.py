@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -60,7 +61,8 @@ def _moved(light: Light, step: int) -> Light:
 def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, Any]:
     """Milliseconds per frame with the work finished on the device, its stages, and memory.
 
-    {frame_ms, python_ms: spread; passes: {stage: median ms}; peak_gpu_bytes, lattice, ...}.
+    {frame_ms, python_ms: spread; passes: {stage: median ms}; peak_gpu_bytes, lattice, cells (of
+    all cascades), ...}.
     Raises SettingsError, DeviceError.
     """
     from ..rendering import Renderer
@@ -80,9 +82,11 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             renderer.scene = dataclasses.replace(renderer.scene, lights=lights)
             timed.append(renderer.timed_passes())
         stats = renderer.stats()
+        lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
         return {
             **{key: stats[key] for key in ("device", "adapter_type", "peak_gpu_bytes")},
             **{key: stats[key] for key in ("lattice", "iterations", "triangles", "size")},
+            "cells": sum(math.prod(count) for count in lattices),
             "scene": case.scene,
             "technique": case.technique,
             "settings": dict(case.settings),

@@ -93,7 +93,7 @@ def table(
         rows.append(
             {
                 "value": value,
-                "cells": int(np.prod(found["lattice"])),
+                "cells": found["cells"],
                 "triangles": found["triangles"],
                 "frame_ms": found["frame_ms"],
                 "passes": found["passes"],
