@@ -56,6 +56,6 @@ def _shafts(request: Request, scene: Scene, numbers: dict[str, Any]) -> dict[str
         lit, exact = (i.layers["single_scatter"] for i in (image, images["minmax"]))
         numbers["shafts"][scheme] = {
             "frame_ms": image.stats["frame_ms"],
-            "off_minmax": float(np.linalg.norm(lit - exact) / np.linalg.norm(exact)),
+            "off_minmax": float(np.linalg.norm(lit - exact) / max(np.linalg.norm(exact), 1e-30)),
         }
     return images

@@ -16,7 +16,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.slots import storage, texture, uniform
-from ..lattice.blockers import BlockerParams, Blockers
+from ..lattice.blockers import UNITS, Blockers
 from ..lattice.placement import Placement
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
@@ -24,7 +24,6 @@ from ..surface.geometry import GpuScene
 from ..surface.light_views import LightViewData, light_views
 from ..surface.reflective import ReflectiveShadowMaps
 
-_UNITS = 2.0**16  # fixed-point units per fully covered cell face, as in lattice.blockers
 _WHITE = (1.0, 1.0, 1.0)
 VIEWS: tuple[Light, ...] = tuple(
     DirectionalLight(tuple(np.eye(3)[axis] * sign), _WHITE)
@@ -67,34 +66,21 @@ class MapBlockers(Blockers):
         super().__init__(gpu, scene, meshes, placement, count)
         self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, len(VIEWS))
         self._texels = _SumTexels(gpu)
-        self._drawn = -1
 
-    def encode(self, commands: Commands) -> bool:
-        """Bring the openness up to date; returns whether anything changed."""
-        if self._drawn == self.meshes.version:
-            return False
-        self._drawn = self.meshes.version
-        place = self.placement
-        if self.meshes.draws:
-            views = light_views(VIEWS, *self.meshes.bounds, self.maps.resolution)
-            self.maps.encode(commands, self.meshes, VIEWS, views)
-        commands.encoder.clear_buffer(self._sums.handle)
-        side = self.maps.resolution
+    def sum_meshes(self, commands: Commands) -> None:
+        """Add what the maps see to the sums around the corners."""
+        self.follow_vertices()
+        if not self.meshes.draws:
+            return
+        views = light_views(VIEWS, *self.meshes.bounds, self.maps.resolution)
+        self.maps.encode(commands, self.meshes, VIEWS, views)
+        place, side = self.placement, self.maps.resolution
         self._texels.dispatch(
             commands, (side, side, len(VIEWS)),
             params=MapParams(origin=place.origin, cell=place.cell, count=place.count,
-                             resolution=side, units=_UNITS),
-            views=self.maps.views, depth=self.maps.depth, flux=self.maps.flux, sums=self._sums,
+                             resolution=side, units=UNITS),
+            views=self.maps.views, depth=self.maps.depth, flux=self.maps.flux, sums=self.sums,
         )  # fmt: skip
-        params = BlockerParams(
-            origin=place.origin, cell=place.cell, count=place.count, surfel_count=self.count,
-            units=_UNITS, first_row=place.first_row,
-        )  # fmt: skip
-        self._open.dispatch(
-            commands, place.count, params=params, sums=self._sums, faces=self.faces,
-            openness=self.openness, open_a=self.open_a, open_b=self.open_b, walls=self.walls,
-        )  # fmt: skip
-        return True
 
     def release(self) -> None:
         """Give the memory back."""
