@@ -54,8 +54,9 @@ def _shafts(request: Request, scene: Scene, numbers: dict[str, Any]) -> dict[str
         image = rendered(request, scene, settings, technique="single", timed=True)
         images[scheme] = image
         lit, exact = (i.layers["single_scatter"] for i in (image, images["minmax"]))
+        largest = float(np.linalg.norm(exact))
         numbers["shafts"][scheme] = {
             "frame_ms": image.stats["frame_ms"],
-            "off_minmax": float(np.linalg.norm(lit - exact) / max(np.linalg.norm(exact), 1e-30)),
+            "off_minmax": float(np.linalg.norm(lit - exact)) / max(largest, 1e-30),
         }
     return images
