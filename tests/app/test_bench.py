@@ -92,7 +92,7 @@ def test_every_axis_varies_what_it_says(monkeypatch):
 
     def measure(varied, case, frames, adapter):
         asked.append((len(varied.lights), len(varied.meshes), case.settings))
-        made = {"lattice": [2, 3, 4], "triangles": 4, "peak_gpu_bytes": 5}
+        made = {"lattice": [2, 3, 4], "cells": 24, "triangles": 4, "peak_gpu_bytes": 5}
         return made | {"frame_ms": {"median": 1.0}, "passes": {"propagate": 0.5}}
 
     monkeypatch.setattr(bench_growth, "measure", measure)
@@ -124,6 +124,7 @@ def test_a_part_of_it_as_json_and_as_a_page(gpu, tmp_path, capsys):
     assert case["settings"]["resolution"] == "8"
     assert case["frame_ms"]["runs"] == 2
     assert 0.0 < case["python_ms"]["min"] <= case["frame_ms"]["median"]
+    assert case["cells"] == np.prod(case["lattice"])
     assert case["peak_gpu_bytes"] > 0
     assert set(case["passes"]) >= {"inject", "propagate", "lighting"}
     assert f"| {case['name']} | lpv | 96x54 | " in page
