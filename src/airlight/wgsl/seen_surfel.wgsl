@@ -1,0 +1,56 @@
+//! use view_texel
+
+// The surfel that a texel of a view shows. The including pass binds views, depth, normal and
+// reflectance, and its params say origin, cell, count, resolution, view and first_layer.
+
+const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
+const NO_CORNER = 0xffffffffu;
+
+struct SeenSurfel {
+    corner: u32,            // around which it counts, half a cell beside the lattice; or NO_CORNER
+    offset: vec3f,          // cells from there
+    normal: vec3f,
+    area: f32,              // of the surface that the texel shows, over a cell face's
+    reflectance: vec3f,
+}
+
+// m^2 of the surface that a texel shows.
+fn seen_area(view: LightViewData, world: vec3f, n: vec3f, centre: vec2f) -> f32 {
+    let towards = view_direction(view, world, centre);
+    var across = view_texel_measure(view, centre, params.resolution);
+    if (view.is_perspective != 0u) {
+        let reach = world - view_eye(view);
+        across *= dot(reach, reach);
+    }
+    return across / max(abs(dot(n, towards)), GRAZING);
+}
+
+fn seen_surfel(id: vec3u) -> SeenSurfel {
+    var seen = SeenSurfel(NO_CORNER, vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
+    if (any(id.xy >= vec2u(params.resolution))) {
+        return seen;
+    }
+    let layer = params.first_layer + id.z;
+    let d = textureLoad(depth, vec2i(id.xy), layer, 0);
+    if (d >= 1.0) {
+        return seen;
+    }
+    let view = views[params.view];
+    let centre = (vec2f(id.xy) + 0.5) / f32(params.resolution) * vec2f(2.0, -2.0)
+        + vec2f(-1.0, 1.0);
+    let clip = view.world_from_clip * vec4f(centre, d, 1.0);
+    let world = clip.xyz / clip.w;
+    let place = (world - params.origin) / params.cell;
+    let corner = vec3i(floor(place + 0.5));
+    if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
+        return seen;
+    }
+    let c = vec3u(corner);
+    let size = params.count + 1u;
+    seen.corner = (c.z * size.y + c.y) * size.x + c.x;
+    seen.offset = place - vec3f(corner);
+    seen.normal = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
+    seen.area = seen_area(view, world, seen.normal, centre) / (params.cell * params.cell);
+    seen.reflectance = textureLoad(reflectance, vec2i(id.xy), layer, 0).rgb;
+    return seen;
+}
