@@ -64,7 +64,8 @@ async def pictures(count):
     widget._has_visible_views = True
     for _ in range(600):
         if sent:
-            widget._frame_feedback = {"index": sent[-1][0]["index"], "timestamp": 0.0}
+            widget._frame_feedback = {
+                "index": sent[-1][0]["index"], "timestamp": 0.0, "localtime": 0.0}
         if len(sent) >= count:
             return sent[-1][1][0]
         widget.request_draw()
