@@ -139,7 +139,6 @@ def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
     scene = Scene(environment=Environment(), camera=OUTSIDE, medium=air)
     image = judged.air_picture(scene, bounds=AROUND)
     centre = image.radiance[8:16, 8:16].mean()
-    print(judged.name, g, centre)
     assert centre < GROWS.get(judged.name, 1.05)
     if scatters_often(image):
         assert centre > 0.95
