@@ -112,10 +112,11 @@ def triangle_scene(**changes):
     return dataclasses.replace(scene, **changes)
 
 
-def compared(names, tmp_path):
+def compared(names, tmp_path, settings=None):
     return compare.compare_scene(
-        triangle_scene(), "a scene.toml", names, output=tmp_path, size=SIZE, spp=64, samples=4
-    )
+        triangle_scene(), "a scene.toml", names, output=tmp_path, size=SIZE, spp=64, samples=4,
+        settings=settings,
+    )  # fmt: skip
 
 
 def test_the_folder_holds_page_sheet_and_numbers(truth, techniques, tmp_path):
@@ -277,6 +278,50 @@ def test_the_command_line_says_the_numbers(truth, techniques, tmp_path, capsys):
     assert (out / "index.html").is_file()
     assert cli.run(["compare", str(scene), "-t", "nope", "-o", str(out), "--size", "32x20"]) == 2
     assert "no technique made a picture" in capsys.readouterr().err
+
+
+def test_settings_go_to_the_techniques_that_have_them(truth, techniques, tmp_path, monkeypatch):
+    given = []
+
+    class Recording(sys.modules["airlight.rendering"].Renderer):
+        def __init__(self, scene, technique, size, *, adapter, settings=None):
+            given.append((technique, settings))
+            super().__init__(scene, technique, size, adapter=adapter, settings=settings)
+
+    monkeypatch.setattr(sys.modules["airlight.rendering"], "Renderer", Recording)
+    comparison = compared(("dim", "exact"), tmp_path, {"iterations": "4", "resolution": "8"})
+    both = {"iterations": "4", "resolution": "8"}
+    assert given == [
+        ("dim", both),
+        ("dim", {**both, "bounces": False}),
+        ("exact", {"resolution": "8"}),
+    ]
+    assert comparison.command.endswith("-D iterations=4 -D resolution=8")
+    ours = [outcome.command.partition("--samples 4")[2] for outcome in comparison.outcomes]
+    assert ours == [" -D iterations=4 -D resolution=8", " -D resolution=8"]
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        (
+            "resolutoin=8",
+            "techniques exact, dim: unknown setting 'resolutoin'. Did you mean 'resolution'?",
+        ),
+        (
+            "resolution=1",
+            "technique exact: setting resolution = '1' is out of range. It goes from 4 to 256",
+        ),
+        ("resolution", "'resolution' is not written as key=value"),
+    ],
+)
+def test_a_setting_that_cannot_be_is_refused_before_any_work(
+    truth, techniques, tmp_path, capsys, setting, message
+):
+    words = ["compare", "builtin:cornell", "-t", "exact", "dim", "-D", setting]
+    assert cli.run([*words, "-o", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
+    assert truth.asked == []
 
 
 def test_without_a_reference_there_is_one_message(monkeypatch, tmp_path, capsys):

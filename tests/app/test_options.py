@@ -6,7 +6,9 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from airlight.app.options import settings_option, size_option
+from airlight.app.options import settings_option, shared_settings, size_option
+from airlight.errors import SettingsError
+from airlight.scene import Scene
 
 
 @click.command()
@@ -29,3 +31,12 @@ def test_the_last_value_of_a_key_holds_and_values_may_hold_equals():
 @pytest.mark.parametrize("text", ["12", "1x2x3", "ax4", "-1x4", "0x4", "4x16385", "٣x٤", ""])
 def test_impossible_sizes_are_misuse(text):
     assert CliRunner().invoke(show, ["--size", text]).exit_code == 2
+
+
+def test_shared_settings_go_where_they_are_known():
+    given = {"iterations": "4", "resolution": "8"}
+    found = shared_settings(("lpv", "direct", "nope"), Scene(), given)
+    assert found == {"lpv": given, "direct": {"resolution": "8"}, "nope": {}}
+    with pytest.raises(SettingsError, match="techniques direct: unknown setting 'iterations'"):
+        shared_settings(("direct",), Scene(), given)
+    assert shared_settings(("nope",), Scene(), given) == {"nope": {}}

@@ -6,7 +6,7 @@ import dataclasses
 import platform
 import shlex
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import click
 
 from .. import __version__
 from ..errors import AirlightError, OutputError, SettingsError
-from .options import adapter_option, size_option
+from .options import adapter_option, settings_option, shared_settings, size_option
 from .outputs import write_json
 from .progress import progress
 from .scene_argument import load_scene, show_warnings
@@ -94,6 +94,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     "--samples", type=click.IntRange(1, 4096), default=16, show_default=True,
     help="Jittered samples a pixel of each technique.",
 )  # fmt: skip
+@settings_option("A setting of each technique that has it; may be repeated.")
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, techniques: tuple[str, ...], output: Path, **options: Any) -> None:
@@ -101,6 +102,7 @@ def command(scene: str, techniques: tuple[str, ...], output: Path, **options: An
 
     \b
     airlight compare builtin:cornell --technique direct lpv -o comparison/
+    airlight compare builtin:cornell -t direct lpv -D resolution=48 -o finer/
 
     The reference comes from Mitsuba (pip install 'airlight[reference]') and is kept in the
     cache folder by the scene's content.
@@ -128,27 +130,31 @@ def compare_scene(
     noise: float | None = None,
     timeout_s: float = 3600.0,
     samples: int = 16,
+    settings: Mapping[str, str] | None = None,
     adapter: str = "auto",
     quiet: bool = True,
     report: Report = lambda stage, fraction: None,
 ) -> Comparison:
-    """Render the reference, then each technique, and score them. Raises ReferenceFailure.
+    """Render the reference, then each technique, and score them.
 
-    `label` is what the scene is called on a command line. A technique that fails is an outcome
-    with its error.
+    `label` is what the scene is called on a command line; `settings` go to each technique that has
+    them. A technique that fails is an outcome with its error. Raises ReferenceFailure, and
+    SettingsError for a setting that no technique has or that cannot be.
     """
     from ..maths.tone import auto_exposure
     from .compare_reference import reference_for
     from .compare_result import Comparison
 
+    settings = settings or {}
+    own = shared_settings(techniques, scene, settings)
     reference = reference_for(scene, size, spp, noise=noise, timeout_s=timeout_s, report=report)
     outcomes = []
     for index, name in enumerate(techniques):
         report(f"rendering {name}", index / len(techniques))
-        outcomes.append(_outcome(scene, label, name, size, samples, adapter, reference))
+        outcomes.append(_outcome(scene, label, name, own[name], size, samples, adapter, reference))
     return Comparison(
         scene=label,
-        command=_compare_command(label, techniques, output, size, spp, noise, samples),
+        command=_compare_command(label, techniques, output, size, spp, noise, samples, settings),
         size=size,
         samples=samples,
         stops=auto_exposure(reference.image.radiance),
@@ -159,17 +165,18 @@ def compare_scene(
 
 
 def _outcome(
-    scene: Scene, label: str, name: str, size: tuple[int, int], samples: int, adapter: str,
-    reference: Reference,
+    scene: Scene, label: str, name: str, settings: Mapping[str, str], size: tuple[int, int],
+    samples: int, adapter: str, reference: Reference,
 ) -> Outcome:  # fmt: skip
     """One technique rendered and scored; whatever goes wrong with it is its own affair."""
     from ..reference.metrics import compare
     from .compare_result import Outcome
 
-    made = f"airlight render {shlex.quote(label)} -o {name}.exr --layers --technique {name} "
-    made += f"--size {size[0]}x{size[1]} --samples {samples}"
+    words = ["airlight", "render", label, "-o", f"{name}.exr", "--layers", "--technique", name]
+    words += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples)]
+    made = shlex.join([*words, *_settings_words(settings)])
     try:
-        image, taken_s = picture(scene, name, size, samples, adapter)
+        image, taken_s = picture(scene, name, size, samples, adapter, settings)
         metrics = compare(image, reference.image)
     except AirlightError as error:
         return Outcome(name, made, error=str(error))
@@ -177,14 +184,11 @@ def _outcome(
         return Outcome(name, made, error=f"internal error: {type(error).__name__}: {error}")
     l2, floor_l2 = metrics.relative_l2 or 0.0, metrics.noise_floor_l2 or 0.0
     return Outcome(
-        name,
-        made,
-        image,
-        metrics,
+        name, made, image, metrics,
         equal_time=_in_equal_time(metrics.relmse, reference.floor, taken_s, reference),
         equal_time_l2=_in_equal_time(l2**2, floor_l2**2, taken_s, reference),
         seconds=taken_s,
-    )
+    )  # fmt: skip
 
 
 def _in_equal_time(error: float, floor: float, taken_s: float, reference: Reference) -> EqualTime:
@@ -200,8 +204,9 @@ def _in_equal_time(error: float, floor: float, taken_s: float, reference: Refere
 
 
 def picture(
-    scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str = "auto"
-) -> tuple[Image, float]:
+    scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str = "auto",
+    settings: Mapping[str, Any] | None = None,
+) -> tuple[Image, float]:  # fmt: skip
     """The picture and the seconds it took once shaders were compiled and textures loaded.
 
     Its layer one_bounce, where the technique can leave later bounces out, is the indirect light of
@@ -209,14 +214,15 @@ def picture(
     """
     from ..rendering import Renderer
 
-    with Renderer(scene, technique, size, adapter=adapter) as renderer:
+    settings = settings or {}
+    with Renderer(scene, technique, size, adapter=adapter, settings=settings) as renderer:
         renderer.frame(read=False)
         started_s = time.perf_counter()
         image = renderer.frame(samples=samples)
         taken_s = time.perf_counter() - started_s
     assert image is not None
     if _has_bounces(technique, scene):
-        once = {"bounces": False}
+        once = {**settings, "bounces": False}
         with Renderer(scene, technique, size, adapter=adapter, settings=once) as renderer:
             bounced = renderer.frame(samples=samples)
         assert bounced is not None
@@ -257,11 +263,16 @@ def _make_folder(folder: Path) -> None:
 
 def _compare_command(
     label: str, techniques: tuple[str, ...], output: Path, size: tuple[int, int], spp: int,
-    noise: float | None, samples: int,
+    noise: float | None, samples: int, settings: Mapping[str, str],
 ) -> str:  # fmt: skip
     words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
     words += ["--size", f"{size[0]}x{size[1]}", "--spp", str(spp), "--samples", str(samples)]
+    words += _settings_words(settings)
     return shlex.join(words + ([] if noise is None else ["--noise", f"{noise:g}"]))
+
+
+def _settings_words(settings: Mapping[str, str]) -> list[str]:
+    return [word for key, value in settings.items() for word in ("-D", f"{key}={value}")]
 
 
 def _about(outcomes: list[Outcome]) -> dict[str, str]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .. import env
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
 
 LARGEST_SIDE_PX = 16384
 
@@ -31,7 +34,7 @@ def adapter_option() -> Decorator:
     )
 
 
-def settings_option() -> Decorator:
+def settings_option(help: str = "A setting of the technique; may be repeated.") -> Decorator:
     """-D KEY=VALUE, repeatable, given to the command as `settings`, {key: text}."""
     return click.option(
         "-D",
@@ -39,7 +42,7 @@ def settings_option() -> Decorator:
         multiple=True,
         metavar="KEY=VALUE",
         callback=_settings,
-        help="A setting of the technique; may be repeated.",
+        help=help,
     )
 
 
@@ -50,6 +53,37 @@ def check_settings(technique: str, settings: Mapping[str, str]) -> None:
 
     if not hasattr(technique_class(technique), "settings_for"):
         checked_settings(technique, Scene(), settings)
+
+
+def shared_settings(
+    techniques: Iterable[str], scene: Scene, settings: Mapping[str, str]
+) -> dict[str, dict[str, str]]:
+    """By technique, what of `settings` it has; nothing of one that there is not.
+
+    Raises SettingsError for a setting that none of them has, and for a value that cannot be.
+    """
+    from ..errors import SettingsError, nearest
+    from ..scene.settings import make_settings
+    from ..techniques import settings_class
+
+    own: dict[str, dict[str, str]] = {}
+    known: set[str] = set()
+    for name in techniques:
+        try:
+            made = settings_class(name, scene)
+        except SettingsError:  # who renders with it says so
+            own[name] = {}
+            continue
+        known |= made.__dataclass_fields__.keys()
+        own[name] = {k: v for k, v in settings.items() if k in made.__dataclass_fields__}
+        make_settings(made, own[name], where=f"technique {name}")
+    unknown = [key for key in settings if known and key not in known]
+    if unknown:
+        raise SettingsError(
+            f"unknown setting '{unknown[0]}'", where=f"techniques {', '.join(own)}",
+            remedy=nearest(unknown[0], known),
+        )  # fmt: skip
+    return own
 
 
 def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:
