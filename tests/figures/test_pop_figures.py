@@ -25,7 +25,8 @@ from airlight.figures import (
 )
 from airlight.figures.panels import Request
 from airlight.figures.polar import OURS, TRUTH, polar_plots
-from airlight.figures.pop_scenes import away, courtyard, errors, milk, plume, slab, turned
+from airlight.figures.pop_court import BRIGHTEST, courtyard
+from airlight.figures.pop_scenes import as_large_as, away, errors, milk, plume, slab, turned
 from airlight.figures.registry import FIGURES
 from airlight.reference import shdom
 from airlight.scene.image import Image
@@ -37,7 +38,7 @@ class Renderer:
     """A picture that is brighter with every frame."""
 
     def __init__(self, scene, technique, size, *, settings, adapter):
-        assert technique == "pop"
+        assert technique in ("pop", "auto")
         self.scene, self.size, self.settings = scene, size, settings
         self.frame_ms = []
 
@@ -116,6 +117,12 @@ def test_beams_and_hops_show_what_monte_carlo_shows():
     np.testing.assert_allclose(smooth[1], smooth[0], atol=0.12 * smooth[0].max())
 
 
+def test_a_cube_lit_along_its_middle_is_its_own_mirror_image():
+    light = pop_cube.by_beams(0.7).radiance
+    np.testing.assert_allclose(pop_cube.mirrored(light), light, rtol=1e-6)
+    assert np.abs(light[:, ::-1] / light - 1.0).max() > 0.1  # directions must turn, too
+
+
 def test_curves_are_drawn_in_their_colours():
     round_, peak = np.ones((2, 2, 36)), np.zeros((2, 2, 36))
     peak[..., 9] = 1.0
@@ -130,7 +137,10 @@ def test_scenes_and_scores():
     for scene in (plume(), slab(0.9), milk()):
         assert len(scene.volumes) == 1
     assert turned(plume(), 30.0).environment.rotation_deg == 30.0
-    assert courtyard().map.max() == 40.0
+    sky = courtyard(64).map
+    assert sky.max() == pytest.approx(BRIGHTEST, rel=0.3)
+    assert sky.min() > 0.01
+    assert sky[32].max() < sky[20].max() / 5.0  # dark walls below a bright sky
     one = np.ones((4, 4, 3), np.float32)
     truth = Image(one, {"variance": 0.01 * one})
     told = errors(1.5 * one, truth)
@@ -138,6 +148,13 @@ def test_scenes_and_scores():
     assert told["relative_l2"] == pytest.approx(0.5)
     assert told["noise_floor_l2"] == pytest.approx(0.1)
     assert away(one, one) == 0.0
+
+
+def test_a_picture_is_averaged_to_a_truth_of_half_its_size():
+    picture = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+    half = Image(np.zeros((2, 3, 3), np.float32), {"variance": np.zeros((2, 3, 3), np.float32)})
+    np.testing.assert_allclose(as_large_as(picture, half)[0, 0], picture[:2, :2].mean(axis=(0, 1)))
+    assert as_large_as(picture, Image(picture, {})) is picture
 
 
 def test_light_that_changes_evenly_is_steady():

@@ -14,7 +14,7 @@ from ..scene.checks import F32, F64
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, errors, plume, traced
+from .pop_scenes import as_large_as, drawn, errors, plume, traced
 
 POP: Mapping[str, Mapping[str, Any]] = {
     "POP, 64 ordinates of 20^3": {},
@@ -47,7 +47,8 @@ def draw(request: Request) -> Drawn:
             shown[name] = (behind + light).astype(np.float32)
     alone = None
     if truth is not None:
-        alone = Image(truth.radiance - behind, {"variance": truth.layers["variance"]})
+        seen = truth.radiance - as_large_as(behind, truth)
+        alone = Image(seen, {"variance": truth.layers["variance"]})
     numbers = {
         name: {"whole": errors(p, truth), "scattered": errors(p - behind, alone)}
         for name, p in shown.items()

@@ -15,10 +15,10 @@ _HOPS = 24
 
 def draw(request: Request) -> Drawn:
     """Scattered light in the middle slice, light from below; red Monte Carlo, blue ours."""
-    photons = 20_000 if request.quick else 2_000_000
+    photons = 20_000 if request.quick else 8_000_000
     rows: dict[str, list[Any]] = {"delta-beam": [], "split": [], "paper, scaled": []}
     numbers: dict[str, Any] = {"cube": {"sigma_s": SIGMA_S, "cells": 16}, "photons": photons}
-    side = max(request.size[1], 240)
+    side = max(request.size[0] * 3 // 4, 240)
     for index, g in enumerate(ANISOTROPIES):
         request.report(f"g = {g}", index / len(ANISOTROPIES))
         true = truth(g, photons)

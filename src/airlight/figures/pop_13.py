@@ -16,7 +16,7 @@ STEPS = (1, 4, 8, 16, 36)
 
 def draw(request: Request) -> Drawn:
     """The cube of Fig. 12 at g = 0.7 after more and more iterations; red Monte Carlo."""
-    true = truth(G, 20_000 if request.quick else 2_000_000)
+    true = truth(G, 20_000 if request.quick else 8_000_000)
     side = max(request.size[1], 240)
     rows: list[Any] = []
     numbers: dict[str, Any] = {"g": G}

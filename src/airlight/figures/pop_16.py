@@ -13,7 +13,8 @@ from ..scene.builtin import smoke
 from ..scene.checks import F32, F64
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, renderer, sheet
-from .pop_scenes import QUICK_POP, courtyard
+from .pop_court import courtyard
+from .pop_scenes import QUICK_POP
 
 SHOWN_S = (0.0, 0.5, 1.0, 1.5)
 STEP_S, STEPS = 0.04, 6

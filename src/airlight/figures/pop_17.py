@@ -3,31 +3,39 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 from ..scene.builtin import smoke
-from .panels import Drawn, Request, exposed, exposure_of, known, rendered, sheet
+from .panels import QUICK, Drawn, Request, exposed, exposure_of, known, rendered, sheet
 from .pop_scenes import QUICK_POP, errors, traced
+
+WAYS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    "pop": ("pop", {}),
+    "pop, no light from surfaces": ("pop", {"virtual_lights": 0}),
+    "auto: with all bounces": ("auto", {}),
+}
 
 
 def draw(request: Request) -> Drawn:
-    """The builtin smoke in its court: whole, without surfaces' bounce, and alone."""
+    """The builtin smoke in its court: ours, without surfaces' light, with bounces, and alone."""
     scene = smoke()
     truth = traced(request, scene)
+    pictures = {}
+    for index, (name, (technique, settings)) in enumerate(WAYS.items()):
+        request.report(name, index / len(WAYS))
+        quick = known(technique, {**QUICK, **QUICK_POP}) if request.quick else {}
+        pictures[name] = rendered(request, scene, {**quick, **settings}, technique=technique)
     alone = dataclasses.replace(scene, meshes=())
-    bounce = known("pop", {"virtual_lights": 0})
-    quick = QUICK_POP if request.quick else {}
-    pictures = {"whole": rendered(request, scene, quick, technique="pop")}
-    if bounce:
-        settings = {**quick, **bounce}
-        pictures["no light from surfaces"] = rendered(request, scene, settings, technique="pop")
-    pictures["medium alone"] = rendered(request, alone, quick, technique="pop")
-    stops = exposure_of(scene, pictures["whole"].radiance)
+    quick = dict(QUICK_POP) if request.quick else {}
+    pictures["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
+    stops = exposure_of(scene, pictures["pop"].radiance)
+    numbers: dict[str, Any] = {name: errors(pictures[name].radiance, truth) for name in WAYS}
+    told = {name: float(i.layers["scattered"].mean()) for name, i in pictures.items()
+            if "scattered" in i.layers}  # fmt: skip
+    numbers["mean_scattered"] = told
     cells: list[Any] = [(name, image.radiance) for name, image in pictures.items()]
     if truth is not None:
-        cells.append(("Monte Carlo", truth.radiance))
-    numbers: dict[str, Any] = {"whole": errors(pictures["whole"].radiance, truth)}
-    scattered = {name: float(i.layers["scattered"].mean()) for name, i in pictures.items()}
-    numbers["mean_scattered"] = scattered
-    row = [("smoke", exposed(request, cells, stops))]
-    return Drawn(sheet(request, "Smoke and surfaces", row), numbers)
+        cells.insert(3, ("Monte Carlo", truth.radiance))
+    rows = [("smoke", exposed(request, part, stops)) for part in (cells[:2], cells[2:4], cells[4:])]
+    return Drawn(sheet(request, "Smoke and surfaces", [r for r in rows if r[1]]), numbers)

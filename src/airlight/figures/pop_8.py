@@ -2,65 +2,105 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
 
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, sheet
+from .panels import Drawn, Request, exposed, exposure_of, mean_light, renderer, sheet
 from .pop_scenes import away, drawn, milk, turned
 
 GRID, ORDINATES, FULL, SWITCHED, SHARED = 16, 64, 100, 20, 20
 CASES = (("map 1, front", 0.0, (1.5, 2.0, 7.0)), ("map 2, back", 150.0, (-2.0, 1.0, -7.0)))
+_PAPER: Mapping[str, Any] = {
+    "scheme": "paper", "grid": GRID, "ordinates": ORDINATES, "residuum_iterations": SHARED,
+}  # fmt: skip
+SCHEMES: Mapping[str, Mapping[str, Any]] = {
+    "all hops": {**_PAPER, "iterations": FULL, "residuum": False},
+    "residuum": {**_PAPER, "iterations": SWITCHED, "residuum": True},
+    "split": {"scheme": "split", "grid": GRID, "iterations": SWITCHED},
+    "delta-beam": {"grid": GRID},
+}
 _SOLVING = ("pop propagation", "pop merge", "pop residuum", "pop deposit", "pop diffuse")
+_QUICK: Mapping[str, Any] = {"grid": 6, "ordinates": 4, "iterations": 4}
+_TIMED_SIZE_PX = (64, 36)  # what solves does not depend on the picture
+_ROUNDS = 2
 
 
 def draw(request: Request) -> Drawn:
-    """Milk under two maps: the paper's hops alone, with its residuum, and what replaces both."""
+    """Milk under two maps: the paper's hops alone, with its residuum, and what replaces both.
+
+    The paper's scheme is too bright by the factor that its captions name, and shown darker.
+    """
     rows, numbers = [], {}
     for name, angle, position in CASES[: 1 if request.quick else 2]:
         scene = turned(milk(position), angle)
-        found = {
-            "all hops": _solved(request, scene, FULL, residuum=False),
-            "residuum": _solved(request, scene, SWITCHED, residuum=True),
-        }  # fmt: skip
-        ours = {"split": {"scheme": "split", "iterations": SWITCHED}, "delta-beam": {}}
-        for label, settings in ours.items():
-            found[label] = _timed(request, scene, {"grid": GRID, **settings})
-        cells: list[Any] = []
-        told: dict[str, Any] = {}
-        full = found["all hops"]
-        for label, (image, times) in found.items():
-            spent = sum(times.values())
-            is_paper = label in ("all hops", "residuum")
-            stops = exposure_of(scene, image.radiance)
-            cells += exposed(request, [(f"{label}: {spent:.0f} ms", image.radiance)], stops)
-            told[label] = {"ms": times, "solving_ms": spent, "hops": image.stats.get("hops")}
-            if is_paper:
-                told[label]["from_all_hops_l2"] = away(image.radiance, full[0].radiance)
-        told["speed_up"] = sum(full[1].values()) / max(sum(found["residuum"][1].values()), 1e-9)
+        request.report(f"{name}: timing", 0.0)
+        times = timed(request, scene)
+        images = {}
+        for index, (label, settings) in enumerate(SCHEMES.items()):
+            request.report(f"{name}: {label}", index / len(SCHEMES))
+            images[label] = drawn(request, scene, settings)
+        cells, told = _cells(request, scene, images, times)
+        told["speed_up"] = sum(times["all hops"].values()) / sum(times["residuum"].values())
         numbers[name] = told
         rows.append((name, cells))
     numbers["paper"] = {"speed_up": 4.0, "hops": [FULL, SWITCHED, SHARED]}
-    return Drawn(sheet(request, "Isotropic residuum, each exposed by itself", rows), numbers)
+    return Drawn(sheet(request, "Milk: all hops, and an isotropic residuum", rows), numbers)
 
 
-def _solved(request: Request, scene: Scene, hops: int, *, residuum: bool) -> Any:
-    settings = {
-        "scheme": "paper", "grid": GRID, "ordinates": ORDINATES, "iterations": hops,
-        "residuum": residuum, "residuum_iterations": SHARED,
-    }  # fmt: skip
-    return _timed(request, scene, settings)
+def _cells(
+    request: Request, scene: Scene, images: dict[str, Image], times: dict[str, dict[str, float]]
+) -> tuple[list[Any], dict[str, Any]]:
+    cells: list[Any] = []
+    told: dict[str, Any] = {}
+    usual = mean_light(images["delta-beam"].layers["scattered"])
+    full = images["all hops"].layers["scattered"]
+    for label, image in images.items():
+        spent, light = sum(times[label].values()), image.layers["scattered"]
+        told[label] = {"ms": times[label], "solving_ms": spent, "hops": image.stats.get("hops")}
+        caption, stops = f"{label}: {spent:.0f} ms", exposure_of(scene, image.radiance)
+        shown = image.radiance
+        if SCHEMES[label].get("scheme") == "paper":
+            brighter = mean_light(light) / max(usual, 1e-30)
+            told[label] |= {
+                "from_all_hops_l2": away(light, full), "times_delta_beam_s_light": brighter,
+            }  # fmt: skip
+            shown = shown - (1.0 - 1.0 / max(brighter, 1e-30)) * light
+            caption += f", its light divided by {brighter:.1f}"
+        cells += exposed(request, [(caption, shown.astype(np.float32))], stops)
+    return cells, told
 
 
-def _timed(request: Request, scene: Scene, settings: dict[str, Any]) -> tuple[Image, Any]:
-    """A picture, and the milliseconds of the stages that solve."""
-    from ..rendering import Renderer
+def timed(request: Request, scene: Scene) -> dict[str, dict[str, float]]:
+    """Milliseconds of the stages that solve, of each scheme: the least of alternated rounds."""
+    quick = _QUICK if request.quick else {}
+    small = Request(_TIMED_SIZE_PX, request.quick, request.adapter)
+    rounds: list[dict[str, dict[str, float]]] = []
+    with contextlib.ExitStack() as opened:
+        made = {
+            label: opened.enter_context(
+                renderer(small, scene, {**settings, **quick}, technique="pop")
+            )
+            for label, settings in SCHEMES.items()
+        }
+        for one in made.values():
+            one.frame(read=False)
+        for turn in range(1 if request.quick else _ROUNDS):
+            rounds.append({})
+            for label, one in made.items():
+                one.scene = turned(scene, _angle(scene) + 1.0 + turn)  # else nothing is solved
+                passes = one.timed_passes()
+                rounds[-1][label] = {n: passes[n] for n in _SOLVING if n in passes}
+    return {
+        label: min((of[label] for of in rounds), key=lambda found: sum(found.values()))
+        for label in SCHEMES
+    }
 
-    quick = {"grid": 6, "ordinates": 4, "iterations": 4} if request.quick else {}
-    merged = {**settings, **quick}
-    image = drawn(request, scene, settings)
-    with Renderer(scene, "pop", request.size, settings=merged, adapter=request.adapter) as made:
-        made.frame(read=False)
-        made.scene = turned(scene, 1.0)
-        passes = made.timed_passes()
-    return image, {name: passes[name] for name in _SOLVING if name in passes}
+
+def _angle(scene: Scene) -> float:
+    assert scene.environment is not None
+    return scene.environment.rotation_deg

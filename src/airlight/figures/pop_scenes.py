@@ -10,44 +10,24 @@ import numpy as np
 
 from ..app.compare_pictures import U8, shown
 from ..scene.builtin import cloud, smoke
+from ..scene.builtin.milk import BOUNDS as MILK_BOUNDS
+from ..scene.builtin.milk import knot_density
 from ..scene.camera import Camera
 from ..scene.checks import F32, Rgb, Vec3
-from ..scene.environment import Environment
 from ..scene.image import Image
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .panels import Request, mean_light, rendered
+from .pop_court import courtyard
 
 PLUME_M = 10.0  # Elek2014 Fig. 11
 PLUME_SCATTERING: Rgb = (2.9, 3.6, 4.2)
 PLUME_ABSORPTION: Rgb = (3.4, 3.35, 3.4)
 MILK_SCATTERING: Rgb = (0.91, 1.07, 1.25)  # m^-1; Fig. 8
+MILK_M, MILK_DENSER = 4.0, 4.0  # a knot is thinner than the dragon
+EXPOSURE_STOPS = -1.2
 QUICK_POP: Mapping[str, Any] = {"ordinates": 6, "grid": 6, "solver_steps": 8, "march_steps": 32}
 _SPP_SHARE = 4  # of a path-traced panel's samples: air costs many scatterings a path
-
-
-def courtyard(height_px: int = 64) -> Environment:
-    """A bright sky above dark walls, and the sun's glow in one window: high frequencies.
-
-    Radiance 0.05 to 40 W m^-2 sr^-1.
-    """
-    v, u = np.meshgrid(
-        (np.arange(height_px) + 0.5) / height_px,
-        (np.arange(2 * height_px) + 0.5) / height_px - 1.0,
-        indexing="ij",
-    )  # fmt: skip
-    wall = 0.34 + 0.08 * np.sign(np.sin(9.0 * np.pi * u))
-    sky = np.array([2.2, 3.0, 4.4]) * (v < wall)[..., None]
-    stone = np.array([0.22, 0.17, 0.12]) * (v >= wall)[..., None]
-    light = sky + stone * (1.0 - 0.6 * v[..., None])
-    for at, tall, colour in (
-        ((-0.32, 0.45), (0.05, 0.09), (26.0, 20.0, 12.0)),
-        ((0.42, 0.52), (0.04, 0.08), (14.0, 12.0, 9.0)),
-        ((0.9, 0.42), (0.06, 0.06), (40.0, 34.0, 26.0)),
-    ):
-        window = (np.abs(u - at[0]) < tall[0]) & (np.abs(v - at[1]) < tall[1])
-        light[window] = colour
-    return Environment(map=light.astype(np.float32), source="courtyard")
 
 
 def plume(g: float = 0.9) -> Scene:
@@ -63,7 +43,7 @@ def plume(g: float = 0.9) -> Scene:
         _rgb(extinction), volume.density, bounds=(low, high), albedo=_rgb(albedo), g=(g,) * 3,
         source="plume",
     )  # fmt: skip
-    camera = Camera((1.5, 0.3, 14.0), (0.0, 0.0, 0.0), fov_y_deg=42.0)
+    camera = _camera((1.5, 0.3, 14.0), 42.0)
     return Scene(name="plume", camera=camera, volumes=(made,), environment=courtyard())
 
 
@@ -81,31 +61,25 @@ def slab(g: float) -> Scene:
         (3.0,) * 3, shape="box", bounds=((-1.6, -0.9, -0.25), (1.6, 0.9, 0.25)), g=(g,) * 3,
         source="slab",
     )  # fmt: skip
-    camera = Camera((0.0, 0.0, 3.2), (0.0, 0.0, 0.0), fov_y_deg=40.0)
+    camera = _camera((0.0, 0.0, 3.2), 40.0)
     return Scene(name="slab", camera=camera, volumes=(made,), environment=courtyard())
 
 
 def milk(position: Vec3 = (1.5, 2.0, 7.0)) -> Scene:
-    """A knot of milk, albedo 0.9993 (Fig. 8), 4 m across."""
-    side = 40
-    at = (np.arange(side) + 0.5) / side * 2.4 - 1.2
-    z, y, x = np.meshgrid(at, at, at, indexing="ij")
-    t = np.linspace(0.0, 2.0 * np.pi, 160)
-    ring = 0.62 + 0.26 * np.cos(3.0 * t)
-    knot = np.stack(
-        [ring * np.cos(2.0 * t), 0.4 * np.sin(3.0 * t), ring * np.sin(2.0 * t)], axis=-1
-    )
-    away = np.full(x.shape, np.inf)
-    for px, py, pz in knot:
-        away = np.minimum(away, (x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2)
-    rho = np.clip((0.3 - np.sqrt(away)) / 0.08 + 0.5, 0.0, 1.0).astype(np.float32)
-    sigma = 4.0 * np.array(MILK_SCATTERING)
+    """The builtin knot, 4 m across, of milk with the coefficients of Fig. 8, albedo 0.9993."""
+    density, (low, high) = knot_density(), np.array(MILK_BOUNDS)
+    scale = MILK_M / (high - low).max()
+    half = 0.5 * scale * (high - low)
     made = Volume(
-        _rgb(sigma), rho, bounds=((-2.0,) * 3, (2.0,) * 3), albedo=(0.9993,) * 3, g=(0.95,) * 3,
-        source="milk",
+        _rgb(MILK_DENSER * np.array(MILK_SCATTERING)), density, bounds=(_rgb(-half), _rgb(half)),
+        albedo=(0.9993,) * 3, g=(0.95,) * 3, source="milk",
     )  # fmt: skip
-    camera = Camera(position, (0.0, 0.0, 0.0), fov_y_deg=38.0)
+    camera = _camera(position, 30.0)
     return Scene(name="milk", camera=camera, volumes=(made,), environment=courtyard())
+
+
+def _camera(position: Vec3, fov_y_deg: float) -> Camera:
+    return Camera(position, (0.0, 0.0, 0.0), fov_y_deg=fov_y_deg, exposure_stops=EXPOSURE_STOPS)
 
 
 def clouds(g: float) -> Scene:
@@ -132,17 +106,30 @@ def drawn(
 
 
 def traced(request: Request, scene: Scene) -> Image | None:
-    """The same by Monte Carlo; None with --quick. Raises ReferenceFailure."""
+    """The same by Monte Carlo, at half the size where that is whole; None with --quick.
+
+    Raises ReferenceFailure.
+    """
     if request.quick:
         return None
     from ..reference import mitsuba
 
     spp = max(mitsuba.MIN_SPP, request.reference_spp // _SPP_SHARE)
+    width, height = request.size
+    halves = width % 2 == 0 and height % 2 == 0
     layers = mitsuba.render_layers(
-        scene, ("all",), size=request.size, spp=spp, seed=0, timeout_s=3600.0,
-        progress=lambda done: request.report("path tracing", done),
+        scene, ("all",), size=(width // 2, height // 2) if halves else request.size, spp=spp,
+        seed=0, timeout_s=3600.0, progress=lambda done: request.report("path tracing", done),
     )  # fmt: skip
     return layers["all"]
+
+
+def as_large_as(picture: F32, truth: Image) -> F32:
+    """The picture, averaged over the pixels of a truth of half its size."""
+    height, width = truth.radiance.shape[:2]
+    if picture.shape[:2] == (height, width):
+        return picture
+    return np.asarray(picture.reshape(height, 2, width, 2, 3).mean(axis=(1, 3)))
 
 
 def errors(image: F32, truth: Image | None) -> dict[str, float]:
@@ -152,7 +139,7 @@ def errors(image: F32, truth: Image | None) -> dict[str, float]:
     noise = float(np.sqrt(truth.layers["variance"].sum() / np.sum(truth.radiance**2)))
     return {
         "energy_ratio": mean_light(image) / max(mean_light(truth.radiance), 1e-30),
-        "relative_l2": away(image, truth.radiance),
+        "relative_l2": away(as_large_as(image, truth), truth.radiance),
         "noise_floor_l2": noise,
     }
 
@@ -164,7 +151,8 @@ def scores(image: Image, truth: Image | None) -> dict[str, dict[str, float]]:
     behind = image.radiance - image.layers["scattered"]
     alone = None
     if truth is not None:
-        alone = Image(truth.radiance - behind, {"variance": truth.layers["variance"]})
+        seen = truth.radiance - as_large_as(behind, truth)
+        alone = Image(seen, {"variance": truth.layers["variance"]})
     return {
         "whole": errors(image.radiance, truth),
         "scattered": errors(image.layers["scattered"], alone),
