@@ -20,6 +20,7 @@ from airlight.figures import (
     pop_15,
     pop_16,
     pop_17,
+    pop_ball,
     pop_cube,
     registry,
 )
@@ -83,12 +84,13 @@ def test_a_figure_is_a_picture_and_its_numbers(pretended, tmp_path, monkeypatch,
     assert told["numbers"]
 
 
-def test_the_lamp_s_figure_compares_intensities(pretended, monkeypatch):
-    monkeypatch.setattr(pop_10, "intensity", lambda g, photons: np.full(3, 2.0))
-    told = FIGURES["pop-10"].draw(Request((48, 27), quick=True)).numbers["g 0.0"]
+def test_the_lamp_s_figure_compares_intensities(pretended):
+    drawn = FIGURES["pop-10"].draw(Request((48, 27), quick=True))
+    truth = pop_10.by_monte_carlo(pop_10.ball(0.0), 27, 0.0, 2_000)
     # Pretended: radiance .05 over a square of 2.1 R a side.
-    ratio = told["split"]["intensity_over_monte_carlo"]
-    np.testing.assert_allclose(ratio, 0.05 * (2.1 * pop_10.RADIUS_M) ** 2 / 2.0, rtol=1e-5)
+    want = 0.05 * (2.1 * pop_10.RADIUS_M) ** 2 / pop_10.seen(pop_10.ball(0.0), truth.radiance)
+    told = drawn.numbers["g 0.0"]["split"]
+    np.testing.assert_allclose(told["intensity_over_monte_carlo"], want, rtol=1e-5)
 
 
 def test_the_residuum_s_speed_up_is_of_what_solves(pretended):
@@ -180,3 +182,20 @@ def test_every_figure_has_its_module():
     for module in modules:
         name = module.__name__.rpartition(".")[2]
         assert FIGURES[name.replace("_", "-")].module == name
+
+
+@pytest.mark.parametrize("g", [0.0, 0.8])
+def test_a_thin_ball_sends_out_what_scatters_once_and_all_of_it(g):
+    thin = pop_ball.leaving(2.0, 0.02, g, 400_000)
+    area = np.pi * 2.0**2 * np.diff((np.arange(pop_ball.RINGS + 1) / pop_ball.RINGS) ** 2)
+    total = float((thin.radiance * area).sum()) * 4.0 * np.pi  # it looks alike from everywhere
+    assert total == pytest.approx(4.0 * np.pi * (1.0 - np.exp(-0.04)), rel=0.02)
+    # One scattering along the line at distance b: sigma / 4 pi times the integral of 1 / r^2.
+    b = 2.0 * (np.arange(pop_ball.RINGS) + 0.5)[4:] / pop_ball.RINGS
+    half = np.sqrt(4.0 - b**2)
+    t = half[:, None] * ((np.arange(400) + 0.5) / 200.0 - 1.0)
+    r = np.hypot(t, b[:, None])
+    phase = (1.0 - g * g) / (4.0 * np.pi * (1.0 + g * g - 2.0 * g * t / r) ** 1.5)
+    once = 0.02 * (phase / r**2).mean(axis=1) * 2.0 * half
+    ratio = thin.radiance[4:].sum() / once.sum()
+    assert ratio == pytest.approx(1.0, abs=0.06)
