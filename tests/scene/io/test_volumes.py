@@ -71,6 +71,13 @@ def test_the_cloud_of_the_mitsuba_tutorials():
     assert float(grid.density.max()) > 0.0
 
 
+def test_a_grid_of_nothing_is_read_and_said_to_be_nothing(tmp_path):
+    (tmp_path / "a.vol").write_bytes(vol_bytes(np.zeros((2, 2, 2, 1))))
+    grid = read_volume(tmp_path / "a.vol")
+    assert grid.density.max() == 0.0
+    assert grid.warnings == ("a.vol holds no density at all: there is nothing to see",)
+
+
 def test_a_channel_is_chosen_by_name(tmp_path):
     (tmp_path / "a.vol").write_bytes(vol_bytes(counted(2, 3, 4, 3)))
     np.testing.assert_array_equal(
@@ -128,6 +135,15 @@ DAMAGED = [
      "numbers"),
     ("a.npy", npy_bytes(np.array([[[None]]])), "holds Python objects, a density must be numbers"),
     ("a.npy", npy_bytes(counted(4)), "has shape (4,), it must be (z, y, x) or (z, y, x, channel)"),
+    ("a.npy", npy_bytes(np.ones((0, 2, 2))), "is empty: its shape is (0, 2, 2)"),
+    ("a.npy", npy_bytes(np.array([[[1.0, np.nan, np.inf]]])), "2 of its 3 values are NaN or "
+     "infinite. Repair it: numpy.nan_to_num makes them 0."),
+    ("a.npy", npy_bytes(np.array([[[1.0, -np.inf]]])), "1 of its 2 values is NaN or infinite. "
+     "Repair it: numpy.nan_to_num makes them 0."),
+    ("a.npy", npy_bytes(np.array([[[1.0, -0.5]]])), "has negative densities, down to -0.5. "
+     "A density is at least 0: numpy.clip."),
+    ("a.vol", vol_bytes(np.full((1, 1, 1, 1), -2.0)), "has negative densities, down to -2. "
+     "A density is at least 0: numpy.clip."),
     ("a.npz", b"PK nothing", "is not a readable .npz: File is not a zip file"),
     ("a.npz", npz_of(huge_npy_header()), f"has 1,125,899,906,842,624 values, {TOO_MANY}"),
     ("a.vol", b"VOL", "is not a Mitsuba volume: it does not start with 'VOL' and a header"),

@@ -98,9 +98,33 @@ def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     return VolumeGrid(density, checks.bounds((low, high), "its box"), (), matrix)
 
 
+def _sound(density: F32, path: Path) -> tuple[str, ...]:
+    """Warnings of values that mean nothing. Raises SceneError for those that cannot be used."""
+    if density.size == 0:
+        raise SceneError(f"is empty: its shape is {density.shape}", where=path)
+    least, most = float(density.min()), float(density.max())
+    if not math.isfinite(least) or not math.isfinite(most):
+        count = int((~np.isfinite(density)).sum())
+        raise SceneError(
+            f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} NaN or "
+            "infinite", where=path, remedy="Repair it: numpy.nan_to_num makes them 0.",
+        )  # fmt: skip
+    if least < 0.0:
+        raise SceneError(
+            f"has negative densities, down to {least:g}", where=path,
+            remedy="A density is at least 0: numpy.clip.",
+        )  # fmt: skip
+    return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
+
+
 def _fitting(grid: VolumeGrid, path: Path) -> VolumeGrid:
-    """Sides beyond what devices take averaged over whole numbers of voxels, and said so."""
+    """Sides beyond what devices take averaged over whole numbers of voxels, and said so.
+
+    Raises SceneError for values that are no densities.
+    """
     density = grid.density
+    warned = _sound(density, path)
+    grid = replace(grid, warnings=(*grid.warnings, *warned)) if warned else grid
     for axis, size in enumerate(density.shape):
         step = -(-size // LONGEST_SIDE)
         if step > 1:
