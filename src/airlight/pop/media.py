@@ -58,7 +58,10 @@ class PopMedia:
         )
         media = self._volumes(scene)
         if len(media) > MAX_SOURCES:
-            raise SceneError(f"the scene has {len(media)} media", remedy=f"Use {MAX_SOURCES}")
+            raise SceneError(
+                f"the scene has {len(media)} media, at most {MAX_SOURCES} can be drawn",
+                remedy="Leave some out.",
+            )
         self.air = Air(gpu, scene, light_count=0, solved=scene.volumes)
         grids = iter(self.air.grids)
         lights = len(scene.lights) + (surfaces.virtual_lights if surfaces else 0)
