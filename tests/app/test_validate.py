@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
 from airlight.app import cli
@@ -29,6 +30,18 @@ def test_a_good_scene(validate):
     code, out, _ = validate(BOX, "--json")
     assert code == 0
     assert json.loads(out)["valid"] is True
+
+
+def test_every_file_of_a_sequence_is_read(validate, tmp_path):
+    for k, side in enumerate((4, 4, 5)):
+        np.save(tmp_path / f"p{k}.npy", np.ones((4, 4, side), np.float32))
+    text = '[[volume]]\nsequence = "p*.npy"\nsigma_t = 1\n'
+    expected = "its grid has 4 x 4 x 5 cells, the sequence's first has 4 x 4 x 4. "
+    code, _, err = validate(text)
+    assert code == 2
+    assert err == f"error: p2.npy: {expected}Resample the sequence to one size.\n"
+    np.save(tmp_path / "p2.npy", np.ones((4, 4, 4), np.float32))
+    assert validate(text)[0] == 0
 
 
 def test_a_bad_scene(validate):

@@ -22,6 +22,7 @@ def command(file: str, as_json: bool) -> None:
     try:
         scene = load_scene(file)
         check_techniques(scene, file)
+        check_sequences(scene)
     except AirlightError as error:
         if as_json:
             click.echo(json_text(_refusal(file, error)))
@@ -45,6 +46,15 @@ def check_techniques(scene: Scene, file: str) -> None:
         except SettingsError as error:
             where = f"{file}: [technique.{name}]"
             raise SettingsError(error.problem, where=where, remedy=error.remedy) from None
+
+
+def check_sequences(scene: Scene) -> None:
+    """Read every file of the scene's density sequences. Raises SceneError."""
+    from ..scene.animation.density import FileSequence, VolumeTrack
+
+    for track in scene.animation.tracks if scene.animation else ():
+        if isinstance(track, VolumeTrack) and isinstance(track.density, FileSequence):
+            track.density.check()
 
 
 def _refusal(file: str, error: AirlightError) -> dict[str, Any]:

@@ -102,6 +102,11 @@ class FileSequence:
         mixed = (1.0 - u) * self._read(k) + u * self._read((k + 1) % count)
         return np.asarray(mixed, np.float32)
 
+    def check(self) -> None:
+        """Read every file once. Raises SceneError for one that cannot be read or does not fit."""
+        for k in range(len(self.files)):
+            self._read(k)
+
     def _read(self, k: int) -> F32:
         path = self.files[k]
         try:
