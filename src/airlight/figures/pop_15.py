@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
-from .panels import Drawn, Request, exposed, exposure_of, sheet
+from ..scene.scene import Scene
+from .panels import Drawn, Request, exposed, exposure_of, from_here, sheet
 from .pop_scenes import clouds, drawn, scores, traced
 
 ANISOTROPIES = {"isotropic": 0.0, "g = 0.7": 0.7, "anisotropic, g = 0.96": 0.96}
 
 
 def draw(request: Request) -> Drawn:
-    """The builtin cloud, ours above and traced below; as fast for every g."""
-    rows: dict[str, list[Any]] = {"ours": [], "Monte Carlo": []}
+    """The builtin cloud, ours above and traced below, and against the sun; as fast for every g."""
+    rows: dict[str, list[Any]] = {"ours": [], "Monte Carlo": [], "ours, against the sun": []}
     numbers: dict[str, Any] = {}
     for index, (name, g) in enumerate(ANISOTROPIES.items()):
         if request.quick and index:
@@ -25,7 +27,18 @@ def draw(request: Request) -> Drawn:
         rows["ours"] += exposed(request, [(name, image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(name, truth.radiance)], stops)
+        shaded = against_the_sun(scene)
+        behind = drawn(request, shaded)
+        stops = exposure_of(shaded, behind.radiance)
+        rows["ours, against the sun"] += exposed(request, [(name, behind.radiance)], stops)
         told = scores(image, truth)
         numbers[name] = {**told, "frame_ms": image.stats.get("frame_ms")}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Clouds", kept), numbers)
+
+
+def against_the_sun(scene: Scene) -> Scene:
+    """Seen from the ground on the other side, the sun behind the cloud's upper rim."""
+    shaded = from_here(scene, (-68.0, 2.0, -35.0), (0.0, 46.0, 0.0), fov_y_deg=42.0)
+    camera = dataclasses.replace(shaded.camera, exposure_stops=-3.1)
+    return dataclasses.replace(shaded, camera=camera)
