@@ -27,18 +27,19 @@ def test_every_square_holds_its_texels(gpu: Gpu, square: Callable[..., Mesh]) ->
     bounds = DepthBounds(gpu, maps)
     bounds.encode(commands)
     commands.submit()
-    assert bounds.side == 32
+    assert bounds.side == 64
     stored = bounds.buffer.read().reshape(2, -1, 2)
+    assert stored.shape[1] == 64 * 64
     depth = maps.depth.read()
-    low, high = np.full((2, 32, 32), 1e30, np.float32), np.full((2, 32, 32), -1e30, np.float32)
+    texels = stored[:, 64 * 32 :].reshape(2, 64, 64)
+    np.testing.assert_array_equal(texels[:, :SIDE, :SIDE], depth)
+    low, high = np.full((2, 64, 64), 1e30, np.float32), np.full((2, 64, 64), -1e30, np.float32)
     low[:, :SIDE, :SIDE] = high[:, :SIDE, :SIDE] = np.where(depth >= 1.0, np.float32(1e30), depth)
     assert 0 < np.count_nonzero(depth < 1.0) < depth.size
-    first = 0
-    for level in range(1, 6):
-        n = 32 >> level
+    for level in range(1, 7):
+        n = 64 >> level
         low = low.reshape(2, n, 2, n, 2).min(axis=(2, 4))
         high = high.reshape(2, n, 2, n, 2).max(axis=(2, 4))
         expected = np.stack([low, high], axis=-1).reshape(2, -1, 2)
-        np.testing.assert_array_equal(stored[:, first : first + n * n], expected)
-        first += n * n
-    assert first == stored.shape[1]
+        # A level of n^2 squares begins at entry n^2.
+        np.testing.assert_array_equal(stored[:, n * n : 2 * n * n], expected)

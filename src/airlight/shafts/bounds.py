@@ -11,8 +11,11 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, texture, uniform
+from ..gpu.slots import storage, uniform
 from ..surface.shadow import ShadowMaps
+
+_ROW_TEXELS = 64
+"""Of 4 bytes, of which a copied row has a multiple: WebGPU wants 256 bytes."""
 
 
 class BoundsParams(Struct):
@@ -27,37 +30,58 @@ class BoundsParams(Struct):
 class _Bounds(ComputePass):
     slots = (
         uniform("params", BoundsParams),
-        texture("depth", "2d-array", "depth"),
         storage("bounds", "vec2f", "read_write"),
     )
-    workgroup = (16, 8, 1)
+    workgroup = (32, 4, 1)
+    file = "bounds.wgsl"
+
+    def __init__(self, gpu: Gpu, *, is_first: bool) -> None:
+        super().__init__(gpu, generated=f"const IS_FIRST = {str(is_first).lower()};\n")
 
 
 class DepthBounds:
-    """(nearest, farthest) per square, levels 1 up to a single square, one run per layer."""
+    """The maps, and (nearest, farthest) of every square of theirs, levels 1 up to a single one.
+
+    A buffer of vec2f, side^2 per layer, laid out as in wgsl/shadow_levels.wgsl.
+    """
 
     def __init__(self, gpu: Gpu, maps: ShadowMaps) -> None:
         self.maps = maps
-        self.side = 1 << (max(2, maps.depth.size[0]) - 1).bit_length()
+        resolution = maps.depth.size[0]
+        # Rows of the copied map are a multiple of 256 bytes.
+        self.side = max(_ROW_TEXELS, 1 << (max(2, resolution) - 1).bit_length())
         self.top = self.side.bit_length() - 1
         layers = max(1, maps.layers)
-        self.buffer = Buffer(gpu, "shadow bounds", 8 * layers * (self.side * self.side - 1) // 3)
-        self._pass = _Bounds(gpu)
+        self.buffer = Buffer(gpu, "shadow bounds", 8 * layers * self.side * self.side)
+        self._first = _Bounds(gpu, is_first=True)
+        self._next = _Bounds(gpu, is_first=False)
 
     def encode(self, commands: Commands) -> None:
         """Make all levels anew from the maps."""
         if not self.maps.layers:
             return
+        self._copy(commands)
         for level in range(1, self.top + 1):
             params = BoundsParams(
                 side=self.side, level=level, layers=self.maps.layers,
                 resolution=self.maps.resolution,
             )  # fmt: skip
             squares = self.side >> level
-            self._pass.dispatch(
-                commands, (squares, squares, self.maps.layers), params=params,
-                depth=self.maps.depth, bounds=self.buffer,
+            (self._first if level == 1 else self._next).dispatch(
+                commands, (squares, squares, self.maps.layers), params=params, bounds=self.buffer
             )  # fmt: skip
+
+    def _copy(self, commands: Commands) -> None:
+        """Level 0: a copy costs a fraction of reading texels in a shader."""
+        maps, side = self.maps, self.side
+        for layer in range(maps.layers):
+            source = {"texture": maps.depth.handle, "origin": (0, 0, layer), "aspect": "depth-only"}
+            target = {"buffer": self.buffer.handle, "offset": 8 * side * side * layer
+                      + 4 * side * side, "bytes_per_row": 4 * side,
+                      "rows_per_image": side}  # fmt: skip
+            commands.encoder.copy_texture_to_buffer(
+                source, target, (maps.resolution, maps.resolution, 1)
+            )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -52,8 +52,6 @@ def _slots(air: Air, *more: Slot) -> tuple[Slot, ...]:
         uniform("rays", RayParams), uniform("shafts", ShaftParams), *air.slots,
         storage("lights", LightData), storage("parallel_views", LightViewData),
         storage("local_views", LightViewData),
-        texture("parallel_shadows", "2d-array", "depth"),
-        texture("local_shadows", "2d-array", "depth"),
         storage("parallel_bounds", "vec2f"), storage("local_bounds", "vec2f"), *more,
         image("scattered", "rgba32float"),
     )  # fmt: skip
@@ -168,7 +166,6 @@ class Shafts:
         return {
             "shafts": shafts, **self.air.bound, "lights": lights.table,
             "parallel_views": lights.parallel.views, "local_views": lights.local.views,
-            "parallel_shadows": lights.parallel.depth, "local_shadows": lights.local.depth,
             "parallel_bounds": self.parallel.buffer, "local_bounds": self.local.buffer,
         }  # fmt: skip
 

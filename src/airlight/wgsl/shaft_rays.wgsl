@@ -2,7 +2,7 @@
 // rays, shafts, the lights, their maps and bounds, and the air.
 //! use eye_ray
 //! use lit_run
-//! use depth_bounds
+//! use shadow_levels
 //! use shadow_walk
 
 fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
@@ -13,17 +13,12 @@ fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
 }
 
 // The nearest and farthest shadow depth of a square of 2^level texels.
-fn shadow_bounds(is_parallel: bool, view: u32, level: u32, square: vec2u) -> vec2f {
-    if (HAS_SUNS && (is_parallel || !HAS_LAMPS)) {
-        if (level == 0u) {
-            return vec2f(shadow_depth(textureLoad(parallel_shadows, vec2i(square), view, 0)));
-        }
-        return parallel_bounds[bounds_index(shafts.parallel_side, view, level, square)];
+fn shadow_bounds(level: u32, square: vec2u) -> vec2f {
+    let entry = level_entry(walk.side, walk.view, level, square);
+    if (HAS_SUNS && (walk.is_parallel || !HAS_LAMPS)) {
+        return level_bounds(parallel_bounds[entry], level, square);
     }
-    if (level == 0u) {
-        return vec2f(shadow_depth(textureLoad(local_shadows, vec2i(square), view, 0)));
-    }
-    return local_bounds[bounds_index(shafts.local_side, view, level, square)];
+    return level_bounds(local_bounds[entry], level, square);
 }
 
 // Narrow `u` to where f + u df >= 0.
@@ -48,8 +43,10 @@ fn view_radiance(
 ) -> vec3f {
     walk.is_parallel = light.kind == LIGHT_DIRECTIONAL;
     walk.view = view;
-    walk.resolution = f32(
+    let resolution = f32(
         select(shafts.local_resolution, shafts.parallel_resolution, walk.is_parallel));
+    walk.side = select(shafts.local_side, shafts.parallel_side, walk.is_parallel);
+    walk.max_nodes = shafts.max_nodes;
     walk.top = select(shafts.local_top, shafts.parallel_top, walk.is_parallel);
     let to_clip = clip_from_world(walk.is_parallel, view);
     let clip0 = to_clip * vec4f(rays.eye + t0 * direction, 1.0);
@@ -65,9 +62,9 @@ fn view_radiance(
     }
     // Where the map has no texels there is one run, as at the end of a map.
     let is_in = inner.x < inner.y;
-    enter_map(clip0, step, outer, select(outer, inner, is_in), t0, t1);
-    walk.s = select(FINISHED - 1.0, 0.0, is_in);
-    walk.is_lit = walk.is_lit || !is_in;
+    enter_map(clip0, step, outer, select(outer, inner, is_in), t0, t1, resolution);
+    walk.s = select(1.0, 0.0, is_in);
+    walk.lit_from = select(0.0, walk.lit_from, is_in);
     loop {
         let run = next_run();
         if (run.y > run.x) {
