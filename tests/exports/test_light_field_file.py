@@ -22,6 +22,7 @@ def field() -> LightField:
         surfaces=RNG.random((*SHAPE, 3, 4)).astype(np.float32),
         walls=RNG.random((*SHAPE, 3)).astype(np.float32),
         air=RNG.random((*SHAPE, 3, 4)).astype(np.float32),
+        dead_ends=RNG.integers(0, 64, SHAPE).astype(np.uint8),
     )  # fmt: skip
     volume = VolumeLight(RNG.random((5, 4, 3, 3)).astype(np.float32), np.diag([2.0, 3, 4, 1]),
                          (0.0, 1.0, 9.0))  # fmt: skip
@@ -35,7 +36,7 @@ def test_what_is_written_reads_back(field, tmp_path, name):
     assert (back.technique, back.scene) == ("auto", "a scene")
     (read,), (written,) = back.lattices, field.lattices
     assert (read.origin, read.cell, read.count) == ((1.0, 2.0, 3.0), 0.25, (2, 3, 4))
-    for part in ("fade", "surfaces", "air", "openness", "walls"):
+    for part in ("fade", "surfaces", "air", "openness", "walls", "dead_ends"):
         np.testing.assert_allclose(getattr(read, part), getattr(written, part), rtol=1e-6)
     np.testing.assert_array_equal(back.volumes[0].radiance, field.volumes[0].radiance)
     np.testing.assert_array_equal(back.volumes[0].world_from_unit, np.diag([2.0, 3, 4, 1]))
@@ -49,7 +50,8 @@ def test_the_header_is_enough_for_someone_who_does_not_know_us(field, tmp_path):
     for name, about in header["arrays"].items():
         array = np.load(tmp_path / "light" / f"{name}.npy")
         assert list(array.shape) == about["shape"]
-        assert array.dtype == about["dtype"] == "float32"
+        dtype = "uint8" if name.endswith("dead_ends") else "float32"
+        assert array.dtype == about["dtype"] == dtype
         assert about["meaning"]
     # Radiance along +z off the spherical harmonics alone is a + bz.
     sh = np.load(tmp_path / "light" / "lattice0_surfaces.npy")

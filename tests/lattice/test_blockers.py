@@ -118,6 +118,34 @@ def test_a_wall_inside_a_cell_is_closed_at_a_face_and_its_place_is_kept(blocked,
     assert not shift.any()
 
 
+def dead_ends(blockers):
+    """(6, Z, Y, X): whether each outgoing hop ends at a wall with air before it."""
+    bits = blockers.walls.read()[..., 3]
+    return np.stack([(bits >> hop) & 1 for hop in range(6)])
+
+
+@pytest.mark.parametrize("gap", [None, 0.3, 0.05])
+def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
+    one_sided = Material(two_sided=False)
+    floor = square((4 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
+    over = [] if gap is None else [
+        square(((4 + gap) * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)  # faces -x
+    ]  # fmt: skip
+    expected = np.zeros((6, N, N, N), int)
+    expected[1, :, :, 4] = 1  # leaving cell 4 along -x
+    if gap is not None:
+        expected[0, :, :, 3] = 1  # and what is over it, from below the floor
+    np.testing.assert_array_equal(dead_ends(blocked(floor, *over)), expected)
+
+
+def test_boards_and_sheets_are_no_dead_ends(blocked, square):
+    one_sided = Material(two_sided=False)
+    front = square((4.1 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
+    back = square((3.9 * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)
+    assert not dead_ends(blocked(front, back)).any()
+    assert not dead_ends(blocked(wall(square, 4 * CELL))).any()
+
+
 def test_little_area_bends_nothing(blocked, square):
     # 1% of a face, off its plane
     made = blocked(square((4.3 * CELL, 2, 2), (0, 0.025, 0), (0, 0, 0.025)))

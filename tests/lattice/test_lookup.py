@@ -49,7 +49,7 @@ MAIN = """
 def looked_up(gpu, commands, kernel, owned, cells_texture):
     """looked_up(cells (3, Z, Y, X, 4), points, normals) -> irradiance (n, 3), weight (n,)."""
 
-    def evaluate(cells, points, normals, *, is_paper=False, open_a=255, open_b=255):
+    def evaluate(cells, points, normals, *, is_paper=False, open_a=255, open_b=255, walls=0):
         textures = owned(LatticeTextures(gpu, ROOM))
         power = 4.0 * np.pi * float(np.abs(cells).max()) * 100.0
         scale = texture_scale(power)
@@ -64,8 +64,8 @@ def looked_up(gpu, commands, kernel, owned, cells_texture):
             commands, (len(points),), lattice=ROOM.params(scale, is_paper=is_paper),
             **textures.bound, lattice_open_a=cells_texture(ROOM, "rgba8unorm", open_a),
             lattice_open_b=cells_texture(ROOM, "rgba8unorm", open_b),
-            lattice_walls=cells_texture(ROOM, "rgba8snorm"), linear_clamp=linear_sampler(gpu),
-            points=p, normals=n, results=results,
+            lattice_walls=cells_texture(ROOM, "rgba8snorm", walls),
+            linear_clamp=linear_sampler(gpu), points=p, normals=n, results=results,
         )  # fmt: skip
         commands.submit()
         read = results.read().reshape(-1, 4).astype(np.float64)
@@ -148,6 +148,22 @@ def test_a_point_before_a_wall_looks_on_its_own_side(looked_up):
             irradiance, _ = looked_up(cells, points, np.array([[-1.0, 0.0, 0.0]]))
             value = irradiance[0, 0] * ROOM.cell**2 / (LOOKUP_SCALE * np.pi)
             assert value == pytest.approx(expected, abs=5e-3)
+
+
+def test_an_underside_does_not_look_below_the_floor_that_it_faces(looked_up):
+    cells = np.zeros((3, *SHAPE, 4))
+    cells[:, :, 3:, :, 0] = 1.0  # light only above the floor between cells 2 and 3
+    walls = np.zeros((*SHAPE, 4), np.int8)
+    walls[:, 3, :, 3] = 1 << 3  # leaving cell 3 along -y
+    heights = np.array([0.2, 0.45, 0.9])
+    place = np.stack([np.full(3, 2.5), 3.0 + heights, np.full(3, 5.5)], axis=-1)
+    points = np.array(ROOM.origin) + ROOM.cell * place
+    down = np.tile([0.0, -1.0, 0.0], (3, 1))
+    stopped, _ = looked_up(cells, points, down, walls=walls)
+    value = stopped * ROOM.cell**2 / (LOOKUP_SCALE * np.pi)
+    np.testing.assert_allclose(value, 1.0, atol=5e-3)
+    free, _ = looked_up(cells, points, down)
+    assert free[:2].max() < 1e-6  # where nothing is known of a floor
 
 
 def test_light_fades_out_over_the_outermost_cell(looked_up):

@@ -20,6 +20,8 @@ AXES: F64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [
 """Normals of an ambient cube's six values."""
 WHOLE_BEFORE = 0.75
 """As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""
+BEFORE = 0.15
+"""As in wgsl/lattice.wgsl: cells before a surface where the walls that it faces are looked up."""
 CREVICE_SHARE = 0.5
 """As in wgsl/lattice.wgsl: the least share of the light in the next cell that a surface gets."""
 
@@ -34,6 +36,8 @@ class LatticeLight:
     openness   (Z, Y, X, 6) how open the faces at -x +x -y +y -z +z are, both ways
     walls      (Z, Y, X, 3) how far, in cells, the wall that was counted on the cell's low x, y, z
                face really lies from it
+    dead_ends  (Z, Y, X) bits of the hops +x -x +y -y +z -z that leave the cell into a wall with air
+               before it: what faces such a wall is not looked up behind it. None: no such walls
     rule       how surfaces read it; "lobe": as a lobe that is nowhere negative, "linear": as
                pi (a - 2/3 b.n), at least 0
     """
@@ -45,6 +49,7 @@ class LatticeLight:
     openness: F32
     walls: F32
     air: F32 | None = None
+    dead_ends: NDArray[np.uint8] | None = None
     rule: Literal["lobe", "linear"] = "lobe"
 
     @property
@@ -60,7 +65,7 @@ class LatticeLight:
         """
         p, n = np.asarray(points, np.float64), np.asarray(normals, np.float64)
         place = self._bent(p, n)
-        uvw = self._eased(place + _raised(place, n))
+        uvw = self._eased(self._lookup_place(place, n))
         here = self._facing(uvw, n)
         next_cell = self._facing(uvw + n / np.array(self.count), n)
         return np.maximum(here, CREVICE_SHARE * next_cell)
@@ -90,6 +95,17 @@ class LatticeLight:
         """Of places among the cells: the cell (n, 3), and the same as an index of our arrays."""
         cell = np.clip(np.floor(place), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
+
+    def _lookup_place(self, place: F64, n: F64) -> F64:
+        """Twin: lattice_lookup_place in wgsl/lattice.wgsl."""
+        wanted = place + _raised(place, n)
+        if self.dead_ends is None:
+            return wanted
+        cell, at = self._cells(place + BEFORE * n)
+        hop = 2 * np.arange(3) + (n < 0.0)
+        ends = (self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1
+        within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
+        return np.where(ends == 1, within, wanted)
 
     def _bent(self, p: F64, n: F64) -> F64:
         """Twin: bent_surface_place in wgsl/lattice_space.wgsl."""

@@ -51,6 +51,9 @@ _MEANINGS = {
     ),
     "openness": ("", "(z, y, x, 6): how open the faces at -x +x -y +y -z +z are"),
     "walls": ("cells", "(z, y, x, 3): how far walls lie from the cell's low faces"),
+    "dead_ends": (
+        "", "(z, y, x): bit k: the k-th of the ways +x -x +y -y +z -z leads into a wall"
+    ),
 }  # fmt: skip
 
 
@@ -86,8 +89,8 @@ def load_light_field(path: str | Path) -> LightField:
         raise SceneError(f"not a readable light field ({error})", where=source) from None
 
 
-def _arrays(field: LightField) -> dict[str, NDArray[np.float32]]:
-    made: dict[str, NDArray[np.float32]] = {}
+def _arrays(field: LightField) -> dict[str, NDArray[Any]]:
+    made: dict[str, NDArray[Any]] = {}
     for index, cells in enumerate(field.lattices):
         name = f"lattice{index}_"
         made[f"{name}surfaces"] = _to_sh(cells.surfaces)
@@ -95,6 +98,8 @@ def _arrays(field: LightField) -> dict[str, NDArray[np.float32]]:
         if cells.air is not None:
             made[f"{name}air"] = _to_sh(cells.air)
         made[f"{name}openness"], made[f"{name}walls"] = cells.openness, cells.walls
+        if cells.dead_ends is not None:
+            made[f"{name}dead_ends"] = cells.dead_ends
     for index, volume in enumerate(field.volumes):
         made[f"volume{index}"] = volume.radiance
     return made
@@ -177,7 +182,7 @@ def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> Lattic
         origin=_three(about["origin_m"]), cell=about["cell_m"], rule=about["rule"],
         fade=np.array(about["fade_m"]), surfaces=_from_sh(arrays[f"{name}surfaces"]),
         openness=arrays[f"{name}openness"], walls=arrays[f"{name}walls"],
-        air=None if air is None else _from_sh(air),
+        air=None if air is None else _from_sh(air), dead_ends=arrays.get(f"{name}dead_ends"),
     )  # fmt: skip
 
 

@@ -66,7 +66,7 @@ def _lattices(used: Any) -> tuple[LatticeLight, ...]:
     held = {
         "states": _bands(bound),
         "open": np.concatenate([blockers.open_a.read(), blockers.open_b.read()[..., :2]], axis=-1),
-        "walls": blockers.walls.read()[..., :3],
+        "walls": blockers.walls.read(),
     }
     rows = bound["lattices"].read(LatticeParams.dtype)
     made = [_lattice_light(row, held) for row in rows]
@@ -91,7 +91,8 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
         origin=_three(record["origin"]), cell=cell, fade=np.array(fade, np.float64),
         rule="linear" if is_paper else "lobe", surfaces=(states * weights).astype(np.float32),
         openness=(openness / 255.0).astype(np.float32),
-        walls=np.maximum(walls / 127.0, -1.0).astype(np.float32),
+        walls=np.maximum(walls[..., :3] / 127.0, -1.0).astype(np.float32),
+        dead_ends=walls[..., 3].astype(np.uint8),
     )  # fmt: skip
 
 

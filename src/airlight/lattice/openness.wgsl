@@ -6,6 +6,8 @@
 
 const CLOSING = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
+const DEAD_END_COVER = 0.5;
+const APART = 0.02;     // cells
 
 struct CellFace {
     corner: vec3u,
@@ -85,6 +87,25 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }
 
+// Whether what faces a hop stands opposite to surfaces that face along it, or alone, with air before
+// it: a floor, for a ball that lies on it. Not sheets, nor the far side of a thin wall.
+fn is_dead_end(f: CellFace, hop: u32) -> bool {
+    let facing = on_face(f, hop ^ 1u);
+    let along = on_face(f, hop);
+    let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
+    let is_apart = along < 0.25 || backmost(f, hop ^ 1u) < -backmost(f, hop) - APART;
+    return facing > DEAD_END_COVER && sheets < 0.1 && is_apart;
+}
+
+// One bit for each outgoing hop that ends at such a wall, as a value of unorm7.
+fn dead_ends(cell: vec3u) -> f32 {
+    var bits = 0u;
+    for (var hop = 0u; hop < 6u; hop++) {
+        bits |= select(0u, 1u << hop, is_dead_end(face_of(cell, hop), hop));
+    }
+    return f32(bits) / 127.0;
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
         return;
@@ -111,5 +132,5 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     // And its low faces across x and y once more: rays find all three in one texture.
     textureStore(open_b, texel, vec4f(between[4], between[5], between[0], between[2]));
     textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
-        wall_shift(face_of(id, 5u), 2u), 0.0));
+        wall_shift(face_of(id, 5u), 2u), dead_ends(id)));
 }

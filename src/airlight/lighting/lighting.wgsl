@@ -86,7 +86,7 @@ fn mirrored_light(
         let last = arrayLength(&lattices) - 1u;
         loop {
             let place = bent_place(lattices[k], p);
-            let lookup = lattice_lookup_place(place, n);
+            let lookup = lattice_lookup_place(lattices[k], place, n);
             uvw = lattice_eased(lattices[k], lookup);
             let raised = GLOSSY_START * lattices[level].cell / lattices[k].cell;
             let begin = GlossyRay(n, mirrored, r.alpha, raised);

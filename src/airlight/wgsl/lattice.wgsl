@@ -17,10 +17,19 @@ fn open_fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
     return offset * smoothstep(0.15, 0.5, open);
 }
 
-// Where to look for the light on a surface at a place, both in bent cells.
-fn lattice_lookup_place(place: vec3f, n: vec3f) -> vec3f {
-    return place + vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
+// Where to look for the light on a surface at a place, both in bent cells. Not behind a wall that the
+// surface faces: the underside of a ball would be looked up beneath the floor that it lies on. The
+// cell is the one a little before the surface, lest its own back is that wall.
+const BEFORE = 0.15;
+
+fn lattice_lookup_place(lattice: LatticeParams, place: vec3f, n: vec3f) -> vec3f {
+    let wanted = place + vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
         lookup_offset(place.z, n.z));
+    let cell = clamp(floor(place + BEFORE * n), vec3f(0.0), vec3f(lattice.count) - 1.0);
+    let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), n < vec3f(0.0));
+    let is_end = (vec3u(dead_ends(lattice, vec3i(cell))) & hops) != vec3u(0u);
+    let centre = cell + 0.5;
+    return select(wanted, select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0)), is_end);
 }
 
 // Texture coordinates of a place among the cells; none between two lattices that share textures.
@@ -53,7 +62,7 @@ fn lattice_eased(lattice: LatticeParams, place: vec3f) -> vec3f {
 // The same for a surface point, metres.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
     let place = bent_surface_place(lattice, position, n);
-    return lattice_eased(lattice, lattice_lookup_place(place, n));
+    return lattice_eased(lattice, lattice_lookup_place(lattice, place, n));
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light

@@ -14,7 +14,12 @@ fn wall_shifts_low(lattice: LatticeParams, cell: vec3i) -> vec3f {
     return textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).xyz;
 }
 
-// The same of its high face across one axis.
+// A bit for each outgoing hop (+x -x +y -y +z -z) that ends at a wall with air before it.
+fn dead_ends(lattice: LatticeParams, cell: vec3i) -> u32 {
+    return u32(127.0 * textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).w + 0.5);
+}
+
+// How far the wall on its high face across one axis lies from it.
 fn wall_shift_high(lattice: LatticeParams, cell: vec3i, axis: u32) -> f32 {
     var next = cell;
     next[axis] = min(cell[axis] + 1, i32(lattice.count[axis]) - 1);

@@ -41,8 +41,8 @@ def _hall(
     name: str, lamp: SpotLight, camera: Camera, settings: dict[str, dict[str, Any]] | None = None
 ) -> Scene:
     sigma_t, albedo = extinction_and_albedo(_SIGMA_S, 0.0)
-    x, y, z = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0
-    air = Medium(sigma_t, albedo, bounds=((-x, 0.0, -z), (x, y, z)))
+    # No bounds: the hall is closed, and the paper's scheme knows none.
+    air = Medium(sigma_t, albedo)
     return Scene(
         name=name, meshes=(*_walls(), _board()), lights=(lamp,), camera=camera, medium=air,
         settings=settings or {},
