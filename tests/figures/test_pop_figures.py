@@ -27,7 +27,16 @@ from airlight.figures import (
 from airlight.figures.panels import Request
 from airlight.figures.polar import OURS, TRUTH, polar_plots
 from airlight.figures.pop_court import BRIGHTEST, courtyard
-from airlight.figures.pop_scenes import as_large_as, away, errors, milk, plume, slab, turned
+from airlight.figures.pop_scenes import (
+    as_large_as,
+    away,
+    errors,
+    milk,
+    plume,
+    scattered_errors,
+    slab,
+    turned,
+)
 from airlight.figures.registry import FIGURES
 from airlight.reference import shdom
 from airlight.scene.image import Image
@@ -199,3 +208,17 @@ def test_a_thin_ball_sends_out_what_scatters_once_and_all_of_it(g):
     once = 0.02 * (phase / r**2).mean(axis=1) * 2.0 * half
     ratio = thin.radiance[4:].sum() / once.sum()
     assert ratio == pytest.approx(1.0, abs=0.06)
+
+
+def test_scattered_light_is_judged_where_there_is_air():
+    through = np.ones((16, 16, 3), np.float32)
+    through[:8] = 0.5
+    light = np.full((16, 16, 3), 2.0, np.float32) * (through < 1.0)
+    behind = np.full((16, 16, 3), 3.0, np.float32)
+    truth = behind + 0.5 * light
+    truth[8:] = 100.0  # a sun beside the air
+    noisy = Image(truth, {"variance": np.full((16, 16, 3), 0.16, np.float32)})
+    told = scattered_errors(light, behind, through, noisy)
+    assert told["energy_ratio"] == pytest.approx(2.0)
+    assert told["relative_l2"] == pytest.approx(1.0)
+    assert told["noise_floor_l2"] == pytest.approx(0.4 / 4.0)  # of blocks of 4 x 4 pixels

@@ -25,6 +25,7 @@ SUN_TRAVEL: Vec3 = (-0.70, -0.62, -0.36)
 def cloud(*, seed: int = 5) -> Scene:
     """A small cumulus, 50 m wide with a flat base, alone in sun and sky.
 
+    Seen from the ground, the sun to the right behind it.
     One grid of 64 x 40 x 64 over 64 x 40 x 64 m; extinction 0.6 per metre at density 1,
     albedo 0.999, g 0.85.
     """
@@ -40,7 +41,7 @@ def cloud(*, seed: int = 5) -> Scene:
         name="cloud",
         lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
         environment=clear_sky(SUN_TRAVEL),
-        camera=Camera((6.0, 2.0, 84.0), (0.0, 46.0, 0.0), fov_y_deg=42.0, exposure_stops=-1.5),
+        camera=Camera((-82.0, 2.0, -9.0), (0.0, 48.0, 0.0), fov_y_deg=36.0, exposure_stops=-2.5),
         volumes=(volume,),
     )
 
