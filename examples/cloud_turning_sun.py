@@ -21,7 +21,8 @@ import airlight as al
 SIZE, FRAMES, SECONDS = (480, 270), 24, 3.0
 NOON = (34.0, 30.0, 25.0)  # W m^-2 on a surface that faces the sun
 
-scene = al.scenes.cloud()
+camera = al.Camera((6.0, 2.0, 84.0), (0.0, 46.0, 0.0), fov_y_deg=42.0, exposure_stops=-1.5)
+scene = dataclasses.replace(al.scenes.cloud(), camera=camera)
 assert scene.environment is not None
 folder = Path("cloud")
 folder.mkdir(exist_ok=True)

@@ -168,7 +168,9 @@ def scattered_errors(
         return errors(light, None)
     is_air = as_large_as(through, truth).min(axis=-1, keepdims=True) < _CLEAR
     seen = (truth.radiance - as_large_as(behind, truth)) * is_air
-    variance = _in_blocks(truth.layers["variance"] * is_air) / _BLOCK_PX**2
+    variance = np.divide(
+        _in_blocks(truth.layers["variance"] * is_air), _BLOCK_PX**2, dtype=np.float32
+    )
     mine = _in_blocks(as_large_as(light, truth) * is_air)
     return errors(mine, Image(_in_blocks(seen), {"variance": variance}))
 
@@ -178,7 +180,8 @@ def _in_blocks(picture: F32) -> F32:
     n = _BLOCK_PX
     height, width = (length // n for length in picture.shape[:2])
     cut = picture[: height * n, : width * n]
-    return cut.reshape(height, n, width, n, -1).mean(axis=(1, 3)).astype(np.float32)
+    means = cut.reshape(height, n, width, n, -1).mean(axis=(1, 3))
+    return np.asarray(means, dtype=np.float32)
 
 
 def away(image: F32, other: F32) -> float:
