@@ -117,9 +117,9 @@ def test_even_air_is_a_grid_of_one_density(judged, error):
     even = judged.air_picture(scene, bounds=AROUND)
     scene = Scene(lights=(sun,), camera=OUTSIDE, volumes=(grid,))
     varied = judged.air_picture(scene, bounds=AROUND)
-    # Single scattering in grids is jittered: noise of .18, mean off by .006. Measured else 1e-6,
-    # multiple .067 (lpv-scatter takes half hops in varying air).
-    limits = {"transmittance": 1e-3, "single_scatter": 0.25, "multiple_scatter": 0.1,
+    # Measured 1e-6, single scattering below .01 (jittered .18), multiple .067 (lpv-scatter takes
+    # half hops in varying air).
+    limits = {"transmittance": 1e-3, "single_scatter": 0.01, "multiple_scatter": 0.1,
               "scattered": 1e-3}  # fmt: skip
     for layer, limit in limits.items():
         if layer in even.layers and even.layers[layer].any():

@@ -12,6 +12,7 @@ from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.march.air import Air, medium_box, voxel_m
+from airlight.march.air_slots import light_groups
 from airlight.scene import Camera, DirectionalLight, Medium, PointLight, Scene, Volume
 
 
@@ -63,7 +64,8 @@ def mean_densities(gpu: Gpu, density: np.ndarray, *lights: Any) -> np.ndarray:
     commands.submit()
     assert air.columns is not None
     texels = air.columns.textures[0].read().astype(np.float64)
-    slabs = texels.reshape(-1, *density.shape, 4)
+    # Up to twice as many texels as voxels.
+    slabs = texels.reshape(light_groups(len(lights)), -1, *texels.shape[1:])
     return np.concatenate(list(slabs), axis=-1)[..., : len(lights)]
 
 
@@ -82,7 +84,8 @@ def test_means_follow_the_density(gpu: Gpu) -> None:
     density = np.broadcast_to(voxel, (3, 4, n)).astype(np.float32).copy()
     lamp = PointLight((1.2, 0.5, 1.5), (1, 1, 1))
     means = mean_densities(gpu, density, DirectionalLight((1, 0, 0), (1, 1, 1)), lamp)
-    x = np.linspace(0, 2, n)
     shape = means.shape[:3]
+    assert shape == (5, 6, 48)
+    x = np.linspace(0, 2, shape[2])
     np.testing.assert_allclose(means[..., 0], np.broadcast_to(0.5 * x, shape), atol=4e-2)
     np.testing.assert_allclose(means[..., 1], np.broadcast_to(0.5 * (x + 1.2), shape), atol=4e-2)

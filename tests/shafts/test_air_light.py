@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
@@ -103,18 +102,6 @@ def test_without_air_nothing_happens(gpu: Gpu, look: Any, owned: Any, foggy: Sce
     assert not seen.read(air.single_scatter).any()
     assert not seen.read(air.multiple_scatter).any()
     assert np.all(seen.read(air.transmittance) == 1.0)
-
-
-def test_minmax_refuses_density_grids(gpu: Gpu, owned: Any, foggy: Scene) -> None:
-    grid = Volume((1.0, 1.0, 1.0), density=np.ones((2, 3, 4), np.float32), bounds=BOX)
-    scene = dataclasses.replace(foggy, volumes=(grid,))
-    lights = owned(Lights(gpu, scene.lights, None, 64, 64))
-    with pytest.raises(SettingsError) as told:
-        AirLight(gpu, scene, SIZE, lights, AirSettings(shafts="minmax"))
-    assert str(told.value) == (
-        "shafts = 'minmax' knows even air only, and the scene has density grids. "
-        "Use shafts = 'jitter', or 'auto', which takes it for such scenes."
-    )
 
 
 def test_pixels_are_drawn_anew_where_texels_differ(

@@ -88,5 +88,5 @@ def test_a_grid_of_ones_is_even_air(
 ) -> None:
     scene = fog(square, light)
     even = single(gpu, look(scene, SIZE), owned, shafts="jitter", shaft_steps=48)
-    grid = single(gpu, look(as_grid(scene), SIZE), owned, shaft_steps=48)
+    grid = single(gpu, look(as_grid(scene), SIZE), owned, shafts="jitter", shaft_steps=48)
     assert l2(grid, even) < 1e-4

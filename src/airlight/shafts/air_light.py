@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -40,8 +39,8 @@ class AirSettings:
 
     shafts: str = setting(
         "auto",
-        "how single scattering finds its shadows; auto: minmax, or "
-        "jitter where there are density grids; volumes: light volumes, as in the paper",
+        "how single scattering finds its shadows; auto: minmax; volumes: light volumes, as in "
+        "the paper, for one box of even air; jitter: the cheap one, of much noise",
         choices=("auto", "minmax", "volumes", "jitter", "off"),
     )
     volume_tolerance: float = setting(
@@ -56,7 +55,13 @@ class AirSettings:
         low=0.0,
         high=1.0,
     )
-    shaft_steps: int = setting(32, "steps of the jittered scheme", low=1, high=1024)
+    shaft_steps: int = setting(
+        32,
+        "steps of a ray in the jittered scheme, and of its ways through density grids in "
+        "minmax, which are never shorter than voxels",
+        low=1,
+        high=1024,
+    )
     shaft_nodes: int = setting(
         256, "squares of a shadow map that one ray may visit", low=16, high=65536
     )
@@ -144,17 +149,19 @@ class AirLight:
         scheme, s = self.settings.shafts, self.settings
         if scheme == "off" or not lights.count or not self.air.count:
             return None
-        if scheme == "minmax" and self.air.has_grids:
-            raise SettingsError(
-                "shafts = 'minmax' knows even air only, and the scene has density grids",
-                remedy="Use shafts = 'jitter', or 'auto', which takes it for such scenes.",
-            )
-        if scheme == "jitter" or self.air.has_grids:
+        if scheme == "jitter":
             return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
         if scheme == "volumes":
             return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
                            tolerance=s.volume_tolerance)  # fmt: skip
-        return Shafts(gpu, self.air, lights, self.shaft_rays.size, max_nodes=s.shaft_nodes)
+        return Shafts(
+            gpu,
+            self.air,
+            lights,
+            self.shaft_rays.size,
+            max_nodes=s.shaft_nodes,
+            steps=s.shaft_steps,
+        )
 
     def solve(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *,

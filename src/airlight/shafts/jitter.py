@@ -1,4 +1,4 @@
-"""Single scattering by jittered steps: the cheap scheme, and the one for density grids.
+"""Single scattering by jittered steps: the cheap scheme.
 
 Rays are cut into even steps (and steps of at least a voxel inside grids); each takes one sample
 per light at a place that differs over every 4 x 4 pixels, and `blur` takes the pattern out.

@@ -3,7 +3,8 @@
 An eye ray is a straight line over each shadow map. A hierarchy of the nearest and farthest depths
 lets it cross wholly lit or dark squares at once, as a 2D digital differential analyser that
 descends and ascends; adjacent lit stretches are one run, integrated in closed form (parallel
-light) or with equi-angular Gauss-Legendre nodes (lamps).
+light) or with equi-angular Gauss-Legendre nodes (lamps). In density grids runs are cut into steps
+of at least a voxel, each integrated as if the air in it were even.
 Source: the hierarchy after Chen et al. 2011; NOTES section 2b. differs: Billeter2012 section 3
 renders the light volumes of Billeter et al. 2010, whose integral along the ray is the same.
 """
@@ -57,20 +58,23 @@ def _slots(air: Air, *more: Slot) -> tuple[Slot, ...]:
     )  # fmt: skip
 
 
-def run_wgsl(air: Air, lights: Lights) -> str:
-    """What wgsl/lit_run.wgsl is to know beforehand: what air and lights there are."""
+def run_wgsl(air: Air, lights: Lights, steps: int = 32) -> str:
+    """How lit runs are integrated, and what is known beforehand: what air and lights there are."""
+    run = "//! use lit_run\n"
+    if air.has_grids:
+        run = f"const RUN_STEPS = {steps}.0;\n//! use stepped_run\n"
     known = {"AIR_IS_BOX": air.is_one_box, "HAS_SUNS": lights.parallel.layers > 0,
              "HAS_LAMPS": lights.local.layers > 0}  # fmt: skip
-    return air.wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items())
+    return air.wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run
 
 
 class _Shafts(ComputePass):
     workgroup = (8, 8, 1)
     file = "shafts.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights, steps: int) -> None:
         self.slots = _slots(air, texture("picked", "2d", "unfilterable-float"))  # type: ignore[misc]
-        super().__init__(gpu, generated=run_wgsl(air, lights))
+        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
 
 class _RefineFind(ComputePass):
@@ -88,25 +92,32 @@ class _Refine(ComputePass):
     workgroup = (64, 1, 1)
     file = "refine.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air, lights: Lights) -> None:
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights, steps: int) -> None:
         self.slots = _slots(  # type: ignore[misc]
             air, storage("found", "u32"), storage("chosen", "u32"), texture("depth", "2d", "depth")
         )
-        super().__init__(gpu, generated=run_wgsl(air, lights))
+        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
 
 class Shafts:
-    """The scheme `minmax`: for air without density grids."""
+    """The scheme `minmax`, for any air."""
 
     def __init__(
-        self, gpu: Gpu, air: Air, lights: Lights, size: tuple[int, int], *, max_nodes: int = 256
+        self,
+        gpu: Gpu,
+        air: Air,
+        lights: Lights,
+        size: tuple[int, int],
+        *,
+        max_nodes: int = 256,
+        steps: int = 32,
     ) -> None:
-        """`size` of the picture, pixels."""
+        """`size` of the picture, pixels; `steps` of a ray where there are density grids."""
         self.air, self.max_nodes = air, max_nodes
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
-        self._pass = _Shafts(gpu, air, lights)
-        self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights)
+        self._pass = _Shafts(gpu, air, lights, steps)
+        self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights, steps)
         self._found = Buffer(gpu, "differing pixels", 16)
         self._groups = Buffer(gpu, "groups of them", 16, indirect=True)
         self._make_list(size)

@@ -4,6 +4,7 @@
 //! use air
 //! use air_light
 //! use airlight
+//! use light_reach
 
 // Exit of the light's straight way back out of the one medium's box: distance at the eye, and its
 // slope along the ray, per axis; the least one counts.
@@ -161,16 +162,6 @@ fn lit_run(
         if (m >= AIR_COUNT) { break; }
     }
     return sum * light.color;
-}
-
-// What of the entered ray a light can reach.
-fn light_span(light: LightData, origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f {
-    if (light.kind != LIGHT_SPOT) {
-        return hull;
-    }
-    let cone = ray_cone_interval(
-        origin, direction, light.position, light.direction, light.cos_outer);
-    return vec2f(max(hull.x, cone.x), min(hull.y, cone.y));
 }
 
 // In one dense medium, no farther than light can come from.

@@ -1,7 +1,6 @@
 // Single scattering along one eye ray, by lit runs over every shadow map. The including pass binds
 // rays, shafts, the lights, their maps and bounds, and the air.
 //! use eye_ray
-//! use lit_run
 //! use shadow_levels
 //! use shadow_walk
 
