@@ -38,8 +38,8 @@ FORWARD_WGSL = """
 fn forward_emission(p: vec3f, travel: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     if (lattice_at[0].w <= 0.0) { return sum; }
-    for (var i = 0u; i < march.forward_count; i++) {
-        let uvw = vec3f(lattice_at[0].xy, (lattice_at[0].z + f32(i)) / march.forward_slabs);
+    for (var i = 0u; i < own.forward_count; i++) {
+        let uvw = vec3f(lattice_at[0].xy, (lattice_at[0].z + f32(i)) / own.forward_slabs);
         let light = textureSampleLevel(forward_lights, linear_clamp, uvw, 0.0);
         if (all(light.rgb <= vec3f(0.0))) { continue; }
         var way = forward_table[i].direction;
@@ -50,11 +50,10 @@ fn forward_emission(p: vec3f, travel: vec3f) -> vec3f {
         let n = forward_scatterings(light.a);
         for (var m = 0u; m < AIR_COUNT; m++) {
             let g = air[m].g;
-            sum += light.rgb * air_here[m] * air[m].sigma_t * air[m].albedo
-                * f32(air[m].has_shafts) * vec3f(forward_phase(mu, g.r, n),
+            sum += light.rgb * air_here[m] * air_shines[m] * vec3f(forward_phase(mu, g.r, n),
                     forward_phase(mu, g.g, n), forward_phase(mu, g.b, n));
         }
     }
-    return march.forward_scale * sum;
+    return own.forward_scale * sum;
 }
 """

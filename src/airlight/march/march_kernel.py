@@ -99,7 +99,7 @@ def _sources_wgsl(variant: Variant) -> str:
     ]
     if variant.has_lattice:
         parts.append("    sum += lattice_emission(p, travel) + forward_emission(p, travel);\n")
-    uses = "//! use march_lattice\n" if has_lattices else ""
+    uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     share = "march_step_share(p)" if has_lattices and not sources else "1.0"
     uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
     return (
@@ -140,7 +140,7 @@ def _emission_wgsl(name: str) -> str:
         for c in ("red", "green", "blue")
     )
     channels = ", ".join(
-        f"lattice_radiance({c}, travel, march.{name}_direct * g.{c[0]})"
+        f"lattice_radiance({c}, travel, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
     return (
@@ -148,9 +148,8 @@ def _emission_wgsl(name: str) -> str:
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
         "        let g = air[m].g;\n"
-        "        sum += f32(air[m].has_shafts) * air_here[m] * air[m].sigma_t * air[m].albedo\n"
-        f"            * vec3f({channels});\n    }}\n"
-        f"    return march.{name}_scale * sum;\n}}\n"
+        f"        sum += air_here[m] * air_shines[m] * vec3f({channels});\n    }}\n"
+        f"    return own.{name}_scale * sum;\n}}\n"
     )
 
 
@@ -160,7 +159,7 @@ def _even_wgsl(name: str) -> str:
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
-        "        sum += f32(air[m].has_shafts) * air_here[m] * air[m].sigma_t * air[m].albedo;\n"
-        f"    }}\n    return march.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
+        "        sum += air_here[m] * air_shines[m];\n"
+        f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

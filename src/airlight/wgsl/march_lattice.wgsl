@@ -10,14 +10,23 @@ var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;
 // A cell's power over that of the largest lattice, where both hold the same light.
 var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
-fn lattice_enter(p: vec3f) {
-    let last = arrayLength(&lattices) - 1u;
+// The only lattice, copied: a software driver reads a buffer lane by lane.
+var<private> lattice_alone: LatticeParams;
+
+fn lattice_begin() {
     if (LATTICES_AT_ONCE == 1u) {
-        let uvw = lattice_coordinates(lattices[last], p, vec3f(0.0));
-        lattice_at[0] = vec4f(uvw, lattice_weight(lattices[last], p));
+        lattice_alone = lattices[arrayLength(&lattices) - 1u];
+    }
+}
+
+fn lattice_enter(p: vec3f) {
+    if (LATTICES_AT_ONCE == 1u) {
+        let uvw = lattice_eased(lattice_alone, bent_place(lattice_alone, p));
+        lattice_at[0] = vec4f(uvw, lattice_weight(lattice_alone, p));
         lattice_gain[0] = 1.0;
         return;
     }
+    let last = arrayLength(&lattices) - 1u;
     for (var i = 0u; i < LATTICES_AT_ONCE; i++) {
         lattice_at[i].w = 0.0;
     }
