@@ -68,4 +68,7 @@ def test_a_kernel_binds_what_it_reads(gpu):
     assert "lattice_mean" in names
     assert not names & {"sky_mean", "skylit", "forward_lights"}
     assert "forward_lights" in {s.name for s in slots(air, Variant(0, True, has_forward=True))}
+    sharp = Variant(has_sky=True, has_third_band=True)
+    assert "sky_third" in {s.name for s in slots(air, sharp)}
+    assert "sky_third" not in {s.name for s in slots(air, Variant(has_sky=True))}
     assert "LATTICES_AT_ONCE = 2u" in generated(Variant(has_sky=True, levels=2))

@@ -33,6 +33,7 @@ from .rays import RayParams, Rays
 
 ABSOLUTE, ALL_MEDIA = -1, -2
 MAX_SOURCES = 4
+_TWO_BANDS = 0.25  # the largest g that two bands are enough for
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +67,9 @@ class LatticeSource:
     accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
     `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
     as the cells of the finest that has the place (Kaplanyan2010 section 7).
-    `forward`: what is near its beam still. `mean`: the a of the three channels as rgb, for air that
-    scatters evenly: one read instead of three.
+    `third`: the five coefficients of a third band (wgsl/third_band.wgsl). `forward`: what is near
+    its beam still. `mean`: the a of the three channels as rgb, for air that scatters evenly: one
+    read instead of three.
     """
 
     placement: Placement
@@ -77,6 +79,7 @@ class LatticeSource:
     finer: tuple[Placement, ...] = ()
     forward: ForwardSource | None = None
     mean: Texture | None = None
+    third: Texture | None = None
 
     @property
     def levels(self) -> tuple[Placement, ...]:
@@ -154,12 +157,14 @@ class March:
 
     def _chosen(self, lattice: LatticeSource | None, sky: LatticeSource | None) -> Variant:
         """Loops and reads that a lattice and its air do not need are left out: they would cost."""
-        is_even = all(c == 0.0 for row in self._air.rows for c in row["g"])
+        sharpest = max((abs(c) for row in self._air.rows for c in row["g"]), default=0.0)
+        is_even = sharpest == 0.0
         one = sky or lattice
         return replace(
             self._variant,
             is_even=is_even and lattice is not None and lattice.mean is not None,
             is_sky_even=is_even and sky is not None and sky.mean is not None,
+            has_third_band=sharpest > _TWO_BANDS and sky is not None and sky.third is not None,
             has_forward=lattice is not None and lattice.forward is not None,
             levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
         )
@@ -187,6 +192,8 @@ class March:
             values |= {"forward_table": forward.table, "forward_lights": forward.texture}
         if lattice is not None and variant.is_even:
             values["lattice_mean"] = lattice.mean
+        if sky is not None and variant.has_third_band:
+            values["sky_third"] = sky.third
         if sky is not None and variant.is_sky_even:
             values["sky_mean"] = sky.mean
         return values

@@ -41,7 +41,8 @@ class SourceData(Struct):
 @dataclass(frozen=True)
 class Variant:
     """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
-    scatters evenly; beams besides the lattice; how many nested lattices there are at one place.
+    scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
+    lattice; how many nested lattices there are at one place.
     """
 
     sources: int = 0
@@ -49,6 +50,7 @@ class Variant:
     has_sky: bool = False
     is_even: bool = False
     is_sky_even: bool = False
+    has_third_band: bool = False
     has_forward: bool = False
     levels: int = 1
 
@@ -72,6 +74,7 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
         made += [image("skylit", "rgba32float")]
     names += ["lattice_mean"] * variant.is_even + ["sky_mean"] * variant.is_sky_even
+    names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
     return (*made, *beams, image("scattered", "rgba32float"), image("passed", "rgba32float"))
@@ -123,11 +126,19 @@ def _sky_wgsl(variant: Variant) -> str:
             "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
         )
     return (
-        (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        _third_wgsl(variant)
+        + (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
         + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return sky_emission(p, travel); }\n"
         "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
         "    textureStore(skylit, texel, vec4f(radiance, 1.0));\n}\n"
     )
+
+
+def _third_wgsl(variant: Variant) -> str:
+    """`sky_third_at`: what the third band is per g^2, rgb."""
+    if not variant.has_third_band:
+        return "fn sky_third_at(travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+    return "//! use third_band\n"
 
 
 def _emission_wgsl(name: str) -> str:
@@ -139,10 +150,12 @@ def _emission_wgsl(name: str) -> str:
         f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
         for c in ("red", "green", "blue")
     )
+    third = "g.{0} * g.{0} * third.{0}, 0.0, 0.0, 0.0" if name == "sky" else "0.0"
     channels = ", ".join(
-        f"lattice_radiance({c}, travel, own.{name}_direct * g.{c[0]})"
+        f"lattice_radiance({c} + vec4f({third.format(c[0])}), travel, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
+    samples += "    let third = sky_third_at(travel);\n" if name == "sky" else ""
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"

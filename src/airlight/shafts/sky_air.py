@@ -1,8 +1,9 @@
 """The environment's light in air: once scattered towards the eye, and attenuated on surfaces.
 
 For each cell and each of the directional lights that stand for the environment, shadow maps say
-how much arrives and the air how much of it is left. Fluence and net flux are stored, from which
-marching draws what is scattered once; and the six irradiances of an ambient cube, for surfaces.
+how much arrives and the air how much of it is left. Fluence, net flux and a third band are stored,
+from which marching draws what is scattered once; and the six irradiances of an ambient cube, for
+surfaces. The third band is read where |g| is large: in dense air light comes from one side.
 Low frequency by construction: shafts of a sun belong to a directional light.
 """
 
@@ -62,6 +63,7 @@ class _SkyAir(ComputePass):
             image("blue", "rgba16float", "3d"),
             image("cube", "rgba16float", "3d"),
             image("mean", "rgba16float", "3d"),
+            image("third", "rgba16float", "3d"),
         )
         super().__init__(gpu, generated=air.wgsl)
 
@@ -98,6 +100,7 @@ class SkyAir:
         self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
         self.cube = made("cube", FACES * nz)
         self.mean = made("mean", nz)
+        self.third = made("third band", 4 * nz)
         self._written = (b"", -1)
 
     def encode(
@@ -127,7 +130,7 @@ class SkyAir:
                 lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
                 depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
                 red=self.red, green=self.green, blue=self.blue, cube=self.cube,
-                mean=self.mean, **self.air.bound,
+                mean=self.mean, third=self.third, **self.air.bound,
             )  # fmt: skip
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
@@ -135,13 +138,13 @@ class SkyAir:
         bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
         return LatticeSource(
             self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0,
-            finer=finer, mean=self.mean,
+            finer=finer, mean=self.mean, third=self.third,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
         for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube,
-                     self.mean):  # fmt: skip
+                     self.mean, self.third):  # fmt: skip
             part.release()
 
 

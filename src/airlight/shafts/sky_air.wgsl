@@ -44,12 +44,18 @@ fn stored(even: f32, flux: vec3f) -> vec4f {
     }
     var fluence = vec3f(0.0);
     var flux = mat3x3f();
+    var even = mat3x4f();       // of the third band, wgsl/third_band.wgsl
+    var rest = vec3f(0.0);
     var plus = mat3x3f();
     var minus = mat3x3f();
     for (var i = 0u; i < params.light_count; i++) {
         let e = arriving(id, i);
         let way = lights[i].direction;
         fluence += e;
+        let tensor = vec4f(way.x * way.x - 1.0 / 3.0, way.y * way.y - 1.0 / 3.0, way.x * way.y,
+            way.x * way.z);
+        even += mat3x4f(e.r * tensor, e.g * tensor, e.b * tensor);
+        rest += way.y * way.z * e;
         for (var axis = 0u; axis < 3u; axis++) {
             flux[axis] += e * way[axis];
             plus[axis] += e * max(0.0, -way[axis]);
@@ -62,10 +68,14 @@ fn stored(even: f32, flux: vec3f) -> vec4f {
     textureStore(blue, texel, stored(fluence.b, vec3f(flux[0].b, flux[1].b, flux[2].b)));
     textureStore(mean, texel, vec4f(stored(fluence.r, vec3f(0.0)).x,
         stored(fluence.g, vec3f(0.0)).x, stored(fluence.b, vec3f(0.0)).x, 1.0));
+    let slab = vec3u(0u, 0u, textureDimensions(red).z);
+    textureStore(third, texel, stored(even[0].x, even[0].yzw));
+    textureStore(third, texel + slab, stored(even[1].x, even[1].yzw));
+    textureStore(third, texel + 2u * slab, stored(even[2].x, even[2].yzw));
+    textureStore(third, texel + 3u * slab, stored(rest.x, vec3f(rest.yz, 0.0)));
     // The ambient cube of lattice/skylight: +x -x +y -y +z -z.
     for (var axis = 0u; axis < 3u; axis++) {
-        let layers = vec3u(0u, 0u, textureDimensions(red).z);
-        textureStore(cube, texel + 2u * axis * layers, vec4f(plus[axis], 1.0));
-        textureStore(cube, texel + (2u * axis + 1u) * layers, vec4f(minus[axis], 1.0));
+        textureStore(cube, texel + 2u * axis * slab, vec4f(plus[axis], 1.0));
+        textureStore(cube, texel + (2u * axis + 1u) * slab, vec4f(minus[axis], 1.0));
     }
 }
