@@ -138,11 +138,16 @@ def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
     np.testing.assert_array_equal(dead_ends(blocked(floor, *over)), expected)
 
 
-def test_boards_and_sheets_are_no_dead_ends(blocked, square):
+def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
     one_sided = Material(two_sided=False)
     front = square((4.1 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
     back = square((3.9 * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)
-    assert not dead_ends(blocked(front, back)).any()
+    expected = np.zeros((6, N, N, N), int)
+    expected[0, :, :, 3] = expected[1, :, :, 4] = 1
+    np.testing.assert_array_equal(dead_ends(blocked(front, back)), expected)
+
+
+def test_a_sheet_is_no_dead_end(blocked, square):
     assert not dead_ends(blocked(wall(square, 4 * CELL))).any()
 
 

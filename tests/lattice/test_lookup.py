@@ -166,6 +166,21 @@ def test_an_underside_does_not_look_below_the_floor_that_it_faces(looked_up):
     assert free[:2].max() < 1e-6  # where nothing is known of a floor
 
 
+@pytest.mark.parametrize("tilt", [0.0, -0.3, 0.3])
+def test_the_foot_of_a_wall_does_not_look_below_the_floor(looked_up, tilt):
+    cells = np.zeros((3, *SHAPE, 4))
+    cells[:, :, 3:, :, 0] = 1.0  # light only above the floor between cells 2 and 3
+    walls = np.zeros((*SHAPE, 4), np.int8)
+    walls[:, 3, :, 3] = 1 << 3  # leaving cell 3 along -y
+    heights = np.array([-0.1, 0.0, 0.02, 0.1])
+    place = np.stack([np.full(4, 2.0), 3.0 + heights, np.full(4, 5.5)], axis=-1)
+    points = np.array(ROOM.origin) + ROOM.cell * place
+    out = np.tile([np.sqrt(1.0 - tilt * tilt), tilt, 0.0], (4, 1))
+    read, _ = looked_up(cells, points, out, walls=walls)
+    above, _ = looked_up(np.ones_like(cells) * [1.0, 0.0, 0.0, 0.0], points, out)
+    assert (read > 0.6 * above).all()  # what is beneath the floor is mixed in: its faces are open
+
+
 def test_light_fades_out_over_the_outermost_cell(looked_up):
     low, high = ROOM.bounds
     middle = 0.5 * (low + high)

@@ -98,14 +98,33 @@ class LatticeLight:
 
     def _lookup_place(self, place: F64, n: F64) -> F64:
         """Twin: lattice_lookup_place in wgsl/lattice.wgsl."""
-        wanted = place + _raised(place, n)
         if self.dead_ends is None:
-            return wanted
-        cell, at = self._cells(place + BEFORE * n)
-        hop = 2 * np.arange(3) + (n < 0.0)
-        ends = (self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1
+            return place + _raised(place, n)
+        place = self._lifted(place, n)
+        wanted = place + _raised(place, n)
+        cell = np.floor(place + BEFORE * n)
         within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
-        return np.where(ends == 1, within, wanted)
+        return np.where(self._ends(cell, n), within, wanted)
+
+    def _lifted(self, place: F64, n: F64) -> F64:
+        """Twin: lifted in wgsl/lattice.wgsl."""
+        is_facing = np.abs(n) > 0.5
+        before = place + np.where(is_facing, 0.5 * np.sign(n), 0.0)
+        cell = np.floor(before)
+        t = before - cell
+        side = np.where(t > 1.0 - BEFORE, 1.0, 0.0) - np.where(t < BEFORE, 1.0, 0.0)
+        way = np.where(is_facing, 0.0, side)
+        is_above = self._ends(cell, way)
+        is_below = self._ends(cell + way, -way) & ~is_above
+        lifted = cell + 0.5 + 0.5 * way + (BEFORE + 0.01) * np.where(is_below, way, -way)
+        return np.where((is_above | is_below) & (way != 0.0), lifted, place)
+
+    def _ends(self, cell: F64, way: F64) -> NDArray[np.bool_]:
+        """(n, 3): which axes of the ways from cells end at a wall. Twin: ends in lattice.wgsl."""
+        assert self.dead_ends is not None
+        _, at = self._cells(cell)
+        hop = 2 * np.arange(3) + (way < 0.0)
+        return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
 
     def _bent(self, p: F64, n: F64) -> F64:
         """Twin: bent_surface_place in wgsl/lattice_space.wgsl."""

@@ -87,13 +87,13 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }
 
-// Whether what faces a hop stands opposite to surfaces that face along it, or alone, with air before
-// it: a floor, for a ball that lies on it. Not sheets, nor the far side of a thin wall.
+// Whether a hop ends at a wall of which it is known on which side a place is: one that faces the hop
+// alone, or apart from what faces the other way. Not sheets, nor what is thin and tilted.
 fn is_dead_end(f: CellFace, hop: u32) -> bool {
     let facing = on_face(f, hop ^ 1u);
     let along = on_face(f, hop);
     let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
-    let is_apart = along < 0.25 || backmost(f, hop ^ 1u) < -backmost(f, hop) - APART;
+    let is_apart = along < 0.25 || abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > APART;
     return facing > DEAD_END_COVER && sheets < 0.1 && is_apart;
 }
 

@@ -17,19 +17,44 @@ fn open_fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
     return offset * smoothstep(0.15, 0.5, open);
 }
 
-// Where to look for the light on a surface at a place, both in bent cells. Not behind a wall that the
-// surface faces: the underside of a ball would be looked up beneath the floor that it lies on. The
-// cell is the one a little before the surface, lest its own back is that wall.
+// Which axes of a way from a cell lead into a wall with air before it.
+fn ends(lattice: LatticeParams, cell: vec3f, way: vec3f) -> vec3<bool> {
+    let inside = clamp(cell, vec3f(0.0), vec3f(lattice.count) - 1.0);
+    let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), way < vec3f(0.0));
+    return (vec3u(dead_ends(lattice, vec3i(inside))) & hops) != vec3u(0u);
+}
+
+// Cells from a wall that a surface stands on, and before a surface, where it is known what it faces:
+// lest what is looked up is its own back, or, of the foot of a wall, what is under the floor.
 const BEFORE = 0.15;
 
-fn lattice_lookup_place(lattice: LatticeParams, place: vec3f, n: vec3f) -> vec3f {
+// The foot of a wall may lie a little below the floor, as bent space has it, or its normal's relief
+// may lead there. The floor is known half a cell before the wall.
+fn lifted(lattice: LatticeParams, place: vec3f, n: vec3f) -> vec3f {
+    let is_facing = abs(n) > vec3f(0.5);
+    let before = place + select(vec3f(0.0), 0.5 * sign(n), is_facing);
+    let cell = floor(before);
+    let t = before - cell;
+    let side = select(vec3f(0.0), vec3f(1.0), t > vec3f(1.0 - BEFORE))
+        - select(vec3f(0.0), vec3f(1.0), t < vec3f(BEFORE));
+    let way = select(side, vec3f(0.0), is_facing);
+    let is_above = ends(lattice, cell, way);
+    let is_below = ends(lattice, cell + way, -way) & !is_above;
+    let face = cell + 0.5 + 0.5 * way;
+    let up = (BEFORE + 0.01) * select(-way, way, is_below);
+    return select(place, face + up, (is_above | is_below) & (way != vec3f(0.0)));
+}
+
+// Where to look for the light on a surface at a place, both in bent cells. Not behind a wall that the
+// surface faces: the underside of a ball would be looked up beneath the floor that it lies on.
+fn lattice_lookup_place(lattice: LatticeParams, bent: vec3f, n: vec3f) -> vec3f {
+    let place = lifted(lattice, bent, n);
     let wanted = place + vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
         lookup_offset(place.z, n.z));
-    let cell = clamp(floor(place + BEFORE * n), vec3f(0.0), vec3f(lattice.count) - 1.0);
-    let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), n < vec3f(0.0));
-    let is_end = (vec3u(dead_ends(lattice, vec3i(cell))) & hops) != vec3u(0u);
+    let cell = floor(place + BEFORE * n);
     let centre = cell + 0.5;
-    return select(wanted, select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0)), is_end);
+    let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
+    return select(wanted, within, ends(lattice, cell, n));
 }
 
 // Texture coordinates of a place among the cells; none between two lattices that share textures.
