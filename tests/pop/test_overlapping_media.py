@@ -51,10 +51,7 @@ def summed(depth: float) -> Volume:
 @pytest.mark.slow
 @pytest.mark.parametrize("lit", ["sky", "sun"])
 def test_two_that_overlap_scatter_as_one_of_their_sum(lit: str) -> None:
-    """Beside a path tracer's picture of one grid. Energy measured: sky 1.00, sun .97.
-
-    Thin: neither shades the other, nor lights it.
-    """
+    """Beside a path tracer's picture of one grid. Energy measured: sun .98."""
     pytest.importorskip("mitsuba")
     from airlight.reference import mitsuba
 

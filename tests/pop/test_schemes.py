@@ -148,7 +148,7 @@ def test_the_picture_is_beams_lobes_and_residuum(gpu):
     away = truth.eye - truth.air.centres
     towards = away / np.linalg.norm(away, axis=-1, keepdims=True)
     phi, flux = hop.residual_light(
-        truth.air, truth.power, truth.forward, SETTINGS["solver_steps"], solver._width.diffusivity
+        truth.air, truth.power, truth.forward, SETTINGS["solver_steps"], solver.width.diffusivity
     )
     unsolved = db.Solution(truth.air, beams, phi, flux, np.zeros(3))
     want = truth.merged + unsolved.beam_emission(towards)[0]

@@ -58,7 +58,7 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
     air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
     rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
     beams = [db.beam(air, *row) for row in rows]
-    solution = db.light(air, beams, SETTINGS.solver_steps, solver._width.diffusivity)
+    solution = db.light(air, beams, SETTINGS.solver_steps, solver.width.diffusivity)
     away = at.point(EYE) - air.centres
     return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
 
@@ -197,7 +197,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
     commands = Commands(gpu)
     solver.encode(commands, LAMPS, None, EYE)
     commands.submit()
-    at, scale, width = solver.placement, solver.beams.table.scale, solver._width
+    at, scale, width = solver.placement, solver.beams.table.scale, solver.width
     air = twin(solver, even_sky(1), scale).medium
     beams, near = [], 0.0
     for light in LAMPS:

@@ -8,4 +8,6 @@ near_light   what both miss close to lamps       emission   in-scattered radianc
 schemes      beams, or hops from cell to cell     hop_grids  a grid per ordinate and lamp
 propagate    hops through all grids at once      hop_merge  back to the medium's cells
 solver       one medium, top to bottom           media      all media of a scene, marched
+mixture      media in one another's grids        given      what others scatter into one
+together     several media in one frame
 """

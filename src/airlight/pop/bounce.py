@@ -80,7 +80,7 @@ class Bounce:
         settings = solver.settings
         self._solver = solver
         self._sky = even_sky(settings.ordinates)
-        self._even = Beams(solver.gpu, solver, settings.ordinates)
+        self._even = Beams(solver.gpu, solver, settings.ordinates, solver.mix)
         self._pass, self._linear = _Bounce(solver.gpu), linear_sampler(solver.gpu)
 
     def encode_medium(

@@ -1,6 +1,6 @@
 //! use medium_grid
 
-// Whether the cell or one beside it, also across edges and corners, holds any of the medium: what
+// Whether the cell or one beside it, also across edges and corners, holds any medium: what
 // filtering can reach from there.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells) {
@@ -13,7 +13,10 @@
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x; x++) {
-                most = max(most, density[(z * params.count.y + y) * params.count.x + x]);
+                let beside = (z * params.count.y + y) * params.count.x + x;
+                for (var m = 0u; m < MEDIA; m++) {
+                    most = max(most, density[m * params.cells + beside]);
+                }
             }
         }
     }

@@ -1,9 +1,4 @@
 //! use beam_light
-//! use delta_beam
-
-fn passed_here(n: u32, cell: u32) -> vec3f {
-    return params.sigma_t * beam_loss(params.g, params.albedo) * passed[n * params.cells + cell];
-}
 
 // What a linear depth along one axis does to the mean of exp(-depth); see mean_transmission in
 // maths/delta_beam.py. At a border the slope is that of the other side.
@@ -26,8 +21,8 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     let stride = cell_stride(axis);
     let is_low = at == 0u;
     let is_high = at + 1u == count;
-    let before = passed_here(n, select(cell - stride, cell, is_low));
-    let after = passed_here(n, select(cell + stride, cell, is_high));
+    let before = reduced_depth(n, select(cell - stride, cell, is_low));
+    let after = reduced_depth(n, select(cell + stride, cell, is_high));
     return slope_gain(before, here, after, is_low, is_high);
 }
 
@@ -42,13 +37,14 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     var x = vec3f(0.0);
     var y = vec3f(0.0);
     var z = vec3f(0.0);
-    let rho = density[id.x];
-    for (var n = 0u; n < params.ordinate_count && rho > 0.0; n++) {
+    let leaving = leaving_beams(id.x);
+    let is_any = any(leaving > vec3f(0.0));
+    for (var n = 0u; n < params.ordinate_count && is_any; n++) {
         let light = beam_light(n, id.x, point);
         if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
-        let here = passed_here(n, id.x);
+        let here = reduced_depth(n, id.x);
         let gain = axis_gain(n, id.x, here, 0u, cell.x, count.x)
             * axis_gain(n, id.x, here, 1u, cell.y, count.y)
             * axis_gain(n, id.x, here, 2u, cell.z, count.z);
@@ -60,9 +56,8 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
         z += carried * light.travel.z;
     }
     let volume = params.cell.x * params.cell.y * params.cell.z;
-    let leaving = params.sigma_t * params.albedo * (1.0 - forward_share(params.g)) * rho * volume;
-    let forward = leaving * deposited_anisotropy(params.g);
-    deposits[id.x] = vec4f(leaving * power, 0.0);
+    let forward = volume * leaving_forward(id.x);
+    deposits[id.x] = vec4f(volume * leaving * power, 0.0);
     deposits[id.x + params.cells] = vec4f(forward * x, 0.0);
     deposits[id.x + 2u * params.cells] = vec4f(forward * y, 0.0);
     deposits[id.x + 3u * params.cells] = vec4f(forward * z, 0.0);

@@ -12,7 +12,8 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
+from ..gpu.slots import Slot, storage, uniform
+from .mixture import Mix
 from .placement import MediumParams, MediumPlacement
 
 GROUP = 256  # invocations that leave one partial sum
@@ -30,18 +31,28 @@ _density, _links = storage("density", "f32"), storage("links", "vec4f")
 _sums = storage("sums", "vec4f", "read_write")
 
 
-class _System(ComputePass):
+class _OfCells(ComputePass):
+    """A pass that asks what is in cells."""
+
+    own_slots: tuple[Slot, ...]
+
+    def __init__(self, gpu: Gpu, mix: Mix) -> None:
+        self.slots = (*self.own_slots, *mix.cell_slots)  # type: ignore[misc]
+        super().__init__(gpu, generated=mix.cell_wgsl)
+
+
+class _System(_OfCells):
     """The operator: its diagonal, and the links to the next cells along x, y, z; m^-1."""
 
-    slots = (_params, _density, storage("links", "vec4f", "read_write"))
+    own_slots = (_params, _density, storage("links", "vec4f", "read_write"))
     workgroup = (64, 1, 1)
     file = "diffuse_system.wgsl"
 
 
-class _Begin(ComputePass):
+class _Begin(_OfCells):
     """r = b, z = b/diagonal, phi = 0, p = 0; sums r.z."""
 
-    slots = (
+    own_slots = (
         _params, _density, _links, storage("deposits", "vec4f"),
         storage("residual", "vec4f", "read_write"),
         storage("z", "vec4f", "read_write"), storage("before", "vec4f", "read_write"),
@@ -75,10 +86,10 @@ class _Update(ComputePass):
     file = "diffuse_update.wgsl"
 
 
-class _Flux(ComputePass):
+class _Flux(_OfCells):
     """J at cell centres, from phi and what the deposits carry."""
 
-    slots = (
+    own_slots = (
         _params, _density, storage("deposits", "vec4f"), storage("phi", "vec4f"),
         storage("diffuse", "vec4f", "read_write"),
     )  # fmt: skip
@@ -89,8 +100,8 @@ class _Flux(ComputePass):
 class Diffuse:
     """The diffuse light of one medium: `deposits` in, `diffuse` [Phi, Jx, Jy, Jz] out."""
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
-        self.cells = placement.cells
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, mix: Mix) -> None:
+        self.cells, self._mix = placement.cells, mix
         nbytes = 16 * self.cells
         self.deposits = Buffer(gpu, "deposits", VECTORS * nbytes)
         self.diffuse = Buffer(gpu, "diffuse light", VECTORS * nbytes)
@@ -98,13 +109,18 @@ class Diffuse:
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
         self._links = Buffer(gpu, "diffusion links", VECTORS * nbytes)
         self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // GROUP))
-        self._system, self._flux = _System(gpu), _Flux(gpu)
-        self._begin, self._search, self._update = _Begin(gpu), _Search(gpu), _Update(gpu)
+        self._system, self._flux = _System(gpu, mix), _Flux(gpu, mix)
+        self._begin, self._search, self._update = _Begin(gpu, mix), _Search(gpu), _Update(gpu)
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Buffer) -> None:
         """Make the operator of a medium; `params` count no ordinates."""
         self._system.dispatch(
-            commands, (self.cells,), params=params, density=density, links=self._links
+            commands,
+            (self.cells,),
+            params=params,
+            density=density,
+            links=self._links,
+            **self._mix.cell_bound,
         )
 
     def encode(self, commands: Commands, params: MediumParams, density: Buffer, steps: int) -> None:
@@ -114,6 +130,7 @@ class Diffuse:
         self._begin.dispatch(
             commands, cells, **common, density=density, deposits=self.deposits,
             residual=v["residual"], before=v["search 0"], phi=v["phi"],
+            **self._mix.cell_bound,
         )  # fmt: skip
         for step in range(steps):
             before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
@@ -128,7 +145,7 @@ class Diffuse:
             )  # fmt: skip
         self._flux.dispatch(
             commands, cells, params=params, density=density, deposits=self.deposits,
-            phi=v["phi"], diffuse=self.diffuse,
+            phi=v["phi"], diffuse=self.diffuse, **self._mix.cell_bound,
         )  # fmt: skip
 
     @property

@@ -5,7 +5,7 @@
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
     let volume = params.cell.x * params.cell.y * params.cell.z;
-    let d = diffusivity(density[index]);
+    let d = diffusivity(index);
     var total = deposits[index].xyz;
     for (var face = 0u; face < 6u; face++) {
         let axis = face / 2u;
@@ -19,7 +19,7 @@ fn source(index: u32) -> vec3f {
         } else {
             let other = beside(index, axis, side);
             let carried = 0.5 * (own + outwards * deposits[section + other].xyz);
-            total -= inner_flux(d, diffusivity(density[other]), vec3f(0.0), carried, h) / h;
+            total -= inner_flux(d, diffusivity(other), vec3f(0.0), carried, h) / h;
         }
     }
     return total / volume;

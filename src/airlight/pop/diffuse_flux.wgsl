@@ -7,14 +7,14 @@ fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     let h = params.cell[axis];
     let section = (1u + axis) * params.cells;
     let own = outwards * deposits[section + index].xyz;
-    let d = diffusivity(density[index]);
+    let d = diffusivity(index);
     if (is_outer(cell_of(index), axis, side)) {
         return outer_flux(d, phi[index].xyz, own, h);
     }
     let other = beside(index, axis, side);
     let carried = 0.5 * (own + outwards * deposits[section + other].xyz);
     let step = phi[index].xyz - phi[other].xyz;
-    return inner_flux(d, diffusivity(density[other]), step, carried, h);
+    return inner_flux(d, diffusivity(other), step, carried, h);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

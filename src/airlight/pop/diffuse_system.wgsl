@@ -6,8 +6,8 @@ fn link_up(index: u32, cell: vec3u, axis: u32) -> vec3f {
         return vec3f(0.0);
     }
     let h = params.cell[axis];
-    let other = diffusivity(density[beside(index, axis, 1u)]);
-    return inner_flux(diffusivity(density[index]), other, vec3f(1.0), vec3f(0.0), h) / h;
+    let other = diffusivity(beside(index, axis, 1u));
+    return inner_flux(diffusivity(index), other, vec3f(1.0), vec3f(0.0), h) / h;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

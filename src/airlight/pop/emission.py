@@ -9,8 +9,9 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, vec3f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..maths.transforms import F64
+from .mixture import Mix
 from .ordinates import OrdinateData, OrdinateTable
 from .placement import MediumParams, MediumPlacement
 
@@ -23,8 +24,16 @@ class ViewParams(Struct):
     sky_from_medium = mat4x4f("directions of the medium in the sky's map")
 
 
-class _Emission(ComputePass):
-    slots = (
+class _OfBeams(ComputePass):
+    own_slots: tuple[Slot, ...]
+
+    def __init__(self, gpu: Gpu, mix: Mix, *, has_blocks: bool) -> None:
+        self.slots = (*self.own_slots, *mix.beam_slots)  # type: ignore[misc]
+        super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=has_blocks))
+
+
+class _Emission(_OfBeams):
+    own_slots = (
         uniform("params", MediumParams),
         uniform("view", ViewParams),
         storage("ordinates", OrdinateData),
@@ -42,9 +51,9 @@ class _Emission(ComputePass):
     file = "emission.wgsl"
 
 
-class _Furnace(ComputePass):
-    slots = (
-        *_Emission.slots[:9],
+class _Furnace(_OfBeams):
+    own_slots = (
+        *_Emission.own_slots[:9],
         storage("corrections", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
@@ -57,15 +66,16 @@ class Emission:
     In units of the ordinates' scale: times `OrdinateTable.scale`, W m^-2 sr^-1.
     """
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
-        self.cells = placement.cells
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, mix: Mix) -> None:
+        self._mix, self.cells = mix, placement.cells
         self.texture = Texture(
             gpu, "emission", placement.count, "rgba16float", dimension="3d", written=True
         )
         self.corrections = Buffer(gpu, "furnace corrections", 16 * placement.cells)
         # What surfaces reflect into the medium; 0 until `Bounce` says otherwise.
         self.bounced = Buffer(gpu, "bounced light", 16 * placement.cells)
-        self._emission, self._furnace = _Emission(gpu), _Furnace(gpu)
+        self._emission = _Emission(gpu, mix, has_blocks=True)
+        self._furnace = _Furnace(gpu, mix, has_blocks=False)
 
     def encode(
         self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
@@ -76,17 +86,18 @@ class Emission:
             commands, (self.cells,), params=params,
             **seen_by(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
             corrections=self.corrections, bounced=self.bounced, emission=self.texture,
+            **self._mix.beam_bound,
         )  # fmt: skip
 
     def encode_furnace(
         self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
-        passed: Buffer, diffuse: Buffer, reach: Buffer,
+        passed: Buffer, diffuse: Buffer, reach: Buffer, white: Mix,
     ) -> None:  # fmt: skip
         """Fill `corrections` from the same medium without absorption under an even sky of 1."""
         self._furnace.dispatch(
             commands, (self.cells,), params=params, **seen_by(table, eye, 0.0), passed=passed,
             diffuse=diffuse, reach=reach,
-            corrections=self.corrections,
+            corrections=self.corrections, **white.beam_bound,
         )  # fmt: skip
 
     def release(self) -> None:

@@ -46,6 +46,9 @@ class HopEmission(ComputePass):
     )
     workgroup = (64, 1, 1)
 
+    def __init__(self, gpu: Gpu) -> None:
+        super().__init__(gpu, generated="//! use one_medium_beams\n")
+
     def encode(self, commands: Commands, cells: int, **bound: Any) -> None:
         """Cell by cell; `bound` names every slot."""
         self.dispatch(commands, (cells,), **bound)

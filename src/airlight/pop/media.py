@@ -1,6 +1,6 @@
 """All scattering media of a scene: each solved on its own grid, all marched together.
 
-Media interact through transmittance only: light that one scatters does not light another.
+They shade and light one another; see `together`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .importance import Look
-from .solver import PopSettings, PopSolver
+from .solver import Frame, PopSettings, PopSolver
+from .together import encode, introduce
 from .visibility import Surfaces
 
 
@@ -67,9 +68,11 @@ class PopMedia:
         lights = len(scene.lights) + (surfaces.virtual_lights if surfaces else 0)
         self.solvers = [
             PopSolver(gpu, volume, settings, lights=lights,
-                      voxels=next(grids) if volume.density is not None else None)
+                      voxels=next(grids) if volume.density is not None else None,
+                      others=len(media) - 1)
             for volume in media
         ]  # fmt: skip
+        introduce(self.solvers)
         self._march = March(gpu, self.air, sources=len(self.solvers))
         self._upsample = Upsample(gpu)
         self._guided = GuidedUpsample(gpu, self.air)
@@ -86,9 +89,9 @@ class PopMedia:
         """Fill `scattered` and `transmittance` for a view whose G-buffer is drawn."""
         scene, picture = self._scene, self._of_size(view.size)
         look = Look(view.camera, view.size[0] / view.size[1])
-        for solver, volume in zip(self.solvers, self._volumes(scene), strict=True):
-            solver.encode(commands, scene.lights, scene.environment, np.asarray(view.eye), volume,
-                          self._surfaces, look=look)  # fmt: skip
+        frame = Frame(scene.lights, scene.environment, np.asarray(view.eye, np.float64),
+                      self._surfaces, look=look)  # fmt: skip
+        encode(commands, self.solvers, self._volumes(scene), frame)
         with commands.stage("march"):
             rays = picture.rays.encode(commands, view)
             self._march.encode(

@@ -14,6 +14,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..maths.delta_beam import beam_loss, forward_share
 from ..maths.lamp_beam import NEAR_TABLE, near_table
+from .mixture import Mix
 from .ordinates import OrdinateData
 from .placement import MediumParams
 
@@ -21,17 +22,16 @@ from .placement import MediumParams
 class NearLight(ComputePass):
     """Adds what all lamps' surroundings miss to `diffuse`."""
 
-    slots = (
-        uniform("params", MediumParams),
-        storage("ordinates", OrdinateData),
-        storage("passed", "f32"),
-        storage("missing", "vec4f"),
-        storage("diffuse", "vec4f", "read_write"),
-    )
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu) -> None:
-        super().__init__(gpu)
+    def __init__(self, gpu: Gpu, mix: Mix) -> None:
+        self._mix = mix
+        self.slots = (  # type: ignore[misc]
+            uniform("params", MediumParams), storage("ordinates", OrdinateData), *mix.beam_slots,
+            storage("passed", "f32"), storage("missing", "vec4f"),
+            storage("diffuse", "vec4f", "read_write"),
+        )  # fmt: skip
+        super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=False))
         self._table = Buffer(gpu, "near a lamp", 16 * NEAR_TABLE)
         self._written: tuple[float, ...] = ()
 
@@ -53,7 +53,7 @@ class NearLight(ComputePass):
         """Cell by cell, over all lamps among the ordinates."""
         self.dispatch(
             commands, (cells,), params=params, ordinates=ordinates, passed=passed,
-            missing=self._table, diffuse=diffuse,
+            missing=self._table, diffuse=diffuse, **self._mix.beam_bound,
         )  # fmt: skip
 
     def release(self) -> None:

@@ -1,5 +1,4 @@
 //! use medium_grid
-//! use delta_beam
 
 const NEAR_TABLE = 64u;
 const THIN_GAIN = 2.5;
@@ -15,18 +14,13 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let o = ordinates[n];
     let shortest = 0.4 * (params.cell.x + params.cell.y + params.cell.z) / 3.0;
     let r = max(distance(point, o.position.xyz), shortest);
-    let depth = passed[n * params.cells + cell];
-    let loss = params.sigma_t * beam_loss(params.g, params.albedo);
     let radius = 3.0 * params.largest_diffusivity;
-    let thickness = loss * params.mean_density * radius;
-    let s = loss * depth + THIN_GAIN * exp(-thickness * thickness) / radius * r;
+    let thickness = mean_loss() * radius;
+    let s = reduced_depth(n, cell) + THIN_GAIN * exp(-thickness * thickness) / radius * r;
     // One table has all channels, each looked up at a distance of its own.
     let lost = vec3f(missing_at(s.r).r, missing_at(s.g).g, missing_at(s.b).b);
-    let scattering = params.sigma_t * params.albedo * (1.0 - forward_share(params.g));
-    let filled = depth / r;
-    let share = filled * min(1.0, filled / max(params.mean_density, 1e-30));
     let lit = passed[(params.ordinate_count + n) * params.cells + cell];
-    return o.irradiance.rgb * lit * o.spot.z * scattering * lost * share / r;
+    return o.irradiance.rgb * lit * o.spot.z * scattering_near(n, cell, r) * lost / r;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

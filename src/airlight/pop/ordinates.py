@@ -42,6 +42,7 @@ class OrdinateData(Struct):
     )
 
 
+_BLOCK_COSINE = 0.98  # of how wide it is seen
 _EVEN = np.ones((2, 4, 3))
 MAKERS: dict[str, Callable[[F64, int], Ordinates]] = {
     "partition": partition, "importance": importance_sampled,
@@ -147,18 +148,24 @@ class OrdinateTable:
 
     def write(
         self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
-        g: tuple[float, ...], *, prefilter: bool, scale: float = 0.0,
+        g: tuple[float, ...], *, prefilter: bool, scale: float = 0.0, blocks: int = 0,
     ) -> None:  # fmt: skip
         """Upload light (of the world) for a medium; more than the capacity is refused.
 
+        The last `blocks` rows are other media's light, written on the device.
+
         `scale`, W m^-2: else the brightest irradiance, of a lamp that in its own cell.
         """
-        self.count = ordinates.count + len(lamps)
+        self.count = ordinates.count + len(lamps) + blocks
         if self.count > self.capacity:
             raise ValueError(f"{self.count} ordinates in a table of {self.capacity}")
         near = [max(lamp.intensity) / float(placement.cell.max()) ** 2 for lamp in lamps]
         self.scale = scale or max(float(ordinates.irradiance.max(initial=0.0)), *near, 1e-30)
         packed = packed_ordinates(ordinates, lamps, placement, self.scale)
+        if blocks:
+            rows = np.zeros(blocks, OrdinateData.dtype)
+            rows["direction"][:, 3], rows["position"][:, 3] = _BLOCK_COSINE, 3.0
+            packed = np.concatenate([packed[: self.count - blocks], rows])
         self.rows.write(packed)
         cosines = packed["direction"][: self.count, 3].astype(np.float64)
         key = (cosines.tobytes(), g, prefilter)

@@ -6,21 +6,50 @@ along each ordinate; differs: see `maths.delta_beam`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import sampler, storage, texture, uniform
 from .density import Density
+from .mixture import Mix, fine_bound, fine_slots, fine_wgsl
 from .ordinates import OrdinateData
 from .placement import MediumParams, MediumPlacement
 
+if TYPE_CHECKING:
+    from .solver import PopSolver
+
+
+class WayParams(Struct):
+    """How far other media count."""
+
+    is_closed = u32("1: in the medium's own box alone")
+
+
+class _Others(ComputePass):
+    workgroup = (64, 1, 1)
+    file = "paths_others.wgsl"
+
+    def __init__(self, gpu: Gpu, mix: Mix) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", MediumParams), uniform("ways", WayParams),
+            storage("ordinates", OrdinateData), *mix.cell_slots, storage("reach", "u32"),
+            *fine_slots(mix.media - 1), sampler("linear_clamp"),
+            storage("passed", "f32", "read_write"),
+        )  # fmt: skip
+        super().__init__(gpu, generated=fine_wgsl(mix.media - 1))
+
 
 class Paths(ComputePass):
-    """Fills `passed`, f32 [2][ordinate][z][y][x].
+    """Fills `passed`, f32 [2 * media][ordinate][z][y][x].
 
     First m of density 1, see `maths.voxels.density_behind`; then the share of light that surfaces
-    let through: 1, until `Visibility` says otherwise.
+    let through: 1, until `Visibility` says otherwise; then the others'
+    m of density 1, in the medium's box and beyond it.
     """
 
     slots = (
@@ -33,21 +62,29 @@ class Paths(ComputePass):
     )
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, capacity: int) -> None:
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, capacity: int, mix: Mix) -> None:
         """For up to `capacity` ordinates."""
         super().__init__(gpu)
-        self._cells = placement.cells
-        self.passed = Buffer(gpu, "density passed", 8 * capacity * placement.cells)
+        self._cells, self._mix = placement.cells, mix
+        self._others = None if mix.is_alone else _Others(gpu, mix)
+        self.passed = Buffer(gpu, "density passed", 8 * mix.media * capacity * placement.cells)
 
     def encode(
         self, commands: Commands, params: MediumParams, ordinates: Buffer, count: int,
-        density: Density,
+        density: Density, others: Sequence[PopSolver] = (), *, is_closed: bool = False,
     ) -> None:  # fmt: skip
-        """March towards the first `count` ordinates."""
+        """March towards the first `count` ordinates; past `others`, where there are any."""
         self.dispatch(
             commands, (self._cells, max(1, count)), params=params, ordinates=ordinates,
             reach=density.reach, fine=density.fine, linear_clamp=density.linear, passed=self.passed,
         )  # fmt: skip
+        if self._others is not None:
+            self._others.dispatch(
+                commands, (self._cells, max(1, count)), params=params,
+                ways=WayParams(is_closed=int(is_closed)), ordinates=ordinates,
+                **self._mix.cell_bound, reach=density.reach, **fine_bound(others),
+                linear_clamp=density.linear, passed=self.passed,
+            )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

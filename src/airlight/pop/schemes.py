@@ -22,9 +22,11 @@ from .density import Density
 from .deposit import Deposit
 from .diffuse import Diffuse
 from .emission import Emission
+from .given import Given
 from .hop_emission import HopEmission, Isotropic, bound_emission
 from .hop_grids import HopGrids
 from .hop_merge import Merge
+from .mixture import Mix
 from .near_light import NearLight
 from .ordinates import Lamp, OrdinateTable
 from .paths import Paths
@@ -42,11 +44,20 @@ SCHEMES = ("delta-beam", "split", "paper")
 class Beams:
     """Ordinates of one sky in one medium, marched and solved: the scheme delta-beam."""
 
-    def __init__(self, gpu: Gpu, solver: PopSolver, capacity: int) -> None:
-        self.table = OrdinateTable(gpu, capacity)
-        self.paths = Paths(gpu, solver.placement, self.table.capacity)
-        self.diffuse = Diffuse(gpu, solver.placement)
-        self._deposit, self._near = Deposit(gpu), NearLight(gpu)
+    def __init__(
+        self, gpu: Gpu, solver: PopSolver, capacity: int, mix: Mix, *, takes_others: bool = False
+    ) -> None:
+        """`takes_others`: whether light of the others in `mix` is more ordinates; else the world
+        ends at the medium's box.
+        """
+        self.mix = mix
+        self.blocks = mix.blocks if takes_others else 0
+        self.table = OrdinateTable(gpu, capacity + self.blocks)
+        self.paths = Paths(gpu, solver.placement, self.table.capacity, mix)
+        self.diffuse = Diffuse(gpu, solver.placement, mix)
+        self._deposit = Deposit(gpu, mix, has_blocks=takes_others)
+        self._near = NearLight(gpu, mix)
+        self._given = Given(gpu, mix) if self.blocks else None
         self._visibility: Visibility | None = None
         self._virtual: VirtualLights | None = None
         self._has_lamps = False
@@ -61,7 +72,8 @@ class Beams:
         if lamps:
             self._near.write(volume.g, volume.albedo)
         self.table.write(ordinates, lamps, s.placement, volume.g,
-                         prefilter=s.settings.prefilter, scale=scale)  # fmt: skip
+                         prefilter=s.settings.prefilter, scale=scale,
+                         blocks=self.blocks)  # fmt: skip
 
     def write_surfaces(
         self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
@@ -69,7 +81,8 @@ class Beams:
         """Take what shades the medium, with the light of the scene."""
         if self._visibility is None:
             self._visibility = Visibility(self._solver.gpu, self.table.capacity)
-        self._visibility.write(ordinates, lights, surfaces.sky, surfaces.virtual_lights)
+        self._visibility.write(ordinates, lights, surfaces.sky,
+                               surfaces.virtual_lights + self.blocks)  # fmt: skip
         self._surfaces = surfaces
         if self._virtual is None and surfaces.reflected is not None:
             self._virtual = VirtualLights(self._solver.gpu, surfaces.reflected)
@@ -80,7 +93,24 @@ class Beams:
 
     def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """March to the light, deposit, solve."""
+        if self._given is not None:
+            self._take(commands, params, is_lit=False)
         self.encode_paths(commands, params, density)
+        self._spread(commands, params, density)
+
+    def encode_given(self, commands: Commands, params: MediumParams, density: Density) -> None:
+        """Solve again, with what other media send out as they are solved now."""
+        if self._given is not None:
+            self._take(commands, params, is_lit=True)
+            self._spread(commands, params, density)
+
+    def _take(self, commands: Commands, params: MediumParams, *, is_lit: bool) -> None:
+        assert self._given is not None
+        with commands.stage("pop other media"):
+            self._given.encode(commands, self._solver, params, self.table.count,
+                               self._solver.others, is_lit=is_lit)  # fmt: skip
+
+    def _spread(self, commands: Commands, params: MediumParams, density: Density) -> None:
         with commands.stage("pop deposit"):
             self._deposit.encode(
                 commands, params, self._solver.placement.cells, ordinates=self.table.rows,
@@ -99,11 +129,14 @@ class Beams:
         """March to the light from every cell."""
         placement, virtual = self._solver.placement, self._virtual
         if virtual is not None:
-            first = self.table.count - self._surfaces.virtual_lights
+            first = self.table.count - self._surfaces.virtual_lights - self.blocks
             with commands.stage("pop virtual lights"):
                 virtual.encode(commands, placement, self.table.rows, first, self.table.scale)
         with commands.stage("pop paths"):
-            self.paths.encode(commands, params, self.table.rows, self.table.count, density)
+            self.paths.encode(
+                commands, params, self.table.rows, self.table.count, density,
+                self._solver.others, is_closed=not self.blocks,
+            )  # fmt: skip
         if self._visibility is not None:
             with commands.stage("pop visibility"):
                 self._visibility.encode(
@@ -133,6 +166,7 @@ class Beams:
             self.paths,
             self.diffuse,
             self._near,
+            self._given,
             self._visibility,
             self._virtual,
         ):
@@ -143,8 +177,10 @@ class Beams:
 class HoppingBeams(Beams):
     """The schemes split and paper: what lobes scatter is summed for one eye while they hop."""
 
-    def __init__(self, gpu: Gpu, solver: PopSolver, capacity: int) -> None:
-        super().__init__(gpu, solver, capacity)
+    def __init__(
+        self, gpu: Gpu, solver: PopSolver, capacity: int, mix: Mix, *, takes_others: bool = False
+    ) -> None:
+        super().__init__(gpu, solver, capacity, mix)
         settings = solver.settings
         self.is_paper = settings.scheme == "paper"
         self.grids = HopGrids(gpu, solver.placement, settings.grid, self.table.capacity)

@@ -4,8 +4,7 @@ Light is cut into ordinates, a beam each; every cell marches towards all of them
 beams spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing
 is precomputed; what did not change since the last frame is not done again.
 
-Several media of a scene have a solver each: they see each other only by the transmittance that the
-marching knows.
+Several media of a scene have a solver each, which shade and light one another; see `together`.
 """
 
 from __future__ import annotations
@@ -27,10 +26,11 @@ from ..scene.lights import Light, PointLight
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .bounce import Bounce, Bounced
-from .density import Density
+from .density import Density, density_texture, half_floats, voxel_count
 from .diffuse import GROUP
 from .emission import Emission
 from .importance import WAYS, Look, ViewImportance
+from .mixture import Mix
 from .ordinates import MAKERS, SceneOrdinates, even_light, lamps_of
 from .placement import (
     SPHERE_SIDE,
@@ -44,7 +44,6 @@ from .schemes import SCHEMES, Beams, HoppingBeams
 from .sky_gain import SkyLight
 from .visibility import Surfaces
 
-_DENSITY_MAX = 65504.0
 _DARK = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
@@ -92,39 +91,53 @@ class PopSettings:
     )  # fmt: skip
 
 
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What media are lit by and seen from; see `PopSolver.encode`."""
+
+    lights: tuple[Light, ...]
+    environment: Environment | None
+    eye: F64
+    surfaces: Surfaces | None = None
+    bounced: Bounced | None = None
+    look: Look | None = None
+
+
 class PopSolver:
     """The light that one volume scatters. The grid's size and the most lights are fixed.
 
     `lights`: how many there can be beside the environment. `voxels`: the volume's density as a
-    filterable 3D texture, where there is one already.
+    filterable 3D texture, where there is one already. `others`: media beside it; see `together`.
     """
 
     Settings = PopSettings
 
     def __init__(
         self, gpu: Gpu, volume: Volume, settings: PopSettings, *, lights: int = 0,
-        voxels: Texture | None = None,
+        voxels: Texture | None = None, others: int = 0,
     ) -> None:  # fmt: skip
         self.gpu, self.settings, self.volume = gpu, settings, volume
         self.placement = placed(volume, settings.grid)
-        self.density = Density(gpu, self.placement)
-        self.emission = Emission(gpu, self.placement)
         is_beam = settings.scheme == "delta-beam"
+        self.others: tuple[PopSolver, ...] = ()
+        self.mix = Mix(gpu, self.placement.cells, others if is_beam else 0)
+        self.density = Density(gpu, self.placement, self.mix)
+        self.emission = Emission(gpu, self.placement, self.mix)
         kind = Beams if is_beam else HoppingBeams
-        self._width = medium_width(volume, self.placement)
-        self.beams = kind(gpu, self, settings.ordinates + lights)
+        self.width = medium_width(volume, self.placement)
+        self.beams = kind(gpu, self, settings.ordinates + lights, self.mix, takes_others=True)
+        self.white = Mix(gpu, self.placement.cells, self.mix.media - 1, has_blocks=False)
         has_furnace = is_beam and settings.furnace_correction > 0.0
-        self.furnace = Beams(gpu, self, settings.ordinates) if has_furnace else None
+        self.furnace = Beams(gpu, self, settings.ordinates, self.white) if has_furnace else None
         self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
         self._importance = ViewImportance() if settings.importance == "view" else None
         self._even = even_sky(settings.ordinates) if self.furnace else None
         self._bounce: Bounce | None = None
         self._own_voxels = voxels is None
-        self.voxels = _density_texture(gpu, volume) if voxels is None else voxels
+        self.voxels = density_texture(gpu, volume) if voxels is None else voxels
         self._medium_key: tuple[Any, ...] = ()
         self._light_key: tuple[Any, ...] = ()
-        self._view_key: tuple[Any, ...] = ()
-        self._density_key: Any = None
+        self._view_key = b""
 
     def encode(
         self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
@@ -135,41 +148,58 @@ class PopSolver:
 
         `volume`: the medium as it is now; of the same box and grid size as at the start.
         `surfaces`: what shades it; `bounced`: what light they reflect into it. `look`: the view,
-        where importance asks for it.
+        where importance asks for it. Of one medium alone; see `together.encode`.
         """
+        frame = Frame(lights, environment, np.asarray(eye, np.float64), surfaces, bounced, look)
+        new_medium = self.begin(commands, frame, volume)
+        if new_medium:
+            self.encode_medium(commands, frame)
+        new_light = self.is_new_light(frame) or new_medium
+        if new_light:
+            self.encode_light(commands, frame)
+        self.encode_view(commands, frame, new_medium=new_medium, new_light=new_light)
+        return self.emission.texture
+
+    def begin(self, commands: Commands, frame: Frame, volume: Volume | None) -> bool:
+        """Take the frame's light and medium; whether the medium changed, and `density.fine`."""
         if volume is not None and volume is not self.volume:
             self._take(volume)
         with commands.stage("pop ordinates"):
-            seen = self._seen(environment, look)
-            ordinates = self._scene_ordinates.of(lights, environment, seen)
-        lamps = lamps_of(lights)
+            seen = self._seen(frame.environment, frame.look)
+            self._ordinates = self._scene_ordinates.of(frame.lights, frame.environment, seen)
+        self._lamps = lamps_of(frame.lights)
         # Virtual lights' rows are written on the device.
-        lamps += [_DARK] * (surfaces.virtual_lights if surfaces is not None else 0)
-        params = self._params(ordinates.count + len(lamps), self.volume.albedo)
-        new_medium = self._encode_density(commands, params, bounced)
-        versions = () if surfaces is None else surfaces.version
-        versions += () if bounced is None else bounced.version
-        light_key = (
-            ordinates.direction.tobytes(),
-            ordinates.irradiance.tobytes(),
-            *lamps,
-            *versions,
-        )
-        new_light = new_medium or light_key != self._light_key
-        if new_light:
-            self._light_key = light_key
-            # Where surfaces are all the light there is, the lattice's unit is the scale.
-            is_dark = bounced is not None and not ordinates.count and not lamps
-            scale = bounced.source.scale if bounced and is_dark else 0.0
-            self.beams.write(ordinates, lamps, self.volume, scale)
-            self._write_gain(self.beams, self._scene_ordinates.sky)
-            if surfaces is not None:
-                self.beams.write_surfaces(ordinates, lights, surfaces)
-            self.beams.encode(commands, params, self.density)
-        self._encode_view(
-            commands, params, np.asarray(eye, np.float64), new_medium, new_light, bounced
-        )
-        return self.emission.texture
+        self._lamps += [_DARK] * (frame.surfaces.virtual_lights if frame.surfaces else 0)
+        count = self._ordinates.count + len(self._lamps) + self.beams.blocks
+        self.params = self._params(count, self.volume.albedo)
+        v = self.volume
+        key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
+        if key == self._medium_key:
+            return False
+        self._medium_key = key
+        with commands.stage("pop density"):
+            self.density.encode(commands, self.params, self.voxels)
+        return True
+
+    def is_new_light(self, frame: Frame) -> bool:
+        """Whether the light is not the last frame's."""
+        versions = () if frame.surfaces is None else frame.surfaces.version
+        versions += () if frame.bounced is None else frame.bounced.version
+        directions, power = self._ordinates.direction, self._ordinates.irradiance
+        key = (directions.tobytes(), power.tobytes(), *self._lamps, *versions)
+        is_new, self._light_key = key != self._light_key, key
+        return is_new
+
+    def encode_light(self, commands: Commands, frame: Frame) -> None:
+        """Beams and what leaves them; other media dark."""
+        # Where surfaces are all the light there is, the lattice's unit is the scale.
+        is_dark = frame.bounced is not None and not self._ordinates.count and not self._lamps
+        scale = frame.bounced.source.scale if frame.bounced and is_dark else 0.0
+        self.beams.write(self._ordinates, self._lamps, self.volume, scale)
+        self._write_gain(self.beams, self._scene_ordinates.sky)
+        if frame.surfaces is not None:
+            self.beams.write_surfaces(self._ordinates, frame.lights, frame.surfaces)
+        self.beams.encode(commands, self.params, self.density)
 
     def source(self, medium: int) -> Source:
         """The last emission for `march`; `medium` is the volume's row in `march.air`."""
@@ -187,11 +217,12 @@ class PopSolver:
     @property
     def mean_density(self) -> float:
         """Of the medium, over its mass."""
-        return self._width.density
+        return self.width.density
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.density, self.emission, self.beams, self.furnace, self._bounce):
+        parts = (self.density, self.emission, self.beams, self.furnace, self._bounce)
+        for part in (*parts, self.mix, self.white):
             if part is not None:
                 part.release()
         if self._own_voxels:
@@ -204,52 +235,45 @@ class PopSolver:
         rotation_deg = environment.rotation_deg
         return self._importance.of(self.volume, self.placement, look, rotation_deg)
 
-    def _encode_density(
-        self, commands: Commands, params: MediumParams, bounced: Bounced | None
-    ) -> bool:
-        """Whether the medium changed; its cells are made anew where its density did."""
-        v = self.volume
-        key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
-        if key == self._medium_key:
-            return False
-        self._medium_key = key
+    def encode_medium(self, commands: Commands, frame: Frame) -> None:
+        """What a changed medium needs, or a change of one that it is mixed with."""
+        self.mix.write(self, self.others)
+        self.white.write(self, self.others, is_white=True)
         with commands.stage("pop density"):
-            self.density.encode(commands, params, self.voxels)
-            self.beams.encode_medium(commands, params, self.density)
+            self.density.encode_reach(commands, self.params, self.others)
+            self.beams.encode_medium(commands, self.params, self.density)
         if self.furnace is not None and self._even is not None:
             white = self._params(self._even.count, (1.0, 1.0, 1.0))
-            self.furnace.write(self._even, (), v, 1.0)
+            self.furnace.write(self._even, (), self.volume, 1.0)
             self._write_gain(self.furnace, even_light(self._even))
             self.furnace.encode_medium(commands, white, self.density)
             self.furnace.encode(commands, white, self.density)
-        if bounced is not None:
+        if frame.bounced is not None:
             self._bounce = self._bounce or Bounce(self)
-            even = self._params(self._bounce.count, v.albedo)
-            self._bounce.encode_medium(commands, even, self.density, bounced)
-        return True
+            even = self._params(self._bounce.count, self.volume.albedo)
+            self._bounce.encode_medium(commands, even, self.density, frame.bounced)
 
-    def _encode_view(
-        self, commands: Commands, params: MediumParams, eye: F64, new_medium: bool, new_light: bool,
-        bounced: Bounced | None,
-    ) -> None:  # fmt: skip
-        view_key = (eye.tobytes(),)
-        new_view = new_medium or view_key != self._view_key
+    def encode_view(
+        self, commands: Commands, frame: Frame, *, new_medium: bool, new_light: bool
+    ) -> None:
+        """What the eye sees of it, where that changed."""
+        new_view = new_medium or frame.eye.tobytes() != self._view_key
         if not (new_view or new_light):
             return
-        self._view_key = view_key
-        local = self.placement.point(eye)
+        self._view_key = frame.eye.tobytes()
+        local, bounced = self.placement.point(frame.eye), frame.bounced
         if new_view and self.furnace is not None:
             with commands.stage("pop emission"):
                 white = self._params(self.furnace.table.count, (1.0, 1.0, 1.0))
                 self.emission.encode_furnace(
                     commands, white, local, self.furnace.table, self.furnace.paths.passed,
-                    self.furnace.diffuse.diffuse, self.density.reach,
+                    self.furnace.diffuse.diffuse, self.density.reach, self.white,
                 )  # fmt: skip
         if bounced is not None and self._bounce is not None:
             with commands.stage("pop bounce"):
                 even = self._params(self._bounce.count, self.volume.albedo)
                 self._bounce.encode(commands, even, local, bounced, self.density)
-        self.beams.encode_view(commands, params, local, self.emission, self.density)
+        self.beams.encode_view(commands, self.params, local, self.emission, self.density)
 
     def _write_gain(self, beams: Beams, sky: SkyLight | None) -> None:
         if self.settings.exact_sky:
@@ -257,13 +281,13 @@ class PopSolver:
             beams.table.gain.write(sky, self.placement, self.volume.g, prefilter=prefilter)
 
     def _params(self, ordinates: int, albedo: tuple[float, float, float]) -> MediumParams:
-        fields = medium_fields(self.volume, self.placement, ordinates, self._width, GROUP)
+        fields = medium_fields(self.volume, self.placement, ordinates, self.width, GROUP)
         return MediumParams(**(fields | {"albedo": albedo}))
 
     def _take(self, volume: Volume) -> None:
         """Go on with a changed volume. Raises SceneError where its grid's size changed."""
         new = placed(volume, self.settings.grid)
-        same_voxels = _voxel_count(volume) == _voxel_count(self.volume)
+        same_voxels = voxel_count(volume) == voxel_count(self.volume)
         if (
             new.count != self.placement.count
             or not same_voxels
@@ -271,22 +295,6 @@ class PopSolver:
         ):
             raise SceneError("the volume changed in size", remedy="Make a new Renderer")
         if self._own_voxels and volume.density is not self.volume.density:
-            self.voxels.write(_half(shape_density(volume, SPHERE_SIDE)))
+            self.voxels.write(half_floats(shape_density(volume, SPHERE_SIDE)))
         self.placement, self.volume = new, volume
-        self._width = medium_width(volume, new)
-
-
-def _density_texture(gpu: Gpu, volume: Volume) -> Texture:
-    density = shape_density(volume, SPHERE_SIDE)
-    depth, height, width = density.shape
-    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
-    made.write(_half(density))
-    return made
-
-
-def _voxel_count(volume: Volume) -> tuple[int, ...]:
-    return () if volume.density is None else volume.density.shape
-
-
-def _half(density: Any) -> Any:
-    return np.minimum(density, _DENSITY_MAX).astype(np.float16)
+        self.width = medium_width(volume, new)

@@ -15,6 +15,7 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
+from ..lattice.inject import Resolve, new_sums
 from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.lpv import Lpv
@@ -52,8 +53,7 @@ class LpvWithVolumes(InAir, Lpv):
             FacedAir(gpu, self.air_light.air, part.placement.cells) for part in self.cascades
         ]
         self._faced_of: list[tuple[Any, ...]] = [()] * len(self.cascades)
-        # What volumes send out, a finer cascade would take in a second time at its borders.
-        self._shine = Shine(gpu, scene, self) if len(self.cascades) == 1 else None
+        self._shine = Shine(gpu, scene, self)
 
     def bounced_source(self) -> LatticeSource | None:
         """In-scattered radiance from the fluence of what surfaces reflect."""
@@ -63,15 +63,13 @@ class LpvWithVolumes(InAir, Lpv):
         """The air first: it dims what the lattice is lit by."""
         with commands.stage("air"):
             self.air_light.air.update(commands, scene, *self._bounds(scene))
-            if self._shine:
-                self._shine.air.update(commands, _evenly(scene), *self._bounds(scene))
+            self._shine.air.update(commands, _evenly(scene), *self._bounds(scene))
         super().solve(commands, scene)
 
     @property
     def lattice_bound(self) -> dict[str, Any]:
         """What surfaces take light from: of surfaces and of volumes."""
-        textures = self._shine.textures if self._shine else self.textures
-        return {**super().lattice_bound, **textures.bound}
+        return {**super().lattice_bound, **self._shine.textures.bound}
 
     def _draw_maps(
         self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
@@ -93,8 +91,11 @@ class LpvWithVolumes(InAir, Lpv):
             with commands.stage("blockers"):
                 self._faced[level].encode(commands, part.placement, part.blockers.faces)
         super()._propagate(commands, level, scale)
-        if self._shine:
-            self._shine.encode(commands, self, part, self._faces(part))
+        self._shine.encode(commands, self, level, scale)
+
+    def faces_of(self, part: Cascade) -> Buffer:
+        """What blocks between the cells of a lattice, air and walls."""
+        return self._faces(part)
 
     def _faces(self, part: Cascade) -> Buffer:
         return self._faced[self.cascades.index(part)].faces
@@ -102,46 +103,88 @@ class LpvWithVolumes(InAir, Lpv):
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for made in (*self._dimmed.values(), *self._faced, self._shine):
-            if made is not None:
-                made.release()
+        for maps in self._dimmed.values():
+            maps.release()
+        for faced in self._faced:
+            faced.release()
+        self._shine.release()
 
 
 class Shine:
     """What volumes scatter once onto surfaces, with all that bounced: `textures`.
 
-    What they scatter more than once, the lattice's own turning back makes of it.
+    What they scatter more than once, the lattice's own turning back makes of it. A finer lattice
+    takes in volumes' light from the next one's, in place of what that has of surfaces alone.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, technique: Lpv) -> None:
-        part = technique.cascades[0]
+    def __init__(self, gpu: Gpu, scene: Scene, technique: LpvWithVolumes) -> None:
         self.air = Air(gpu, _evenly(scene), light_count=technique.lights.count)
-        self.textures = LatticeTextures(gpu, part.placement, technique.texture_size)
-        self._inject = InjectSingle(gpu, self.air)
-        self._cells = Buffer(gpu, "light of volumes", part.injected.nbytes)
+        self.textures = LatticeTextures(gpu, technique.placement, technique.texture_size)
+        self._inject, self._resolve = InjectSingle(gpu, self.air), Resolve(gpu)
+        self._levels = [_Level(gpu, part) for part in technique.cascades]
 
-    def encode(self, commands: Commands, technique: Lpv, part: Cascade, faces: Buffer) -> None:
-        """After the lattice of surfaces alone was solved."""
+    def encode(
+        self, commands: Commands, technique: LpvWithVolumes, level: int, scale: float
+    ) -> None:
+        """After the lattice of surfaces alone was solved; the larger ones first."""
+        part, own = technique.cascades[level], self._levels[level]
+        faces = technique.faces_of(part)
         with commands.stage("inject"):
+            base = part.injected
+            if technique.border and level + 1 < len(self._levels):
+                self._enter(commands, technique, level, scale)
+                base = own.base
             self._inject.encode(
                 commands, part.placement, technique.lights.bound, technique.lights.count,
-                walls=part.blockers.walls, base=part.injected, cells=self._cells,
+                walls=part.blockers.walls, base=base, cells=own.cells,
             )  # fmt: skip
         with commands.stage("propagate"):
             total = part.propagate.encode(
-                commands, self._cells, faces, technique.lpv.iterations,
-                has_tail=technique.lpv.tail,
-            )  # fmt: skip
+                commands, own.cells, faces, technique.lpv.iterations, has_tail=technique.lpv.tail
+            )
         with commands.stage("pack"):
             self.textures.encode(
-                commands, self._cells, total, technique.power_scale,
+                commands, own.cells, total, technique.power_scale,
                 is_shaped=technique.lpv.occlusion, placement=part.placement,
             )  # fmt: skip
 
+    def _enter(
+        self, commands: Commands, technique: LpvWithVolumes, level: int, scale: float
+    ) -> None:
+        """`base`: what is put into a lattice; at its borders the next one's light with volumes."""
+        part, own = technique.cascades[level], self._levels[level]
+        outer = technique.cascades[level + 1].placement
+        assert technique.border is not None
+        for textures, sign in ((self.textures, 1.0), (technique.textures, -1.0)):
+            solved = {**textures.bound, **technique.blockers.bound}
+            technique.border.encode(
+                commands, part.placement, outer, solved, technique.linear,
+                technique.faces_of(part), own.sums, power_scale=technique.power_scale,
+                scale=sign * scale,
+            )  # fmt: skip
+        self._resolve.encode(commands, part.placement, own.sums, part.injected, own.base, scale)
+
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.air, self.textures, self._cells):
-            part.release()
+        self.air.release()
+        self.textures.release()
+        for level in self._levels:
+            level.release()
+
+
+class _Level:
+    """The buffers of one lattice."""
+
+    def __init__(self, gpu: Gpu, part: Cascade) -> None:
+        nbytes = part.injected.nbytes
+        self.cells = Buffer(gpu, "light of volumes", nbytes)
+        self.base = Buffer(gpu, "light before volumes", nbytes)
+        self.sums = new_sums(gpu, part.placement)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for buffer in (self.cells, self.base, self.sums):
+            buffer.release()
 
 
 def _evenly(scene: Scene) -> Scene:

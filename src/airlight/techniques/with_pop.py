@@ -15,7 +15,8 @@ from ..march.march import Source
 from ..pop.bounce import Bounced
 from ..pop.importance import Look
 from ..pop.reflected_maps import reflected_maps
-from ..pop.solver import PopSettings, PopSolver
+from ..pop.solver import Frame, PopSettings, PopSolver
+from ..pop.together import encode, introduce
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -40,9 +41,11 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             grids = iter(self.air_light.air.grids)
             self.solvers = [
                 PopSolver(gpu, volume, pop, lights=len(scene.lights) + surfaces.virtual_lights,
-                          voxels=next(grids) if volume.density is not None else None)
+                          voxels=next(grids) if volume.density is not None else None,
+                          others=len(scene.volumes) - 1)
                 for volume in scene.volumes
             ]  # fmt: skip
+            introduce(self.solvers)
 
         def solved(self, scene: Scene) -> tuple[Volume, ...]:
             return scene.volumes
@@ -64,11 +67,9 @@ def with_pop(base: type[Direct]) -> type[Direct]:
         def draw(self, commands: Commands, view: View) -> None:
             scene, eye = self._scene, np.asarray(view.eye)
             look = Look(view.camera, view.size[0] / view.size[1])
-            for solver, volume in zip(self.solvers, scene.volumes, strict=True):
-                solver.encode(
-                    commands, scene.lights, scene.environment, eye, volume, self._surfaces,
-                    self._bounced(), look,
-                )  # fmt: skip
+            frame = Frame(scene.lights, scene.environment, np.asarray(eye, np.float64),
+                          self._surfaces, self._bounced(), look)  # fmt: skip
+            encode(commands, self.solvers, scene.volumes, frame)
             super().draw(commands, view)
 
         def _bounced(self) -> Bounced | None:

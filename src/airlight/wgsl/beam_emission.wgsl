@@ -25,24 +25,22 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
 // Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
 fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    let loss = beam_loss(params.g, params.albedo);
     let point = cell_centre(cell_of(cell));
     for (var n = 0u; n < params.ordinate_count; n++) {
         let light = beam_light(n, cell, point);
         if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
-        let tau = passed[n * params.cells + cell] * params.sigma_t;
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
-        let direct = exp(-tau);
+        let direct = exp(-true_depth(n, cell));
         let once = light.irradiance * direct * beam_phase(n, mu);
         if (ordinates[n].spot.w == 0.0) {
             sum.beams += once;
         } else {
             sum.sky += once;
         }
-        let quasi = exp(-loss * tau) - direct;
-        let a = quasi_forward_anisotropy(params.g, params.albedo, tau);
+        let quasi = exp(-reduced_depth(n, cell)) - direct;
+        let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;
         sum.quasi_forward += light.irradiance * quasi

@@ -15,8 +15,11 @@ fn beam_loss(g: vec3f, albedo: vec3f) -> vec3f {
 }
 
 fn quasi_forward_anisotropy(g: vec3f, albedo: vec3f, tau: vec3f) -> vec3f {
-    let m = forward_share(g) * albedo * tau;
-    let kept = (1.0 + 2.0 * g) / 3.0;
+    return forward_cosine(forward_share(g) * albedo * tau, (1.0 + 2.0 * g) / 3.0);
+}
+
+// After m forward scatterings in the mean, at least one, of which each keeps a share of direction.
+fn forward_cosine(m: vec3f, kept: vec3f) -> vec3f {
     let small = m < vec3f(0.01);
     let safe = select(m, vec3f(1.0), small);
     let none = exp(-safe);

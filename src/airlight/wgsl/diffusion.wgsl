@@ -1,16 +1,10 @@
 //! use medium_grid
 
 // Diffusion on a medium's cells; see maths/diffusion.py. The including pass binds `params`
-// (MediumParams) and `density` (array<f32>, cell means).
+// (MediumParams) and what wgsl/one_medium_cells.wgsl or mixed_media_cells.wgsl ask for.
 
-fn diffusivity(rho: f32) -> vec3f {
-    let scattering = params.sigma_t * params.albedo;
-    let sigma = rho * (scattering * (1.0 - params.g) + params.sigma_t - scattering);
-    return 1.0 / max(3.0 * sigma, vec3f(1.0 / params.largest_diffusivity));
-}
-
-fn absorption(rho: f32) -> vec3f {
-    return rho * params.sigma_t * (1.0 - params.albedo);
+fn diffusivity(cell: u32) -> vec3f {
+    return 1.0 / max(3.0 * transporting(cell), vec3f(1.0 / params.largest_diffusivity));
 }
 
 // J outwards through an inner face. `carried`: half the sum of both cells' forward power per volume
@@ -37,15 +31,15 @@ fn beside(index: u32, axis: u32, side: u32) -> u32 {
 // A's diagonal, m^-1.
 fn diffusion_diagonal(index: u32) -> vec3f {
     let cell = cell_of(index);
-    let d = diffusivity(density[index]);
-    var sum = absorption(density[index]);
+    let d = diffusivity(index);
+    var sum = absorbing(index);
     for (var face = 0u; face < 6u; face++) {
         let axis = face / 2u;
         let h = params.cell[axis];
         if (is_outer(cell, axis, face & 1u)) {
             sum += outer_flux(d, vec3f(1.0), vec3f(0.0), h) / h;
         } else {
-            let other = diffusivity(density[beside(index, axis, face & 1u)]);
+            let other = diffusivity(beside(index, axis, face & 1u));
             sum += inner_flux(d, other, vec3f(1.0), vec3f(0.0), h) / h;
         }
     }

@@ -33,8 +33,17 @@ fn reflected_light(n: u32, away: vec3f) -> OrdinateLight {
     return OrdinateLight(travel, o.irradiance.rgb * cosine / blunt, sqrt(r2));
 }
 
+// A block of another medium; see pop/given.py, which knows what arrives of it.
+fn block_light(n: u32, away: vec3f) -> OrdinateLight {
+    let distance = max(length(away), 1e-9);
+    return OrdinateLight(away / distance, vec3f(1.0), distance);
+}
+
 fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
     let o = ordinates[n];
+    if (o.position.w == 3.0) {
+        return block_light(n, point - o.position.xyz);
+    }
     if (o.position.w == 0.0) {
         return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
     }

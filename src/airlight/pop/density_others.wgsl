@@ -1,0 +1,22 @@
+//! use medium_grid
+
+const SIDE = 4u;
+
+// Means of the other media's densities in the own medium's cells.
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells || id.y == 0u || id.y >= MEDIA) {
+        return;
+    }
+    let cell = vec3f(cell_of(id.x));
+    var sum = 0.0;
+    for (var s = 0u; s < SIDE * SIDE * SIDE; s++) {
+        let inside = (vec3f(vec3u(s % SIDE, (s / SIDE) % SIDE, s / (SIDE * SIDE))) + 0.5)
+            / f32(SIDE);
+        let point = (cell + inside) * params.cell;
+        let uvw = (media[id.y].uvw_from_medium * vec4f(point, 1.0)).xyz;
+        if (all(uvw > vec3f(0.0)) && all(uvw < vec3f(1.0))) {
+            sum += fine_of(id.y, uvw);
+        }
+    }
+    density[id.y * params.cells + id.x] = sum / f32(SIDE * SIDE * SIDE);
+}

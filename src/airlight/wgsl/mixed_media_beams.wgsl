@@ -1,0 +1,78 @@
+// What all media did to an ordinate's light on its way to a cell of one of them. The including pass
+// binds `params` (MediumParams), `media` (MixedData, its own first), `passed` (pop/paths.py) and
+// `given` (vec4f, [block][cell], pop/given.py). See wgsl/one_medium_beams.wgsl.
+//! use delta_beam
+
+// In the own box.
+fn passed_of(m: u32, n: u32, cell: u32) -> f32 {
+    let part = select(m + 1u, 0u, m == 0u);
+    return passed[(part * params.ordinate_count + n) * params.cells + cell];
+}
+
+// Beyond it: there what is scattered forwards spreads sideways, and comes from blocks.
+fn depth_beyond(n: u32, cell: u32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 1u; m < MEDIA; m++) {
+        let part = MEDIA + m;
+        sum += passed[(part * params.ordinate_count + n) * params.cells + cell]
+            * media[m].sigma_t;
+    }
+    return sum;
+}
+
+fn true_depth(n: u32, cell: u32) -> vec3f {
+    var sum = depth_beyond(n, cell);
+    for (var m = 0u; m < MEDIA; m++) {
+        sum += passed_of(m, n, cell) * media[m].sigma_t;
+    }
+    return sum;
+}
+
+fn reduced_depth(n: u32, cell: u32) -> vec3f {
+    var sum = depth_beyond(n, cell);
+    for (var m = 0u; m < MEDIA; m++) {
+        let loss = beam_loss(media[m].g, media[m].albedo);
+        sum += loss * passed_of(m, n, cell) * media[m].sigma_t;
+    }
+    return sum;
+}
+
+fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f {
+    var often = vec3f(0.0);
+    var kept = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        let share = forward_share(media[m].g) * media[m].albedo;
+        let times = share * passed_of(m, n, cell) * media[m].sigma_t;
+        often += times;
+        kept += times * (1.0 + 2.0 * media[m].g) / 3.0;
+    }
+    return forward_cosine(often, kept / max(often, vec3f(1e-20)));
+}
+
+fn given_light(n: u32, cell: u32) -> vec3f {
+    let first = params.ordinate_count - BLOCKS;
+    if (BLOCKS == 0u || n < first) {
+        return vec3f(1.0);
+    }
+    return given[(n - first) * params.cells + cell].rgb;
+}
+
+fn mean_loss() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        let loss = media[m].sigma_t * beam_loss(media[m].g, media[m].albedo);
+        sum += loss * media[m].mean_density;
+    }
+    return sum;
+}
+
+fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        let filled = passed_of(m, n, cell) / r;
+        let share = filled * min(1.0, filled / max(media[m].mean_density, 1e-30));
+        let turned = media[m].albedo * (1.0 - forward_share(media[m].g));
+        sum += media[m].sigma_t * turned * share;
+    }
+    return sum;
+}
