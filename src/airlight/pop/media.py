@@ -25,6 +25,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .importance import Look
+from .sharp_lobes import SharpLobes
 from .solver import Frame, PopSettings, PopSolver
 from .together import encode, introduce
 from .visibility import Surfaces
@@ -52,6 +53,8 @@ class PopMedia:
     ) -> None:
         """`surfaces`: what shades the media, solved before them in every frame."""
         self.gpu, self.settings, self._surfaces = gpu, settings, surfaces
+        self._lobes = SharpLobes()
+        scene = self._dulled(scene)
         self._fog = (
             None
             if scene.medium is None
@@ -81,6 +84,7 @@ class PopMedia:
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Take the scene as it is now."""
+        scene = self._dulled(scene)
         self._scene = scene
         with commands.stage("air"):
             self.air.update(commands, scene, *scene.bounds)
@@ -155,6 +159,10 @@ class PopMedia:
         bounds = (_corner(low), _corner(high)) if m.bounds is None else m.bounds
         box = Volume(m.sigma_t, shape="box", bounds=bounds, albedo=m.albedo, g=m.g)
         return [box, *scene.volumes]
+
+    def _dulled(self, scene: Scene) -> Scene:
+        """As it is solved; the paper's scheme takes every lobe as it is."""
+        return scene if self.settings.scheme == "paper" else self._lobes.dulled(scene)
 
     def _of_size(self, size: tuple[int, int]) -> _Picture:
         if self._picture is None or self._picture.rays.size != size:
