@@ -26,7 +26,7 @@ from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.placement import Placement
-from ..maths.lattice6 import Hop, Scheme, hops
+from ..maths.lattice6 import SPREAD_KEPT, Hop, Scheme, hops
 from .columns import column_march
 from .storage import Format, Pack
 from .sums import Sums
@@ -55,8 +55,9 @@ class Propagate:
 
     def __init__(
         self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool,
-        is_reflecting: bool = False, storage: str = "float32",
+        is_reflecting: bool = False, storage: str = "float32", kept: float = SPREAD_KEPT,
     ) -> None:  # fmt: skip
+        """`kept`: of the spread of directions in a hop (`maths.lattice6.spread_kept`)."""
         self.scheme, self.placement = scheme, placement
         self._pack = Pack(gpu, storage)
         format = self._pack.format
@@ -64,7 +65,7 @@ class Propagate:
         def step(blocked: bool) -> _Step:
             return _Step(
                 gpu, placement.count, scheme, format, is_blocked=blocked,
-                is_reflecting=blocked and is_reflecting,
+                is_reflecting=blocked and is_reflecting, kept=kept,
             )  # fmt: skip
 
         self._later = step(is_blocked)
@@ -157,7 +158,7 @@ class _Step:
 
     def __init__(
         self, gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format, *,
-        is_blocked: bool, is_reflecting: bool,
+        is_blocked: bool, is_reflecting: bool, kept: float,
     ) -> None:  # fmt: skip
         tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
         width, height = (min(t, n) if gpu.is_cpu else 1 for t, n in zip(tile, count, strict=False))
@@ -166,7 +167,7 @@ class _Step:
         self._columns = (
             -(-count[0] // width), -(-count[1] // height), channels * -(-count[2] // slab)
         )  # fmt: skip
-        text = format.wgsl + pair_functions(scheme)
+        text = format.wgsl + pair_functions(scheme, kept)
         if is_blocked:
             text += Path(__file__).with_name(f"propagate_{scheme}.wgsl").read_text()
         self._pass = _step_pass(
@@ -201,8 +202,10 @@ def _step_pass(
     return Step(gpu, generated=text, constants=constants)
 
 
-def pair_functions(scheme: Scheme) -> str:
+def pair_functions(scheme: Scheme, kept: float = SPREAD_KEPT) -> str:
     """WGSL of `along_x`, `along_y`, `along_z`: what two opposite neighbours' light adds.
+
+    `kept`: of the spread of directions (`maths.lattice6.spread_kept`).
 
     Their first argument travels up the axis, the second down. Weights are literals: the software
     driver reads a table ten times slower.
@@ -219,12 +222,12 @@ def pair_functions(scheme: Scheme) -> str:
             for k, axis in enumerate("xyz")
         ]
         return shares + hop_functions(scheme) + "\n" + "\n".join(pairs) + "\n"
-    return shares + "\n".join(_linear_pair(k, axis) for k, axis in enumerate("xyz")) + "\n"
+    return shares + "\n".join(_linear_pair(k, axis, kept) for k, axis in enumerate("xyz")) + "\n"
 
 
-def _linear_pair(index: int, axis: str) -> str:
+def _linear_pair(index: int, axis: str, kept: float) -> str:
     """Opposite hops differ in the sign of what couples a with b along the axis."""
-    matrix, b = hops("centroid")[2 * index].matrix, index + 1
+    matrix, b = hops("centroid", kept)[2 * index].matrix, index + 1
     same = ", ".join(_literal(matrix[k, k]) for k in range(4))
     crossed = ["0.0"] * 4
     crossed[0] = f"odd.{'xyzw'[b]} * {_literal(matrix[0, b])}"

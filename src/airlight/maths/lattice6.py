@@ -37,6 +37,14 @@ LOOKUP_SCALE = 0.69
 # on all walls: .45 at 0, .41 at 0.25, .39 at 0.5, .40 at 0.6; a floor beside a wall wants little:
 # .056 at 0, .07 at 0.25, .11 at 0.4.
 SPREAD_KEPT = 0.25
+# Light should turn as much on its way through a room whatever its cells: what a hop loses of the
+# spread is .75 in rooms of 24 cells, whose mean chord is 16, and less in finer ones. With the same
+# loss per hop light diffuses in fine lattices: it falls back on what sent it (a Cornell box of 64
+# cells: indirect light 1.27 of the truth), and is too bright where it lingers.
+_CHORD_CELLS = 16.0
+_LARGEST_SPREAD = 0.75
+# Light that turns less needs longer to be even: fewer steps than that do not know what is left.
+_STEPS_PER_CHORD = 3.0
 # How much of the even part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
 # floors go black under the light that they reflect; 1 lets them light themselves twice as much.
 LEAST_BEHIND = 0.3
@@ -84,7 +92,21 @@ def face_corners(centre: ArrayLike, normal: ArrayLike) -> F64:
     return np.array([c + 0.5 * (n + i * across + j * up) for i, j in signs])
 
 
-def face_seen(offset: ArrayLike, normal: ArrayLike, scheme: Scheme = "centroid") -> Face:
+def spread_kept(count: tuple[int, int, int], iterations: int) -> float:
+    """What hops keep of the spread in a lattice of (x, y, z) cells, from its mean chord 4V/S.
+
+    SPREAD_KEPT where `iterations` steps do not follow light through it three times.
+    """
+    chord = 2.0 / sum(1.0 / n for n in count)
+    if iterations < _STEPS_PER_CHORD * chord - 1e-6:
+        return SPREAD_KEPT
+    loss = (1.0 - SPREAD_KEPT) * _CHORD_CELLS / chord
+    return min(max(1.0 - loss, SPREAD_KEPT), _LARGEST_SPREAD)
+
+
+def face_seen(
+    offset: ArrayLike, normal: ArrayLike, scheme: Scheme = "centroid", kept: float = SPREAD_KEPT
+) -> Face:
     """The face `normal` of the cell at `offset`, seen from the origin, cells of size 1."""
     centre, n = np.asarray(offset, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     corners = face_corners(centre, n)
@@ -95,7 +117,7 @@ def face_seen(offset: ArrayLike, normal: ArrayLike, scheme: Scheme = "centroid")
     elif scheme == "centroid":
         receive = polygon_mean_direction(corners)
         emit = 3.0 * receive / (4.0 * np.pi)
-        spread = SPREAD_KEPT * (quad_mean_square(corners) - np.outer(receive, receive))
+        spread = kept * (quad_mean_square(corners) - np.outer(receive, receive))
     else:
         raise ValueError(f"scheme '{scheme}' is unknown; known: paper, centroid")
     omega = float(polygon_solid_angle(corners))
@@ -107,15 +129,16 @@ def _triple(v: F64) -> tuple[float, float, float]:
 
 
 @cache
-def hops(scheme: Scheme = "centroid") -> tuple[Hop, ...]:
-    """The six hops of a scheme. Raises ValueError for an unknown one.
+def hops(scheme: Scheme = "centroid", kept: float = SPREAD_KEPT) -> tuple[Hop, ...]:
+    """The six hops of a scheme, `kept` as in `spread_kept`. Raises ValueError for an unknown one.
 
     differs: Kaplanyan2010 section 3.3 weighs by dOmega/4pi and divides by pi, which loses a
     factor 4pi per step; both schemes here keep the power of every hop.
     """
     table = []
     for offset in OFFSETS:
-        faces = [face_seen(offset, n, scheme) for n in OFFSETS if not np.array_equal(n, -offset)]
+        normals = [n for n in OFFSETS if not np.array_equal(n, -offset)]
+        faces = [face_seen(offset, n, scheme, kept) for n in normals]
         x, y, z = (int(v) for v in offset)
         table.append(Hop((x, y, z), tuple(faces)))
     return tuple(table)
