@@ -253,6 +253,21 @@ def test_a_floor_beside_a_wall(propagated, scheme, ceiling):
     assert np.linalg.norm(floor - truth) / np.linalg.norm(truth) <= ceiling
 
 
+def test_hops_keep_what_they_are_told_of_the_spread(gpu, commands, owned):
+    states = np.zeros((3, 5, 6, 7, 4))
+    states[:, 2, 3, 3] = (1.0, 0.3, -0.7, 1.1)
+    placement = Placement((0.0, 0.0, 0.0), 1.0, (7, 6, 5))
+    made = owned(Propagate(gpu, placement, is_blocked=False, kept=0.6))
+    injected = owned(buffer_of(gpu, "injected", states.astype(np.float32)))
+    total = made.encode(commands, injected, owned(Buffer(gpu, "faces", placement.cells * 32)), 1)
+    commands.submit()
+    seen = total.read().reshape(states.shape)
+    for hop in lattice6.hops("centroid", 0.6):
+        x, y, z = hop.offset
+        wanted = hop.matrix @ states[0, 2, 3, 3]
+        np.testing.assert_allclose(seen[0, 2 + z, 3 + y, 3 + x], wanted, rtol=1e-5, atol=1e-7)
+
+
 def test_memory_is_given_back(gpu):
     before = gpu.allocated_bytes
     made = Propagate(gpu, Placement((0, 0, 0), 1.0, COUNT), is_blocked=True)

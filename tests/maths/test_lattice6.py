@@ -45,6 +45,29 @@ def test_direction_kept_per_hop(scheme: lattice6.Scheme, kept: float) -> None:
     np.testing.assert_allclose(total[1:, 1:], kept * np.eye(3), atol=4e-4)
 
 
+@pytest.mark.parametrize(
+    ("count", "iterations", "kept"),
+    [((16, 16, 16), 64, 0.25), ((24, 24, 24), 64, 0.25), ((32, 18, 20), 64, 0.25),
+     ((32, 32, 32), 64, 0.4375), ((32, 32, 32), 63, 0.25), ((64, 64, 64), 64, 0.25),
+     ((64, 64, 64), 128, 0.71875), ((256, 256, 256), 1024, 0.75)],
+)  # fmt: skip
+def test_spread_kept_by_cells(count: tuple[int, int, int], iterations: int, kept: float) -> None:
+    assert lattice6.spread_kept(count, iterations) == pytest.approx(kept, abs=1e-12)
+
+
+def test_finer_cells_turn_light_as_much_on_its_way_through_a_room() -> None:
+    lost = []
+    for side in (24, 32, 48):
+        kept = lattice6.spread_kept((side, side, side), 96)
+        total = np.sum([hop.matrix for hop in lattice6.hops("centroid", kept)], axis=0)
+        np.testing.assert_allclose(total[0], [1.0, 0.0, 0.0, 0.0], atol=1e-14)
+        lost.append(side * (1.0 - total[3, 3]))
+    np.testing.assert_allclose(lost, lost[0], rtol=1e-12)
+    # Kept whole, the spread keeps the net direction whole: what a hop loses is the spread.
+    whole = np.sum([hop.matrix for hop in lattice6.hops("centroid", 1.0)], axis=0)
+    np.testing.assert_allclose(whole, np.eye(4), atol=1e-12)
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("normal", [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.48, -0.6, 0.64]])
 def test_energy_in_empty_space(scheme: lattice6.Scheme, normal: list[float]) -> None:

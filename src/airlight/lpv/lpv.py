@@ -26,7 +26,7 @@ from ..lattice.placement import EVERYWHERE, Placement, triple
 from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
-from ..maths.lattice6 import Scheme
+from ..maths.lattice6 import Scheme, spread_kept
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -146,18 +146,18 @@ class Lpv(Direct):
         return tuple(part.placement for part in self.cascades)
 
     def _cascade(self, scene: Scene, level: int) -> Cascade:
-        gpu, placement = self.gpu, self.nest.levels[level]
+        gpu, lpv, place = self.gpu, self.lpv, self.nest.levels[level]
+        steps = 0 if scene.medium or scene.volumes else lpv.iterations  # air itself turns light
         propagate = Propagate(
-            gpu, placement, cast(Scheme, self.lpv.scheme), is_blocked=self.lpv.occlusion,
-            is_reflecting=self.lpv.bounces, storage=self.lpv.storage,
+            gpu, place, cast(Scheme, lpv.scheme), is_blocked=lpv.occlusion,
+            is_reflecting=lpv.bounces, storage=lpv.storage, kept=spread_kept(place.count, steps),
         )  # fmt: skip
         if level == len(self.nest.levels) - 1:
-            return cascade(
-                gpu, placement, self.blockers, self.sky.skylight, propagate, self._small(level)
-            )
-        blockers = Blockers(gpu, scene, self.meshes, placement, 0, beside=self.blockers)
-        skylight = Skylight(gpu, placement, self.lpv.sky_lights, beside=self.sky.skylight)
-        return cascade(gpu, placement, blockers, skylight, propagate, self._small(level))
+            sky = self.sky.skylight
+            return cascade(gpu, place, self.blockers, sky, propagate, self._small(level))
+        blockers = Blockers(gpu, scene, self.meshes, place, 0, beside=self.blockers)
+        skylight = Skylight(gpu, place, self.lpv.sky_lights, beside=self.sky.skylight)
+        return cascade(gpu, place, blockers, skylight, propagate, self._small(level))
 
     def _small(self, level: int) -> SmallObjects:
         """What a lattice leaves out; the finest nothing, but for what the next one does."""
