@@ -95,3 +95,21 @@ def test_more_uniforms_than_fit_are_refused(commands):
     with pytest.raises(RuntimeError, match="uniform arena is full"):
         for index in range(1 << 16):
             commands.put(Given(value=(index, 0, 0, 0)))
+
+
+def test_the_same_parameters_have_one_place_until_the_submit(commands):
+    first, other = Given(value=(1, 0, 0, 0)), Given(value=(1, 0, 0, 0))
+    places = [commands.put(given) for given in (first, other, first)]
+    assert places[0] == places[2] != places[1]
+    commands.encoder  # noqa: B018  (something to submit)
+    commands.submit()
+    assert commands.put(other) == places[0]
+
+
+def test_untimed_stages_share_one_compute_pass(commands, work):
+    with commands.stage("first"):
+        work(commands)
+        opened = commands.compute
+    with commands.stage("second"):
+        work(commands)
+        assert commands.compute is opened

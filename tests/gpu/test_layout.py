@@ -137,3 +137,18 @@ def test_values_must_be_the_fields():
 
 def test_an_array_of_structs_is_never_empty():
     assert pack_array(Matrices, []).shape == (1,)
+
+
+def test_kept_parameters_are_packed_once():
+    class Step(Struct):
+        """A size and a share."""
+
+        count = vec3u()
+        share = f32()
+
+    kept = Step.of(count=(1, 2, 3), share=0.5)
+    assert Step.of(count=(1, 2, 3), share=0.5) is kept
+    assert Step.of(count=(1, 2, 3), share=0.25) is not kept
+    assert kept.data == Step(count=(1, 2, 3), share=0.5).record.tobytes()
+    with pytest.raises(TypeError, match=r"^Step: missing \['share'\], unknown \[\]$"):
+        Step.of(count=(1, 2, 3))

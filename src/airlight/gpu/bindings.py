@@ -6,7 +6,6 @@ from typing import Any
 
 from .commands import Commands
 from .device import Gpu
-from .layout import Struct
 from .slots import Slot, bind_group_layout
 
 
@@ -26,9 +25,9 @@ class Bindings:
         if values.keys() != self._names:
             missing, unknown = self._names - values.keys(), values.keys() - self._names
             raise TypeError(f"{self.label}: missing {sorted(missing)}, unknown {sorted(unknown)}")
-        offsets = [commands.put(self._struct(values[name])) for name in self._dynamic]
+        offsets = [commands.put(values[name]) for name in self._dynamic]
         resources = [values[name] for name in self._fixed]
-        key = (id(commands), *(id(r) for r in resources))
+        key = (id(commands), *map(id, resources))
         found = self._groups.get(key)
         if found is None:
             # The resources are kept beside the group: an id stays theirs while they live.
@@ -37,12 +36,6 @@ class Bindings:
                 self._groups.pop(next(iter(self._groups)))
             self._groups[key] = found
         encoder.set_bind_group(group, found[0], offsets)
-
-    @staticmethod
-    def _struct(value: Any) -> Struct:
-        if not isinstance(value, Struct):
-            raise TypeError(f"uniform parameters must be a Struct, not {type(value).__name__}")
-        return value
 
     def make(self, commands: Commands, values: dict[str, Any]) -> Any:
         """A bind group of these resources, not cached."""

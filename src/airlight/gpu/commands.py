@@ -32,10 +32,10 @@ class Commands:
             size=_ARENA_BYTES,
             usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST,
         )
-        self._staging = np.zeros(_ARENA_BYTES, np.uint8)
+        self._staging = bytearray(_ARENA_BYTES)
         self._used = 0
-        self._last_put: Struct | None = None
-        self._last_offset = 0
+        self._places: dict[int, tuple[int, Struct]] = {}  # by id, which is theirs while kept here
+        self.pipeline: Any = None
         self._encoder: Any = None
         self._compute: Any = None
         self.stage_ms: dict[str, float] = {}
@@ -53,10 +53,11 @@ class Commands:
 
     @property
     def compute(self) -> Any:
-        """The open compute pass; dispatches in a row share one."""
+        """The open compute pass; dispatches in a row share one, `pipeline` the last one set."""
         if self._compute is None:
             encoder = self.encoder
             stamps = self._stamps()
+            self.pipeline = None
             self._compute = encoder.begin_compute_pass(
                 label=self._stage or "compute", **({"timestamp_writes": stamps} if stamps else {})
             )
@@ -74,16 +75,24 @@ class Commands:
             render_pass.end()
 
     def put(self, params: Struct) -> int:
-        """Keep `params` until the submit; returns their offset in the arena."""
-        if params is self._last_put:
-            return self._last_offset
-        size = params.dtype.itemsize
+        """Keep `params` until the submit; returns their offset in the arena.
+
+        The same Struct has one place, however often a frame uses it.
+        """
+        found = self._places.get(id(params))
+        if found is not None:
+            return found[0]
+        if not isinstance(params, Struct):
+            kind = type(params).__name__
+            raise TypeError(f"uniform parameters must be a Struct, not {kind}")
+        data = params.data
+        size = len(data)
         if self._used + size > _ARENA_BYTES:
             raise RuntimeError("uniform arena is full: submit between stages")
         offset = self._used
-        self._staging[offset : offset + size] = np.frombuffer(params.record.tobytes(), np.uint8)
+        self._staging[offset : offset + size] = data
         self._used = -(-(offset + size) // _ALIGNMENT) * _ALIGNMENT
-        self._last_put, self._last_offset = params, offset
+        self._places[id(params)] = (offset, params)
         return offset
 
     def submit(self) -> None:
@@ -94,9 +103,10 @@ class Commands:
         if self._clock and self._clock.count:
             self._clock.resolve(self._encoder)
         if self._used:
-            self.gpu.queue.write_buffer(self.arena, 0, self._staging[: self._used])
+            self.gpu.queue.write_buffer(self.arena, 0, self._staging, 0, self._used)
         self.gpu.queue.submit([self._encoder.finish(label="frame")])
-        self._encoder, self._used, self._last_put = None, 0, None
+        self._encoder, self._used = None, 0
+        self._places.clear()
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -107,7 +117,8 @@ class Commands:
         """
         outer, self._stage = self._stage, name
         on_wall = self.is_timed and (self.gpu.is_cpu or self._clock is None)
-        self._close_compute()
+        if self.is_timed:
+            self._close_compute()
         if on_wall and not outer:
             self.submit()
             self.gpu.wait()
@@ -115,7 +126,8 @@ class Commands:
         try:
             yield
         finally:
-            self._close_compute()
+            if self.is_timed:
+                self._close_compute()
             if on_wall and not outer:
                 self.submit()
                 self.gpu.wait()

@@ -17,6 +17,8 @@ from .memory import Buffer
 from .slots import Slot, declarations, on_software
 from .source import Source, compile_wgsl
 
+_GRIDS_KEPT = 64
+
 
 class ComputePass:
     """Subclass it: `slots`, `workgroup`, and a `.wgsl` of the module's name."""
@@ -31,6 +33,7 @@ class ComputePass:
     ) -> None:
         """`constants` set the shader's `override`s; `generated` WGSL goes before the file's."""
         self.gpu, self.label = gpu, type(self).__name__
+        self._groups: dict[tuple[int, ...], tuple[int, ...]] = {}
         source = Source()
         wx, wy, wz = self.workgroup
         slots = on_software(self.slots) if gpu.is_cpu else self.slots
@@ -57,22 +60,33 @@ class ComputePass:
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
-        counts = (*invocations, 1, 1)[:3]
-        groups = [-(-n // w) for n, w in zip(counts, self.workgroup, strict=True)]
-        self.gpu.require(
-            "max-compute-workgroups-per-dimension", max(groups), f"pass '{self.label}'"
-        )
-        encoder = commands.compute
-        encoder.set_pipeline(self.pipeline)
-        self.bindings.bind(commands, encoder, 0, values)
-        encoder.dispatch_workgroups(*groups)
+        groups = self._groups.get(invocations) or self._grouped(invocations)
+        self._ready(commands, values).dispatch_workgroups(*groups)
 
     def dispatch_indirect(self, commands: Commands, groups: Buffer, **values: Any) -> None:
         """Run as many groups as the first three numbers of `groups` say, on the device."""
+        self._ready(commands, values).dispatch_workgroups_indirect(groups.handle, 0)
+
+    def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:
+        """The open compute pass with this pass's pipeline and bindings."""
         encoder = commands.compute
-        encoder.set_pipeline(self.pipeline)
+        if commands.pipeline is not self.pipeline:
+            commands.pipeline = self.pipeline
+            encoder.set_pipeline(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values)
-        encoder.dispatch_workgroups_indirect(groups.handle, 0)
+        return encoder
+
+    def _grouped(self, invocations: tuple[int, ...]) -> tuple[int, ...]:
+        """Workgroups for a grid of `invocations`. Raises DeviceError for too many."""
+        counts = (*invocations, 1, 1)[:3]
+        groups = tuple(-(-n // w) for n, w in zip(counts, self.workgroup, strict=True))
+        self.gpu.require(
+            "max-compute-workgroups-per-dimension", max(groups), f"pass '{self.label}'"
+        )
+        if len(self._groups) >= _GRIDS_KEPT:
+            self._groups.clear()
+        self._groups[invocations] = groups
+        return groups
 
 
 def shader_path(cls: type) -> Path:

@@ -9,10 +9,12 @@ Offsets follow WGSL's rules for host-shareable structs (alignment 4, 8 or 16).
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+_MOST_KEPT = 256
 
 
 class Field:
@@ -75,14 +77,20 @@ def mat4x4f(unit: str = "") -> Field:
 
 
 class Struct:
-    """Base of all structs; subclasses list `Field`s. An instance packs one set of values."""
+    """Base of all structs; subclasses list `Field`s. An instance packs one set of values.
+
+    `of` gives one instance for the same values: what stays the same from frame to frame, or from
+    dispatch to dispatch, is packed once.
+    """
 
     dtype: ClassVar[np.dtype[Any]]
     wgsl: ClassVar[str]
     fields: ClassVar[dict[str, Field]]
+    _kept: ClassVar[dict[tuple[Any, ...], Any]]
 
     def __init_subclass__(cls) -> None:
         cls.fields = {k: v for k, v in vars(cls).items() if isinstance(v, Field)}
+        cls._kept = {}
         offsets, end = [], 0
         for field in cls.fields.values():
             offset = -(-end // field.align) * field.align
@@ -105,6 +113,19 @@ class Struct:
 
     def __init__(self, **values: Any) -> None:
         self.record: NDArray[Any] = pack(type(self), values, np.zeros((), self.dtype))
+        self.data: bytes = self.record.tobytes()
+
+    @classmethod
+    def of(cls, **values: Any) -> Self:
+        """The instance of these values, which must be hashable: numbers and tuples of numbers."""
+        key = tuple(values.items())
+        found: Self | None = cls._kept.get(key)
+        if found is None:
+            found = cls(**values)
+            if len(cls._kept) >= _MOST_KEPT:
+                cls._kept.clear()
+            cls._kept[key] = found
+        return found
 
 
 def pack(cls: type[Struct], values: dict[str, Any], record: Any) -> Any:

@@ -95,7 +95,7 @@ class Inject(ComputePass):
         """
         self.dispatch(
             commands, (maps.resolution, maps.resolution, maps.layers),
-            params=InjectParams(
+            params=InjectParams.of(
                 resolution=maps.resolution, layers=maps.layers, least=small.least,
                 next_least=small.next_least, has_still=int(small.has_still),
             ),
@@ -108,9 +108,9 @@ class Inject(ComputePass):
 def lobe_params(scale: float, *, is_shaped: bool) -> LobeParams:
     """The parameters of `wgsl/lobes.wgsl`."""
     hop = hops("centroid")[0].matrix
-    return LobeParams(
-        scale=scale, lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=hop[0, 0],
-        hop_direct=hop[0, 1], is_shaped=int(is_shaped),
+    return LobeParams.of(
+        scale=scale, lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=float(hop[0, 0]),
+        hop_direct=float(hop[0, 1]), is_shaped=int(is_shaped),
     )  # fmt: skip
 
 
@@ -140,7 +140,7 @@ class Resolve(ComputePass):
         """lattice = base + sums; then clear `sums`."""
         values = 3 * placement.cells
         self.dispatch(
-            commands, (values,), params=ResolveParams(values=values, unit=1.0 / scale),
+            commands, (values,), params=ResolveParams.of(values=values, unit=1.0 / scale),
             sums=sums, base=base, lattice=lattice,
         )  # fmt: skip
 

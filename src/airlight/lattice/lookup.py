@@ -78,7 +78,7 @@ class LatticeTextures:
         even, direct = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
             commands, place.count,
-            params=PackParams(count=place.count, scale=scale, own_even=even,
+            params=PackParams.of(count=place.count, scale=scale, own_even=even,
                               own_direct=direct, first_row=place.first_row,
                               origin=place.origin, cell=place.cell, low=hull[0], high=hull[1]),
             injected=injected, propagated=propagated, red=self.red, green=self.green,

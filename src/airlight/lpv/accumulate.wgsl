@@ -8,16 +8,20 @@ fn tail(channel: u32) -> f32 {
     return ratio / (1.0 - ratio);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x >= params.values) {
-        return;
-    }
-    var gain = 1.0;
-    if (params.is_tail != 0u) {
-        gain = tail(id.x / (params.values / 3u));
-    }
+@compute @workgroup_size(WX, WY, WZ) fn main(
+    @builtin(local_invocation_index) own: u32, @builtin(workgroup_id) group: vec3u,
+) {
+    let first = group.x * WX * PER_LANE + own;
+    let end = min(params.values, (group.x + 1u) * WX * PER_LANE);
+    var scale = 1.0;
     if (IS_SCALED) {
-        gain /= range[0];
+        scale = 1.0 / range[0];
     }
-    total[id.x] = added(total[id.x], gain * unpacked(state[id.x]));
+    for (var at = first; at < end; at += WX) {
+        var gain = scale;
+        if (params.is_tail != 0u) {
+            gain *= tail(at / (params.values / 3u));
+        }
+        total[at] += gain * unpacked(state[at]);
+    }
 }

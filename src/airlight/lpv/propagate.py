@@ -2,7 +2,8 @@
 
 What surfaces need is the sum of all steps, s + M s + M^2 s + ..., s the state after the first. A
 step costs what it reads and writes, so states are not added one by one: eight are summed by
-doubling, S = (1 + M^4)(1 + M^2)(1 + M) s, and then M^8 S, M^16 S ... are added.
+doubling, S = (1 + M^4)(1 + M^2)(1 + M) s, and then M^8 S, M^16 S ... are added. The last step of a
+doubling adds what it finds, so that doubling costs no passes of its own.
 differs: Kaplanyan2010 accumulates after every step, and ignores blockers in the first; ours block
 from the first (lattice.inject shapes lobes for it).
 
@@ -29,7 +30,7 @@ from ..lattice.placement import Placement
 from ..maths.lattice6 import SPREAD_KEPT, Hop, Scheme, hops
 from .columns import column_march
 from .storage import Format, Pack
-from .sums import Sums
+from .sums import FLOAT, Sums
 
 CHANNELS = 3
 BLOCK = 8  # states that are summed by doubling
@@ -62,15 +63,16 @@ class Propagate:
         self._pack = Pack(gpu, storage)
         format = self._pack.format
 
-        def step(blocked: bool) -> _Step:
+        def step(blocked: bool, *, is_added: bool = False) -> _Step:
             return _Step(
                 gpu, placement.count, scheme, format, is_blocked=blocked,
-                is_reflecting=blocked and is_reflecting, kept=kept,
+                is_reflecting=blocked and is_reflecting, is_added=is_added, kept=kept,
             )  # fmt: skip
 
         self._later = step(is_blocked)
         # The paper's first step ignores blockers.
         self._first = step(False) if is_blocked and scheme == "paper" else self._later
+        self._added = self._later if scheme == "paper" else step(is_blocked, is_added=True)
         names = ("light of a block", "propagation ping", "propagation pong")
         self._values = CHANNELS * placement.cells
         self._states = [Buffer(gpu, name, self._values * format.nbytes) for name in names]
@@ -87,31 +89,46 @@ class Propagate:
         """
         block, ping, pong = self._states
         total = self._total
-        commands.encoder.clear_buffer(total.handle)
+        blocks = 0 if self.scheme == "paper" else iterations // BLOCK
+        # One block is the sum, where states are kept as sums are.
+        is_block = iterations == BLOCK and blocks == 1 and self._pack.format is FLOAT
+        if not is_block:
+            commands.encoder.clear_buffer(total.handle)
         if iterations < 1:
             return total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
         self._first.encode(commands, self._stored(commands, injected), block, faces, kept=0.0)
-        blocks = 0 if self.scheme == "paper" else iterations // BLOCK
         for left in range(iterations - BLOCK * blocks, 0, -1):
             self._sums.add_to_total(commands, block, total)
             if left > 1 or blocks:
                 self._later.encode(commands, block, ping, faces)
                 block, ping = ping, block
-        if blocks:
-            spare = (ping, pong)
-            self._sum_blocks(commands, block, total, spare, faces, blocks, has_tail=has_tail)
+        if not blocks:
+            return total
+        block, spare = self._doubled(commands, block, (ping, pong), faces)
+        if is_block:
+            return block
+        self._sum_blocks(commands, block, total, spare, faces, blocks, has_tail=has_tail)
         return total
+
+    def _doubled(
+        self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer
+    ) -> tuple[Buffer, tuple[Buffer, Buffer]]:
+        """The sum of BLOCK states, the first `state`; and the lattices that are spare now."""
+        for doubling in range(BLOCK.bit_length() - 1):
+            steps = (1 << doubling) - 1
+            later = self._stepped(commands, state, spare, faces, steps)
+            last = spare[steps % 2]
+            self._added.encode(commands, later, last, faces, added=state)
+            state, spare = last, (state, spare[1 - steps % 2])
+        return state, spare
 
     def _sum_blocks(
         self, commands: Commands, block: Buffer, total: Buffer, spare: tuple[Buffer, Buffer],
         faces: Buffer, blocks: int, *, has_tail: bool,
     ) -> None:  # fmt: skip
-        """Add `blocks` times BLOCK states to `total`, the first of them in `block`."""
-        for doubling in range(BLOCK.bit_length() - 1):
-            later = self._stepped(commands, block, spare, faces, 1 << doubling)
-            self._sums.add(commands, later, block)
+        """Add `blocks` times BLOCK states to `total`, the sum of the first of them in `block`."""
         self._sums.add_to_total(commands, block, total)
         has_tail = has_tail and blocks >= _TAIL_BLOCKS
         for index in range(1, blocks):
@@ -153,12 +170,13 @@ class Propagate:
 class _Step:
     """One step, in columns marched along z (lpv.columns).
 
-    Where faces block, an invocation has all channels, which share them; else one.
+    Where faces block, an invocation has all channels, which share them; else one. With `is_added` a
+    lattice is added to what the step makes.
     """
 
     def __init__(
         self, gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format, *,
-        is_blocked: bool, is_reflecting: bool, kept: float,
+        is_blocked: bool, is_reflecting: bool, kept: float, is_added: bool = False,
     ) -> None:  # fmt: skip
         tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
         width, height = (min(t, n) if gpu.is_cpu else 1 for t, n in zip(tile, count, strict=False))
@@ -173,16 +191,20 @@ class _Step:
         self._pass = _step_pass(
             gpu, format, text + column_march(width, height, slab, channels),
             "propagate.wgsl" if is_blocked else "propagate_open.wgsl",
-            {"IS_REFLECTING": float(is_reflecting)} if is_blocked else {},
+            {
+                "IS_ADDED": float(is_added),
+                **({"IS_REFLECTING": float(is_reflecting)} if is_blocked else {}),
+            },
         )  # fmt: skip
 
     def encode(
-        self, commands: Commands, before: Buffer, after: Buffer, faces: Buffer, kept: float = 1.0
-    ) -> None:
-        """after = M before. `kept`: what closed faces hand back of power of the wrong sign."""
+        self, commands: Commands, before: Buffer, after: Buffer, faces: Buffer,
+        kept: float = 1.0, added: Buffer | None = None,
+    ) -> None:  # fmt: skip
+        """after = M before + added. `kept`: what closed faces hand back of wrong-signed power."""
         self._pass.dispatch(
-            commands, self._columns, params=StepParams(count=self._count, kept=kept),
-            before=before, after=after, faces=faces,
+            commands, self._columns, params=StepParams.of(count=self._count, kept=kept),
+            before=before, after=after, faces=faces, added=added or before,
         )  # fmt: skip
 
 
@@ -195,8 +217,10 @@ def _step_pass(
             storage("before", format.element),
             storage("after", format.element, "read_write"),
             storage("faces", "vec4u"),
+            storage("added", format.element),
         )
-        workgroup = (8, 16, 1) if gpu.is_cpu else (32, 8, 1)
+        # One run of lanes: a software driver runs groups without work, too.
+        workgroup = (8, 1, 1) if gpu.is_cpu else (32, 8, 1)
         file = wgsl
 
     return Step(gpu, generated=text, constants=constants)

@@ -3,6 +3,7 @@
 // lattice.blockers.Blockers.faces. A cell's light has a column (a, b) per channel.
 
 override IS_REFLECTING: bool = false;   // blocked light bounces
+override IS_ADDED: bool = false;        // to `added`
 
 const BOUNCE_LOBE = 2.0;                // a cosine lobe off the face
 
@@ -12,8 +13,13 @@ fn light_at(cell: u32) -> mat3x4f {
         unpacked(before[cell + 2u * channel]));
 }
 
-fn put(cell: u32, light: mat3x4f) {
+fn put(cell: u32, gained: mat3x4f) {
     let channel = params.count.x * params.count.y * params.count.z;
+    var light = gained;
+    if (IS_ADDED) {
+        light += mat3x4f(unpacked(added[cell]), unpacked(added[cell + channel]),
+            unpacked(added[cell + 2u * channel]));
+    }
     after[cell] = packed(light[0]);
     after[cell + channel] = packed(light[1]);
     after[cell + 2u * channel] = packed(light[2]);

@@ -11,6 +11,7 @@ from ..gpu.slots import storage, uniform
 from .storage import FORMATS, Format
 
 FLOAT = FORMATS["float32"]
+_CPU_PER_LANE = 16  # values: a software driver takes 7 ns to begin an invocation
 
 
 class AccumulateParams(Struct):
@@ -32,15 +33,10 @@ class Sums:
 
     def __init__(self, gpu: Gpu, cells: int, format: Format, range: Buffer) -> None:
         self._cells, self._range = cells, range
+        self._per_lane = _CPU_PER_LANE if gpu.is_cpu else 1
         self._powers = Buffer(gpu, "power of the last blocks", 32)
         self._power = _power_pass(gpu, format)
-        self._to_total = _accumulate_pass(gpu, format, FLOAT, is_scaled=format is not FLOAT)
-        same = format is FLOAT
-        self._to_state = self._to_total if same else _accumulate_pass(gpu, format, format)
-
-    def add(self, commands: Commands, state: Buffer, other: Buffer) -> None:
-        """other += state, both states."""
-        self._accumulate(commands, self._to_state, state, other)
+        self._accumulate = _accumulate_pass(gpu, format)
 
     def add_to_total(
         self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False
@@ -49,23 +45,18 @@ class Sums:
 
         The ratio of the two powers that were measured says how blocks shrink.
         """
-        self._accumulate(commands, self._to_total, state, total, is_tail=is_tail)
+        values = 3 * self._cells
+        self._accumulate.dispatch(
+            commands, (-(-values // self._per_lane),),
+            params=AccumulateParams.of(values=values, is_tail=int(is_tail)), state=state,
+            powers=self._powers, range=self._range, total=total,
+        )  # fmt: skip
 
     def measure(self, commands: Commands, block: Buffer, place: int) -> None:
         """Remember the power of the last block but one (place 0) or of the last (1)."""
         self._power.dispatch(
-            commands, (1,), params=PowerParams(cells=self._cells, place=place), state=block,
+            commands, (1,), params=PowerParams.of(cells=self._cells, place=place), state=block,
             powers=self._powers,
-        )  # fmt: skip
-
-    def _accumulate(
-        self, commands: Commands, accumulate: ComputePass, state: Buffer, total: Buffer, *,
-        is_tail: bool = False,
-    ) -> None:  # fmt: skip
-        values = 3 * self._cells
-        accumulate.dispatch(
-            commands, (values,), params=AccumulateParams(values=values, is_tail=int(is_tail)),
-            state=state, powers=self._powers, range=self._range, total=total,
         )  # fmt: skip
 
     def release(self) -> None:
@@ -88,21 +79,18 @@ def _power_pass(gpu: Gpu, format: Format) -> ComputePass:
     return Power(gpu, generated=format.wgsl)
 
 
-def _accumulate_pass(
-    gpu: Gpu, source: Format, target: Format, *, is_scaled: bool = False
-) -> ComputePass:
+def _accumulate_pass(gpu: Gpu, format: Format) -> ComputePass:
     class Accumulate(ComputePass):
         slots = (
             uniform("params", AccumulateParams),
-            storage("state", source.element),
+            storage("state", format.element),
             storage("powers", "vec4f"),
             storage("range", "f32"),
-            storage("total", target.element, "read_write"),
+            storage("total", "vec4f", "read_write"),
         )
         workgroup = (256, 1, 1)
         file = "accumulate.wgsl"
 
-    sum = "a + b" if target is FLOAT else "packed(unpacked(a) + b)"
-    added = f"fn added(a: {target.element}, b: vec4f) -> {target.element} {{ return {sum}; }}\n"
-    constants = {"IS_SCALED": float(is_scaled)}
-    return Accumulate(gpu, constants=constants, generated=source.wgsl + added)
+    per_lane = f"const PER_LANE = {_CPU_PER_LANE if gpu.is_cpu else 1}u;\n"
+    constants = {"IS_SCALED": float(format is not FLOAT)}
+    return Accumulate(gpu, constants=constants, generated=per_lane + format.wgsl)

@@ -13,7 +13,7 @@ centroid   ours: receive and emit along the mean direction of the face's solid a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
@@ -72,7 +72,7 @@ class Hop:
     offset: tuple[int, int, int]
     faces: tuple[Face, ...]
 
-    @property
+    @cached_property
     def matrix(self) -> F64:
         """(4, 4): what the destination's (a, b) gains of the source's, per step."""
         rows = np.zeros((4, 4))

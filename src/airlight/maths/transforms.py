@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 F64 = NDArray[np.float64]
 Vector = Sequence[float] | NDArray[Any]
+_CORNERS = np.array(np.meshgrid(*[(0, 1)] * 3)).reshape(3, 8).T  # 0 the lower, 1 the upper
 
 
 def unit(v: Vector) -> F64:
@@ -79,7 +80,7 @@ def jittered(clip_from_view: F64, offset_px: Vector, size_px: tuple[int, int]) -
 
 def box_corners(low: Vector, high: Vector) -> F64:
     """(8, 3): the corners of an axis-aligned box."""
-    return np.array(np.meshgrid(*zip(low, high, strict=True)), dtype=np.float64).reshape(3, 8).T
+    return np.array((low, high), dtype=np.float64)[_CORNERS, (0, 1, 2)]
 
 
 def transformed(points: F64, matrix: F64) -> F64:
