@@ -75,6 +75,26 @@ def test_stages_that_a_mode_lacks_cost_nothing():
     assert told["Total"] == (3.0, 4.0)
 
 
+def test_smoothing_takes_grain_away_and_keeps_edges():
+    light = 1.0 + np.random.default_rng(3).uniform(-0.5, 0.5, (24, 32, 3)).astype(np.float32)
+    light[:, 16:] *= 4.0
+    normal = np.zeros_like(light)
+    normal[:, :16, 0] = normal[:, 16:, 1] = 1.0
+    depth = np.full((24, 32), 3.0, np.float32)
+    smooth = panels.smoothed(light, Image(light, {"normal": normal, "depth": depth}))
+    left, right = smooth[4:-4, 4:16], smooth[4:-4, 16:-4]
+    assert left.std() < 0.2 * light[:, :16].std()
+    assert (left.mean(), right.mean()) == (
+        pytest.approx(1.0, abs=0.05),
+        pytest.approx(4.0, abs=0.2),
+    )
+    assert panels.smoothed(light, Image(light, {})) is light
+
+
+def test_milliseconds_have_no_exponent():
+    assert [panels.milliseconds(v) for v in (0.0512, 12.34, 1060.2)] == ["0.0512", "12.3", "1,060"]
+
+
 def test_mean_light_is_luminance():
     assert panels.mean_light(np.full((2, 2, 3), 0.5, np.float32)) == pytest.approx(0.5)
 
@@ -96,9 +116,9 @@ def test_the_wall_between_two_rooms_closes_them():
     assert lamp.position[0] < low[0] and walled.camera.position[0] > high[0]
 
 
-def test_the_metal_floor_lies_on_the_box_s_own():
-    floor = clpv_9.with_metal_floor(0.3).meshes[-1]
-    assert (floor.material.metallic, floor.material.roughness) == (1.0, 0.3)
+def test_the_polished_floor_lies_on_the_box_s_own():
+    floor = clpv_9.with_polished_floor(0.3).meshes[-1]
+    assert (floor.material.metallic, floor.material.roughness) == (0.6, 0.3)
     low, high = floor.world_bounds
     assert low[1] == high[1] == pytest.approx(0.004)
     assert floor.geometry.normals[0].tolist() == [0.0, 1.0, 0.0]
@@ -108,7 +128,7 @@ def test_polar_plots_reach_towards_the_light_they_hold():
     """Light that goes along +x: the outline lies right of each cell's middle."""
     coefficients = np.zeros((2, 3, 3))
     coefficients[...] = flatland.basis(0.0, 2) * (2.0, 1.0, 1.0)
-    cover = clpv_5._lobes(coefficients, 32)
+    cover = clpv_5._lobes(coefficients, 32, None)
     weights = cover[:32, :32]
     columns = (weights * np.arange(32)).sum() / weights.sum()
     rows = (weights * np.arange(32)[:, None]).sum() / weights.sum()

@@ -80,30 +80,41 @@ Row = tuple[str, Sequence[tuple[str, U8 | None]]]
 """A row's name, and its captioned pictures; None leaves a gap."""
 
 
-def contact_sheet(title: str, rows: Sequence[Row], *, cell_width_px: int = 400) -> U8:
-    """All pictures on one sheet, a row each, captions above; (H, W, 3)."""
-    first = next(p for _, cells in rows for _, p in cells if p is not None)
-    height_px = max(1, round(first.shape[0] * cell_width_px / first.shape[1]))
-    margin, caption, head = 16, 26, 56
+def contact_sheet(
+    title: str, rows: Sequence[Row], *, cell_width_px: int = 400, caption_px: int = 14
+) -> U8:
+    """All pictures on one sheet, a row each, captions above; (H, W, 3).
+
+    A row is as high as its first picture, scaled to the cells' width.
+    """
+    heights = [_height_px(cells, cell_width_px) for _, cells in rows]
+    margin, caption, head = 16, caption_px + 12, 4 * caption_px
     columns = max(len(cells) for _, cells in rows)
     width = margin + columns * (cell_width_px + margin)
-    band = caption + height_px + margin
-    sheet = PIL.Image.new("RGB", (width, head + len(rows) * band), PAPER)
+    tops = np.cumsum([head, *(caption + height + margin for height in heights)])
+    sheet = PIL.Image.new("RGB", (width, int(tops[-1])), PAPER)
     draw = PIL.ImageDraw.Draw(sheet)
-    draw.text((margin, 16), title, INK, font=PIL.ImageFont.load_default(22))
-    font = PIL.ImageFont.load_default(14)
-    for r, (name, cells) in enumerate(rows):
+    large = PIL.ImageFont.load_default(1.6 * caption_px)
+    draw.text((margin, caption_px + 2), title, INK, font=large)
+    font = PIL.ImageFont.load_default(caption_px)
+    for (name, cells), top, height in zip(rows, tops[:-1].tolist(), heights, strict=True):
         for c, (label, pixels) in enumerate(cells):
-            x, y = margin + c * (cell_width_px + margin), head + r * band
-            text = _fitted(f"{name} · {label}", cell_width_px, font)
-            draw.text((x, y + 4), text, FAINT if pixels is None else INK, font=font)
+            x = margin + c * (cell_width_px + margin)
+            text = _fitted(f"{name} · {label}" if name else label, cell_width_px, font)
+            draw.text((x, top + 4), text, FAINT if pixels is None else INK, font=font)
             if pixels is not None:
                 small = PIL.Image.fromarray(pixels)
-                if small.width != cell_width_px:
-                    size = (cell_width_px, height_px)
+                if small.size != (cell_width_px, height):
+                    size = (cell_width_px, height)
                     small = small.resize(size, PIL.Image.Resampling.LANCZOS)
-                sheet.paste(small, (x, y + caption))
+                sheet.paste(small, (x, top + caption))
     return np.asarray(sheet, dtype=np.uint8)
+
+
+def _height_px(cells: Sequence[tuple[str, U8 | None]], width_px: int) -> int:
+    """Of a row whose pictures are `width_px` wide."""
+    first = next((p for _, p in cells if p is not None), None)
+    return 1 if first is None else max(1, round(first.shape[0] * width_px / first.shape[1]))
 
 
 def _fitted(text: str, width_px: int, font: Any) -> str:

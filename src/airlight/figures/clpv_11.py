@@ -17,7 +17,7 @@ from ..scene.lights import SpotLight
 from ..scene.material import Material
 from ..scene.scene import Scene
 from .clpv_6 import scores, truth_of
-from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
+from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet, smoothed
 
 WALLS_M = (0.02, 0.1, 0.25)
 ROOM_M = (6.0, 3.0, 3.0)
@@ -49,7 +49,8 @@ def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
         if truth is not None:
             told[label] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
     if truth is not None:
-        cells.append(("path traced", shown(truth.image.layers["indirect"], stops)))
+        smooth = smoothed(truth.image.layers["indirect"], first)
+        cells.append(("path traced, smoothed", shown(smooth, stops)))
     return cells
 
 

@@ -52,28 +52,38 @@ def _row(
     return errors, cells
 
 
-def polar_picture(coefficients: F64, cell_px: int = CELL_PX) -> U8:
-    """Fluence in false colour, 8 stops below pi, and each cell's intensity as a polar plot."""
+def polar_picture(coefficients: F64, cell_px: int = CELL_PX, brightest: float | None = None) -> U8:
+    """Fluence in false colour, 8 stops below pi, and each cell's intensity as a polar plot.
+
+    Plots are as large as the root of what they plot over `brightest`; all alike without it.
+    """
     light = np.maximum(flatland.fluence(coefficients), 1e-9)[::-1]
     stops = np.clip(np.log2(light / np.pi) / 8.0 + 1.0, 0.0, 1.0)
     colours = heat(cast(F32, (0.8 * stops).astype(np.float32)))
     pixels = colours.astype(np.float64).repeat(cell_px, axis=0).repeat(cell_px, axis=1)
-    cover = _lobes(coefficients[::-1], cell_px)
+    cover = _lobes(coefficients[::-1], cell_px, brightest)
     pixels += (LOBE - pixels) * cover[..., None]
     return np.rint(pixels).astype(np.uint8)
 
 
-def _lobes(coefficients: F64, cell_px: int) -> F64:
-    """Outlines, their longest reach in a cell the same, (rows cell_px, columns cell_px)."""
+def peaks(coefficients: F64) -> F64:
+    """(rows, columns): each cell's intensity where it is largest."""
+    around = np.arange(64) * (2.0 * np.pi / 64)
+    values = coefficients @ flatland.basis(around, (coefficients.shape[-1] + 1) // 2).T
+    return np.asarray(np.maximum(values.max(axis=-1), 1e-12))
+
+
+def _lobes(coefficients: F64, cell_px: int, brightest: float | None) -> F64:
+    """How far each pixel is covered by a lobe or its outline, (rows cell_px, columns cell_px)."""
     rows, columns, count = coefficients.shape
     bands = (count + 1) // 2
     at = np.arange(cell_px) + 0.5 - 0.5 * cell_px
     right, down = np.meshgrid(at, at)
     angle, radius = np.arctan2(-down, right), np.hypot(right, down)
     intensity = coefficients @ flatland.basis(angle, bands).reshape(-1, count).T
-    around = flatland.basis(np.arange(64) * (2.0 * np.pi / 64), bands)
-    peak = np.maximum((coefficients @ around.T).max(axis=-1), 1e-12)
-    reach = 0.48 * cell_px * np.maximum(intensity, 0.0) / peak[..., None]
+    peak = peaks(coefficients)[..., None]
+    size = 1.0 if brightest is None else np.sqrt(np.minimum(peak / brightest, 1.0))
+    reach = 0.48 * cell_px * size * np.maximum(intensity, 0.0) / peak
     inside = np.clip(reach - radius.ravel() + 0.5, 0.0, 1.0)
     edge = inside * np.clip(1.5 - (reach - radius.ravel()), 0.0, 1.0)
     cover = (0.25 * inside + 0.6 * edge).reshape(rows, columns, cell_px, cell_px)

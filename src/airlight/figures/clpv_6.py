@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ..app.compare_pictures import U8, shown, signed_map
 from ..app.compare_reference import Reference, reference_for
 from ..reference.metrics import noise_floor, relmse, scene_epsilon
@@ -11,7 +13,16 @@ from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposure_of, in_clay, mean_light, rendered, sheet
+from .panels import (
+    Drawn,
+    Request,
+    exposure_of,
+    in_clay,
+    mean_light,
+    rendered,
+    sheet,
+    smoothed,
+)
 
 SCHEMES = {"ours": "centroid", "the paper's scheme": "paper"}
 Row = tuple[str, list[tuple[str, U8 | None]]]
@@ -25,31 +36,44 @@ def draw(request: Request) -> Drawn:
     bounced = truth.image.layers["one_bounce"]
     whole = truth.image.layers["direct"] + bounced
     stops = exposure_of(scene, whole)
-    traced: list[tuple[str, U8 | None]] = [
-        ("one bounce", shown(whole, stops)), ("indirect alone", shown(bounced, stops)),
-    ]  # fmt: skip
-    rows: list[Row] = [("path traced", traced)]
+    rows: list[Row] = []
     numbers: dict[str, Any] = {"scene": scene.name, "reference": _about(truth), "schemes": {}}
     for label, scheme in SCHEMES.items():
         request.report(label, 0.5)
         image = rendered(request, scene, {"scheme": scheme, "bounces": False})
-        rows.append(_row(label, image, bounced, stops))
-        numbers["schemes"][label] = scores(image.layers["indirect"], bounced)
+        told = scores(image.layers["indirect"], bounced)
+        numbers["schemes"][label] = told
+        if not rows:
+            smooth = smoothed(bounced, image)
+            rows.append(_traced(truth, smooth, stops))
+        scale = 1.0 if scheme != "paper" else 1.0 / max(told["energy_ratio"], 1e-30)
+        rows.append(_row(label, image, scale, smooth, stops))
     return Drawn(sheet(request, "One bounce, beside a path tracer", rows), numbers)
 
 
-def _row(label: str, image: Image, bounced: F32, stops: float) -> Row:
-    indirect = image.layers["indirect"]
-    return label, [
+def _traced(truth: Reference, smooth: F32, stops: float) -> Row:
+    whole = truth.image.layers["direct"] + smooth
+    return f"path traced, {truth.spp} samples, smoothed", [
+        ("one bounce", shown(whole, stops)), ("indirect alone", shown(smooth, stops)),
+    ]  # fmt: skip
+
+
+def _row(label: str, image: Image, scale: float, smooth: F32, stops: float) -> Row:
+    """`scale`: of the indirect light, so that a scheme of other units is judged by its shapes."""
+    indirect = np.float32(scale) * image.layers["indirect"]
+    name = label if scale == 1.0 else f"{label} x {scale:.2f}"
+    return name, [
         ("one bounce", shown(image.layers["direct"] + indirect, stops)),
         ("indirect alone", shown(indirect, stops)),
-        ("too bright green, too dark red", signed_map(indirect, bounced, stops)),
+        ("too bright green, too dark red", signed_map(indirect, smooth, stops)),
     ]
 
 
 def scores(indirect: F32, truth: F32) -> dict[str, float]:
-    """relmse of the light and its energy over the truth's."""
+    """Errors of the light, and its energy over the truth's."""
+    size = max(float(np.linalg.norm(truth)), 1e-30)
     return {
+        "relative_l2": float(np.linalg.norm(indirect - truth)) / size,
         "relmse": relmse(indirect, truth, scene_epsilon(truth)),
         "energy_ratio": mean_light(indirect) / max(mean_light(truth), 1e-30),
     }
@@ -60,8 +84,16 @@ def _about(truth: Reference) -> dict[str, Any]:
     floor = noise_floor(layers["one_bounce_variance"], bounced, scene_epsilon(bounced))
     return {
         "renderer": "mitsuba", "spp": truth.spp, "seconds": truth.seconds,
-        "noise_floor_relmse": floor, "notes": list(truth.notes),
+        "noise_floor_relmse": floor, "noise_floor_l2": _grain(truth), "notes": list(truth.notes),
     }  # fmt: skip
+
+
+def _grain(truth: Reference) -> float:
+    """The relative L2 that a perfect picture would score because the truth is noisy."""
+    light, variance = (truth.image.layers[f"one_bounce{end}"] for end in ("", "_variance"))
+    each = variance if variance.ndim == light.ndim else variance[..., None]
+    noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))
+    return noise / max(float(np.linalg.norm(light)), 1e-30)
 
 
 def truth_of(request: Request, scene: Scene) -> Reference | None:

@@ -14,7 +14,7 @@ from ..app.bench_frames import PAPER_LATTICE, Case, measure
 from ..app.compare_pictures import FAINT, INK, PAPER, U8
 from ..scene.builtin import atrium, cornell
 from .clpv_7 import MODES
-from .panels import QUICK, Drawn, Request, known
+from .panels import QUICK, Drawn, Request, known, milliseconds
 
 PAPER_MS: dict[str, dict[str, tuple[float, ...]]] = {
     "RSM rendering": {"GTX285": (0.16,), "Xbox 360": (0.5,), "PS3": (0.8,)},
@@ -90,4 +90,4 @@ def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
 
 
 def _times(values: Sequence[float]) -> str:
-    return " / ".join(f"{value:.3g}" for value in values)
+    return " / ".join(milliseconds(value) for value in values)

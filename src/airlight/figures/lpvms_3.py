@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ..app.compare_pictures import U8
 from ..maths import lattice26
 from ..scene.checks import F64
-from .clpv_5 import polar_picture
+from .clpv_5 import peaks, polar_picture
 from .panels import Drawn, Request, sheet
 
 DEPTH = 0.4  # optical depth of a hop of one cell
@@ -16,11 +17,14 @@ CELL_PX = 84
 
 
 def draw(request: Request) -> Drawn:
-    """The plane of 3 x 3 cells around one that sends light to the upper right."""
+    """The plane of 3 x 3 cells around one that sends light to the upper right; lobes to one scale.
+
+    The lobe is the sharpest of two bands that is nowhere negative.
+    """
     way = np.array([2.0, 1.0, 0.0]) / np.sqrt(5.0)
     state = np.zeros((1, 3, 3, 3, 4))
     state[0, 1, 1, 1, 0] = 1.0
-    state[0, 1, 1, 1, 1:] = 2.0 * way
+    state[0, 1, 1, 1, 1:] = way
     clear, _ = lattice26.deposit_step(state, [0.0], [1.0], 1.0)
     dark, _ = lattice26.deposit_step(state, [DEPTH], [0.0], 1.0)
     whole, scattered = lattice26.deposit_step(state, [DEPTH], [1.0], 1.0)
@@ -30,7 +34,13 @@ def draw(request: Request) -> Drawn:
         "before": state, "passed on": clear, "left after extinction": dark,
         "scattered": shared, "together": whole,
     }  # fmt: skip
-    cells = [(label, polar_picture(flat(step), CELL_PX)) for label, step in steps.items()]
+    brightest = float(peaks(flat(state)).max())
+    cells: list[tuple[str, U8 | None]] = [
+        ("transfer functions", polar_picture(flat(_transfer()), CELL_PX))
+    ]
+    for label, step in steps.items():
+        name = f"{label}: {float(step[..., 0].sum()):.2f}"
+        cells.append((name, polar_picture(flat(step), CELL_PX, brightest)))
     table = lattice26.hops()
     numbers: dict[str, Any] = {
         "optical_depth_of_a_cell": DEPTH,
@@ -40,7 +50,18 @@ def draw(request: Request) -> Drawn:
             for name, j in (("face", 0), ("edge", 6), ("corner", 18))
         },
     }
-    return Drawn(sheet(request, "One hop", [("plane of cells", cells)]), numbers)
+    rows = [("power", cells[1:4]), ("one hop", [*cells[4:], cells[0]])]
+    return Drawn(sheet(request, "One hop", rows), numbers)
+
+
+def _transfer() -> F64:
+    """(1, 3, 3, 3, 4): what goes to each neighbour of a cell, from light of all directions."""
+    table = lattice26.hops()
+    made = np.zeros((1, 3, 3, 3, 4))
+    x, y, z = (1 + table.offsets).T
+    made[0, z, y, x, 0] = table.weights
+    made[0, z, y, x, 1:] = 3.0 * lattice26.RHO * table.weights[:, None] * table.directions
+    return made
 
 
 def flat(state: F64) -> F64:

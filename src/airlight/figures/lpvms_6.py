@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from ..app.compare_pictures import shown
 from ..scene.builtin import bleeding, one_iteration, pinpoint
+from ..scene.checks import F32
+from ..scene.image import Image
 from ..scene.scene import Scene
 from .clpv_6 import scores, truth_of
-from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
+from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet, smoothed
 
 PAPER = {"scheme": "paper"}
 CASES: dict[str, tuple[Callable[[], Scene], dict[str, Any]]] = {
-    "a  a thin board, lit behind": (bleeding, {"resolution": 32}),
+    "a  a thin board aslant, lit behind": (bleeding, {"resolution": 32}),
     "b  a spot smaller than a cell": (pinpoint, {"resolution": 32}),
     "c  one iteration": (one_iteration, {"resolution": 32}),
 }
@@ -43,7 +47,9 @@ def _row(
         name: rendered(request, scene, mode, technique="lpv-scatter")
         for name, mode in modes.items()
     }
-    stops = exposure_of(scene, images["ours"].layers["indirect"] + images["ours"].radiance)
+    # Light that has hardly moved leaves most of a picture black: the best one sets the exposure.
+    best = list(images.values())[-1] if truth is None else truth.image
+    stops = exposure_of(scene, best.radiance)
     cells: list[Any] = []
     for name, image in images.items():
         cells.append((name, shown(image.radiance, stops)))
@@ -51,5 +57,12 @@ def _row(
         if truth is not None:
             told[name] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
     if truth is not None:
-        cells.append(("path traced", shown(truth.image.radiance, stops)))
+        light = without_grain(truth.image, images["ours"])
+        cells.append(("path traced, smoothed", shown(light, stops)))
     return cells
+
+
+def without_grain(truth: Image, guide: Image) -> F32:
+    """The truth's radiance; what has no sharp edges in the air, smoothed over surfaces."""
+    grainy = truth.layers["indirect"] + truth.layers["multiple_scatter"]
+    return np.asarray(truth.radiance - grainy + smoothed(grainy, guide), np.float32)

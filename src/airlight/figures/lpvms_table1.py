@@ -18,7 +18,7 @@ from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from .panels import Drawn, Request, renderer
+from .panels import Drawn, Request, milliseconds, renderer
 
 PAPER_MS: dict[str, tuple[float, float]] = {
     "reflected": (0.87, 0.84), "blockers": (4.5, 3.9), "single-scattered": (0.47, 0.58),
@@ -92,7 +92,7 @@ def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ..
     lines: list[tuple[str, ...]] = [("Stage, ms", *(f"here {h}" for h in head),
                                      *(f"GTX480 {side}^3" for side in SIDES))]  # fmt: skip
     for name, times in ours.items():
-        lines.append((name, *(f"{t:.3g}" for t in (*times, *PAPER_MS[name]))))
+        lines.append((name, *(milliseconds(t) for t in (*times, *PAPER_MS[name]))))
     lines.append((device[:60], "", "", "", ""))
     starts = [MARGIN_PX + COLUMN_PX * k for k in range(5)]
     size = (MARGIN_PX + COLUMN_PX * 5, 2 * MARGIN_PX + LINE_PX * len(lines))

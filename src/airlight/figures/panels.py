@@ -31,6 +31,8 @@ QUICK: Mapping[str, Any] = {
 }  # fmt: skip
 """Settings of every panel with --quick, unless the figure is about them."""
 MIN_SHEET_CELL_PX = 240  # captions need room
+CAPTION_PX = 14
+CAPTIONS_IN_WIDTH = 110  # of a sheet: captions are read when the whole sheet is on a screen
 TIMED_FRAMES = 4
 
 
@@ -106,6 +108,11 @@ def known(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in settings.items() if name in names}
 
 
+def milliseconds(value: float) -> str:
+    """Three digits, and never an exponent."""
+    return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}"
+
+
 def mean_light(radiance: F32) -> float:
     """The mean luminance, W m^-2 sr^-1."""
     return float(np.mean(luminance(radiance)))
@@ -122,7 +129,32 @@ def sheet(
 ) -> U8:
     """Panels in rows, captions above."""
     width_px = max(request.size[0], MIN_SHEET_CELL_PX)
-    return contact_sheet(title, rows, cell_width_px=width_px)
+    columns = max(len(cells) for _, cells in rows)
+    readable = min(columns * width_px // CAPTIONS_IN_WIDTH, width_px // 24)
+    caption_px = max(CAPTION_PX, readable)
+    return contact_sheet(title, rows, cell_width_px=width_px, caption_px=caption_px)
+
+
+def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
+    """A path tracer's light without its grain, for pictures alone: scores take it as it is.
+
+    The mean (H, W, 3) over pixels near by that show the same surface in `guide`, by its normals
+    and depths.
+    """
+    if "normal" not in guide.layers or "depth" not in guide.layers:
+        return light
+    normal, depth = guide.layers["normal"], np.minimum(guide.layers["depth"], 1e4)[..., None]
+    total, weights = np.zeros_like(light), np.full((*light.shape[:2], 1), 1e-20, np.float32)
+    steps = range(-radius_px, radius_px + 1)
+    for shift in ((y, x) for y in steps for x in steps):
+        there = np.roll(light, shift, (0, 1)), np.roll(normal, shift, (0, 1))
+        apart = np.abs(np.roll(depth, shift, (0, 1)) / depth - 1.0)
+        alike = np.sum(normal * there[1], axis=-1, keepdims=True)
+        is_sky = (depth >= 1e4).astype(np.float32)
+        weight = np.maximum(alike, is_sky) ** 16 * (apart < 0.05)
+        total += weight * there[0]
+        weights += weight
+    return np.asarray(total / weights, np.float32)
 
 
 def exposed(request: Request, images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:

@@ -22,8 +22,11 @@ _LAMP = (-3.2, 2.6, 0.0)
 
 
 def bleeding() -> Scene:
-    """A thin board lit hard from its far side: its near side glows with light that bleeds."""
-    return _hall("bleeding", _spot(9.0, 14.0), _behind())
+    """A thin board lit hard from its far side: its near side glows with light that bleeds.
+
+    It stands aslant to the cells, which stops less than a board along them.
+    """
+    return _hall("bleeding", _spot(9.0, 14.0), _behind(), turned_deg=30.0, grey=0.2)
 
 
 def pinpoint() -> Scene:
@@ -38,14 +41,15 @@ def one_iteration() -> Scene:
 
 
 def _hall(
-    name: str, lamp: SpotLight, camera: Camera, settings: dict[str, dict[str, Any]] | None = None
-) -> Scene:
+    name: str, lamp: SpotLight, camera: Camera, settings: dict[str, dict[str, Any]] | None = None,
+    *, turned_deg: float = 0.0, grey: float = 0.5,
+) -> Scene:  # fmt: skip
     sigma_t, albedo = extinction_and_albedo(_SIGMA_S, 0.0)
     # No bounds: the hall is closed, and the paper's scheme knows none.
     air = Medium(sigma_t, albedo)
     return Scene(
-        name=name, meshes=(*_walls(), _board()), lights=(lamp,), camera=camera, medium=air,
-        settings=settings or {},
+        name=name, meshes=(*_walls(grey), _board(turned_deg)), lights=(lamp,), camera=camera,
+        medium=air, settings=settings or {},
     )  # fmt: skip
 
 
@@ -67,7 +71,7 @@ def _before() -> Camera:
     return Camera((-3.4, 1.7, 1.4), (0.0, 1.4, -0.2), fov_y_deg=50.0, exposure_stops=None)
 
 
-def _walls() -> tuple[Mesh, ...]:
+def _walls(reflectance: float) -> tuple[Mesh, ...]:
     """Six slabs around the hall."""
     x, y, z, t = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0, _SHELL_M
     slabs = [
@@ -76,15 +80,15 @@ def _walls() -> tuple[Mesh, ...]:
         box((-x - t, 0.0, -z - t), (-x, y, z + t)), box((x, 0.0, -z - t), (x + t, y, z + t)),
         box((-x, 0.0, -z - t), (x, y, -z)), box((-x, 0.0, z), (x, y, z + t)),
     ]  # fmt: skip
-    grey = _lambert("grey", 0.5)
+    grey = _lambert("grey", reflectance)
     here = [placed_at(0.0, 0.0, 0.0)]
     return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, here, "wall"))
 
 
-def _board() -> Mesh:
+def _board(turned_deg: float) -> Mesh:
     """2.4 x 2.4 m, thinner than a tenth of a cell, upright on the floor across the hall."""
     body = box((-0.5 * BOARD_M, 0.0, -1.2), (0.5 * BOARD_M, 2.4, 1.2))
-    return _lambert("board", 0.8).meshes(body, [placed_at(0.0, 0.0, 0.0)], "board")[0]
+    return _lambert("board", 0.8).meshes(body, [placed_at(0.0, 0.0, 0.0, turned_deg)], "board")[0]
 
 
 def _lambert(name: str, reflectance: float) -> Finish:
