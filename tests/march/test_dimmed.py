@@ -11,7 +11,7 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
 from airlight.march.air import Air
-from airlight.march.dimmed import DimmedMaps, owners_of
+from airlight.march.dimmed import DimmedMaps, DimmedSky, owners_of
 from airlight.scene import DirectionalLight, Material, Mesh, PointLight, Scene, SpotLight, Volume
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
@@ -37,7 +37,10 @@ def test_flux_is_what_the_air_lets_through(
     air.update(commands, scene, low, high)
     dimmed = owned(DimmedMaps(gpu, maps, air, owners_of(scene.lights, [sun])))
     dimmed.dim(commands, lights.table)
+    sky = owned(DimmedSky(gpu, maps, air))
+    sky.dim(commands)
     commands.submit()
+    np.testing.assert_allclose(sky.flux.read(), dimmed.flux.read(), rtol=2e-3)
     before, after = (m.flux.read()[..., :3].astype(float).reshape(-1, 3) for m in (maps, dimmed))
     lit = before[:, 0] > 0.0
     assert lit.any()

@@ -48,6 +48,22 @@ class _Dim(ComputePass):
         super().__init__(gpu, generated=air.wgsl)
 
 
+class _DimSky(ComputePass):
+    workgroup = (16, 16, 1)
+    file = "dimmed_sky.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", DimParams),
+            storage("views", LightViewData),
+            texture("depth", "2d-array", "depth"),
+            texture("flux", "2d-array", "unfilterable-float"),
+            image("dimmed", "rgba16float", "2d-array"),
+            *air.medium_slots,
+        )
+        super().__init__(gpu, generated=air.medium_wgsl)
+
+
 class DimmedMaps(ReflectiveShadowMaps):
     """`of`, their flux attenuated; drawn by `of`, read like it."""
 
@@ -77,6 +93,33 @@ class DimmedMaps(ReflectiveShadowMaps):
         """Give the memory back; the maps are their owner's."""
         self.flux.release()
         self._owners.release()
+
+
+class DimmedSky(ReflectiveShadowMaps):
+    """The maps of the sky's lights, their flux attenuated; drawn by `of`, read like it."""
+
+    def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, air: Air) -> None:
+        self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
+        self.depth, self.normal = of.depth, of.normal
+        self._from, self._air = of, air
+        size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
+        self.flux = Texture(gpu, "dimmed flux of the sky", size, "rgba16float",
+                            dimension="2d-array", written=True)  # fmt: skip
+        self._dim = _DimSky(gpu, air)
+
+    def dim(self, commands: Commands) -> None:
+        """Take the maps and the air as they are."""
+        if self.layers:
+            self._dim.dispatch(
+                commands, (self.resolution, self.resolution, self.layers),
+                params=DimParams(resolution=self.resolution, layers=self.layers), views=self.views,
+                depth=self.depth, flux=self._from.flux, dimmed=self.flux,
+                **self._air.medium_bound,
+            )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back; the maps are their owner's."""
+        self.flux.release()
 
 
 def owners_of(lights: Sequence[Light], wanted: Sequence[Light]) -> list[int]:

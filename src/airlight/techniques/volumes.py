@@ -20,7 +20,7 @@ from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.lpv import Lpv
 from ..march.air import Air
-from ..march.dimmed import DimmedMaps, owners_of
+from ..march.dimmed import DimmedMaps, DimmedSky, owners_of
 from ..march.faced_air import FacedAir
 from ..march.march import LatticeSource
 from ..scatter.inject_single import InjectSingle
@@ -49,6 +49,8 @@ class LpvWithVolumes(InAir, Lpv):
             id(maps): DimmedMaps(gpu, maps, self.air_light.air, owners_of(scene.lights, group))
             for maps, group in ((self.sun_maps, suns), (self.lamp_maps, lamps))
         }
+        self._dimmed_sky = DimmedSky(gpu, self.sky.maps, self.air_light.air)
+        self._sky_air_version = -1
         self._faced = [
             FacedAir(gpu, self.air_light.air, part.placement.cells) for part in self.cascades
         ]
@@ -78,9 +80,22 @@ class LpvWithVolumes(InAir, Lpv):
         for maps in self._dimmed.values():
             maps.dim(commands, self.lights.table)
 
+    def _light_sky(self, commands: Commands, scene: Scene, moved: list[bool], scale: float) -> None:
+        """The sky bounces anew where the air changed."""
+        super()._light_sky(commands, scene, moved, scale)
+        if self._sky_air_version != self.air_light.air.version:
+            self._sky_air_version = self.air_light.air.version
+            for part in self.cascades:
+                part.is_stale = True
+        if any(part.is_stale for part in self.cascades):
+            self._dimmed_sky.dim(commands)
+
     def _inject(
         self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
     ) -> None:
+        if maps is self.sky.maps:
+            super()._inject(commands, part, self._dimmed_sky, scale)
+            return
         super()._inject(commands, part, self._dimmed.get(id(maps), maps), scale)
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:
@@ -108,6 +123,7 @@ class LpvWithVolumes(InAir, Lpv):
         for faced in self._faced:
             faced.release()
         self._shine.release()
+        self._dimmed_sky.release()
 
 
 class Shine:
