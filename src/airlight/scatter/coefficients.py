@@ -41,25 +41,25 @@ class StepCoefficients(Struct):
 
 def step_rows(
     sigma_s: Sequence[float], sigma_t: Sequence[float], cell_size_m: float, *, level: int = 0,
-    keeps_deficits: bool | None = None,
+    keeps_deficits: bool | None = None, kept: float = RHO**2,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Rows of StepCoefficients: M of channels 0, 1, 2, then T of the same.
 
     `sigma_s`, `sigma_t` (3,) m^-1. On a coarse `level` light is deposited where the finer walk
     would have, and walls do not keep deficits (`keeps_deficits`, by default on level 0 alone): a
-    correction has either sign.
+    correction has either sign. `kept` is maths.lattice26.persistence of the finest lattice.
     """
     least = float(level == 0 if keeps_deficits is None else keeps_deficits)
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
-        move, track = _channel_rows(float(s), float(t), cell_size_m, level, least)
+        move, track = _channel_rows(float(s), float(t), cell_size_m, level, least, kept / RHO)
         moves.append(move)
         tracks.append(track)
     return moves + tracks
 
 
 def _channel_rows(
-    sigma_s: float, sigma_t: float, cell_size_m: float, level: int, least: float
+    sigma_s: float, sigma_t: float, cell_size_m: float, level: int, least: float, straight: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     table = hops()
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
@@ -73,7 +73,7 @@ def _channel_rows(
     move = {
         "gain": one,
         "even": _four(w * (p + sigma_s * t * m), sigma_s * _COUNTS @ (w * t * (1.0 - m))),
-        "direct": _four(3.0 * RHO * w * p / cells, 0.0),
+        "direct": _four(3.0 * straight * w * p / cells, 0.0),
         "kept_even": _four(sigma_s * w * t * (1.0 - m), least),
         "kept_direct": _four(nothing, 0.0),
         "stopped_even": _four(sigma_s * w * t_half, 0.0),

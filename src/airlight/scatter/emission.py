@@ -14,12 +14,14 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..march.forward_source import ForwardSource
 from ..march.march import LatticeSource
+from ..maths.lattice26 import true_share
+from ..scene.checks import Rgb
 
 _TRACK_LOOKUP_SCALE = 0.9  # irradiance of a cell's mean fluence; measured
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
@@ -32,6 +34,7 @@ class EmissionParams(Struct):
 
     count = vec3u("cells")
     scale = f32("stored units per W m of track")
+    share = vec3f("of the lattice's track that there truly is")
     has_forward = u32("1: light scattered forwards comes on top")
 
 
@@ -63,17 +66,20 @@ class Emission:
         )  # fmt: skip
 
     def encode(
-        self, commands: Commands, track: Buffer, flux: float, forward: Buffer | None = None
-    ) -> None:
+        self, commands: Commands, track: Buffer, flux: float, forward: Buffer | None = None, *,
+        sigma_t: Rgb = (math.inf, math.inf, math.inf),
+    ) -> None:  # fmt: skip
         """Fill the textures; `flux`, W, bounds what came into the lattice.
 
-        `forward`: more track, of light that never was in it.
+        `forward`: more track, of light that never was in it. `sigma_t`, m^-1, says how much of the
+        track is true (maths.lattice26.true_share), by default all.
         """
         cell = self.placement.cell
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
         params = EmissionParams(
-            count=self.placement.count, scale=self.scale, has_forward=int(forward is not None)
-        )
+            count=self.placement.count, scale=self.scale, has_forward=int(forward is not None),
+            share=true_share(sigma_t, cell).tolist(),
+        )  # fmt: skip
         self._pack.dispatch(
             commands, self.placement.count, params=params, track=track,
             forward=forward or track, red=self.red, green=self.green, blue=self.blue,

@@ -1,7 +1,7 @@
 const LARGEST_HALF = 65504.0;
 
-fn stored(index: u32) -> vec4f {
-    var v = track[index];
+fn stored(index: u32, share: f32) -> vec4f {
+    var v = share * track[index];
     if (params.has_forward != 0u) {
         v += forward[index];
     }
@@ -17,9 +17,9 @@ fn stored(index: u32) -> vec4f {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
-    let r = stored(cell);
-    let g = stored(cell + cells);
-    let b = stored(cell + 2u * cells);
+    let r = stored(cell, params.share.r);
+    let g = stored(cell + cells, params.share.g);
+    let b = stored(cell + 2u * cells, params.share.b);
     textureStore(red, id, r);
     textureStore(green, id, g);
     textureStore(blue, id, b);

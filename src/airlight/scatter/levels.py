@@ -16,7 +16,9 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
+from ..maths.lattice26 import persistence
 from ..maths.lattice26_levels import mean_track
+from .balance import Balance
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
 from .correction import Correction
 from .hop_wgsl import constants
@@ -120,8 +122,9 @@ class Levels:
                   is_coarse=k > 0)
             for k, size in enumerate(schedule.counts(count))
         ]  # fmt: skip
+        self._kept = persistence(max(count))
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
-        self._correction = Correction(gpu)
+        self._correction, self._balance = Correction(gpu), Balance(gpu)
         rows = 2 * CHANNELS * (len(self.levels) + 1)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
         self._step = VariedStep(gpu, is_blocked=is_blocked) if is_varied else Step(
@@ -143,12 +146,14 @@ class Levels:
         rows = []
         for k, level in enumerate(self.levels):
             if self.scheme == "deposit":
-                rows += step_rows(sigma_s, sigma_t, level.cell, level=k)
+                rows += step_rows(sigma_s, sigma_t, level.cell, level=k, kept=self._kept)
             else:
                 fixed = self.scheme == "paper-gamma"
                 rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
         # The finest once more, for corrections, which have either sign.
-        rows += step_rows(sigma_s, sigma_t, self.levels[0].cell, keeps_deficits=False)
+        rows += step_rows(
+            sigma_s, sigma_t, self.levels[0].cell, keeps_deficits=False, kept=self._kept
+        )
         self._coefficients.write(pack_array(StepCoefficients, rows))
         self._ways = [mean_track(sigma_t, level.cell).tolist() for level in self.levels]
 
@@ -187,6 +192,11 @@ class Levels:
         current = source
         for _ in range(self.schedule.cycles):
             current = self._cycle(commands, 0, current)
+        if self.schedule.is_balanced:
+            current = self._balance.encode(
+                commands, level.count, source=source, current=current,
+                stepped=self._smoothed(commands, 0, current),
+            )  # fmt: skip
         self._apply(commands, 0, TRACK, current, self._zero, level.track)
         return current, level.track
 
@@ -247,7 +257,7 @@ class Levels:
         if isinstance(self._step, VariedStep):
             self._step.encode(
                 commands, level.count, level.cell, self._air(k), is_track=row == TRACK,
-                keeps_deficits=keeps_deficits, **buffers,
+                keeps_deficits=keeps_deficits, kept=self._kept, **buffers,
             )  # fmt: skip
         else:
             # The finest level's rows for corrections come last.
@@ -278,4 +288,5 @@ class Levels:
             level.release()
         self._zero.release()
         self._correction.release()
+        self._balance.release()
         self._coefficients.release()

@@ -36,6 +36,7 @@ class VariedParams(Struct):
 
     count = vec3u("cells")
     cell = f32("m")
+    straight = f32("net direction of what arrives, per 3 W")
     deficit = f32("least reflectance of negative power: 1, or 0 for corrections of either sign")
 
 
@@ -63,11 +64,16 @@ class VariedStep:
     def encode(
         self, commands: Commands, count: Count, cell_size_m: float, medium: Buffer, *,
         is_track: bool, before: Buffer, source: Buffer, after: Buffer, packs: Buffer,
-        keeps_deficits: bool = True,
+        keeps_deficits: bool = True, kept: float = RHO**2,
     ) -> None:  # fmt: skip
-        """after = source + K before; K gives the track where `is_track`, else the next state."""
+        """after = source + K before; K gives the track where `is_track`, else the next state.
+
+        `kept` as in step_rows.
+        """
         nx, ny, nz = count
-        params = VariedParams(count=count, cell=cell_size_m, deficit=float(keeps_deficits))
+        params = VariedParams(
+            count=count, cell=cell_size_m, straight=kept / RHO, deficit=float(keeps_deficits)
+        )
         (self._track if is_track else self._move).dispatch(
             commands, (nx, ny, CHANNELS * nz), params=params, medium=medium, before=before,
             source=source, after=after, packs=packs,
@@ -79,7 +85,7 @@ class VariedStep:
 _OUTPUTS = {
     "move": {
         "arriving": "far.s * {f}.y + own.s * {f}.x * (2.0 * {o}.y + {o}.z) + {f}.x * {o}.x",
-        "arriving_direct": "3.0 * RHO * {f}.x * {o}.x",
+        "arriving_direct": "3.0 * params.straight * {f}.x * {o}.x",
         "kept": "own.s * ({o}.y + 2.0 * {o}.z) + far.s * {o}.x * {f}.z",
         "kept_direct": "0.0",
         "stopped": "own.s * {way}",

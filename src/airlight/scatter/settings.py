@@ -24,7 +24,7 @@ class ScatterSettings:
         "auto", "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
         "eq. 3 as printed; paper-gamma: with what it loses put back", choices=SCHEMES)  # fmt: skip
     iterations: int = setting(
-        8, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512
+        12, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512
     )
     residual: float = setting(0.0, "light that may still be under way; chooses the iterations "
                               "where above 0", low=0.0, high=0.9)  # fmt: skip

@@ -112,7 +112,7 @@ class ScatterSolver:
         )  # fmt: skip
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
-        self._sigma_s = self._sigma_t = (0.0, 0.0, 0.0)
+        self._sigma_s = self._sigma_t = self._densest = (0.0, 0.0, 0.0)
         self._air_version = -1
         self._walls_key = self._steady_key = b""
 
@@ -144,7 +144,9 @@ class ScatterSolver:
             total, track = self.levels.encode(commands, self.source)
         with commands.stage("copy"):
             forward = self.forward if self._is_forward else None
-            self.emission.encode(commands, track, flux, self._sky_forward if forward else None)
+            self.emission.encode(
+                commands, track, flux, self._sky_forward if forward else None, sigma_t=self._densest
+            )
             self.surfaces.encode(
                 commands, total, flux, medium=self.medium if self.is_varied else None,
                 sigma_s=self._sigma_s, sigma_t=self._sigma_t,
@@ -159,6 +161,7 @@ class ScatterSolver:
         if self.air.version == self._air_version:
             return False
         self._air_version = self.air.version
+        self._densest = densest_air(even)[1]
         if self.air_cells is None:
             self._sigma_s, self._sigma_t = densest_air(even)
             self.levels.set_air(self._sigma_s, self._sigma_t)

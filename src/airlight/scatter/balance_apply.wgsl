@@ -1,0 +1,10 @@
+// One step of the scaled sum: the source is not scaled, what it has become is.
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let n = params.count;
+    if (id.x >= n.x || id.y >= n.y || id.z >= 3u * n.z) {
+        return;
+    }
+    let index = (id.z * n.y + id.y) * n.x + id.x;
+    balanced[index] = mix(source[index], stepped[index], scales[id.z / n.z]);
+}
