@@ -74,7 +74,7 @@ class Commands:
         finally:
             render_pass.end()
 
-    def put(self, params: Struct) -> int:
+    def put(self, params: object) -> int:
         """Keep `params` until the submit; returns their offset in the arena.
 
         The same Struct has one place, however often a frame uses it.
