@@ -16,7 +16,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from ..maths.lattice26 import persistence
+from ..maths.lattice26 import RHO, persistence
 from ..maths.lattice26_levels import mean_track
 from .balance import Balance
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
@@ -113,7 +113,7 @@ class Levels:
 
     def __init__(
         self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, *,
-        is_blocked: bool, is_varied: bool, scheme: str = "deposit",
+        is_blocked: bool, is_varied: bool, scheme: str = "deposit", is_straight: bool = True,
     ) -> None:  # fmt: skip
         self.schedule, self.scheme = schedule, scheme
         self.is_blocked, self.is_varied = is_blocked, is_varied
@@ -122,7 +122,7 @@ class Levels:
                   is_coarse=k > 0)
             for k, size in enumerate(schedule.counts(count))
         ]  # fmt: skip
-        self._kept = persistence(max(count))
+        self._kept = persistence(max(count)) if is_straight else RHO**2
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
         self._correction, self._balance = Correction(gpu), Balance(gpu)
         rows = 2 * CHANNELS * (len(self.levels) + 1)
