@@ -84,8 +84,8 @@ def persistence(longest_side: int) -> float:
 def true_share(sigma_t: ArrayLike, cell_size_m: float) -> F64:
     """How much of a solved lattice's track (...) there truly is, by extinction (...), m^-1.
 
-    Light that passes hops unscattered wanders, and stays too long: with this share the errors of
-    fluence beside Monte Carlo are no larger, and those of its sum half as large.
+    Light that passes hops unscattered wanders, and stays too long. The share is a fit to one foggy
+    room (builtin:haze-box, 32 cells), not derived; others judge it in docs/accuracy.md.
     """
     passed = np.exp(-np.asarray(sigma_t, dtype=np.float64) * (cell_size_m * mean_hop_length()))
     return np.asarray(1.0 - (1.0 - _TRUE_SHARE) * passed)
