@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from airlight.maths import tone
+from airlight.maths.colour import srgb_encode
 
 GREYS = np.repeat(np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 4001)])[:, None], 3, axis=1)
 
@@ -77,13 +78,41 @@ def test_dither_keeps_the_mean_and_stays_within_a_code() -> None:
     plain = tone.display_srgb8(flat, 0.0, "none").astype(int)
     dithered = tone.display_srgb8(flat, 0.0, "none", dither=True).astype(int)
     assert np.abs(dithered - plain).max() == 1
-    from airlight.maths.colour import srgb_encode
-
+    assert np.ptp(dithered, axis=2).max() == 0  # grey stays grey
     assert dithered.mean() == pytest.approx(255.0 * float(srgb_encode(0.1807)), abs=1.0 / 64)
 
 
-def test_bayer_matrix_holds_every_threshold_once() -> None:
-    np.testing.assert_allclose(np.sort(tone.bayer_matrix(3), axis=None), (np.arange(64) + 0.5) / 64)
+def test_dither_hides_the_bands_of_a_smooth_sky() -> None:
+    sky = np.repeat(np.linspace(0.10, 0.11, 200)[:, None, None], 3, axis=2)  # 4 codes in 200 rows
+    sky = np.broadcast_to(sky, (200, 64, 3))
+    true = 255.0 * srgb_encode(sky[..., 0])
+    misses = []
+    for dither in (False, True):
+        shown = tone.display_srgb8(sky, 0.0, "none", dither=dither)[..., 0]
+        # As an eye sees it from some way off: blocks of 8 x 8 pixels.
+        off = (shown - true).reshape(25, 8, 8, 8).mean(axis=(1, 3))
+        misses.append(float(np.abs(off).max()))
+    assert misses[0] > 0.3
+    assert misses[1] < 0.08
+
+
+def test_dither_leaves_whole_codes_alone() -> None:
+    ramp = np.arange(256) / 255.0
+    linear = np.where(ramp <= 0.04045, ramp / 12.92, ((ramp + 0.055) / 1.055) ** 2.4)
+    picture = np.broadcast_to(linear[None, :, None], (64, 256, 3))
+    shown = tone.display_srgb8(picture, 0.0, "none", dither=True)
+    np.testing.assert_array_equal(
+        shown, np.broadcast_to(np.arange(256)[None, :, None], shown.shape)
+    )
+
+
+def test_dither_is_even_at_every_scale() -> None:
+    codes = tone.dither_codes(96, 96)
+    assert np.abs(codes).max() <= 0.5
+    for side in (4, 8, 16):
+        means = codes.reshape(96 // side, side, 96 // side, side).mean(axis=(1, 3))
+        # White noise of the same width: .283 / side.
+        assert means.std() < 0.5 * 0.283 / side
 
 
 def test_auto_exposure() -> None:

@@ -43,7 +43,7 @@ PAPER, INK, FAINT = (22, 22, 24), (232, 232, 230), (150, 150, 152)
 
 def shown(radiance: F32, stops: float) -> U8:
     """As a picture on a display, AgX; (H, W, 3)."""
-    return display_srgb8(radiance, stops, "agx")
+    return display_srgb8(radiance, stops, "agx", dither=True)
 
 
 def signed_map(image: F32, reference: F32, stops: float) -> U8:

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..maths.tone import display_srgb8
 from ..scene.image import Image
 from ..scene.io import load
 from ..scene.scene import Scene
@@ -75,7 +74,6 @@ def png_bytes(image: Image) -> bytes:
     """The tone-mapped picture as a PNG file."""
     from PIL import Image as Pillow
 
-    shown = display_srgb8(image.radiance, image.exposure_stops, image.tone_map)
     out = io.BytesIO()
-    Pillow.fromarray(shown).save(out, "PNG")
+    Pillow.fromarray(image.display()).save(out, "PNG")
     return out.getvalue()

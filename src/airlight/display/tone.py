@@ -1,4 +1,4 @@
-"""Exposure, tone curve and sRGB encoding on the device: the twin of `maths.tone.display_srgb8`."""
+"""Exposure, tone curve, sRGB and dither on the device: the twin of `maths.tone.display_srgb8`."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .colour import luminance, srgb_encode
+from .sampling import r2_noise
 
 F64 = NDArray[np.float64]
 
@@ -142,15 +143,14 @@ def tone_map(radiance: ArrayLike, exposure_stops: float, name: str) -> F64:
     return TONE_CURVES[name](np.where(np.isfinite(c), c, 0.0) * 2.0**exposure_stops)
 
 
-def bayer_matrix(order: int) -> F64:
-    """The (2^order, 2^order) ordered-dither threshold map, values in (0, 1), mean 1/2.
+DITHER_CODES = 0.98
+"""Width of dithering in code values: below 1, so that rounding errors leave whole codes alone."""
 
-    Source: Bayer 1973.
-    """
-    m = np.zeros((1, 1))
-    for _ in range(order):
-        m = np.block([[4.0 * m, 4.0 * m + 2.0], [4.0 * m + 3.0, 4.0 * m + 1.0]])
-    return (m + 0.5) / m.size
+
+def dither_codes(height_px: int, width_px: int) -> F64:
+    """What (H, W) is added to code values before they are rounded, mean 0: r2_noise."""
+    y, x = np.indices((height_px, width_px), dtype=np.uint32)
+    return np.asarray(DITHER_CODES * (r2_noise(x, y) - 0.5))
 
 
 def display_srgb8(
@@ -158,16 +158,14 @@ def display_srgb8(
 ) -> NDArray[np.uint8]:
     """8-bit sRGB (H, W, 3) of linear radiance (H, W, 3) W m^-2 sr^-1.
 
-    `tone_map` names the curve. With `dither` an 8x8 ordered pattern of at most half a code
-    value hides banding. Non-finite pixels become 0. Raises ValueError for an unknown curve.
+    `tone_map` names the curve. With `dither` a fixed pattern of at most half a code value hides
+    the bands of smooth skies; the same for every picture, and for all colours, so that grey stays
+    grey. Non-finite pixels become 0. Raises ValueError for an unknown curve.
     """
     encoded = srgb_encode(_mapped(radiance, exposure_stops, tone_map)) * 255.0
-    threshold: F64 | float = 0.5
     if dither:
-        height, width = encoded.shape[:2]
-        tile = bayer_matrix(3)
-        threshold = np.tile(tile, (height // 8 + 1, width // 8 + 1))[:height, :width, None]
-    return np.clip(np.floor(encoded + threshold), 0.0, 255.0).astype(np.uint8)
+        encoded = encoded + dither_codes(*encoded.shape[:2])[..., None]
+    return np.clip(np.floor(encoded + 0.5), 0.0, 255.0).astype(np.uint8)
 
 
 _mapped = tone_map  # display_srgb8's parameter carries the name a caller writes

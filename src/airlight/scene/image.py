@@ -45,6 +45,7 @@ class Image:
     def display(self, layer: str = "") -> NDArray[np.uint8]:
         """As on a screen, 8-bit sRGB (H, W, 3): the picture, or a colour layer exposed as it is.
 
+        Dithered by half a code value, as files are.
         Raises SettingsError for a layer that it does not have or that is no colour.
         """
         pixels = self.layers.get(layer) if layer else self.radiance
@@ -53,7 +54,7 @@ class Image:
             raise SettingsError(
                 f"the picture has no colour layer '{layer}'", remedy=nearest(layer, colours)
             )
-        return display_srgb8(pixels, self.exposure_stops, self.tone_map)
+        return display_srgb8(pixels, self.exposure_stops, self.tone_map, dither=True)
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""

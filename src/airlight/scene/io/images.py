@@ -107,7 +107,8 @@ def save_image(
 
     EXR holds linear radiance and, with `layers`, every layer as named channels; `precision`
     "half" halves its colours (depth stays float). HDR is linear; PNG and JPEG are tone mapped
-    with the image's exposure and curve. Raises OutputError with a remedy.
+    with the image's exposure and curve, and dithered by half a code value. Raises OutputError with
+    a remedy.
     """
     suffix = path.suffix.lower()
     if suffix not in PICTURE_SUFFIXES:
@@ -129,7 +130,7 @@ def _write_display(image: Image, path: Path, suffix: str) -> None:
     from ...maths.tone import display_srgb8
 
     try:
-        pixels = display_srgb8(image.radiance, image.exposure_stops, image.tone_map)
+        pixels = display_srgb8(image.radiance, image.exposure_stops, image.tone_map, dither=True)
     except ValueError as error:
         raise OutputError(str(error), where=path) from None
     options: dict[str, Any] = {} if suffix == ".png" else {"quality": 95, "subsampling": 0}
