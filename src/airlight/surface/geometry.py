@@ -101,7 +101,7 @@ class GpuScene:
             gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
         )
         self.instances = Buffer(
-            gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes))
+            gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes)), vertex=True
         )
         self._placed = b""
         self._first = scene.meshes

@@ -6,16 +6,30 @@ from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.memory import Buffer
 from ..gpu.raster import RasterPipeline
 from ..gpu.slots import Slot, sampler, storage, texture
 from .geometry import MAPS, Draw, GpuScene, InstanceData, MaterialData
 
-MESH_SLOTS: tuple[Slot, ...] = (
-    storage("instances", InstanceData), storage("materials", MaterialData)
-)  # fmt: skip
+MESH_SLOTS: tuple[Slot, ...] = (storage("materials", MaterialData),)
 MATERIAL_SLOTS: tuple[Slot, ...] = tuple(
     slot for name in MAPS for slot in (texture(f"{name}_map"), sampler(f"{name}_sampler"))
 )
+
+
+def _of_instances(fields: dict[str, tuple[str, int, int]]) -> dict[str, Any]:
+    """A vertex buffer of `InstanceData`; fields by name: format, columns, the first's location."""
+    offsets: Any = InstanceData.dtype.fields
+    attributes = [
+        {"shader_location": location + i, "offset": offsets[name][1] + 16 * i, "format": form}
+        for name, (form, columns, location) in fields.items()
+        for i in range(columns)
+    ]
+    return {"array_stride": InstanceData.dtype.itemsize, "step_mode": "instance",
+            "attributes": attributes}  # fmt: skip
+
+
+_PLACED = {"world_from_object": ("float32x4", 4, 4)}
 VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     {"array_stride": 12, "step_mode": "vertex", "attributes": [
         {"shader_location": 0, "offset": 0, "format": "float32x3"}]},
@@ -23,6 +37,8 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
         {"shader_location": 1, "offset": 0, "format": "snorm16x4"},
         {"shader_location": 2, "offset": 8, "format": "float32x2"},
         {"shader_location": 3, "offset": 16, "format": "float16x4"}]},
+    _of_instances({**_PLACED, "normal_from_object": ("float32x3", 3, 8),
+                   "material": ("uint32", 1, 11), "size": ("float32", 1, 12)}),
 )  # fmt: skip
 _RECORDED = 64  # views whose draws are kept as they were encoded
 
@@ -51,6 +67,10 @@ class MeshPipeline(RasterPipeline):
         super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
         self._groups: dict[int, tuple[Any, Any]] = {}
 
+    def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
+        """What `vertex_buffers` are, in their order."""
+        return (scene.positions, scene.vertices, scene.instances)
+
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
         """Set the material's bind group; each set of textures has one."""
         if self.second is None:
@@ -66,10 +86,14 @@ class DepthPipeline(MeshPipeline):
     """Depth of opaque materials alone. Subclass it with `slots`, the first called `params`."""
 
     second_slots = ()
-    vertex_buffers = VERTEX_BUFFERS[:1]
+    vertex_buffers = (VERTEX_BUFFERS[0], _of_instances(_PLACED))
     fragment_entry = ""
     maps = ()
     file = "shadow_opaque.wgsl"
+
+    def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
+        """No more than where vertices and instances are."""
+        return (scene.positions, scene.instances)
 
 
 class MeshPass:
@@ -97,7 +121,7 @@ class MeshPass:
         if not draws:
             return
         shared = {
-            "params": params, "instances": scene.instances, "materials": scene.materials, **bound
+            "params": params, "materials": scene.materials, **bound
         }  # fmt: skip
         # What stands in the key by its id is kept beside it: the id stays its own.
         kept = (draws, commands, scene.instances, *bound.values())
@@ -124,8 +148,6 @@ class MeshPass:
         shared: dict[str, Any],
     ) -> None:  # fmt: skip
         """Into a render pass, or a bundle to be."""
-        encoder.set_vertex_buffer(0, scene.positions.handle)
-        encoder.set_vertex_buffer(1, scene.vertices.handle)
         encoder.set_index_buffer(scene.indices.handle, "uint32")
         active: MeshPipeline | None = None
         textures: Any = None
@@ -133,6 +155,8 @@ class MeshPass:
             pipeline = self._pipeline(draw)
             if pipeline is not active:
                 encoder.set_pipeline(pipeline.pipeline)
+                for slot, buffer in enumerate(pipeline.vertices_of(scene)):
+                    encoder.set_vertex_buffer(slot, buffer.handle)
                 pipeline.bindings.bind(commands, encoder, 0, shared)
                 active, textures = pipeline, None
             if draw.textures is not textures:

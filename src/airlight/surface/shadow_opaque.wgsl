@@ -2,7 +2,7 @@
 
 // Depth alone needs no more than where a vertex is.
 @vertex fn vertex(
-    @builtin(instance_index) instance: u32, @location(0) position: vec3f,
+    @location(0) position: vec3f, at: Placement,
 ) -> @invariant @builtin(position) vec4f {
-    return clip_position(instance, position, params.clip_from_world);
+    return params.clip_from_world * world_position(at, position);
 }

@@ -1,11 +1,23 @@
-// Vertices of meshes. A pass that uses this binds `instances`.
+// Vertices of meshes, and where their instance stands: attributes too, which software drivers read
+// once for many vertices, and storage buffers once for each.
+
+struct Placement {
+    @location(4) x: vec4f,      // columns of world_from_object
+    @location(5) y: vec4f,
+    @location(6) z: vec4f,
+    @location(7) w: vec4f,
+}
 
 struct VertexIn {
-    @builtin(instance_index) instance: u32,
     @location(0) position: vec3f,
     @location(1) normal: vec4f,
     @location(2) uv: vec2f,
     @location(3) color: vec4f,
+    @location(8) normal_x: vec3f,       // columns of normal_from_object
+    @location(9) normal_y: vec3f,
+    @location(10) normal_z: vec3f,
+    @location(11) material: u32,
+    @location(12) size: f32,
 }
 
 struct VertexOut {
@@ -18,20 +30,19 @@ struct VertexOut {
     @location(5) @interpolate(flat) size: f32,
 }
 
-fn clip_position(instance: u32, position: vec3f, clip_from_world: mat4x4f) -> vec4f {
-    return clip_from_world * (instances[instance].world_from_object * vec4f(position, 1.0));
+fn world_position(at: Placement, position: vec3f) -> vec4f {
+    return mat4x4f(at.x, at.y, at.z, at.w) * vec4f(position, 1.0);
 }
 
-fn placed_vertex(in: VertexIn, clip_from_world: mat4x4f) -> VertexOut {
-    let instance = instances[in.instance];
+fn placed_vertex(in: VertexIn, at: Placement, clip_from_world: mat4x4f) -> VertexOut {
     var out: VertexOut;
-    let world = instance.world_from_object * vec4f(in.position, 1.0);
+    let world = world_position(at, in.position);
     out.clip = clip_from_world * world;
     out.world = world.xyz;
-    out.normal = (instance.normal_from_object * vec4f(in.normal.xyz, 0.0)).xyz;
+    out.normal = mat3x3f(in.normal_x, in.normal_y, in.normal_z) * in.normal.xyz;
     out.uv = in.uv;
     out.color = in.color;
-    out.material = instance.material;
-    out.size = instance.size;
+    out.material = in.material;
+    out.size = in.size;
     return out;
 }
