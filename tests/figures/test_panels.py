@@ -75,22 +75,6 @@ def test_stages_that_a_mode_lacks_cost_nothing():
     assert told["Total"] == (3.0, 4.0)
 
 
-def test_smoothing_takes_grain_away_and_keeps_edges():
-    light = 1.0 + np.random.default_rng(3).uniform(-0.5, 0.5, (24, 32, 3)).astype(np.float32)
-    light[:, 16:] *= 4.0
-    normal = np.zeros_like(light)
-    normal[:, :16, 0] = normal[:, 16:, 1] = 1.0
-    depth = np.full((24, 32), 3.0, np.float32)
-    smooth = panels.smoothed(light, Image(light, {"normal": normal, "depth": depth}))
-    left, right = smooth[4:-4, 4:16], smooth[4:-4, 16:-4]
-    assert left.std() < 0.2 * light[:, :16].std()
-    assert (left.mean(), right.mean()) == (
-        pytest.approx(1.0, abs=0.05),
-        pytest.approx(4.0, abs=0.2),
-    )
-    assert panels.smoothed(light, Image(light, {})) is light
-
-
 def test_milliseconds_have_no_exponent():
     assert [panels.milliseconds(v) for v in (0.0512, 12.34, 1060.2)] == ["0.0512", "12.3", "1,060"]
 

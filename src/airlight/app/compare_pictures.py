@@ -38,6 +38,7 @@ MAGMA = np.array(  # every eighth of matplotlib's map, 8-bit sRGB
     ],
     dtype=np.float64,
 )
+SMALLEST_PX = 11  # of captions
 PAPER, INK, FAINT = (22, 22, 24), (232, 232, 230), (150, 150, 152)
 
 
@@ -96,11 +97,12 @@ def contact_sheet(
     draw = PIL.ImageDraw.Draw(sheet)
     large = PIL.ImageFont.load_default(1.6 * caption_px)
     draw.text((margin, caption_px + 2), title, INK, font=large)
-    font = PIL.ImageFont.load_default(caption_px)
     for (name, cells), top, height in zip(rows, tops[:-1].tolist(), heights, strict=True):
         for c, (label, pixels) in enumerate(cells):
             x = margin + c * (cell_width_px + margin)
-            text = _fitted(f"{name} · {label}" if name else label, cell_width_px, font)
+            text = f"{name} · {label}" if name else label
+            font = _narrow(text, cell_width_px, caption_px)
+            text = _fitted(text, cell_width_px, font)
             draw.text((x, top + 4), text, FAINT if pixels is None else INK, font=font)
             if pixels is not None:
                 small = PIL.Image.fromarray(pixels)
@@ -115,6 +117,15 @@ def _height_px(cells: Sequence[tuple[str, U8 | None]], width_px: int) -> int:
     """Of a row whose pictures are `width_px` wide."""
     first = next((p for _, p in cells if p is not None), None)
     return 1 if first is None else max(1, round(first.shape[0] * width_px / first.shape[1]))
+
+
+def _narrow(text: str, width_px: int, size_px: int) -> Any:
+    """The font at its size; smaller, down to what can be read, where the text is too long."""
+    font = PIL.ImageFont.load_default(size_px)
+    share = width_px / max(font.getlength(text), 1.0)
+    if share >= 1.0:
+        return font
+    return PIL.ImageFont.load_default(max(float(SMALLEST_PX), 0.98 * share * size_px))
 
 
 def _fitted(text: str, width_px: int, font: Any) -> str:

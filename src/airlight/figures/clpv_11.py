@@ -16,8 +16,9 @@ from ..scene.camera import Camera
 from ..scene.lights import SpotLight
 from ..scene.material import Material
 from ..scene.scene import Scene
-from .clpv_6 import scores, truth_of
-from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet, smoothed
+from .clpv_6 import scores
+from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
+from .truths import smoothed, told_of, truth_of
 
 WALLS_M = (0.02, 0.1, 0.25)
 ROOM_M = (6.0, 3.0, 3.0)
@@ -50,7 +51,7 @@ def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
             told[label] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
     if truth is not None:
         smooth = smoothed(truth.image.layers["indirect"], first)
-        cells.append(("path traced, smoothed", shown(smooth, stops)))
+        cells.append((told_of(truth), shown(smooth, stops)))
     return cells
 
 

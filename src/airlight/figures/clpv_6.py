@@ -7,22 +7,13 @@ from typing import Any
 import numpy as np
 
 from ..app.compare_pictures import U8, shown, signed_map
-from ..app.compare_reference import Reference, reference_for
+from ..app.compare_reference import Reference
 from ..reference.metrics import noise_floor, relmse, scene_epsilon
 from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32
 from ..scene.image import Image
-from ..scene.scene import Scene
-from .panels import (
-    Drawn,
-    Request,
-    exposure_of,
-    in_clay,
-    mean_light,
-    rendered,
-    sheet,
-    smoothed,
-)
+from .panels import Drawn, Request, exposure_of, in_clay, mean_light, rendered, sheet
+from .truths import averaged, noise_l2, smoothed, told_of, traced
 
 SCHEMES = {"ours": "centroid", "the paper's scheme": "paper"}
 Row = tuple[str, list[tuple[str, U8 | None]]]
@@ -32,7 +23,7 @@ def draw(request: Request) -> Drawn:
     """Whole pictures, indirect light alone, and where it is too bright (green) or dark (red)."""
     scene = cornell() if request.quick else in_clay(atrium())
     request.report("path tracing one bounce", 0.0)
-    truth = reference_for(scene, request.size, request.reference_spp, report=request.report)
+    truth = traced(request, scene)
     bounced = truth.image.layers["one_bounce"]
     whole = truth.image.layers["direct"] + bounced
     stops = exposure_of(scene, whole)
@@ -53,7 +44,7 @@ def draw(request: Request) -> Drawn:
 
 def _traced(truth: Reference, smooth: F32, stops: float) -> Row:
     whole = truth.image.layers["direct"] + smooth
-    return f"path traced, {truth.spp} samples, smoothed", [
+    return told_of(truth), [
         ("one bounce", shown(whole, stops)), ("indirect alone", shown(smooth, stops)),
     ]  # fmt: skip
 
@@ -65,12 +56,13 @@ def _row(label: str, image: Image, scale: float, smooth: F32, stops: float) -> R
     return name, [
         ("one bounce", shown(image.layers["direct"] + indirect, stops)),
         ("indirect alone", shown(indirect, stops)),
-        ("too bright green, too dark red", signed_map(indirect, smooth, stops)),
+        ("too bright green, too dark red", signed_map(averaged(indirect, smooth), smooth, stops)),
     ]
 
 
 def scores(indirect: F32, truth: F32) -> dict[str, float]:
-    """Errors of the light, and its energy over the truth's."""
+    """Errors of the light, and its energy over the truth's, at the truth's size."""
+    indirect = averaged(indirect, truth)
     size = max(float(np.linalg.norm(truth)), 1e-30)
     return {
         "relative_l2": float(np.linalg.norm(indirect - truth)) / size,
@@ -84,20 +76,6 @@ def _about(truth: Reference) -> dict[str, Any]:
     floor = noise_floor(layers["one_bounce_variance"], bounced, scene_epsilon(bounced))
     return {
         "renderer": "mitsuba", "spp": truth.spp, "seconds": truth.seconds,
-        "noise_floor_relmse": floor, "noise_floor_l2": _grain(truth), "notes": list(truth.notes),
+        "noise_floor_relmse": floor, "noise_floor_l2": noise_l2(truth, "one_bounce"),
+        "notes": list(truth.notes),
     }  # fmt: skip
-
-
-def _grain(truth: Reference) -> float:
-    """The relative L2 that a perfect picture would score because the truth is noisy."""
-    light, variance = (truth.image.layers[f"one_bounce{end}"] for end in ("", "_variance"))
-    each = variance if variance.ndim == light.ndim else variance[..., None]
-    noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))
-    return noise / max(float(np.linalg.norm(light)), 1e-30)
-
-
-def truth_of(request: Request, scene: Scene) -> Reference | None:
-    """All bounces by path tracing; None with --quick."""
-    if request.quick:
-        return None
-    return reference_for(scene, request.size, request.reference_spp, report=request.report)

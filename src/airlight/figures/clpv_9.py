@@ -11,17 +11,9 @@ from ..scene.builtin.patch import Finish, placed_at
 from ..scene.builtin.solids import rectangle
 from ..scene.material import Material
 from ..scene.scene import Scene
-from .clpv_6 import scores, truth_of
-from .panels import (
-    Drawn,
-    Request,
-    exposure_of,
-    from_here,
-    mean_light,
-    rendered,
-    sheet,
-    smoothed,
-)
+from .clpv_6 import scores
+from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
+from .truths import smoothed, truth_of
 
 ROUGHNESSES = (0.1, 0.3, 0.6)
 _ABOVE_M = 0.004  # of the box's own floor

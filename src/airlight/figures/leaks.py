@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from ..app.compare_pictures import U8, shown
-from ..app.compare_reference import reference_for
 from ..maths.colour import luminance, srgb_encode
 from ..reference.metrics_display import displayed
 from ..scene.builtin import cornell, room
 from ..scene.checks import F32, F64
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposure_of, from_here, rendered, sheet
+from .truths import averaged, smoothed, told_of, traced
 
 DARK_SHARE = 0.15
 """Of the reference's mean indirect luminance: what has less is dark."""
@@ -26,18 +26,21 @@ MODES: Mapping[str, Mapping[str, Any]] = {"paper's scheme": {"scheme": "paper"},
 def draw(request: Request) -> Drawn:
     """The room's shelf, boards of 22 mm: each scheme's indirect light, and what of it leaked."""
     scene = cornell() if request.quick else shelf()
-    truth = reference_for(scene, request.size, request.reference_spp, report=request.report)
-    traced = truth.image.layers["indirect"]
-    stops = exposure_of(scene, traced)
-    rows: list[tuple[str, list[tuple[str, U8 | None]]]] = [
-        ("path traced", [("indirect light", shown(traced, stops))])
-    ]
-    numbers: dict[str, Any] = {"dark_share_of_surfaces": float(dark_places(traced).mean())}
+    truth = traced(request, scene)
+    light = truth.image.layers["indirect"]
+    stops = exposure_of(scene, light)
+    numbers: dict[str, Any] = {"dark_share_of_surfaces": float(dark_places(light).mean())}
+    rows: list[tuple[str, list[tuple[str, U8 | None]]]] = []
     for label, settings in MODES.items():
-        indirect = rendered(request, scene, settings).layers["indirect"]
-        share = leaked_share(indirect, traced)
+        image = rendered(request, scene, settings)
+        if not rows:
+            smooth = smoothed(light, image)
+            rows.append((told_of(truth), [("indirect light", shown(smooth, stops))]))
+        indirect = image.layers["indirect"]
+        coarse = averaged(indirect, light)
+        share = leaked_share(coarse, light)
         numbers[label] = {"leaked_over_all_indirect": share}
-        leak = leak_picture(indirect, traced, stops)
+        leak = leak_picture(coarse, light, stops)
         rows.append(
             (label, [("indirect light", shown(indirect, stops)), (f"leaked: {share:.1%}", leak)])
         )

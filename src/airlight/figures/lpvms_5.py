@@ -8,8 +8,8 @@ from ..app.compare_pictures import shown
 from ..reference.metrics import compare
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.image import Image
-from .clpv_6 import truth_of
 from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
+from .truths import as_large_as, truth_of
 
 TECHNIQUES = {
     "a  ours": "lpv-scatter", "b  shadow map": "direct", "c  lattice": "lpv",
@@ -28,7 +28,7 @@ def draw(request: Request) -> Drawn:
         images[label] = image = rendered(request, scene, technique=technique)
         told: dict[str, Any] = {"technique": technique, "mean": mean_light(image.radiance)}
         if truth is not None:
-            found = compare(image, truth.image)
+            found = compare(as_large_as(image, truth.image.radiance), truth.image)
             told |= {name: found[name] for name in ("relmse", "relative_l2", "flip", "hdr_flip",
                                                     "energy_ratio")}  # fmt: skip
         numbers["techniques"][label] = told

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from ..app.compare_pictures import U8, shown, signed_map
-from ..app.compare_reference import reference_for
 from ..reference.metrics import Metrics, compare
 from ..scene.builtin import atrium_fog, foggy_room, haze_box
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposure_of, rendered, sheet
+from .truths import as_large_as, traced
 
 SCORES = ("relmse", "relative_l2", "noise_floor_l2", "flip", "hdr_flip", "energy_ratio")
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
@@ -28,15 +28,16 @@ def draw(request: Request) -> Drawn:
 
 
 def _beside(request: Request, scene: Scene) -> tuple[Cells, dict[str, Any]]:
-    truth = reference_for(scene, request.size, request.reference_spp, report=request.report)
+    truth = traced(request, scene)
     image = rendered(request, scene, technique="lpv-scatter")
-    found = compare(image, truth.image)
+    small = as_large_as(image, truth.image.radiance)
+    found = compare(small, truth.image)
     stops = exposure_of(scene, truth.image.radiance)
     cells: Cells = [
         (f"path traced, {truth.spp} samples", shown(truth.image.radiance, stops)),
         ("ours", shown(image.radiance, stops)),
         ("too bright green, too dark red",
-         signed_map(image.radiance, truth.image.radiance, stops)),
+         signed_map(small.radiance, truth.image.radiance, stops)),
     ]  # fmt: skip
     told: dict[str, Any] = {"spp": truth.spp, "seconds": truth.seconds, **_scores(found)}
     told["layers"] = {n: _scores(found.layers[n]) for n in LAYERS if n in found.layers}

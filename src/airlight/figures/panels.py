@@ -135,28 +135,6 @@ def sheet(
     return contact_sheet(title, rows, cell_width_px=width_px, caption_px=caption_px)
 
 
-def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
-    """A path tracer's light without its grain, for pictures alone: scores take it as it is.
-
-    The mean (H, W, 3) over pixels near by that show the same surface in `guide`, by its normals
-    and depths.
-    """
-    if "normal" not in guide.layers or "depth" not in guide.layers:
-        return light
-    normal, depth = guide.layers["normal"], np.minimum(guide.layers["depth"], 1e4)[..., None]
-    total, weights = np.zeros_like(light), np.full((*light.shape[:2], 1), 1e-20, np.float32)
-    steps = range(-radius_px, radius_px + 1)
-    for shift in ((y, x) for y in steps for x in steps):
-        there = np.roll(light, shift, (0, 1)), np.roll(normal, shift, (0, 1))
-        apart = np.abs(np.roll(depth, shift, (0, 1)) / depth - 1.0)
-        alike = np.sum(normal * there[1], axis=-1, keepdims=True)
-        is_sky = (depth >= 1e4).astype(np.float32)
-        weight = np.maximum(alike, is_sky) ** 16 * (apart < 0.05)
-        total += weight * there[0]
-        weights += weight
-    return np.asarray(total / weights, np.float32)
-
-
 def exposed(request: Request, images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
     """Captioned radiance as captioned pictures."""
     return [(label, shown(radiance, stops)) for label, radiance in images]

@@ -1,0 +1,119 @@
+"""Path-traced panels: half a panel's size, without grain in pictures, scored as they are."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..app.compare_reference import Reference, reference_for
+from ..maths.colour import luminance
+from ..scene.checks import F32
+from ..scene.image import Image
+from ..scene.scene import Scene
+from .panels import Request
+
+SPARK = 4.0
+"""Of its neighbours' median: a pixel that has more is a spark, of few paths that carry much."""
+_MEDIAN_PX = 3
+_SKY_M = 1e4
+
+
+def traced(request: Request, scene: Scene, share: int = 1) -> Reference:
+    """All layers by path tracing, at half the size where that is whole: a quarter of the time.
+
+    `share`: of the request's samples, one in so many. Raises ReferenceFailure.
+    """
+    width, height = request.size
+    halves = width % 2 == 0 and height % 2 == 0
+    size = (width // 2, height // 2) if halves else request.size
+    return reference_for(scene, size, request.reference_spp // share, report=request.report)
+
+
+def truth_of(request: Request, scene: Scene, share: int = 1) -> Reference | None:
+    """The same; None with --quick."""
+    return None if request.quick else traced(request, scene, share)
+
+
+def noise_l2(truth: Reference, layer: str) -> float:
+    """The relative L2 that a perfect picture of a layer would score because the truth is noisy."""
+    light, variance = (truth.image.layers[layer + end] for end in ("", "_variance"))
+    each = variance if variance.ndim == light.ndim else variance[..., None]
+    noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))
+    return noise / max(float(np.linalg.norm(light)), 1e-30)
+
+
+def told_of(truth: Reference) -> str:
+    """A caption: its size and samples, and that grain is gone."""
+    height, width = truth.image.radiance.shape[:2]
+    return f"path traced, {width}x{height}, {truth.spp} samples, smoothed"
+
+
+def averaged(pixels: F32, truth: F32) -> F32:
+    """(H, W) or (H, W, 3), averaged over the pixels of a truth of half that size."""
+    height, width = truth.shape[:2]
+    if pixels.shape[:2] == (height, width):
+        return pixels
+    blocks = pixels.reshape(height, 2, width, 2, *pixels.shape[2:])
+    return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float64), np.float32)
+
+
+def as_large_as(image: Image, truth: F32) -> Image:
+    """The picture and its layers, averaged alike."""
+    layers = {name: averaged(pixels, truth) for name, pixels in image.layers.items()}
+    return dataclasses.replace(image, radiance=averaged(image.radiance, truth), layers=layers)
+
+
+def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
+    """A path tracer's light without its grain, for pictures alone: scores take it as it is.
+
+    The mean (H, W, 3) over pixels near by that show the same surface in `guide`, by its normals
+    and depths. What sparks have beyond `SPARK` is spread so wide that they leave no mark.
+    """
+    if "normal" not in guide.layers or "depth" not in guide.layers:
+        return light
+    guide = as_large_as(guide, light)
+    even = np.asarray(light * _kept(light, guide)[..., None], np.float32)
+    wide = _mean(_mean(light - even, guide, radius_px, 1), guide, radius_px, radius_px)
+    return np.asarray(_mean(even, guide, radius_px, 1) + wide, np.float32)
+
+
+def _kept(colours: F32, guide: Image) -> F32:
+    """(H, W): how much of each pixel's light (H, W, 3) is no spark's."""
+    light = luminance(colours)
+    around = [
+        np.where(alike[..., 0] > 0.5, np.roll(light, shift, (0, 1)), np.inf)
+        for shift, alike in _neighbours(guide, _MEDIAN_PX, 1)
+    ]
+    ordered = np.sort(np.stack(around), axis=0)
+    middle = (np.isfinite(ordered).sum(axis=0, keepdims=True) - 1) // 2
+    median = np.take_along_axis(ordered, np.maximum(middle, 0), axis=0)[0]
+    limit = SPARK * np.where(np.isfinite(median), median, 0.0)
+    return np.asarray(np.minimum(1.0, limit / np.maximum(light, 1e-20)), np.float32)
+
+
+def _mean(light: F32, guide: Image, radius_px: int, step_px: int) -> F32:
+    """Over neighbours alike, those far off counting less."""
+    total, weights = np.zeros_like(light), np.full((*light.shape[:2], 1), 1e-20, np.float32)
+    for shift, alike in _neighbours(guide, radius_px, step_px):
+        far = (shift[0] ** 2 + shift[1] ** 2) / (radius_px * step_px) ** 2
+        weight = np.float32(np.exp(-1.5 * far)) * alike
+        total += weight * np.roll(light, shift, (0, 1))
+        weights += weight
+    return np.asarray(total / weights, np.float32)
+
+
+def _neighbours(
+    guide: Image, radius_px: int, step_px: int
+) -> Iterator[tuple[tuple[int, int], F32]]:
+    """Shifts, and how far (H, W, 1), 0 to 1, the pixel so shifted shows the same surface."""
+    normal = guide.layers["normal"]
+    depth = np.minimum(guide.layers["depth"], _SKY_M)[..., None]
+    is_sky = (depth >= _SKY_M).astype(np.float32)
+    steps = range(-radius_px * step_px, radius_px * step_px + 1, step_px)
+    for shift in ((y, x) for y in steps for x in steps):
+        apart = np.abs(np.roll(depth, shift, (0, 1)) / depth - 1.0)
+        level = np.sum(normal * np.roll(normal, shift, (0, 1)), axis=-1, keepdims=True)
+        alike = np.clip(np.maximum(level, is_sky), 0.0, 1.0) ** 16
+        yield shift, np.asarray(alike * (apart < 0.05), np.float32)

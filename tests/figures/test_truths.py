@@ -1,0 +1,69 @@
+"""Path-traced panels: grain goes, light and edges stay, and scores compare like with like."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.app.compare_reference import Reference
+from airlight.figures import truths
+from airlight.figures.panels import Request
+from airlight.scene.image import Image
+
+
+def test_smoothing_takes_grain_away_and_keeps_edges():
+    light = 1.0 + np.random.default_rng(3).uniform(-0.5, 0.5, (24, 32, 3)).astype(np.float32)
+    light[:, 16:] *= 4.0
+    normal = np.zeros_like(light)
+    normal[:, :16, 0] = normal[:, 16:, 1] = 1.0
+    depth = np.full((24, 32), 3.0, np.float32)
+    smooth = truths.smoothed(light, Image(light, {"normal": normal, "depth": depth}))
+    left, right = smooth[4:-4, 4:16], smooth[4:-4, 16:-4]
+    assert left.std() < 0.2 * light[:, :16].std()
+    assert (left.mean(), right.mean()) == (
+        pytest.approx(1.0, abs=0.05),
+        pytest.approx(4.0, abs=0.2),
+    )
+    assert truths.smoothed(light, Image(light, {})) is light
+
+
+def test_a_spark_leaves_no_mark_and_keeps_its_light():
+    light = np.full((48, 64, 3), 1.0, np.float32)
+    light[24, 32] = 200.0
+    normal = np.zeros_like(light)
+    normal[..., 1] = 1.0
+    flat = Image(light, {"normal": normal, "depth": np.full((48, 64), 2.0, np.float32)})
+    smooth = truths.smoothed(light, flat)
+    assert smooth.max() < 1.6
+    assert smooth.sum() == pytest.approx(light.sum(), rel=1e-4)
+
+
+def test_a_picture_is_averaged_over_a_truth_s_pixels():
+    picture = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+    small = np.zeros((2, 3, 3), np.float32)
+    np.testing.assert_allclose(truths.averaged(picture, small)[1, 2], picture[2:, 4:].mean((0, 1)))
+    assert truths.averaged(picture[..., 0], small).shape == (2, 3)
+    assert truths.averaged(picture, picture) is picture
+    image = truths.as_large_as(Image(picture, {"depth": picture[..., 0]}), small)
+    assert (image.radiance.shape, image.layers["depth"].shape) == ((2, 3, 3), (2, 3))
+
+
+def test_a_truth_has_half_the_size_where_that_is_whole(monkeypatch):
+    asked = []
+
+    def pretended(scene, size, spp, *, report):
+        asked.append((size, spp))
+
+    monkeypatch.setattr(truths, "reference_for", pretended)
+    truths.traced(Request((64, 36)), None)
+    truths.traced(Request((63, 36)), None, share=4)
+    assert asked == [((32, 18), 256), ((63, 36), 64)]
+    assert truths.truth_of(Request((64, 36), quick=True), None) is None
+
+
+def test_noise_is_the_error_of_a_perfect_picture():
+    one = np.ones((4, 4, 3), np.float32)
+    image = Image(one, {"indirect": one, "indirect_variance": 0.04 * one})
+    truth = Reference(image, 16, 1.0, False)
+    assert truths.noise_l2(truth, "indirect") == pytest.approx(0.2)
+    assert truths.told_of(truth) == "path traced, 4x4, 16 samples, smoothed"
