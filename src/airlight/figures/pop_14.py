@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, plume, scores, traced
+from .pop_scenes import drawn, off, plume, scores, traced
 
 ORDINATES = (8, 27, 64, 216)
 _SAMPLES: Mapping[str, Any] = {"ordinates_from": "importance", "exact_sky": False}
@@ -33,18 +33,14 @@ def draw(request: Request) -> Drawn:
             request.report(f"{way}, {count} ordinates", done)
             image = drawn(request, scene, {"ordinates": count, **settings}, timed=row == 0)
             stops = exposure_of(scene, image.radiance) if not rows else stops
-            told[str(count)] = {**scores(image, truth), **_time(image.stats)}
-            pictures.append((f"{count}{_off(told[str(count)])}", image.radiance))
+            found = scores(image, truth)
+            told[str(count)] = {**found, **_time(image.stats)}
+            pictures.append((f"{count}{off(found)}", image.radiance))
         rows.append((way, exposed(request, pictures, stops)))
         numbers[way] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))
     return Drawn(sheet(request, "More and more ordinates", rows), numbers)
-
-
-def _off(found: dict[str, Any]) -> str:
-    error = found["scattered"].get("relative_l2")
-    return "" if error is None else f": off by {error:.2f}"
 
 
 def _time(stats: Any) -> dict[str, float]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, from_here, sheet
-from .pop_scenes import clouds, drawn, scores, traced
+from .pop_scenes import clouds, drawn, off, scores, traced
 
 ANISOTROPIES = {"isotropic": 0.0, "g = 0.7": 0.7, "anisotropic, g = 0.96": 0.96}
 
@@ -24,14 +24,14 @@ def draw(request: Request) -> Drawn:
         image = drawn(request, scene, timed=True)
         truth = traced(request, scene)
         stops = exposure_of(scene, image.radiance)
-        rows["ours"] += exposed(request, [(name, image.radiance)], stops)
+        told = scores(image, truth)
+        rows["ours"] += exposed(request, [(f"{name}{off(told)}", image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(name, truth.radiance)], stops)
         shaded = against_the_sun(scene)
         behind = drawn(request, shaded)
         stops = exposure_of(shaded, behind.radiance)
         rows["ours, against the sun"] += exposed(request, [(name, behind.radiance)], stops)
-        told = scores(image, truth)
         numbers[name] = {**told, "frame_ms": image.stats.get("frame_ms")}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Clouds", kept), numbers)

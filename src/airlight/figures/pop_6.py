@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, scores, slab, traced
+from .pop_scenes import drawn, off, scores, slab, traced
 
 ANISOTROPIES = (0.95, 0.98, 0.99, 0.999)
 
@@ -26,10 +26,12 @@ def draw(request: Request) -> Drawn:
         }  # fmt: skip
         if index == 0:
             stops = exposure_of(scene, pictures["prefiltered"].radiance)
+        told = {name: scores(image, truth) for name, image in pictures.items()}
         for name, image in pictures.items():
-            rows[name] += exposed(request, [(f"g = {g}", image.radiance)], stops)
+            caption = f"g = {g}{off(told[name])}"
+            rows[name] += exposed(request, [(caption, image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(f"g = {g}", truth.radiance)], stops)
-        numbers[f"g {g}"] = {name: scores(p, truth) for name, p in pictures.items()}
+        numbers[f"g {g}"] = told
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Prefiltered ordinates", kept), numbers)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .panels import Drawn, Request, exposed, exposure_of, known, sheet
-from .pop_scenes import drawn, scores, traced, white_plume
+from .pop_scenes import drawn, off, scores, traced, white_plume
 
 G, ORDINATES = 0.98, 27
 WAYS: Mapping[str, Mapping[str, Any]] = {
@@ -43,8 +43,8 @@ def draw(request: Request) -> Drawn:
     shown, told = [], {}
     for name, settings in ways().items():
         image = drawn(request, scene, {"ordinates": ORDINATES, **settings})
-        shown.append((name, image.radiance))
         told[name] = scores(image, truth)
+        shown.append((f"{name}{off(told[name])}", image.radiance))
     stops = exposure_of(scene, shown[0][1])
     if truth is not None:
         shown.append(("Monte Carlo", truth.radiance))

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, mean_light, renderer, sheet
+from .panels import Drawn, Request, exposed, exposure_of, mean_light, milliseconds, renderer, sheet
 from .pop_scenes import away, drawn, milk, turned
 
 GRID, ORDINATES, FULL, SWITCHED, SHARED = 16, 64, 100, 20, 20
@@ -24,7 +24,9 @@ SCHEMES: Mapping[str, Mapping[str, Any]] = {
     "split": {"scheme": "split", "grid": GRID, "iterations": SWITCHED},
     "delta-beam": {"grid": GRID},
 }
-_SOLVING = ("pop propagation", "pop merge", "pop residuum", "pop deposit", "pop diffuse")
+_SOLVING = (
+    "pop propagation", "pop merge", "pop residuum", "pop paths", "pop deposit", "pop diffuse",
+)  # fmt: skip
 _QUICK: Mapping[str, Any] = {"grid": 6, "ordinates": 4, "iterations": 4}
 _TIMED_SIZE_PX = (64, 36)  # what solves does not depend on the picture
 _ROUNDS = 2
@@ -62,7 +64,7 @@ def _cells(
     for label, image in images.items():
         spent, light = sum(times[label].values()), image.layers["scattered"]
         told[label] = {"ms": times[label], "solving_ms": spent, "hops": image.stats.get("hops")}
-        caption, stops = f"{label}: {spent:.0f} ms", exposure_of(scene, image.radiance)
+        caption, stops = f"{label}: {milliseconds(spent)} ms", exposure_of(scene, image.radiance)
         shown = image.radiance
         if SCHEMES[label].get("scheme") == "paper":
             brighter = mean_light(light) / max(usual, 1e-30)

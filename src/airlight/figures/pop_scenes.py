@@ -175,6 +175,12 @@ def scattered_errors(
     return errors(mine, Image(_in_blocks(seen), {"variance": variance}))
 
 
+def off(found: Mapping[str, Mapping[str, float]]) -> str:
+    """What a caption says of `scores`: the error of scattered light; nothing without a truth."""
+    error = found["scattered"].get("relative_l2")
+    return "" if error is None else f": off by {error:.2f}"
+
+
 def _in_blocks(picture: F32) -> F32:
     """Means (rows, columns, 3) of squares of pixels; what is left over at the edges is cut off."""
     n = _BLOCK_PX
