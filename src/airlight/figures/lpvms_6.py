@@ -17,13 +17,11 @@ from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
 from .truths import noise_l2, smoothed, told_of, truth_of
 
 PAPER = {"scheme": "paper"}
-SPP_SHARE = 4
-"""Closed halls of bright air take a path tracer long; smoothed pictures show no grain of it."""
 RESOLUTION = 32
 CASES: dict[str, tuple[Callable[[], Scene], float]] = {
     "a  board aslant, lit behind": (bleeding, 0.0),
     "b  spot smaller than a cell, +1 stop": (pinpoint, 1.0),
-    "c  one iteration, +3 stops": (one_iteration, 3.0),
+    "c  one iteration, +2 stops": (one_iteration, 2.0),
 }
 """What fails, and the stops beyond the truth's exposure at which it shows."""
 
@@ -40,7 +38,7 @@ def draw(request: Request) -> Drawn:
 
 
 def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]) -> list[Any]:
-    truth = truth_of(request, scene, SPP_SHARE)
+    truth = truth_of(request, scene)
     kept: dict[str, Any] = {} if request.quick else {"resolution": RESOLUTION}
     once = scene.settings.get("lpv-scatter", {})
     modes = {"the paper's": {**kept, **PAPER, "acceleration": "none"}, "ours": kept}
@@ -58,7 +56,9 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
         cells.append((name, shown(image.radiance, stops)))
         told[name] = {"mean_indirect": mean_light(image.layers["indirect"])}
         if truth is not None:
-            told[name] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
+            found = scores(image.layers["indirect"], truth.image.layers["indirect"])
+            # Sparks over all but dark pixels leave no relative error to speak of.
+            told[name] |= {key: found[key] for key in ("relative_l2", "energy_ratio")}
     if truth is not None:
         told["path traced"] = {"spp": truth.spp, "noise_floor_l2": noise_l2(truth, "indirect")}
         light = without_grain(truth.image, images["ours"])

@@ -16,24 +16,26 @@ from .panels import Request
 
 SPARK = 4.0
 """Of its neighbours' median: a pixel that has more is a spark, of few paths that carry much."""
+ALONE = 4.0
+"""Neighbours alike, itself one of them: a pixel that has fewer shows an edge."""
 _MEDIAN_PX = 3
 _SKY_M = 1e4
 
 
-def traced(request: Request, scene: Scene, share: int = 1) -> Reference:
+def traced(request: Request, scene: Scene) -> Reference:
     """All layers by path tracing, at half the size where that is whole: a quarter of the time.
 
-    `share`: of the request's samples, one in so many. Raises ReferenceFailure.
+    Raises ReferenceFailure.
     """
     width, height = request.size
     halves = width % 2 == 0 and height % 2 == 0
     size = (width // 2, height // 2) if halves else request.size
-    return reference_for(scene, size, request.reference_spp // share, report=request.report)
+    return reference_for(scene, size, request.reference_spp, report=request.report)
 
 
-def truth_of(request: Request, scene: Scene, share: int = 1) -> Reference | None:
+def truth_of(request: Request, scene: Scene) -> Reference | None:
     """The same; None with --quick."""
-    return None if request.quick else traced(request, scene, share)
+    return None if request.quick else traced(request, scene)
 
 
 def noise_l2(truth: Reference, layer: str) -> float:
@@ -94,14 +96,18 @@ def _kept(colours: F32, guide: Image) -> F32:
 
 
 def _mean(light: F32, guide: Image, radius_px: int, step_px: int) -> F32:
-    """Over neighbours alike, those far off counting less."""
-    total, weights = np.zeros_like(light), np.full((*light.shape[:2], 1), 1e-20, np.float32)
+    """Over neighbours alike, those far off counting less; pixels on edges, like none, over all."""
+    total, plain = np.zeros_like(light), np.zeros_like(light)
+    weights, all_weights = np.zeros((*light.shape[:2], 1), np.float32), 0.0
     for shift, alike in _neighbours(guide, radius_px, step_px):
         far = (shift[0] ** 2 + shift[1] ** 2) / (radius_px * step_px) ** 2
-        weight = np.float32(np.exp(-1.5 * far)) * alike
-        total += weight * np.roll(light, shift, (0, 1))
-        weights += weight
-    return np.asarray(total / weights, np.float32)
+        near, moved = float(np.exp(-1.5 * far)), np.roll(light, shift, (0, 1))
+        total += np.float32(near) * alike * moved
+        plain += np.float32(near) * moved
+        weights += np.float32(near) * alike
+        all_weights += near
+    guided = total / np.maximum(weights, 1e-20)
+    return np.asarray(np.where(weights < ALONE, plain / all_weights, guided), np.float32)
 
 
 def _neighbours(
@@ -116,4 +122,5 @@ def _neighbours(
         apart = np.abs(np.roll(depth, shift, (0, 1)) / depth - 1.0)
         level = np.sum(normal * np.roll(normal, shift, (0, 1)), axis=-1, keepdims=True)
         alike = np.clip(np.maximum(level, is_sky), 0.0, 1.0) ** 16
-        yield shift, np.asarray(alike * (apart < 0.05), np.float32)
+        reach = 0.03 * (1.0 + np.hypot(*shift))  # floors seen aslant get deeper by the pixel
+        yield shift, np.asarray(alike * (apart < reach), np.float32)
