@@ -222,3 +222,16 @@ def test_scattered_light_is_judged_where_there_is_air():
     assert told["energy_ratio"] == pytest.approx(2.0)
     assert told["relative_l2"] == pytest.approx(1.0)
     assert told["noise_floor_l2"] == pytest.approx(0.4 / 4.0)  # of blocks of 4 x 4 pixels
+
+
+def test_air_before_a_sun_is_not_judged():
+    through = np.full((64, 64, 3), 0.5, np.float32)
+    light = np.full((64, 64, 3), 2.0, np.float32)
+    behind = np.ones((64, 64, 3), np.float32)
+    truth = behind + 0.5 * light
+    behind[:4, :4] = 150.0
+    truth[:4, :4] = 130.0  # the sun's own noise
+    noisy = Image(truth, {"variance": np.full((64, 64, 3), 0.16, np.float32)})
+    told = scattered_errors(light, behind, through, noisy)
+    assert told["energy_ratio"] == pytest.approx(2.0)
+    assert told["relative_l2"] == pytest.approx(1.0)

@@ -14,7 +14,7 @@ from ..scene.checks import F32, F64
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, errors, plume, scattered_errors, traced
+from .pop_scenes import drawn, errors, off, plume, scattered_errors, traced
 
 POP: Mapping[str, Mapping[str, Any]] = {
     "POP, 64 ordinates of 20^3": {},
@@ -54,18 +54,13 @@ def draw(request: Request) -> Drawn:
         for name, p in shown.items()
     }
     stops = exposure_of(scene, first.radiance)
-    captions = {k: _caption(k, numbers[k]["scattered"]) for k in shown}
+    captions = {k: f"{k}{off(numbers[k])}" for k in shown}
     ours = [(captions[k], v) for k, v in shown.items() if k in pictures]
     if truth is not None:
         ours.append(("Monte Carlo", truth.radiance))
     theirs = [(captions[k], v) for k, v in shown.items() if k not in pictures]
     rows = [("ours", exposed(request, ours, stops)), ("baseline", exposed(request, theirs, stops))]
     return Drawn(sheet(request, "A plume beside SHDOM and Monte Carlo", rows), numbers)
-
-
-def _caption(name: str, found: Mapping[str, float]) -> str:
-    error = found.get("relative_l2")
-    return name if error is None else f"{name}: off by {error:.2f}"
 
 
 def medium_of(scene: Scene, count: tuple[int, int, int]) -> MediumGrid:

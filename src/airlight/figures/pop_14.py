@@ -12,7 +12,7 @@ ORDINATES = (8, 27, 64, 216)
 _SAMPLES: Mapping[str, Any] = {"ordinates_from": "importance", "exact_sky": False}
 WAYS: Mapping[str, Mapping[str, Any]] = {
     "parts": {},
-    "parts drawn to what is seen": {"importance": "view"},
+    "parts by what is seen": {"importance": "view"},
     "samples": _SAMPLES,
     "samples by importance": {**_SAMPLES, "importance": "view"},
 }

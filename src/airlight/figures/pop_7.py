@@ -15,7 +15,7 @@ from .pop_scenes import drawn, off, scores, traced, white_plume
 G, ORDINATES = 0.98, 27
 WAYS: Mapping[str, Mapping[str, Any]] = {
     "the default": {},
-    "drawn to what is seen": {"importance": "view"},
+    "by what is seen": {"importance": "view"},
     "parts of the map": {"ordinates_from": "partition", "exact_sky": False},
     "samples of the map": {"ordinates_from": "importance", "exact_sky": False},
     "samples by importance": {

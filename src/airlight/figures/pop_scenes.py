@@ -28,6 +28,7 @@ MILK_M, MILK_DENSER = 4.0, 4.0  # a knot is thinner than the dragon
 EXPOSURE_STOPS = -1.2
 QUICK_POP: Mapping[str, Any] = {"ordinates": 6, "grid": 6, "solver_steps": 8, "march_steps": 32}
 _CLEAR, _BLOCK_PX = 0.98, 4
+_MOST, _DAZZLING = 0.8, 4.0
 _SPP_SHARE = 4  # of a path-traced panel's samples: air costs many scatterings a path
 
 
@@ -162,23 +163,33 @@ def scattered_errors(
     """`errors` of scattered `light` over blocks of pixels, where less than all comes `through`.
 
     Blocks, because single pixels of Monte Carlo in air are noise. What surfaces and map show
-    through the media, `behind`, is taken from our own picture.
+    through the media, `behind`, is taken from our own picture; blocks where that is a sun, four
+    times brighter than what most of the air scatters, are left out: its noise would decide.
     """
     if truth is None:
         return errors(light, None)
     is_air = as_large_as(through, truth).min(axis=-1, keepdims=True) < _CLEAR
-    seen = (truth.radiance - as_large_as(behind, truth)) * is_air
+    shown = as_large_as(behind, truth)
+    seen = _in_blocks((truth.radiance - shown) * is_air)
     variance = np.divide(
         _in_blocks(truth.layers["variance"] * is_air), _BLOCK_PX**2, dtype=np.float32
     )
+    dazzling = _in_blocks(shown * is_air).max(axis=-1, keepdims=True)
+    peaks = seen.max(axis=-1)[_in_blocks(is_air)[..., 0] > 0.0]
+    kept = dazzling <= (_DAZZLING * np.quantile(peaks, _MOST) if peaks.size else 0.0)
     mine = _in_blocks(as_large_as(light, truth) * is_air)
-    return errors(mine, Image(_in_blocks(seen), {"variance": variance}))
+    return errors(mine * kept, Image(seen * kept, {"variance": variance * kept}))
 
 
 def off(found: Mapping[str, Mapping[str, float]]) -> str:
-    """What a caption says of `scores`: the error of scattered light; nothing without a truth."""
-    error = found["scattered"].get("relative_l2")
-    return "" if error is None else f": off by {error:.2f}"
+    """What a caption says of `scores`: the error of scattered light, and what of it is noise.
+
+    Nothing without a truth.
+    """
+    light = found["scattered"]
+    if "relative_l2" not in light:
+        return ""
+    return f": off by {light['relative_l2']:.2f} (noise {light['noise_floor_l2']:.2f})"
 
 
 def _in_blocks(picture: F32) -> F32:
