@@ -128,9 +128,9 @@ def test_even_air_is_a_grid_of_one_density(judged, error):
             assert abs(varied.layers[layer].mean() / truth.mean() - 1.0) < 0.08
 
 
-GROWS = {"lpv-scatter": 1.2, "auto": 1.2}
+GROWS = {"lpv-scatter": 1.15, "auto": 1.15}
 """Share of light from everywhere that comes out again, at most; 1 is right. The converged lattice
-is too bright in thin air. Measured 2026-11-21: pop .999, lpv-scatter 1.15 for g 0, 1.04 for .7."""
+is too bright in thin air. Measured 2026-11-21: pop .999, lpv-scatter 1.13 for g 0, 1.04 for .7."""
 
 
 @pytest.mark.parametrize("g", [0.0, 0.7])
@@ -148,7 +148,7 @@ def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
 def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
     """White air in parallel light: what was not let through leaves again, to all sides.
 
-    Measured 2026-11-21: pop .99 (g 0) and .97 (.7); lpv-scatter 1.06 and .93.
+    Measured 2026-11-21: pop .99 (g 0) and .97 (.7); lpv-scatter 1.08 and .92.
     """
     half = 0.5
     air = Medium((1.5,) * 3, WHITE, (g,) * 3, ((-half,) * 3, (half,) * 3))
