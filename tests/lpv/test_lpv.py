@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from airlight.lattice.blockers import Blockers
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.rendering import Renderer
 from airlight.scene import Material, Scene, SpotLight
 from airlight.scene.builtin import cornell
 from airlight.surface.geometry import GpuScene
@@ -60,3 +63,13 @@ def test_nothing_bounces_onto_what_faces_out_of_the_scene(scheme, gpu):
     on_rim, inside = made.irradiance(rim, out), made.irradiance(rim - [0.0, 0.0, 0.5], up)
     assert inside.sum(axis=1).min() > 0.0
     assert on_rim.max() == 0.0 if scheme == "centroid" else on_rim.max() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("resolution", "asked", "made"), [(16, {}, 64), (48, {}, 96), (48, {"iterations": 5}, 5)]
+)
+def test_steps_follow_the_cells_unless_they_are_given(gpu, resolution, asked, made):
+    asked = {"map_resolution": 16, "surfels": 100, "resolution": resolution} | asked
+    scene = dataclasses.replace(cornell(), environment=None)
+    with Renderer(scene, "lpv", (8, 8), settings=asked) as renderer:
+        assert renderer.stats()["iterations"] == made

@@ -55,6 +55,16 @@ def test_spread_kept_by_cells(count: tuple[int, int, int], iterations: int, kept
     assert lattice6.spread_kept(count, iterations) == pytest.approx(kept, abs=1e-12)
 
 
+@pytest.mark.parametrize("side", [16, 32, 33, 36, 48, 64, 128])
+def test_enough_steps_cross_a_lattice_three_times(side: int) -> None:
+    count = (side, side, side)
+    steps = lattice6.enough_steps(count)
+    assert steps >= 64 and steps >= 3.0 * 2.0 * side / 3.0  # the mean chord of a cube is 2/3 a side
+    assert lattice6.enough_steps((4, side, 4)) == steps
+    longer = lattice6.spread_kept(count, 10 * steps)
+    assert lattice6.spread_kept(count, steps) == longer
+
+
 def test_finer_cells_turn_light_as_much_on_its_way_through_a_room() -> None:
     lost = []
     for side in (24, 32, 48):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -26,7 +26,7 @@ from ..lattice.placement import EVERYWHERE, Placement, triple
 from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
-from ..maths.lattice6 import Scheme, spread_kept
+from ..maths.lattice6 import Scheme, enough_steps, spread_kept
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -45,7 +45,7 @@ class LpvSettings(SurfaceSettings):
     """What light propagation volumes can be told."""
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
-    iterations: int = setting(64, "propagation steps", low=0, high=1024)
+    iterations: int = setting(0, "propagation steps; 0: 2 a cell, at least 64", low=0, high=1024)
     tail: bool = setting(
         True, "whether what all later steps would add is estimated, from 32 iterations on"
     )
@@ -93,14 +93,14 @@ class Lpv(Direct):
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvSettings,
         size: tuple[int, int],
     ) -> None:  # fmt: skip
-        self.lpv = settings
         self.nest = nested(
             *lattice_box(scene, settings), settings.resolution, count=settings.cascades,
             ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
         )  # fmt: skip
-        super().__init__(gpu, scene, meshes, settings, size)
-        self.is_paper = settings.scheme == "paper"
-        self.damping = settings.damping
+        steps = settings.iterations or max(enough_steps(p.count) for p in self.nest.levels)
+        self.lpv = replace(settings, iterations=steps)
+        super().__init__(gpu, scene, meshes, self.lpv, size)
+        self.is_paper, self.damping = settings.scheme == "paper", settings.damping
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
         self._is_shaped = settings.occlusion and not self.is_paper
         suns, lamps = _by_kind(scene.lights)

@@ -45,6 +45,8 @@ _CHORD_CELLS = 16.0
 _LARGEST_SPREAD = 0.75
 # Light that turns less needs longer to be even: fewer steps than that do not know what is left.
 _STEPS_PER_CHORD = 3.0
+LEAST_STEPS = 64
+"""Steps made unless more are needed; with the tail they do for 32 cells."""
 # How much of the even part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
 # floors go black under the light that they reflect; 1 lets them light themselves twice as much.
 LEAST_BEHIND = 0.3
@@ -102,6 +104,11 @@ def spread_kept(count: tuple[int, int, int], iterations: int) -> float:
         return SPREAD_KEPT
     loss = (1.0 - SPREAD_KEPT) * _CHORD_CELLS / chord
     return min(max(1.0 - loss, SPREAD_KEPT), _LARGEST_SPREAD)
+
+
+def enough_steps(count: tuple[int, int, int]) -> int:
+    """Steps that light needs to be even in (x, y, z) cells: three mean chords of their cube."""
+    return max(LEAST_STEPS, 2 * max(count))
 
 
 def face_seen(
