@@ -75,10 +75,20 @@ def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
     """
     if "normal" not in guide.layers or "depth" not in guide.layers:
         return light
-    guide = as_large_as(guide, light)
+    rim = radius_px * (radius_px + 1)  # what is beyond a border is as what is at it
+
+    def rimmed(pixels: F32) -> F32:
+        width = ((rim, rim), (rim, rim), (0, 0))[: pixels.ndim]
+        return np.asarray(np.pad(pixels, width, mode="edge"), np.float32)
+
+    small = as_large_as(guide, light)
+    layers = {name: rimmed(small.layers[name]) for name in ("normal", "depth")}
+    light = rimmed(light)
+    guide = Image(light, layers)
     even = np.asarray(light * _kept(light, guide)[..., None], np.float32)
     wide = _mean(_mean(light - even, guide, radius_px, 1), guide, radius_px, radius_px)
-    return np.asarray(_mean(even, guide, radius_px, 1) + wide, np.float32)
+    whole = _mean(even, guide, radius_px, 1) + wide
+    return np.asarray(whole[rim:-rim, rim:-rim], np.float32)
 
 
 def _kept(colours: F32, guide: Image) -> F32:
