@@ -158,7 +158,8 @@ class Direct:
                 self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
                 is_glossy=self._is_glossy, damping=self.damping,
                 has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
-                has_lamps=self.lights.local.layers > 0,
+                has_lamps=self.lights.local.layers > 0, has_sky=self._has_sky,
+                is_one_lattice=self.table.count == 1,
             )  # fmt: skip
         self.lighting.draw(
             commands, view.layers.targets, params=params, **self.lattice_bound,
@@ -167,6 +168,11 @@ class Direct:
             occlusion=view.occlusion.visibility,
             sky_cube=self.sky_cube, **self.blockers.bound, linear_clamp=self.linear,
         )  # fmt: skip
+
+    @property
+    def _has_sky(self) -> bool:
+        """Whether `sky_cube` may ever hold light: without maps the own one stays black."""
+        return self.sky.maps.layers > 0 or self.sky_cube is not self.sky.skylight.cube
 
     @property
     def sky_cube(self) -> Texture:

@@ -83,12 +83,14 @@ class Lighting(FullscreenPass):
     def __init__(
         self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
-        has_suns: bool = True, has_lamps: bool = True,
+        has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
+        is_one_lattice: bool = False,
     ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
         `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
-        which kinds of lights there may be.
+        which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
+        `is_one_lattice`: `lattices` has no other.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
         surfaces follow their mirrored rays into the lattice. `damping`: how strongly bounced light
         that falls off away from a surface is taken for a leak.
@@ -98,7 +100,9 @@ class Lighting(FullscreenPass):
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
         constants = {"HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": float(is_glossy),
                      "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
-                     "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps)}  # fmt: skip
+                     "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
+                     "HAS_SKY": float(has_sky),
+                     "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
         super().__init__(gpu, generated=(air.wgsl if air else "") + through, constants=constants)
 
 

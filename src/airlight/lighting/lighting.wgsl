@@ -13,6 +13,8 @@ override HAS_GLOSS: bool = false;
 override DAMPING: f32 = 0.0;
 override HAS_SUNS: bool = true;
 override HAS_LAMPS: bool = true;
+override HAS_SKY: bool = true;
+override IS_ONE_LATTICE: bool = false;
 
 struct Lit {
     @location(0) direct: vec4f,
@@ -63,6 +65,28 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     return sum;
 }
 
+// Of a single lattice what a loop needs is read once, and nothing is left of loops over lattices.
+fn lattice_of(k: u32) -> LatticeParams {
+    if (IS_ONE_LATTICE) {
+        return lattices[0];
+    }
+    return lattices[k];
+}
+
+fn last_lattice() -> u32 {
+    if (IS_ONE_LATTICE) {
+        return 0u;
+    }
+    return arrayLength(&lattices) - 1u;
+}
+
+fn sky_at(uvw: vec3f, n: vec3f) -> vec3f {
+    if (!HAS_SKY) {
+        return vec3f(0.0);
+    }
+    return sky_irradiance(uvw, n);
+}
+
 struct Mirrored {
     sky: vec3f,         // irradiance, W m^-2
     bounced: vec3f,
@@ -76,32 +100,32 @@ fn mirrored_light(
     var k = level;
     var uvw = own;
     if (!HAS_GLOSS) {
-        return Mirrored(sky_irradiance(own, mirrored),
-            lattice_irradiance_at(lattices[k], own, mirrored));
+        return Mirrored(sky_at(own, mirrored),
+            lattice_irradiance_at(lattice_of(k), own, mirrored));
     }
     var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
     let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
     if (share > 0.0) {
         ray = glossy_begun();
-        let last = arrayLength(&lattices) - 1u;
+        let last = last_lattice();
         loop {
-            let place = bent_place(lattices[k], p);
-            let lookup = lattice_lookup_place(lattices[k], place, n);
-            uvw = lattice_eased(lattices[k], lookup);
-            let raised = GLOSSY_START * lattices[level].cell / lattices[k].cell;
+            let place = bent_place(lattice_of(k), p);
+            let lookup = lattice_lookup_place(lattice_of(k), place, n);
+            uvw = lattice_eased(lattice_of(k), lookup);
+            let raised = GLOSSY_START * lattice_of(level).cell / lattice_of(k).cell;
             let begin = GlossyRay(n, mirrored, r.alpha, raised);
-            ray = glossy_walk(lattices[k], place, lookup, begin, ray, k == last);
+            ray = glossy_walk(lattice_of(k), place, lookup, begin, ray, k == last);
             if (k == last || !ray.is_cut) {
                 break;
             }
-            ray.end *= lattices[k].cell / lattices[k + 1u].cell;
+            ray.end *= lattice_of(k).cell / lattice_of(k + 1u).cell;
             k++;
         }
     }
     let end = mix(uvw, ray.uvw, share);
-    return Mirrored(mix(1.0, ray.left, share) * sky_irradiance(end, mirrored),
+    return Mirrored(mix(1.0, ray.left, share) * sky_at(end, mirrored),
         share * ray.irradiance
-            + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattices[k], end, mirrored));
+            + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattice_of(k), end, mirrored));
 }
 
 struct LatticeLight {
@@ -113,7 +137,7 @@ struct LatticeLight {
 fn lattice_light(
     level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, open: f32,
 ) -> LatticeLight {
-    let lattice = lattices[level];
+    let lattice = lattice_of(level);
     let n_v = max(dot(n, v), 1e-4);
     let mirrored = reflect(-v, n);
     let uvw = lattice_coordinates(lattice, p, n);
@@ -122,7 +146,7 @@ fn lattice_light(
         e *= lattice_damping(lattice, uvw, n, DAMPING);
     }
     let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
-    return LatticeLight(reflected(r, n_v, open, sky_irradiance(uvw, n), mirror.sky),
+    return LatticeLight(reflected(r, n_v, open, sky_at(uvw, n), mirror.sky),
         reflected(r, n_v, open, e, mirror.bounced));
 }
 
@@ -155,13 +179,13 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     if (params.has_lattice != 0u) {
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         // The finest lattice that has the point; towards its border the next larger one.
-        let last = arrayLength(&lattices) - 1u;
+        let last = last_lattice();
         var left = 1.0;
         var k = 0u;
         loop {
             var weight = 0.0;
             loop {
-                weight = left * lattice_weight(lattices[k], p);
+                weight = left * lattice_weight(lattice_of(k), p);
                 if (weight > 0.0 || k >= last) {
                     break;
                 }
