@@ -50,8 +50,8 @@ def draw(request: Request) -> Drawn:
         shown.append(("Monte Carlo", truth.radiance))
     half = (len(shown) + 1) // 2
     rows = [
-        (f"{ORDINATES} ordinates", exposed(request, shown[:half], stops)),
-        (f"{ORDINATES} ordinates", exposed(request, shown[half:], stops)),
+        ("", exposed(request, shown[:half], stops)),
+        ("", exposed(request, shown[half:], stops)),
     ]
     numbers = {"g": G, "ordinates": ORDINATES, "ways": told}
-    return Drawn(sheet(request, "Few ordinates", rows), numbers)
+    return Drawn(sheet(request, f"Few ordinates: {ORDINATES}", rows), numbers)
