@@ -110,7 +110,7 @@ fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
             }
         }
     }
-    textureStore(scattered, id.xy, vec4f(L, 1.0));
+    textureStore(scattered, id.xy, vec4f(L, ray.distance));
     store_skylit(id.xy, sky);
     textureStore(passed, id.xy, vec4f(T, 1.0));
 }

@@ -19,6 +19,7 @@ from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..march.air import Air
 from ..march.compose import Compose
+from ..march.finish import Finish, can_finish
 from ..march.guided import GuidedUpsample
 from ..march.march import LatticeSource, March, Source
 from ..march.rays import RESOLUTIONS, RayParams, Rays
@@ -49,9 +50,9 @@ class AirSettings:
     )  # fmt: skip
     shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
     shaft_contrast: float = setting(
-        0.2,
-        "between neighbouring texels of reduced single scattering, beyond which pixels "
-        "are drawn anew; 1: nowhere",
+        0.1,
+        "between the texels of reduced single scattering that a pixel is made of, beyond which "
+        "it is drawn anew; 0: everywhere, 1: nowhere",
         low=0.0,
         high=1.0,
     )
@@ -87,13 +88,8 @@ class AirLight:
         """
         self.gpu, self.settings = gpu, settings or AirSettings()
         s = self.settings
-        self.air = Air(
-            gpu,
-            scene,
-            light_count=lights.count,
-            solved=solved,
-            column_resolution=s.column_resolution,
-        )
+        self.air = Air(gpu, scene, light_count=lights.count, solved=solved,
+                       column_resolution=s.column_resolution)  # fmt: skip
         self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
         self.shaft_rays = self.march_rays
         if s.shaft_resolution != s.march_resolution:
@@ -107,6 +103,10 @@ class AirLight:
         self._exact = Transmittance(gpu, self.air)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
+        self._finisher: Finish | None = None
+        if self.is_marched and self.march_rays.scale > 1 and not self._guided and can_finish(gpu):
+            self._finisher = Finish(gpu, self.air, has_sky=self.has_sky)
+        self._unfinished: RayParams | None = None  # of the last picture, where `compose` finishes
         self.composed = Compose(gpu, size)
         self._make_pictures(size)
 
@@ -154,14 +154,8 @@ class AirLight:
         if scheme == "volumes":
             return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
                            tolerance=s.volume_tolerance)  # fmt: skip
-        return Shafts(
-            gpu,
-            self.air,
-            lights,
-            self.shaft_rays.size,
-            max_nodes=s.shaft_nodes,
-            steps=s.shaft_steps,
-        )
+        return Shafts(gpu, self.air, lights, self.shaft_rays.size, max_nodes=s.shaft_nodes,
+                      steps=s.shaft_steps)  # fmt: skip
 
     def solve(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *,
@@ -180,8 +174,14 @@ class AirLight:
     def encode(
         self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
         lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *, frame: int = 0,
+        is_composed: bool = False,
     ) -> None:  # fmt: skip
-        """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter."""
+        """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter.
+
+        `is_composed`: `compose` follows and fills them, where one pass can do both.
+        """
+        self._unfinished = None
+        is_whole = is_composed and self.has_sky == (sky is not None)
         with commands.stage("shafts"):
             shaft_params = self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
@@ -189,7 +189,11 @@ class AirLight:
         with commands.stage("march"):
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
-            self._march(commands, params, view, sources, lattice, sky)
+            if self._finisher and is_whole:
+                self._march_reduced(commands, params, sources, lattice, sky)
+                self._unfinished = params
+            else:
+                self._march(commands, params, view, sources, lattice, sky)
 
     def _draw_shafts(
         self, commands: Commands, params: RayParams, view: View, lights: Lights
@@ -197,24 +201,19 @@ class AirLight:
         assert self.shafts
         reduced = self._target("single")
         self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
-        self._finish(commands, params, self.shaft_rays, view, "single")
-        if self.shaft_rays.scale > 1 and self.settings.shaft_contrast < 1.0:
-            self.shafts.refine(
-                commands, params, lights, view.gbuffer.depth, reduced, self._full("single"),
-                self.settings.shaft_contrast,
-            )  # fmt: skip
+        contrast = self.settings.shaft_contrast
+        if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
+            self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
+                               self._full("single"), contrast)  # fmt: skip
+        else:
+            self._finish(commands, params, self.shaft_rays, view, "single")
 
     def _march(
         self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
         lattice: LatticeSource | None, sky: LatticeSource | None,
     ) -> None:  # fmt: skip
         if self.is_marched:
-            self.march.encode(
-                commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
-                scattered=self._target("multiple"), transmittance=self._target("transmittance"),
-                skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
-                max_steps=self.settings.march_steps,
-            )  # fmt: skip
+            self._march_reduced(commands, params, sources, lattice, sky)
             self._finish_march(commands, params, view)
         if sky is not None:
             self._upsample_onto.encode(
@@ -223,6 +222,17 @@ class AirLight:
             )  # fmt: skip
         if not self.air.has_grids:
             self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
+
+    def _march_reduced(
+        self, commands: Commands, params: RayParams, sources: Sequence[Source],
+        lattice: LatticeSource | None, sky: LatticeSource | None,
+    ) -> None:  # fmt: skip
+        self.march.encode(
+            commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
+            scattered=self._target("multiple"), transmittance=self._target("transmittance"),
+            skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
+            max_steps=self.settings.march_steps,
+        )  # fmt: skip
 
     def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
         """What was marched at full size; its transmittance where no closed form knows it."""
@@ -239,11 +249,19 @@ class AirLight:
 
     def compose(self, commands: Commands, view: View) -> None:
         """`composed`: the view's layers behind the air, and everything summed."""
+        surfaces = {"direct": view.layers.direct, "indirect": view.layers.indirect}
+        composed = self.composed
+        layers = {"transmittance": self.transmittance, "single": self.single_scatter,
+                  "multiple": self.multiple_scatter}  # fmt: skip
         with commands.stage("compose"):
-            self.composed.encode(
-                commands, direct=view.layers.direct, indirect=view.layers.indirect,
-                transmittance=self.transmittance, single=self.single_scatter,
-                multiple=self.multiple_scatter,
+            if self._unfinished is None or self._finisher is None:
+                composed.encode(commands, **surfaces, **layers)
+                return
+            self._finisher.encode(
+                commands, self._unfinished, view.gbuffer.depth, **surfaces, **layers,
+                reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
+                shafts=self._shafts_alone,
+                composed=(composed.direct, composed.indirect, composed.radiance),
             )  # fmt: skip
 
     def _full(self, name: str) -> Texture:

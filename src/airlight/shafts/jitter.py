@@ -80,9 +80,6 @@ class Jitter:
         )  # fmt: skip
         self._blur.encode(commands, params, rays, self._raw, scattered)
 
-    def refine(self, *_: object) -> None:
-        """Nothing: jittered texels differ everywhere."""
-
     def release(self) -> None:
         """Give the memory back."""
         self._raw.release()

@@ -1,28 +1,39 @@
-// Pixels around which texels of the reduced picture differ, listed with how many groups they fill.
+// A reduced picture at full size, and the pixels that cannot be made of its texels listed, with how
+// many groups they fill: where texels of the pixel's own depth differ, or none is of its depth.
+//! use upsample_corner
 
-fn differs_around(pixel: vec2u) -> bool {
-    let centre = vec2i(pixel / rays.scale);
-    let last = vec2i(rays.reduced) - 1;
-    var least = vec3f(3e38);
-    var most = vec3f(0.0);
-    for (var k = 0; k < 9; k++) {
-        let texel = clamp(centre + vec2i(k % 3, k / 3) - 1, vec2i(0), last);
-        let value = textureLoad(reduced, texel, 0).rgb;
-        least = min(least, value);
-        most = max(most, value);
-    }
-    return any(most - least > refine.contrast * most);
-}
+// Texels whose depth counts for less are another surface's.
+const SAME_DEPTH = 0.2;
+const MOST_GROUPS = 65535u;
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= rays.size) || !differs_around(id.xy)) {
-        return;
-    }
+fn list(pixel: vec2u) {
     let at = atomicAdd(&found[0], 1u);
-    chosen[at] = id.x | (id.y << 16u);
+    chosen[at] = pixel.x | (pixel.y << 16u);
     atomicMax(&groups[0], min(at / refine.group + 1u, MOST_GROUPS));
     atomicMax(&groups[1], 1u);
     atomicMax(&groups[2], 1u);
 }
 
-const MOST_GROUPS = 65535u;
+@fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let own = own_distance(position.xy);
+    var sum = vec3f(0.0);
+    var total = 0.0;
+    var least = vec3f(3e38);
+    var most = vec3f(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        let corner = corner_of(position.xy, k);
+        let texel = textureLoad(reduced, corner.texel, 0);   // a: how far its ray goes, m
+        let likeness = depth_weight(texel.a, own);
+        let weight = corner_weight(corner.share, likeness);
+        sum += weight * texel.rgb;
+        total += weight;
+        if (likeness > SAME_DEPTH) {
+            least = min(least, texel.rgb);
+            most = max(most, texel.rgb);
+        }
+    }
+    if (refine.contrast <= 0.0 || least.x > 1e38 || any(most - least > refine.contrast * most)) {
+        list(vec2u(position.xy));
+    }
+    return vec4f(sum / total, 1.0);
+}

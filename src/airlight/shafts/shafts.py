@@ -18,6 +18,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture
+from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lighting.lights import Lights
 from ..march.air import Air
@@ -30,7 +31,7 @@ from .bounds import DepthBounds
 class RefineParams(Struct):
     """Which pixels of a picture from reduced texels are drawn anew."""
 
-    contrast = f32("(most - least)/most among texels around, beyond which they are")
+    contrast = f32("(most - least)/most among a pixel's texels, beyond which they are")
     group = u32("pixels that a group of the drawing pass takes")
 
 
@@ -77,14 +78,14 @@ class _Shafts(ComputePass):
         super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
 
-class _RefineFind(ComputePass):
+class _RefineFind(FullscreenPass):
     slots = (
         uniform("rays", RayParams), uniform("refine", RefineParams),
-        texture("reduced", "2d", "unfilterable-float"),
+        texture("depth", "2d", "depth"), texture("reduced", "2d", "unfilterable-float"),
         storage("found", "atomic<u32>", "read_write"),
         storage("groups", "atomic<u32>", "read_write"), storage("chosen", "u32", "read_write"),
     )  # fmt: skip
-    workgroup = (8, 8, 1)
+    targets = ("rgba32float",)
     file = "refine_find.wgsl"
 
 
@@ -139,7 +140,9 @@ class Shafts:
         self, commands: Commands, params: RayParams, rays: Rays, lights: Lights,
         scattered: Texture,
     ) -> None:  # fmt: skip
-        """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
+        """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1; as its alpha
+        how far rays go, m.
+        """
         self._pass.dispatch(
             commands, rays.reduced, rays=params, picked=rays.picked, **self._bound(lights),
             scattered=scattered,
@@ -149,15 +152,16 @@ class Shafts:
         self, commands: Commands, params: RayParams, lights: Lights, depth: Texture,
         reduced: Texture, scattered: Texture, contrast: float,
     ) -> None:  # fmt: skip
-        """Draw the full-size `scattered` anew where texels of `reduced` differ.
+        """Fill the full-size `scattered` from `reduced`, as `encode` filled it.
 
-        Beside a lamp and at the edges of shafts, a reduced picture cannot be interpolated.
+        Beside a lamp and at the edges of shafts a reduced picture cannot be interpolated: where
+        texels of a pixel's depth differ, or none has it, the pixel is drawn anew.
         """
         for counted in (self._found, self._groups):
             commands.encoder.clear_buffer(counted.handle)
-        self._find.dispatch(
-            commands, scattered.size[:2], rays=params, reduced=reduced, found=self._found,
-            refine=RefineParams(contrast=contrast, group=self._refine.workgroup[0]),
+        self._find.draw(
+            commands, (scattered,), rays=params, depth=depth, reduced=reduced, found=self._found,
+            refine=RefineParams.of(contrast=contrast, group=self._refine.workgroup[0]),
             groups=self._groups, chosen=self._chosen,
         )  # fmt: skip
         self._refine.dispatch_indirect(

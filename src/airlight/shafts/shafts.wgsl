@@ -5,5 +5,5 @@
         return;
     }
     let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
-    textureStore(scattered, id.xy, vec4f(single_scattered(ray.direction, ray.distance), 1.0));
+    textureStore(scattered, id.xy, vec4f(single_scattered(ray.direction, ray.distance), ray.distance));
 }

@@ -135,9 +135,6 @@ class Volumes:
                     encoder.draw_indirect(trees.draws.handle, Draw.dtype.itemsize * layer)
         self._settle.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
 
-    def refine(self, *_: object) -> None:
-        """Nothing: volumes are drawn for whole pictures."""
-
     def release(self) -> None:
         """Give the memory back."""
         for part in (self._sum, self.parallel, self.local):

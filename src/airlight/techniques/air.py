@@ -117,7 +117,7 @@ class InAir(Direct):
             sky = self.sky_air.source(self.blockers.bound, self.placements[:-1])
         self.air_light.encode(
             commands, view, self.lights, self.sources(), self.lattice_source(), sky,
-            frame=view.sample,
+            frame=view.sample, is_composed=True,
         )  # fmt: skip
         self.air_light.compose(commands, view)
 
