@@ -147,6 +147,19 @@ def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
     np.testing.assert_array_equal(dead_ends(blocked(front, back)), expected)
 
 
+def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
+    # A pot's underside on the floor, its top above, and a leaf: closed things and sheets cancel out.
+    one_sided = Material(two_sided=False)
+    spread = (0, 3, 0), (0, 0, 3)
+    floor = square((4 * CELL, 2, 2), *spread, one_sided)
+    under = square((4 * CELL, 2, 2), *spread[::-1], one_sided)
+    top = square((4.3 * CELL, 2, 2), *spread, one_sided)
+    leaf = square((4.4 * CELL, 2, 2), *spread, Material(two_sided=True))
+    ends = dead_ends(blocked(floor, under, top, leaf))
+    assert ends[1, :, :, 4].all()
+    assert not ends[0].any()
+
+
 def test_a_sheet_is_no_dead_end(blocked, square):
     assert not dead_ends(blocked(wall(square, 4 * CELL))).any()
 

@@ -138,6 +138,19 @@ def test_light_behind_a_closed_face_is_not_mixed_in(looked_up):
     assert free.min() > 1.0
 
 
+def test_a_soffit_in_a_partly_open_face_sees_both_sides(looked_up):
+    cells = np.zeros((3, *SHAPE, 4))
+    cells[:, :, :, 3:, 0] = 1.0  # light only beyond the face between cells 2 and 3
+    open_a = np.full((*SHAPE, 4), 255, np.uint8)
+    open_a[:, :, 2, 1] = open_a[:, :, 3, 0] = 60  # nearly closed
+    place = np.array([[2.7, 4.0, 5.5], [2.999, 4.0, 5.5], [3.001, 4.0, 5.5], [3.3, 4.0, 5.5]])
+    points = np.array(ROOM.origin) + ROOM.cell * place
+    down = np.tile([0.0, -1.0, 0.0], (4, 1))
+    irradiance, _ = looked_up(cells, points, down, open_a=open_a)
+    soffit = irradiance[:, 0] * ROOM.cell**2 / (LOOKUP_SCALE * np.pi)
+    np.testing.assert_allclose(soffit, [0.0, 0.5, 0.5, 1.0], atol=0.06)
+
+
 def test_a_point_before_a_wall_looks_on_its_own_side(looked_up):
     # A wall on the face between cells 2 and 3: light only on its far side, or only on its near.
     for lit, expected in ((slice(3, None), 0.0), (slice(0, 3), 1.0)):

@@ -65,7 +65,7 @@ class LatticeLight:
         """
         p, n = np.asarray(points, np.float64), np.asarray(normals, np.float64)
         place = self._bent(p, n)
-        uvw = self._eased(self._lookup_place(place, n))
+        uvw = self._eased(self._lookup_place(place, n), _rim_shares(n))
         here = self._facing(uvw, n)
         next_cell = self._facing(uvw + n / np.array(self.count), n)
         return np.maximum(here, CREVICE_SHARE * next_cell)
@@ -149,15 +149,15 @@ class LatticeLight:
         x, y, z = (np.minimum(cell[:, k] + (k == axis), self.count[k] - 1) for k in range(3))
         return np.where(cell[:, axis] == last, 0.0, self.walls[z, y, x, axis])
 
-    def _eased(self, place: F64) -> F64:
-        """Twin: lattice_eased in wgsl/lattice.wgsl."""
+    def _eased(self, place: F64, rim: F64) -> F64:
+        """Twin: lattice_eased in wgsl/lattice.wgsl; `rim` (n, 3) as from `_rim_shares`."""
         cell, at = self._cells(place)
         t = np.clip(place - cell, 0.0, 1.0) - 0.5
         open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
         share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
-        x = np.clip((share - 0.15) / 0.35, 0.0, 1.0)
+        within = rim * _smoothstep(0.0, 0.25, share) * _smoothstep(0.5 - BEFORE, 0.5, np.abs(t))
         count = np.array(self.count)
-        eased = cell + 0.5 + t * x * x * (3.0 - 2.0 * x)
+        eased = cell + 0.5 + t * np.maximum(_smoothstep(0.15, 0.5, share), within)
         return np.asarray(np.clip(eased, 0.5, count - 0.5) / count)
 
 
@@ -209,6 +209,16 @@ class LightField:
         from .light_field_file import load_light_field
 
         return load_light_field(path)
+
+
+def _smoothstep(low: float, high: float, x: F64) -> F64:
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
+def _rim_shares(n: F64) -> F64:
+    """Twin: rim_shares in wgsl/lattice.wgsl, of unit normals."""
+    return 1.0 - _smoothstep(0.2, 0.5, np.abs(n))
 
 
 def _raised(place: F64, n: F64) -> F64:

@@ -88,13 +88,16 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
 }
 
 // Whether a hop ends at a wall of which it is known on which side a place is: one that faces the hop
-// alone, or apart from what faces the other way. Not sheets, nor what is thin and tilted.
+// more than what faces back (a floor, whatever closed things and sheets stand on it), or alone or apart
+// from that. Not sheets alone, nor what is thin and tilted.
 fn is_dead_end(f: CellFace, hop: u32) -> bool {
     let facing = on_face(f, hop ^ 1u);
     let along = on_face(f, hop);
     let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
-    let is_apart = along < 0.25 || abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > APART;
-    return facing > DEAD_END_COVER && sheets < 0.1 && is_apart;
+    let is_apart = along < 0.25
+        || (along > DEAD_END_COVER && abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > APART);
+    return facing - along > DEAD_END_COVER
+        || (facing > DEAD_END_COVER && sheets < 0.1 && is_apart);
 }
 
 // One bit for each outgoing hop that ends at such a wall, as a value of unorm7.

@@ -111,7 +111,7 @@ fn mirrored_light(
         loop {
             let place = bent_place(lattice_of(k), p);
             let lookup = lattice_lookup_place(lattice_of(k), place, n);
-            uvw = lattice_eased(lattice_of(k), lookup);
+            uvw = lattice_eased(lattice_of(k), lookup, vec3f(0.0));
             let raised = GLOSSY_START * lattice_of(level).cell / lattice_of(k).cell;
             let begin = GlossyRay(n, mirrored, r.alpha, raised);
             ray = glossy_walk(lattice_of(k), place, lookup, begin, ray, k == last);

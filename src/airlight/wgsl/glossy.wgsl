@@ -132,7 +132,7 @@ fn glossy_walk(
                 break;
             }
         }
-        let uvw = lattice_eased(lattice, glossy_raised(seen, lookup, n));
+        let uvw = lattice_eased(lattice, glossy_raised(seen, lookup, n), vec3f(0.0));
         irradiance += lost * lattice_irradiance_at(lattice, uvw, r);
         if (!goes) {
             break;
@@ -141,7 +141,7 @@ fn glossy_walk(
     t = min(t, reach);
     let border = select(-start, count - start, r > vec3f(0.0)) * towards * per_cell;
     let inside = saturate((min(border.x, min(border.y, border.z)) - t) / GLOSSY_BORDER);
-    let uvw = lattice_eased(lattice, glossy_raised(start + t * r, lookup, n));
+    let uvw = lattice_eased(lattice, glossy_raised(start + t * r, lookup, n), vec3f(0.0));
     let lit = left * select(1.0, inside, is_outermost);
     return Glossy(irradiance, left, lit, uvw, t, t < widest && left > 0.0);
 }

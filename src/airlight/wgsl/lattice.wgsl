@@ -11,10 +11,17 @@ fn lookup_offset(place: f32, n: f32) -> f32 {
     return n * (0.5 + min(f, 1.0 - f));
 }
 
-// The share of a neighbour in interpolation, less where the face between is closed.
-fn open_fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
+// The share of a neighbour in interpolation, less where the face between is closed; but what lies in
+// a face that is not wholly closed and does not face along it (an arch's soffit) sees both sides.
+fn open_fraction(offset: f32, open_low: f32, open_high: f32, rim: f32) -> f32 {
     let open = select(open_low, open_high, offset > 0.0);
-    return offset * smoothstep(0.15, 0.5, open);
+    let within = rim * smoothstep(0.0, 0.25, open) * smoothstep(0.5 - BEFORE, 0.5, abs(offset));
+    return offset * max(smoothstep(0.15, 0.5, open), within);
+}
+
+// How far a surface of normal n is one between what lies on both sides of it; not the air (n = 0).
+fn rim_shares(n: vec3f) -> vec3f {
+    return dot(n, n) * (1.0 - smoothstep(vec3f(0.2), vec3f(0.5), abs(n)));
 }
 
 // Which axes of a way from a cell lead into a wall with air before it.
@@ -71,23 +78,24 @@ fn lattice_moved(lattice: LatticeParams, uvw: vec3f, cells: vec3f) -> vec3f {
     return clamp(uvw * size + cells, first, first + vec3f(lattice.count) - 1.0) / size;
 }
 
-// Where to sample the textures (texture coordinates) for a place among the cells.
-fn lattice_eased(lattice: LatticeParams, place: vec3f) -> vec3f {
+// Where to sample the textures (texture coordinates) for a place among the cells; `rim` as from
+// rim_shares, 0 for rays.
+fn lattice_eased(lattice: LatticeParams, place: vec3f, rim: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
     let cell = clamp(floor(place), vec3f(0.0), count - 1.0);
     let xy = textureLoad(lattice_open_a, lattice_texel(lattice, vec3i(cell)), 0);
     let z = textureLoad(lattice_open_b, lattice_texel(lattice, vec3i(cell)), 0);
     // Hop 0 comes from the low x side, hop 1 from the high, and so on.
     let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
-    let eased = vec3f(open_fraction(t.x, xy.x, xy.y), open_fraction(t.y, xy.z, xy.w),
-        open_fraction(t.z, z.x, z.y));
+    let eased = vec3f(open_fraction(t.x, xy.x, xy.y, rim.x), open_fraction(t.y, xy.z, xy.w, rim.y),
+        open_fraction(t.z, z.x, z.y, rim.z));
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
 // The same for a surface point, metres.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
     let place = bent_surface_place(lattice, position, n);
-    return lattice_eased(lattice, lattice_lookup_place(lattice, place, n));
+    return lattice_eased(lattice, lattice_lookup_place(lattice, place, n), rim_shares(n));
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light

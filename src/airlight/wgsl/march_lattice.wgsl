@@ -21,7 +21,7 @@ fn lattice_begin() {
 
 fn lattice_enter(p: vec3f) {
     if (LATTICES_AT_ONCE == 1u) {
-        let uvw = lattice_eased(lattice_alone, bent_place(lattice_alone, p));
+        let uvw = lattice_eased(lattice_alone, bent_place(lattice_alone, p), vec3f(0.0));
         lattice_at[0] = vec4f(uvw, lattice_weight(lattice_alone, p));
         lattice_gain[0] = 1.0;
         return;
