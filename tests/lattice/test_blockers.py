@@ -148,7 +148,7 @@ def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
 
 
 def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
-    # A pot's underside on the floor, its top above, and a leaf: closed things and sheets cancel out.
+    # A pot on it (its underside, its top) and a leaf: closed things and sheets cancel out.
     one_sided = Material(two_sided=False)
     spread = (0, 3, 0), (0, 0, 3)
     floor = square((4 * CELL, 2, 2), *spread, one_sided)
