@@ -19,6 +19,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .glossy import is_any_glossy
+from .glossy_pixels import GlossyPixels, can_list
 from .lighting import LightAir, Lighting, LightingParams
 from .lights import Lights
 from .occlusion import Occlusion
@@ -86,6 +87,7 @@ class Direct:
         self.table = LatticeTable(gpu, self.lattice_count)
         self.black = Buffer(gpu, "no light", 3 * int(np.prod(cells)) * 16)
         self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
+        self.glossy: GlossyPixels | None = None
         self.occlusion = Occlusion(gpu)
         self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
         self.linear = linear_sampler(gpu)
@@ -153,21 +155,36 @@ class Direct:
             world_from_clip=view.world_from_clip, eye=view.eye, light_count=self.lights.count,
             size=view.size, environment_rotation=self.lights.background.rotation, has_lattice=1,
         )  # fmt: skip
-        if self.lighting is None:
+        lighting = self._lighting_of(view.size)
+        values: dict[str, Any] = {
+            "params": params, **self.lattice_bound, **self.lights.bound,
+            **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
+            "normal": g.normal, "emission": g.emission, "occlusion": view.occlusion.visibility,
+            "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
+        }  # fmt: skip
+        if self.glossy is None:
+            lighting.draw(commands, view.layers.targets, **values)
+            return
+        listed = self.glossy.empty(commands, view.size)
+        lighting.draw(commands, view.layers.targets, **values, **listed)
+        self.glossy.encode(commands, view.layers.targets, values)
+
+    def _lighting_of(self, size: tuple[int, int]) -> Lighting:
+        """The pass for pictures of `size`, pixels, and on software drivers the one for gloss."""
+        is_listed = self._is_glossy and self.gpu.is_cpu and can_list(self.gpu, size)
+        if self.lighting is None or is_listed != (self.glossy is not None):
+            known = {"is_occluded": self.settings.ambient_occlusion, "has_sky": self._has_sky,
+                     "is_one_lattice": self.table.count == 1}  # fmt: skip
+            if self.glossy:
+                self.glossy.release()
+            self.glossy = GlossyPixels(self.gpu, **known) if is_listed else None
             self.lighting = Lighting(
-                self.gpu, self.air, is_occluded=self.settings.ambient_occlusion,
-                is_glossy=self._is_glossy, damping=self.damping,
+                self.gpu, self.air, is_glossy=self._is_glossy, damping=self.damping,
                 has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
-                has_lamps=self.lights.local.layers > 0, has_sky=self._has_sky,
-                is_one_lattice=self.table.count == 1,
+                has_lamps=self.lights.local.layers > 0, **known,
+                glossy_group=GlossyPixels.group if is_listed else 0,
             )  # fmt: skip
-        self.lighting.draw(
-            commands, view.layers.targets, params=params, **self.lattice_bound,
-            **self.lights.bound, **(self.air.bound if self.air else {}),
-            depth=g.depth, albedo=g.albedo, normal=g.normal, emission=g.emission,
-            occlusion=view.occlusion.visibility,
-            sky_cube=self.sky_cube, **self.blockers.bound, linear_clamp=self.linear,
-        )  # fmt: skip
+        return self.lighting
 
     @property
     def _has_sky(self) -> bool:
@@ -210,6 +227,8 @@ class Direct:
         parts = (self.lights, self.sky, self.blockers, self.textures, self.table, self.black)
         for part in parts:
             part.release()
+        if self.glossy:
+            self.glossy.release()
 
 
 def scene_placement(scene: Scene, settings: SurfaceSettings) -> Placement:

@@ -17,6 +17,7 @@ from ..lattice.placement import LatticeParams
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
+MOST_GROUPS = 65535
 _THROUGH_NOTHING = """
 fn light_passed(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
@@ -26,6 +27,30 @@ fn light_passed(index: u32, p: vec3f) -> vec3f {
     return air_light_transmittance(lights[index], index, p);
 }
 """
+
+
+# Glossy pixels are left to `glossy_pixels`, with the rest of their light.
+_LISTED = """
+fn is_walked_apart(r: Reflector, n_v: f32) -> bool {
+    return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
+}
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f) {
+    let at = atomicAdd(&found[0], 1u);
+    listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
+    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), 0u);
+    atomicMax(&groups[0], min(at / GLOSSY_GROUP + 1u, MOST_GROUPS));
+    atomicMax(&groups[1], 1u);
+    atomicMax(&groups[2], 1u);
+}
+"""
+_NOT_LISTED = """
+fn is_walked_apart(r: Reflector, n_v: f32) -> bool { return false; }
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f) {}
+"""
+_LISTS = (
+    storage("found", "atomic<u32>", "read_write"), storage("groups", "atomic<u32>", "read_write"),
+    storage("listed", "vec4u", "read_write"),
+)  # fmt: skip
 
 
 class LightAir(Protocol):
@@ -84,7 +109,7 @@ class Lighting(FullscreenPass):
         self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
         has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
-        is_one_lattice: bool = False,
+        is_one_lattice: bool = False, glossy_group: int = 0,
     ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
@@ -92,26 +117,32 @@ class Lighting(FullscreenPass):
         which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
         `is_one_lattice`: `lattices` has no other.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
-        surfaces follow their mirrored rays into the lattice. `damping`: how strongly bounced light
-        that falls off away from a surface is taken for a leak.
+        surfaces follow their mirrored rays into the lattice; with a `glossy_group` they are listed
+        instead, for groups of so many invocations of `GlossyPixels`. `damping`: how strongly
+        bounced light that falls off away from a surface is taken for a leak.
         """
-        if air is not None:
-            self.slots = (*type(self).slots, *air.slots)  # type: ignore[misc]
+        lists = _LISTS if glossy_group else ()
+        self.slots = (*type(self).slots, *(air.slots if air else ()), *lists)  # type: ignore[misc]
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
-        constants = {"HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": float(is_glossy),
+        constants = {"HAS_OCCLUSION": float(is_occluded),
+                     "HAS_GLOSS": float(is_glossy and not lists),
                      "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
                      "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
                      "HAS_SKY": float(has_sky),
                      "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
-        super().__init__(gpu, generated=(air.wgsl if air else "") + through, constants=constants)
+        group = f"const GLOSSY_GROUP = {glossy_group}u;\nconst MOST_GROUPS = {MOST_GROUPS}u;\n"
+        generated = (
+            (air.wgsl if air else "") + through + group + (_LISTED if lists else _NOT_LISTED)
+        )
+        super().__init__(gpu, generated=generated, constants=constants)
 
 
 class RadianceLayers:
     """What lighting writes: direct (with emission, sky and background; a = 1) and indirect."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.direct = Texture(gpu, "direct", size, "rgba32float", target=True)
-        self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True)
+        self.direct = Texture(gpu, "direct", size, "rgba32float", target=True, written=True)
+        self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True, written=True)
 
     @property
     def targets(self) -> tuple[Texture, Texture]:

@@ -1,20 +1,12 @@
 //! use pixel_point
 //! use lights
 //! use shadow
-//! use surface_reflection
-//! use glossy
-//! use lattice
-//! use ambient_cube
-//! use near_visibility
+//! use mirrored_light
 
 override HAS_SURFACES: bool = true;
-override HAS_OCCLUSION: bool = false;
-override HAS_GLOSS: bool = false;
 override DAMPING: f32 = 0.0;
 override HAS_SUNS: bool = true;
 override HAS_LAMPS: bool = true;
-override HAS_SKY: bool = true;
-override IS_ONE_LATTICE: bool = false;
 
 struct Lit {
     @location(0) direct: vec4f,
@@ -65,69 +57,6 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     return sum;
 }
 
-// Of a single lattice what a loop needs is read once, and nothing is left of loops over lattices.
-fn lattice_of(k: u32) -> LatticeParams {
-    if (IS_ONE_LATTICE) {
-        return lattices[0];
-    }
-    return lattices[k];
-}
-
-fn last_lattice() -> u32 {
-    if (IS_ONE_LATTICE) {
-        return 0u;
-    }
-    return arrayLength(&lattices) - 1u;
-}
-
-fn sky_at(uvw: vec3f, n: vec3f) -> vec3f {
-    if (!HAS_SKY) {
-        return vec3f(0.0);
-    }
-    return sky_irradiance(uvw, n);
-}
-
-struct Mirrored {
-    sky: vec3f,         // irradiance, W m^-2
-    bounced: vec3f,
-}
-
-// What comes from around the mirrored direction: of the point's own cell, or along a ray, which
-// goes on in the next larger lattice where it leaves one.
-fn mirrored_light(
-    level: u32, p: vec3f, r: Reflector, n_v: f32, n: vec3f, own: vec3f, mirrored: vec3f,
-) -> Mirrored {
-    var k = level;
-    var uvw = own;
-    if (!HAS_GLOSS) {
-        return Mirrored(sky_at(own, mirrored),
-            lattice_irradiance_at(lattice_of(k), own, mirrored));
-    }
-    var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
-    let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
-    if (share > 0.0) {
-        ray = glossy_begun();
-        let last = last_lattice();
-        loop {
-            let place = bent_place(lattice_of(k), p);
-            let lookup = lattice_lookup_place(lattice_of(k), place, n);
-            uvw = lattice_eased(lattice_of(k), lookup, vec3f(0.0));
-            let raised = GLOSSY_START * lattice_of(level).cell / lattice_of(k).cell;
-            let begin = GlossyRay(n, mirrored, r.alpha, raised);
-            ray = glossy_walk(lattice_of(k), place, lookup, begin, ray, k == last);
-            if (k == last || !ray.is_cut) {
-                break;
-            }
-            ray.end *= lattice_of(k).cell / lattice_of(k + 1u).cell;
-            k++;
-        }
-    }
-    let end = mix(uvw, ray.uvw, share);
-    return Mirrored(mix(1.0, ray.left, share) * sky_at(end, mirrored),
-        share * ray.irradiance
-            + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattice_of(k), end, mirrored));
-}
-
 struct LatticeLight {
     sky: vec3f,         // radiance, W m^-2 sr^-1
     bounced: vec3f,
@@ -135,10 +64,10 @@ struct LatticeLight {
 
 // What one lattice gives to a surface.
 fn lattice_light(
-    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, open: f32,
+    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32,
+    diffuse: vec3f, mirrors: vec3f,
 ) -> LatticeLight {
     let lattice = lattice_of(level);
-    let n_v = max(dot(n, v), 1e-4);
     let mirrored = reflect(-v, n);
     let uvw = lattice_coordinates(lattice, p, n);
     var e = lattice_irradiance(lattice, uvw, n);
@@ -146,17 +75,14 @@ fn lattice_light(
         e *= lattice_damping(lattice, uvw, n, DAMPING);
     }
     let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
-    return LatticeLight(reflected(r, n_v, open, sky_at(uvw, n), mirror.sky),
-        reflected(r, n_v, open, e, mirror.bounced));
+    return LatticeLight((diffuse * sky_at(uvw, n) + mirrors * mirror.sky) / PI,
+        (diffuse * e + mirrors * mirror.bounced) / PI);
 }
 
-// Diffuse light of irradiance e, and e_mirror (around the mirrored direction) by the gloss, as far
-// as the near surroundings let it in.
-fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f) -> vec3f {
-    let gloss = specular_albedo(r, n_v);
-    let diffuse = (vec3f(1.0) - gloss) * r.diffuse * interreflected(visibility, r.diffuse);
-    let mirror = gloss * specular_visibility(visibility, n_v, sqrt(r.alpha));
-    return (diffuse * e + mirror * e_mirror) / PI;
+// How much of irradiance a surface reflects evenly, as far as the near surroundings let it in.
+fn diffuse_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
+    return (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse
+        * interreflected(visibility, r.diffuse);
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
@@ -175,23 +101,21 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
     let glow = textureLoad(emission, pixel, 0);
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
+    var is_listed = false;
     var direct = glow.rgb + direct_light(r, p, n, v);
     if (params.has_lattice != 0u) {
         let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
+        let n_v = max(dot(n, v), 1e-4);
+        is_listed = is_walked_apart(r, n_v);
+        let mirrors = select(mirror_gain(r, n_v, open), vec3f(0.0), is_listed);
         // The finest lattice that has the point; towards its border the next larger one.
         let last = last_lattice();
         var left = 1.0;
         var k = 0u;
         loop {
-            var weight = 0.0;
-            loop {
-                weight = left * lattice_weight(lattice_of(k), p);
-                if (weight > 0.0 || k >= last) {
-                    break;
-                }
-                k++;
-            }
-            let light = lattice_light(k, p, r, n, v, open);
+            k = lattice_from(k, p);
+            let weight = left * lattice_weight(lattice_of(k), p);
+            let light = lattice_light(k, p, r, n, v, n_v, diffuse_gain(r, n_v, open), mirrors);
             direct += weight * light.sky;
             out.indirect += vec4f(weight * light.bounced, 0.0);
             left -= weight;
@@ -202,5 +126,8 @@ fn reflected(r: Reflector, n_v: f32, visibility: f32, e: vec3f, e_mirror: vec3f)
         }
     }
     out.direct = vec4f(direct, 1.0);
+    if (is_listed) {
+        list_glossy(vec2u(position.xy), direct, out.indirect.rgb);
+    }
     return out;
 }

@@ -1,0 +1,86 @@
+"""What glossy pixels mirror, on software drivers: listed by lighting, followed by themselves.
+
+Such drivers run both sides of every branch, so that a walk along mirrored rays within lighting
+costs every pixel of the picture what it costs the glossy ones.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams
+from .lighting import LightingParams
+
+_ENTRY_BYTES = 32
+
+
+def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
+    """Whether a device lets a list hold all pixels of a picture."""
+    limits = ("max-buffer-size", "max-storage-buffer-binding-size")
+    return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
+
+
+class _Mirrored(ComputePass):
+    slots: ClassVar[tuple[Slot, ...]] = (
+        uniform("params", LightingParams), storage("lattices", LatticeParams),
+        texture("depth", "2d", "depth"),
+        *(texture(n, "2d", "unfilterable-float")
+          for n in ("albedo", "normal", "emission", "occlusion")),
+        *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
+                                     "lattice_open_a", "lattice_open_b", "lattice_walls")),
+        sampler("linear_clamp"), storage("found", "u32"), storage("listed", "vec4u"),
+        image("direct_light", "rgba32float"), image("indirect_light", "rgba32float"),
+    )  # fmt: skip
+    workgroup = (64, 1, 1)
+    file = "glossy_pixels.wgsl"
+
+
+class GlossyPixels:
+    """The list of a picture's glossy pixels, and their mirrored light."""
+
+    group = _Mirrored.workgroup[0]
+
+    def __init__(self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool) -> None:
+        """As for `Lighting`."""
+        self.gpu = gpu
+        self._pass = _Mirrored(gpu, constants={
+            "HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": 1.0, "HAS_SKY": float(has_sky),
+            "IS_ONE_LATTICE": float(is_one_lattice),
+        })  # fmt: skip
+        self._found = Buffer(gpu, "glossy pixels", 16)
+        self._groups = Buffer(gpu, "groups of glossy pixels", 16, indirect=True)
+        self._listed: Buffer | None = None
+
+    def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
+        """The empty list for a picture of `size`, pixels, by the slot names of `Lighting`."""
+        nbytes = _ENTRY_BYTES * size[0] * size[1]
+        if self._listed is None or self._listed.nbytes != nbytes:
+            if self._listed is not None:
+                self._listed.release()
+            self._listed = Buffer(self.gpu, "list of glossy pixels", nbytes)
+        for counted in (self._found, self._groups):
+            commands.encoder.clear_buffer(counted.handle)
+        return {"found": self._found, "groups": self._groups, "listed": self._listed}
+
+    def encode(
+        self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
+    ) -> None:
+        """Write the whole light of listed pixels to `targets`; `values` as `Lighting` drew them."""
+        names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
+        bound = {name: value for name, value in values.items() if name in names}
+        direct, indirect = targets
+        self._pass.dispatch_indirect(
+            commands, self._groups, **bound, found=self._found, listed=self._listed,
+            direct_light=direct, indirect_light=indirect,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self._found, self._groups, self._listed):
+            if part is not None:
+                part.release()

@@ -1,0 +1,56 @@
+// What glossy pixels mirror, followed along its rays and added to the rest of their light, which
+// lighting has listed with them. Their order differs from run to run, they do not.
+//! use pixel_point
+//! use mirrored_light
+
+fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
+    let position = vec2f(pixel) + 0.5;
+    let d = textureLoad(depth, pixel, 0);
+    let p = pixel_point(position, d);
+    let v = normalize(params.eye - p);
+    let base = textureLoad(albedo, pixel, 0);
+    let bent = textureLoad(normal, pixel, 0);
+    let n = normalize(bent.xyz);
+    let r = reflector(base.rgb, base.a, bent.w, textureLoad(emission, pixel, 0).a);
+    let n_v = max(dot(n, v), 1e-4);
+    let open = near_visibility(position, 1.0 / (params.world_from_clip[2].w * d));
+    let gain = mirror_gain(r, n_v, open) / PI;
+    var direct = rest;
+    var bounced = rest_bounced;
+    let last = last_lattice();
+    var left = 1.0;
+    var k = 0u;
+    loop {
+        k = lattice_from(k, p);
+        let weight = left * lattice_weight(lattice_of(k), p);
+        let own = lattice_coordinates(lattice_of(k), p, n);
+        let light = mirrored_light(k, p, r, n_v, n, own, reflect(-v, n));
+        direct += weight * gain * light.sky;
+        bounced += weight * gain * light.bounced;
+        left -= weight;
+        k++;
+        if (k > last || left <= 0.0) {
+            break;
+        }
+    }
+    textureStore(direct_light, pixel, vec4f(direct, 1.0));
+    textureStore(indirect_light, pixel, vec4f(bounced, 1.0));
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+) {
+    let count = found[0];
+    var i = id.x;
+    if (i >= count) {
+        return;
+    }
+    loop {
+        let direct = listed[2u * i];
+        let indirect = listed[2u * i + 1u];
+        let pixel = vec2u(direct.w & 0xffffu, direct.w >> 16u);
+        add_mirrored(pixel, bitcast<vec3f>(direct.xyz), bitcast<vec3f>(indirect.xyz));
+        i += groups.x * WX;
+        if (i >= count) { break; }
+    }
+}

@@ -1,0 +1,93 @@
+// What the lattices mirror to the eye, and what a loop over lattices needs. The including pass binds
+// what lattice and ambient_cube need, the table `lattices`, and depth, occlusion and `params`.
+//! use surface_reflection
+//! use glossy
+//! use lattice
+//! use ambient_cube
+//! use near_visibility
+
+override HAS_OCCLUSION: bool = false;
+override HAS_GLOSS: bool = false;
+override HAS_SKY: bool = true;
+override IS_ONE_LATTICE: bool = false;
+
+// Of a single lattice what a loop needs is read once, and nothing is left of loops over lattices.
+fn lattice_of(k: u32) -> LatticeParams {
+    if (IS_ONE_LATTICE) {
+        return lattices[0];
+    }
+    return lattices[k];
+}
+
+fn last_lattice() -> u32 {
+    if (IS_ONE_LATTICE) {
+        return 0u;
+    }
+    return arrayLength(&lattices) - 1u;
+}
+
+// The first of the lattices from k on that has the point; the last one if none has it.
+fn lattice_from(k: u32, p: vec3f) -> u32 {
+    let last = last_lattice();
+    var i = k;
+    loop {
+        if (i >= last || lattice_weight(lattice_of(i), p) > 0.0) {
+            break;
+        }
+        i++;
+    }
+    return i;
+}
+
+fn sky_at(uvw: vec3f, n: vec3f) -> vec3f {
+    if (!HAS_SKY) {
+        return vec3f(0.0);
+    }
+    return sky_irradiance(uvw, n);
+}
+
+struct Mirrored {
+    sky: vec3f,         // irradiance, W m^-2
+    bounced: vec3f,
+}
+
+// What comes from around the mirrored direction: of the point's own cell, or along a ray, which
+// goes on in the next larger lattice where it leaves one.
+fn mirrored_light(
+    level: u32, p: vec3f, r: Reflector, n_v: f32, n: vec3f, own: vec3f, mirrored: vec3f,
+) -> Mirrored {
+    var k = level;
+    var uvw = own;
+    if (!HAS_GLOSS) {
+        return Mirrored(sky_at(own, mirrored),
+            lattice_irradiance_at(lattice_of(k), own, mirrored));
+    }
+    var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
+    let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
+    if (share > 0.0) {
+        ray = glossy_begun();
+        let last = last_lattice();
+        loop {
+            let place = bent_place(lattice_of(k), p);
+            let lookup = lattice_lookup_place(lattice_of(k), place, n);
+            uvw = lattice_eased(lattice_of(k), lookup, vec3f(0.0));
+            let raised = GLOSSY_START * lattice_of(level).cell / lattice_of(k).cell;
+            let begin = GlossyRay(n, mirrored, r.alpha, raised);
+            ray = glossy_walk(lattice_of(k), place, lookup, begin, ray, k == last);
+            if (k == last || !ray.is_cut) {
+                break;
+            }
+            ray.end *= lattice_of(k).cell / lattice_of(k + 1u).cell;
+            k++;
+        }
+    }
+    let end = mix(uvw, ray.uvw, share);
+    return Mirrored(mix(1.0, ray.left, share) * sky_at(end, mirrored),
+        share * ray.irradiance
+            + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattice_of(k), end, mirrored));
+}
+
+// How much of a surface's light is what it mirrors, as far as the near surroundings let it in.
+fn mirror_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
+    return specular_albedo(r, n_v) * specular_visibility(visibility, n_v, sqrt(r.alpha));
+}
