@@ -81,7 +81,7 @@ class Twin:
     def add_lamp(self, position: F64, intensity: F64, side: int) -> None:
         grid = radial_grid(self.air.extent, position, side, side)
         rho = radial_density(grid, self.air.fine, self.air.extent)
-        hops = grid.hops()
+        hops = grid.hops(self.air.extent)
         travel = grid.centres() - position
         travel = travel / np.linalg.norm(travel, axis=-1, keepdims=True)
         away = self.eye - grid.centres()
@@ -95,7 +95,8 @@ class Twin:
         for k in np.ndindex(2, 2, 2):
             w = np.prod(np.where(np.array(k), at - low, 1.0 - at + low), axis=-1)
             i, j, m = np.moveaxis(low + np.array(k), -1, 0)
-            np.add.at(self.power, (m, j, i), w[..., None] * done.residual)
+            kept = np.where(rho[..., None] > 0.0, done.residual, 0.0)
+            np.add.at(self.power, (m, j, i), w[..., None] * kept)
 
 
 def twin(solver: PopSolver, lights, sky: Environment | None) -> Twin:
@@ -103,7 +104,9 @@ def twin(solver: PopSolver, lights, sky: Environment | None) -> Twin:
     beams, at = solver.beams, solver.placement
     rows = solver._scene_ordinates.of(lights, sky)
     for d, e, c in zip(rows.direction, rows.irradiance, rows.mean_cosine, strict=True):
-        made.add_parallel(at.direction(d), e / beams.table.scale, float(c), beams.grids.capacity)
+        made.add_parallel(
+            at.direction(d), e / beams.table.scale, float(c), beams.hopping.grids.capacity
+        )
     for lamp in (light for light in lights if isinstance(light, PointLight)):
         position, power = at.point(np.array(lamp.position)), np.array(lamp.intensity)
         made.add_lamp(position, power / beams.table.scale, solver.settings.grid)
@@ -118,7 +121,7 @@ def inside(made: Twin) -> np.ndarray:
 def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
     solver = solved(gpu, scheme, residuum=False)
     truth = twin(solver, (SUN,), SKY)
-    merged = of_cells(solver, solver.beams.merge.merged.read(), 1)[0]
+    merged = of_cells(solver, solver.beams.hopping.merge.merged.read(), 1)[0]
     assert_close(merged * inside(truth), truth.merged * inside(truth), 5e-3)
     deposits = of_cells(solver, solver.beams.diffuse.deposits.read(), 4)
     assert_close(deposits[0], truth.power, 5e-3)
@@ -131,7 +134,7 @@ def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
 def test_hops_around_a_lamp_are_their_twins(gpu):
     solver = solved(gpu, "split", (LAMP,), None)
     truth = twin(solver, (LAMP,), None)
-    merged = of_cells(solver, solver.beams.merge.merged.read(), 1)[0]
+    merged = of_cells(solver, solver.beams.hopping.merge.merged.read(), 1)[0]
     assert_close(merged * inside(truth), truth.merged * inside(truth), 0.01)
     deposits = of_cells(solver, solver.beams.diffuse.deposits.read(), 4)
     assert_close(deposits[0], truth.power, 5e-3)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -72,14 +70,33 @@ def test_their_number_does_not_change_the_light(gpu: object) -> None:
     assert few == pytest.approx(many, rel=0.1)
 
 
-def test_a_wall_between_keeps_it_away(gpu: object) -> None:
+HOPS = {"iterations": 2, "virtual_lights": 12}
+WAYS = {
+    "beams": {},
+    "radial": {"virtual_grids": "radial", **HOPS},
+    "split": {"scheme": "split", **HOPS},
+}
+
+
+@pytest.mark.parametrize("way", ["radial", "split"])
+def test_light_that_hops_from_it_is_the_same_in_thin_air(gpu: object, way: str) -> None:
+    beams = scattered(scene(), virtual_lights=12)
+    assert scattered(scene(), **WAYS[way])[4, 4] == pytest.approx(beams[4, 4], rel=0.03)
+
+
+def test_as_printed_it_is_there_too(gpu: object) -> None:
+    """Once for every cell upstream: too bright, as all light is in that scheme."""
+    printed, beams = (
+        scattered(scene(), scheme="paper", **HOPS),
+        scattered(scene(), virtual_lights=12),
+    )
+    assert 1.0 < printed.mean() / beams.mean() < 20.0
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_wall_between_keeps_it_away(gpu: object, way: str) -> None:
     """From the floor to well above the line of sight; the spot shines beside it."""
     upright = np.array([[0, -1.2, 0, 0.75], [1.2, 0, 0, 0.6], [0, 0, 4.0, 0], [0, 0, 0, 1.0]])
     black = Material(base_color=(0.0,) * 3, specular=0.0)
-    walled = scattered(scene(Mesh(quad(), black, upright)))
-    assert walled[4, 4, 0] < 0.1 * scattered(scene())[4, 4, 0]
-
-
-def test_schemes_that_hop_have_none(gpu: object) -> None:
-    split = dataclasses.replace(scene())
-    assert scattered(split, scheme="split", iterations=2).max() < 1e-6
+    walled = scattered(scene(Mesh(quad(), black, upright)), **WAYS[way])
+    assert walled[4, 4, 0] < 0.1 * scattered(scene(), **WAYS[way])[4, 4, 0]

@@ -44,6 +44,8 @@ class Hops:
     (z, y, x, 1), m^2: across the light. `beside` (4, y, x): the flat (y, x) index of each
     neighbour, -1 outside. `side_gain` (4, y, x): share of the sideways light that each neighbour
     takes, the rest stays. `curvature` (z, 1, 1, 1): path/radius, 0 where light is parallel.
+    `inside` (z, y, x, 1), of shells: where light is not lost. A box is convex, and what has left it
+    does not come back, as hops around a lamp outside of it would.
     """
 
     path: F64
@@ -52,6 +54,7 @@ class Hops:
     beside: NDArray[np.int64]
     side_gain: F64
     curvature: F64
+    inside: NDArray[np.bool_] | None = None
 
     @property
     def is_radial(self) -> bool:
@@ -136,6 +139,8 @@ def propagate(
             break
         power, a, left = _hop(hops, power, a)
         exits += left
+        if hops.inside is not None and not is_paper:
+            power = power * hops.inside
         power = power * passed ** _way(hops, a, is_paper=is_paper)
         leaving, a = _scattered(hops, sigma_s, g, a, is_paper=is_paper)
         out["residual"] += leaving * power

@@ -36,7 +36,7 @@ class RadialGrid:
     @property
     def growth(self) -> float:
         """Outer radius of a shell over that of the one inside it: cells about as deep as wide."""
-        return 1.0 + float(np.sqrt(4.0 * np.pi)) / self.side
+        return shell_growth(self.side)
 
     @property
     def edges(self) -> F64:
@@ -69,8 +69,8 @@ class RadialGrid:
         )
         return np.concatenate([square, shell[..., None]], axis=-1)
 
-    def hops(self) -> Hops:
-        """How light moves in it."""
+    def hops(self, extent: ArrayLike | None = None) -> Hops:
+        """How light moves in it; what leaves a box (3,), m, around the medium is lost."""
         n, edges = self.side, self.edges
         omega = octahedron_cell_solid_angles(n)
         v, u = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
@@ -86,7 +86,13 @@ class RadialGrid:
         return Hops(
             path, cubes * around, middle**2 * around, beside,
             2.0 * other_omega / (omega + other_omega), path / np.maximum(middle, path),
+            None if extent is None else _inside(_samples(self), extent, n)[..., None],
         )  # fmt: skip
+
+
+def shell_growth(side: int) -> float:
+    """That of shells of `side`^2 cells."""
+    return 1.0 + float(np.sqrt(4.0 * np.pi)) / side
 
 
 def radial_grid(extent: ArrayLike, centre: ArrayLike, side: int, shells: int) -> RadialGrid:
@@ -98,15 +104,26 @@ def radial_grid(extent: ArrayLike, centre: ArrayLike, side: int, shells: int) ->
 
 def radial_density(grid: RadialGrid, fine: F64, extent: F64) -> F64:
     """Mean density (z, y, x) in a grid's cells: eight samples each, 0 outside the box."""
-    at = (np.arange(grid.side)[:, None] + np.array([0.25, 0.75])).ravel() * (2.0 / grid.side) - 1.0
-    u, v = np.meshgrid(at, at)
-    direction = octahedron_decode(np.stack([u, v], axis=-1))
-    depth = np.diff(grid.edges)[:, None] * np.array([0.25, 0.75]) + grid.edges[:-1, None]
-    p = depth.reshape(-1, 1, 1, 1) * direction + np.asarray(grid.centre)
+    p = _samples(grid)
     inside = np.all((p >= 0.0) & (p <= extent), axis=-1)
     rho = np.where(inside, trilinear(fine, p * (np.array(fine.shape[::-1]) / extent)), 0.0)
     n = grid.side
     return np.asarray(rho.reshape(grid.shells, 2, n, 2, n, 2).mean(axis=(1, 3, 5)))
+
+
+def _samples(grid: RadialGrid) -> F64:
+    """Points (2z, 2y, 2x, 3), m: eight in each cell."""
+    at = (np.arange(grid.side)[:, None] + np.array([0.25, 0.75])).ravel() * (2.0 / grid.side) - 1.0
+    u, v = np.meshgrid(at, at)
+    direction = octahedron_decode(np.stack([u, v], axis=-1))
+    depth = np.diff(grid.edges)[:, None] * np.array([0.25, 0.75]) + grid.edges[:-1, None]
+    return np.asarray(depth.reshape(-1, 1, 1, 1) * direction + np.asarray(grid.centre))
+
+
+def _inside(samples: F64, extent: ArrayLike, side: int) -> NDArray[np.bool_]:
+    """Cells (z, y, x) that reach into a box."""
+    within = np.all((samples >= 0.0) & (samples <= np.asarray(extent)), axis=-1)
+    return np.asarray(within.reshape(-1, 2, side, 2, side, 2).any(axis=(1, 3, 5)))
 
 
 def read_radial(grid: RadialGrid, place: F64, density: F64, values: F64) -> F64:

@@ -1,60 +1,84 @@
 //! use hop_light
 
+const BARELY_LIT = 1e-3;
+
 // Share of an ordinate's light that surfaces let through to a point, by the medium's cell there.
-fn lit_at(n: u32, point: vec3f) -> f32 {
+fn lit_at(row: u32, point: vec3f) -> f32 {
     let cell = vec3u(clamp(point / params.cell, vec3f(0.0), vec3f(params.count) - 1.0));
     let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
-    return passed[(params.ordinate_count + n) * params.cells + index];
+    return passed[(params.ordinate_count + row) * params.cells + index];
 }
 
-// Irradiance before the air takes any, W m^-2 in units of the table's scale, times a cell's section.
-fn entering(n: u32, cell: vec3u) -> vec3f {
-    let o = ordinates[n];
+// Irradiance before the air and surfaces take any, W m^-2 in units of the table's scale, times a
+// cell's section.
+fn entering(n: u32, cell: vec3u, point: vec3f) -> vec3f {
+    let o = ordinates[hops.first_row + n];
     let g = grids[n];
     let section = g.cell * g.cell;
-    let point = hop_point(n, vec3f(cell) + 0.5);
-    let lit = lit_at(n, point);
     if (o.position.w == 0.0) {
-        return o.irradiance.rgb * section * lit;
+        return o.irradiance.rgb * section;
     }
     let away = point - o.position.xyz;
-    let r = max(length(away), 1e-9);
-    let fade = smoothstep(o.spot.y, o.spot.x, dot(away / r, o.direction.xyz));
-    let across = select(section / (r * r), solid_angles[cell.y * g.count.x + cell.x],
-        g.is_radial == 1u);
-    return o.irradiance.rgb * fade * across * lit;
+    let r2 = max(dot(away, away), 1e-18);
+    let cosine = dot(away / sqrt(r2), o.direction.xyz);
+    // A virtual light is a piece of surface; see wgsl/ordinate_light.wgsl.
+    let strength = select(smoothstep(o.spot.y, o.spot.x, cosine) / r2,
+        max(cosine, 0.0) / (r2 + o.spot.x), o.position.w == 4.0);
+    let across = select(section, r2 * solid_angles[cell.y * g.count.x + cell.x], g.is_radial == 1u);
+    return o.irradiance.rgb * strength * across;
 }
 
 // One column of a grid, along its light.
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = id.y;
-    if (n >= params.ordinate_count || id.x >= grids[n].count.x * grids[n].count.y) {
-        return;
-    }
+fn begin(n: u32, column: u32) {
     let a = vec3f(grids[n].mean_cosine)
         * select(params.g, vec3f(1.0), hops.is_paper == 1u);
     var tau = vec3f(0.0);
+    var darkest = 1.0;
     for (var z = 0u; z < grids[n].count.z; z++) {
-        var cell = hop_cell(n, id.x);
+        var cell = hop_cell(n, column);
         cell.z = z;
         let index = hop_index(n, cell);
         let slot = hop_slot(n, index);
-        let rho = hop_rho[n * hops.capacity + index];
+        let rho = max(hop_rho[n * hops.capacity + index], 0.0);
         let depth = rho * params.sigma_t * hop_path(n, z);
-        var power = entering(n, cell);
+        let point = hop_point(n, vec3f(cell) + 0.5);
+        let lit = lit_at(hops.first_row + n, point);
+        var power = lit * entering(n, cell, point);
         if (hops.is_paper == 1u) {
             power *= exp(-(tau + 0.5 * depth));
         } else {
             power *= params.albedo * (exp(-tau) - exp(-(tau + depth)));
         }
         tau += depth;
-        send_out(slot, power, a);
+        // What stands where it gets darker stops light that hops on from there, too.
+        let gate = select(1.0, min(1.0, lit / darkest), darkest > BARELY_LIT);
+        darkest = min(darkest, lit);
+        send_out(slot, power, a, gate);
         var seen = vec3f(0.0);
         if (hops.is_paper == 0u && rho > 0.0) {
             seen = 0.5 * seen_light(n, cell, rho, power, a, vec3f(1.0));
         }
-        gathered[slot] = vec4f(seen, 0.0);
+        gathered[slot] = vec4f(seen, gate);
         gathered[slot + 1u] = vec4f(0.0);
         gathered[slot + 2u] = vec4f(0.0);
+    }
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let n = id.y;
+    if (n >= hops.grids || id.x >= hops.columns) {
+        return;
+    }
+    let columns = grids[n].count.x * grids[n].count.y;
+    var k = id.x;
+    if (k >= columns) {
+        return;
+    }
+    loop {
+        begin(n, k);
+        k += hops.columns;
+        if (k >= columns) {
+            break;
+        }
     }
 }

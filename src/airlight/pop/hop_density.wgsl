@@ -2,17 +2,21 @@
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = id.y;
-    if (n >= params.ordinate_count || id.x >= hop_cells(n)) {
+    if (n >= hops.grids || id.x >= hop_cells(n)) {
         return;
     }
     let cell = hop_cell(n, id.x);
     var sum = 0.0;
+    var inside = 0u;
     for (var k = 0u; k < 8u; k++) {
         let offset = vec3f(vec3u(k, k >> 1u, k >> 2u) & vec3u(1u)) * 0.5 + 0.25;
         let uvw = hop_point(n, vec3f(cell) + offset) / params.extent;
         if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {
             sum += textureSampleLevel(fine, linear_clamp, uvw, 0.0).x;
+            inside += 1u;
         }
     }
-    hop_rho[n * hops.capacity + id.x] = sum / 8.0;
+    // Around lamps, what is beyond the medium's box is told from what is empty.
+    let is_beyond = inside == 0u && grids[n].is_radial == 1u;
+    hop_rho[n * hops.capacity + id.x] = select(sum / 8.0, -1.0, is_beyond);
 }

@@ -20,7 +20,7 @@ from ..gpu.slots import sampler, storage, texture, uniform
 from ..maths.octahedron import octahedron_cell_solid_angles
 from ..maths.ordinate_grid import ordinate_grids
 from ..maths.ordinates import Ordinates
-from ..maths.radial_grid import RadialGrid, radial_grid
+from ..maths.radial_grid import RadialGrid, radial_grid, shell_growth
 from .density import Density
 from .ordinates import Lamp
 from .placement import MediumParams, MediumPlacement
@@ -28,7 +28,7 @@ from .placement import MediumParams, MediumPlacement
 FAR = 2.0
 """A lamp this many half diagonals from the middle of a medium gets a parallel grid: seen from
 there, a shell's cells are wider than the medium."""
-_FIXED_POINT_BITS = 30
+FIXED_POINT_BITS = 30
 
 
 class HopGridData(Struct):
@@ -42,8 +42,9 @@ class HopGridData(Struct):
     mean_cosine = f32("of the ordinate's part of the sky")
     corner = vec3f("m; a radial grid's centre")
     growth = f32("of shells")
-    count = vec3u("cells; z along the light")
+    count = vec3u("cells; z along the light; none: no light")
     is_radial = u32()
+    fixed_scale = f32("in the first row: integers per W of residuum around lamps")
 
 
 class HopParams(Struct):
@@ -51,10 +52,13 @@ class HopParams(Struct):
 
     eye = vec3f("m, in the medium's frame")
     capacity = u32("cells that each grid has room for")
-    fixed_scale = f32("integers per W of residuum around lamps")
-    first_lamp = u32("row of the first lamp")
+    grids = u32("how many there are")
+    first_row = u32("the first grid's light among the ordinates")
+    first_lamp = u32("grid of the first lamp")
+    columns = u32("of a grid that begin together")
     is_paper = u32()
     is_last = u32("1: what is left joins the residuum")
+    is_added = u32("1: to the deposits of beams")
 
 
 class _Fill(ComputePass):
@@ -77,39 +81,57 @@ class HopGrids:
     def __init__(self, gpu: Gpu, placement: MediumPlacement, side: int, most: int) -> None:
         """At most `most` grids of about `side`^3 cells."""
         self._placement = placement
-        self._side = side + side % 2
+        self.side = side + side % 2
         self.shells = side
-        self.capacity = self._side**2 * side
+        self.capacity = hop_capacity(side)
         self.rows = Buffer(gpu, "hop grids", HopGridData.dtype.itemsize * most)
         self.density = Buffer(gpu, "density of hop grids", 4 * self.capacity * most)
-        angles = octahedron_cell_solid_angles(self._side).astype(np.float32)
+        angles = octahedron_cell_solid_angles(self.side).astype(np.float32)
         self.solid_angles = buffer_of(gpu, "solid angles", angles)
         self._fill = _Fill(gpu)
         self.columns = 1
-        self.ordinates = self.lamps = 0
-        self.fixed_scale = 1.0
+        self.first_row = self.ordinates = self.lamps = self.virtual = 0
+        self.lamp_power = 0.0
+
+    @property
+    def growth(self) -> float:
+        """Of shells."""
+        return shell_growth(self.side)
+
+    @property
+    def count(self) -> int:
+        """How many there are: of ordinates, lamps and virtual lights, in this order."""
+        return self.ordinates + self.lamps + self.virtual
 
     def write(
         self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
-        *, prefilter: bool, scale: float,
+        *, prefilter: bool, scale: float, virtual: int = 0, first_row: int = 0,
     ) -> None:  # fmt: skip
-        """Place the grids; `scale` W m^-2 as in the ordinates' table."""
-        self._placement = placement
-        self.ordinates, self.lamps = ordinates.count, len(lamps)
+        """Place the grids; `scale` W m^-2 as in the ordinates' table, whose rows from `first_row`
+        on they are. The last `virtual` lights' are placed on the device.
+        """
+        self._placement, self.first_row = placement, first_row
+        self.ordinates, self.lamps, self.virtual = ordinates.count, len(lamps), virtual
         cells = self.capacity
-        rows = hop_rows(ordinates, lamps, placement, cells, self._side, self.shells)
+        rows = hop_rows(ordinates, lamps, placement, cells, self.side, self.shells)
         if not prefilter:
             rows["mean_cosine"] = 1.0
-        self.columns = int(np.max(rows["count"][:, 0] * rows["count"][:, 1], initial=1))
-        self.rows.write(rows)
-        power = sum(4.0 * np.pi * max(lamp.intensity) / scale for lamp in lamps)
-        self.fixed_scale = float(2**_FIXED_POINT_BITS) / power if power > 0.0 else 1.0
+        least = self.side**2 if virtual else 1
+        self.columns = int(np.max(rows["count"][:, 0] * rows["count"][:, 1], initial=least))
+        self.lamp_power = sum(4.0 * np.pi * max(lamp.intensity) / scale for lamp in lamps)
+        power = self.lamp_power if self.lamp_power > 0.0 else 1.0
+        rows["fixed_scale"][:1] = float(2**FIXED_POINT_BITS) / power
+        if len(rows):
+            self.rows.write(rows)
 
-    def params(self, eye: Any, *, is_paper: bool, is_last: bool = False) -> HopParams:
+    def params(
+        self, eye: Any, *, is_paper: bool, is_last: bool = False, is_added: bool = False
+    ) -> HopParams:
         """For an eye (3,), m in the medium's frame."""
         return HopParams(
-            eye=eye, capacity=self.capacity, fixed_scale=self.fixed_scale,
-            first_lamp=self.ordinates, is_paper=int(is_paper), is_last=int(is_last),
+            eye=eye, capacity=self.capacity, grids=self.count, first_row=self.first_row,
+            first_lamp=self.ordinates, columns=self.columns, is_paper=int(is_paper),
+            is_last=int(is_last), is_added=int(is_added),
         )  # fmt: skip
 
     def encode(
@@ -117,7 +139,7 @@ class HopGrids:
     ) -> None:
         """Fill `density`."""
         self._fill.dispatch(
-            commands, (self.capacity, max(1, self.ordinates + self.lamps)), params=params,
+            commands, (self.capacity, max(1, self.count)), params=params,
             hops=hops, grids=self.rows, solid_angles=self.solid_angles, fine=density.fine,
             linear_clamp=density.linear, hop_rho=self.density,
         )  # fmt: skip
@@ -126,6 +148,11 @@ class HopGrids:
         """Give the memory back."""
         for buffer in (self.rows, self.density, self.solid_angles):
             buffer.release()
+
+
+def hop_capacity(side: int) -> int:
+    """Cells that each grid of about `side`^3 has room for: shells have an even number."""
+    return (side + side % 2) ** 2 * side
 
 
 def hop_rows(

@@ -17,7 +17,7 @@ from .placement import MediumParams, MediumPlacement
 _grids = (
     uniform("params", MediumParams), uniform("hops", HopParams), storage("grids", HopGridData),
     storage("solid_angles", "f32"), storage("gathered", "vec4f"),
-    storage("splatted", "atomic<i32>", "read_write"),
+    storage("splatted", "atomic<i32>", "read_write"), storage("hop_rho", "f32"),
 )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ class _Splat(ComputePass):
 
 class _Merge(ComputePass):
     slots = (
-        *_grids, storage("hop_rho", "f32"), storage("density", "f32"),
+        *_grids, storage("density", "f32"),
         storage("merged", "vec4f", "read_write"), storage("deposits", "vec4f", "read_write"),
     )  # fmt: skip
     workgroup = (64, 1, 1)
@@ -39,9 +39,10 @@ class _Merge(ComputePass):
 class Merge:
     """`merged`, vec4 [z][y][x]: in-scattered radiance per unit scattering coefficient."""
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement) -> None:
-        self.cells = placement.cells
-        self.merged = Buffer(gpu, "merged light", 16 * placement.cells)
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, merged: Buffer | None = None) -> None:
+        """Into `merged`, where that is another's."""
+        self.cells, self._is_own = placement.cells, merged is None
+        self.merged = merged or Buffer(gpu, "merged light", 16 * placement.cells)
         self._splatted = Buffer(gpu, "residuum of lamps", 12 * placement.cells)
         self._splat, self._merge = _Splat(gpu), _Merge(gpu)
 
@@ -49,19 +50,22 @@ class Merge:
         self, commands: Commands, params: MediumParams, hops: HopParams, grids: HopGrids,
         gathered: Buffer, density: Buffer, deposits: Buffer,
     ) -> None:  # fmt: skip
-        """Fill `merged`, and `deposits` as `Deposit` does."""
+        """Fill `merged`, and `deposits` as `Deposit` does; or add to them."""
         common = {
             "params": params, "hops": hops, "grids": grids.rows,
             "solid_angles": grids.solid_angles, "gathered": gathered, "splatted": self._splatted,
+            "hop_rho": grids.density,
         }  # fmt: skip
-        if grids.lamps:
-            self._splat.dispatch(commands, (grids.capacity, grids.lamps), **common)
+        around = grids.lamps + grids.virtual
+        if around:
+            self._splat.dispatch(commands, (grids.capacity, around), **common)
         self._merge.dispatch(
-            commands, (self.cells,), **common, hop_rho=grids.density, density=density,
+            commands, (self.cells,), **common, density=density,
             merged=self.merged, deposits=deposits,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        self.merged.release()
+        if self._is_own:
+            self.merged.release()
         self._splatted.release()

@@ -36,7 +36,7 @@ fn read_grid(n: u32, place: vec3f) -> Read {
             cell = vec3u(sewn(n, vec2i(low.xy) + vec2i(upper.xy)), cell.z);
         }
         let index = hop_index(n, cell);
-        let rho = hop_rho[n * hops.capacity + index];
+        let rho = max(hop_rho[n * hops.capacity + index], 0.0);
         let w = share.x * share.y * share.z * rho;
         if (w <= 0.0) {
             continue;
@@ -53,6 +53,10 @@ fn read_grid(n: u32, place: vec3f) -> Read {
     return sum;
 }
 
+fn keep(slot: u32, more: vec3f) {
+    deposits[slot] = select(vec4f(0.0), deposits[slot], hops.is_added == 1u) + vec4f(more, 0.0);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells) {
         return;
@@ -62,7 +66,10 @@ fn read_grid(n: u32, place: vec3f) -> Read {
     var seen = vec3f(0.0);
     var power = vec3f(0.0);
     var forward = array<vec3f, 3>(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    for (var n = 0u; n < params.ordinate_count; n++) {
+    for (var n = 0u; n < hops.grids; n++) {
+        if (hop_cells(n) == 0u) {
+            continue;
+        }
         let got = read_grid(n, hop_place(n, point));
         if (got.weight <= 0.0) {
             continue;
@@ -78,10 +85,10 @@ fn read_grid(n: u32, place: vec3f) -> Read {
     merged[id.x] = vec4f(seen, 0.0);
     var thrown = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        thrown[c] = f32(atomicExchange(&splatted[3u * id.x + c], 0)) / hops.fixed_scale;
+        thrown[c] = f32(atomicExchange(&splatted[3u * id.x + c], 0)) / max(grids[0].fixed_scale, 1e-30);
     }
-    deposits[id.x] = vec4f(fill * power + thrown, 0.0);
+    keep(id.x, fill * power + thrown);
     for (var axis = 0u; axis < 3u; axis++) {
-        deposits[id.x + (1u + axis) * params.cells] = vec4f(fill * forward[axis], 0.0);
+        keep(id.x + (1u + axis) * params.cells, fill * forward[axis]);
     }
 }

@@ -4,10 +4,12 @@
 // the medium's cells in fixed point.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = hops.first_lamp + id.y;
-    if (n >= params.ordinate_count || id.x >= hop_cells(n) || grids[n].is_radial == 0u) {
+    if (n >= hops.grids || id.x >= hop_cells(n) || grids[n].is_radial == 0u) {
         return;
     }
-    let power = gathered[3u * (n * hops.capacity + id.x) + 1u].xyz * hops.fixed_scale;
+    // Light that left the medium on its way is lost.
+    let is_air = hop_rho[n * hops.capacity + id.x] > 0.0;
+    let power = select(0.0, 1.0, is_air) * gathered[3u * (n * hops.capacity + id.x) + 1u].xyz * grids[0].fixed_scale;
     if (all(power <= vec3f(0.0))) {
         return;
     }

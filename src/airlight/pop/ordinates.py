@@ -36,7 +36,10 @@ class OrdinateData(Struct):
 
     direction = vec4f("of travel, a lamp's axis; w: mean cosine of the ordinate's part of the sky")
     irradiance = vec4f("rgb, in units of the table's scale; a lamp's intensity, times m^-2")
-    position = vec4f("m; w: 1 for a lamp, 0 for distant light")
+    position = vec4f(
+        "m; w: 0 distant light, 1 a lamp, 2 a virtual light, 3 a block of another medium, 4 a "
+        "virtual light that hops"
+    )
     spot = vec4f(
         "cosines of the inner and outer half angle, share of 4 pi that is lit; w: 1 for the sky's"
     )

@@ -12,7 +12,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .hop_grids import HopGridData, HopGrids, HopParams
+from .hop_grids import HopGridData, HopGrids, HopParams, hop_capacity
 from .ordinates import OrdinateData
 from .placement import MediumParams
 
@@ -40,8 +40,16 @@ class _Hop(ComputePass):
     file = "propagate.wgsl"
 
 
+def chain_bytes(side: int, most: int) -> int:
+    """Of the largest buffer for `most` grids of about `side`^3 cells."""
+    return 16 * _PARTS * hop_capacity(side) * most
+
+
 class Propagate:
-    """Fills `gathered`: vec4 [grid][cell][seen, residual, carried]; see `maths.Propagated`."""
+    """Fills `gathered`: vec4 [grid][cell][seen, residual, carried]; see `maths.Propagated`.
+
+    In the first one's w: the share of light along the grid that surfaces let into the cell.
+    """
 
     def __init__(self, gpu: Gpu, capacity: int, most: int) -> None:
         """For at most `most` grids of `capacity` cells."""
@@ -56,7 +64,7 @@ class Propagate:
     ) -> None:  # fmt: skip
         """Put the light in; `passed` as `Paths` and `Visibility` leave it."""
         self._begin.dispatch(
-            commands, (grids.columns, max(1, grids.ordinates + grids.lamps)), params=params,
+            commands, (grids.columns, max(1, grids.count)), params=params,
             hops=grids.params(eye, is_paper=is_paper), **_bound(grids), ordinates=ordinates,
             passed=passed, states_out=self._states[0], gathered=self.gathered,
         )  # fmt: skip
@@ -70,7 +78,7 @@ class Propagate:
         last = grids.params(eye, is_paper=is_paper, is_last=True)
         for k in range(iterations):
             self._hop.dispatch(
-                commands, (grids.capacity, max(1, grids.ordinates + grids.lamps)), params=params,
+                commands, (grids.capacity, max(1, grids.count)), params=params,
                 hops=last if k == iterations - 1 else going, **_bound(grids),
                 states_in=self._states[k % 2], states_out=self._states[1 - k % 2],
                 gathered=self.gathered,

@@ -27,13 +27,13 @@ fn take(sum: ptr<function, Arrival>, power: vec3f, a: vec3f) {
 }
 
 // All that the six neighbours send here.
-fn arriving(n: u32, cell: vec3u) -> Arrival {
+fn arriving(n: u32, cell: vec3u, gate: f32) -> Arrival {
     var sum = Arrival(vec3f(0.0), vec3f(0.0));
     let count = grids[n].count;
     let is_radial = grids[n].is_radial == 1u;
     if (cell.z > 0u) {
         let o = sent(n, cell - vec3u(0u, 0u, 1u));
-        take(&sum, o.ahead, o.a);
+        take(&sum, gate * o.ahead, o.a);
     }
     if (cell.z + 1u < count.z) {
         let o = sent(n, cell + vec3u(0u, 0u, 1u));
@@ -83,17 +83,22 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = id.y;
-    if (n >= params.ordinate_count || id.x >= hop_cells(n)) {
+    if (n >= hops.grids || id.x >= hop_cells(n)) {
         return;
     }
     let cell = hop_cell(n, id.x);
     let slot = hop_slot(n, id.x);
-    let rho = hop_rho[n * hops.capacity + id.x];
-    let sum = arriving(n, cell);
+    let density = hop_rho[n * hops.capacity + id.x];
+    let rho = max(density, 0.0);
+    let gate = gathered[slot].w;
+    let sum = arriving(n, cell, gate);
     let some = sum.power > vec3f(1e-30);
     var a = select(vec3f(0.0), sum.along / select(vec3f(1.0), sum.power, some), some);
+    // A box is convex: what has left it does not come back, as hops would.
+    let is_lost = density < 0.0 && hops.is_paper == 0u;
     let absorption = rho * params.sigma_t * (1.0 - params.albedo);
-    let power = sum.power * exp(-absorption * hop_path(n, cell.z) * straight_way(n, a));
+    let power = select(1.0, 0.0, is_lost) * sum.power
+        * exp(-absorption * hop_path(n, cell.z) * straight_way(n, a));
     let gone = scattered(n, cell, rho, a);
     a = gone.a;
     let left = power * (1.0 - gone.leaving);
@@ -104,5 +109,5 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     let carried = select(CARRIED, 0.0, hops.is_paper == 1u || grids[n].is_radial == 1u);
     gathered[slot + 1u] += vec4f(handed, 0.0);
     gathered[slot + 2u] += vec4f(carried * handed * a, 0.0);
-    send_out(slot, left, a);
+    send_out(slot, left, a, gate);
 }

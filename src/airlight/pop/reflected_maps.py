@@ -72,7 +72,7 @@ def reflected_maps(
     scene: Scene, settings: PopSettings, surfaces: Direct, air: Air
 ) -> ReflectedMaps | None:
     """What a technique's media take virtual lights from, where they are to have any."""
-    if not scene.meshes or not settings.virtual_lights or settings.scheme != "delta-beam":
+    if not scene.meshes or not settings.virtual_lights:
         return None
     return ReflectedMaps(
         surfaces.gpu, scene, surfaces.lights, surfaces.sky, air, blockers=surfaces.blockers,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..maths.ordinate_hops import switch_iteration
-from ..maths.ordinates import Ordinates
+from ..maths.ordinates import Ordinates, parallel
 from ..maths.transforms import F64
 from ..scene.lights import Light
 from ..scene.volume import Volume
@@ -24,14 +24,13 @@ from .diffuse import Diffuse
 from .emission import Emission
 from .given import Given
 from .hop_emission import HopEmission, Isotropic, bound_emission
-from .hop_grids import HopGrids
-from .hop_merge import Merge
+from .hopping import Hopping
 from .mixture import Mix
 from .near_light import NearLight
 from .ordinates import Lamp, OrdinateTable
 from .paths import Paths
 from .placement import MediumParams
-from .propagate import Propagate
+from .virtual_grids import is_hopping
 from .virtual_lights import VirtualLights
 from .visibility import Surfaces, Visibility
 
@@ -60,20 +59,38 @@ class Beams:
         self._given = Given(gpu, mix) if self.blocks else None
         self._visibility: Visibility | None = None
         self._virtual: VirtualLights | None = None
+        self._virtual_hops: Hopping | None = None
+        self._hopped_for = b""
         self._has_lamps = False
         self._solver = solver
 
     def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], volume: Volume, scale: float = 0.0
-    ) -> None:
-        """Upload the light; `scale` as in `OrdinateTable.write`."""
+        self, ordinates: Ordinates, lamps: Sequence[Lamp], volume: Volume, scale: float = 0.0,
+        *, virtual: int = 0,
+    ) -> None:  # fmt: skip
+        """Upload the light; `scale` as in `OrdinateTable.write`. The last `virtual` of `lamps` are
+        virtual lights, which are written on the device.
+        """
         s = self._solver
-        self._has_lamps = bool(lamps)
+        self._has_lamps = len(lamps) > virtual
         if lamps:
             self._near.write(volume.g, volume.albedo)
         self.table.write(ordinates, lamps, s.placement, volume.g,
                          prefilter=s.settings.prefilter, scale=scale,
                          blocks=self.blocks)  # fmt: skip
+        self._place(ordinates, lamps[: len(lamps) - virtual], virtual)
+
+    def _place(self, ordinates: Ordinates, lamps: Sequence[Lamp], virtual: int) -> None:
+        """Grids of virtual lights, where these hop."""
+        s = self._solver
+        if virtual and is_hopping(s.settings, alone=self.mix.is_alone):
+            self._virtual_hops = self._virtual_hops or Hopping(
+                s.gpu, s.placement, s.settings.grid, virtual, merged=s.emission.bounced
+            )
+            self._virtual_hops.write(
+                parallel([], []), (), s.placement, prefilter=s.settings.prefilter,
+                scale=self.table.scale, virtual=virtual, first_row=self.table.count - virtual,
+            )  # fmt: skip
 
     def write_surfaces(
         self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
@@ -85,18 +102,25 @@ class Beams:
                                surfaces.virtual_lights + self.blocks)  # fmt: skip
         self._surfaces = surfaces
         if self._virtual is None and surfaces.reflected is not None:
-            self._virtual = VirtualLights(self._solver.gpu, surfaces.reflected)
+            s = self._solver
+            hops = is_hopping(s.settings, alone=self.mix.is_alone)
+            self._virtual = VirtualLights(s.gpu, surfaces.reflected, are_hopping=hops)
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """Take a changed medium."""
         self.diffuse.encode_medium(commands, params, density.cells)
 
-    def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
-        """March to the light, deposit, solve."""
+    def encode(
+        self, commands: Commands, params: MediumParams, density: Density, eye: F64 | None = None
+    ) -> None:
+        """March to the light, deposit, solve. `eye` (3,), m in the medium's frame, if any."""
         if self._given is not None:
             self._take(commands, params, is_lit=False)
         self.encode_paths(commands, params, density)
-        self._spread(commands, params, density)
+        if self._virtual_hops is not None:
+            with commands.stage("pop initialisation"):
+                self._virtual_hops.encode_grids(commands, params, self.table.rows, density)
+        self._spread(commands, params, density, eye)
 
     def encode_given(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """Solve again, with what other media send out as they are solved now."""
@@ -110,12 +134,25 @@ class Beams:
             self._given.encode(commands, self._solver, params, self.table.count,
                                self._solver.others, is_lit=is_lit)  # fmt: skip
 
-    def _spread(self, commands: Commands, params: MediumParams, density: Density) -> None:
+    def _hop(self, commands: Commands, params: MediumParams, density: Density, eye: F64) -> None:
+        """Light of virtual lights that hop: added to the deposits, and what `eye` sees of it."""
+        assert self._virtual_hops is not None
+        self._hopped_for = eye.tobytes()
+        self._virtual_hops.encode(
+            commands, params, self.table, self.paths.passed, density, self.diffuse.deposits, eye,
+            self._solver.settings.iterations, is_added=True,
+        )  # fmt: skip
+
+    def _spread(
+        self, commands: Commands, params: MediumParams, density: Density, eye: F64 | None = None
+    ) -> None:
         with commands.stage("pop deposit"):
             self._deposit.encode(
                 commands, params, self._solver.placement.cells, ordinates=self.table.rows,
                 passed=self.paths.passed, density=density.cells, deposits=self.diffuse.deposits,
             )  # fmt: skip
+        if self._virtual_hops is not None and eye is not None:
+            self._hop(commands, params, density, eye)
         with commands.stage("pop diffuse"):
             self.diffuse.encode(commands, params, density.cells,
                                 self._solver.settings.solver_steps)  # fmt: skip
@@ -153,6 +190,8 @@ class Beams:
         density: Density,
     ) -> None:  # fmt: skip
         """What is seen from `eye` (3,), m in the medium's frame."""
+        if self._virtual_hops is not None and eye.tobytes() != self._hopped_for:
+            self._hop(commands, params, density, eye)
         with commands.stage("pop emission"):
             emission.encode(
                 commands, params, eye, self.table, self.paths.passed, self.diffuse.diffuse,
@@ -169,6 +208,7 @@ class Beams:
             self._given,
             self._visibility,
             self._virtual,
+            self._virtual_hops,
         ):
             if part is not None:
                 part.release()
@@ -183,61 +223,50 @@ class HoppingBeams(Beams):
         super().__init__(gpu, solver, capacity, mix)
         settings = solver.settings
         self.is_paper = settings.scheme == "paper"
-        self.grids = HopGrids(gpu, solver.placement, settings.grid, self.table.capacity)
-        self.hopping = Propagate(gpu, self.grids.capacity, self.table.capacity)
-        self.merge = Merge(gpu, solver.placement)
+        self.hopping = Hopping(gpu, solver.placement, settings.grid, self.table.capacity,
+                               is_paper=self.is_paper)  # fmt: skip
         self.isotropic = Isotropic(gpu, solver.placement) if self.is_paper else None
         self.iterations = settings.iterations
         self._emission = HopEmission(gpu)
 
-    def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], volume: Volume, scale: float = 0.0
-    ) -> None:
-        """Upload the light and place its grids."""
-        super().write(ordinates, lamps, volume, scale)
+    def _place(self, ordinates: Ordinates, lamps: Sequence[Lamp], virtual: int) -> None:
         s = self._solver
-        self.grids.write(ordinates, lamps, s.placement, prefilter=s.settings.prefilter,
-                         scale=self.table.scale)  # fmt: skip
+        self.hopping.write(ordinates, lamps, s.placement, prefilter=s.settings.prefilter,
+                           scale=self.table.scale, virtual=virtual)  # fmt: skip
         if self.is_paper and s.settings.residuum:
-            self.iterations = self._switch(volume)
+            self.iterations = self._switch(s.volume)
 
-    def encode(self, commands: Commands, params: MediumParams, density: Density) -> None:
+    def encode(
+        self, commands: Commands, params: MediumParams, density: Density, eye: F64 | None = None
+    ) -> None:
         """March to the light, fill the grids with air."""
         self.encode_paths(commands, params, density)
         with commands.stage("pop initialisation"):
-            hops = self.grids.params((0.0, 0.0, 0.0), is_paper=self.is_paper)
-            self.grids.encode(commands, params, hops, density)
+            self.hopping.encode_grids(commands, params, self.table.rows, density)
 
     def encode_view(
         self, commands: Commands, params: MediumParams, eye: F64, emission: Emission,
         density: Density,
     ) -> None:  # fmt: skip
         """Propagate, merge, solve for the residuum."""
-        hops = self.grids.params(eye, is_paper=self.is_paper)
-        with commands.stage("pop initialisation"):
-            self.hopping.encode_begin(commands, params, self.grids, self.table.rows,
-                                      self.paths.passed, eye, is_paper=self.is_paper)  # fmt: skip
-        with commands.stage("pop propagation"):
-            self.hopping.encode(commands, params, self.grids, eye, self.iterations,
-                                is_paper=self.is_paper)  # fmt: skip
-        with commands.stage("pop merge"):
-            self.merge.encode(commands, params, hops, self.grids, self.hopping.gathered,
-                              density.cells, self.diffuse.deposits)  # fmt: skip
+        self.hopping.encode(commands, params, self.table, self.paths.passed, density,
+                            self.diffuse.deposits, eye, self.iterations)  # fmt: skip
         with commands.stage("pop residuum"):
             self._encode_residuum(commands, params, density)
         with commands.stage("pop emission"):
             bound = bound_emission(
-                params, hops, self.table, eye, self.paths.passed, self.diffuse.diffuse,
-                density.reach, self.merge.merged, emission.texture,
+                params, self.hopping.grids.params(eye, is_paper=self.is_paper), self.table, eye,
+                self.paths.passed, self.diffuse.diffuse, density.reach, self.hopping.merge.merged,
+                emission.texture,
             )  # fmt: skip
             self._emission.encode(commands, emission.cells, **bound)
 
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for part in (self.grids, self.hopping, self.merge, self.isotropic):
-            if part is not None:
-                part.release()
+        self.hopping.release()
+        if self.isotropic is not None:
+            self.isotropic.release()
 
     def _encode_residuum(self, commands: Commands, params: MediumParams, density: Density) -> None:
         settings = self._solver.settings

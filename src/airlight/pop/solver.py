@@ -75,8 +75,12 @@ class PopSettings:
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
     virtual_lights: int = setting(
-        0, "points of lit surfaces whose reflected light media see, once (delta-beam); 0: the "
-        "light of a lattice, where there is one", low=0, high=512,
+        0, "points of lit surfaces whose reflected light media see, once; 0: the light of a "
+        "lattice, where there is one", low=0, high=512,
+    )  # fmt: skip
+    virtual_grids: str = setting(
+        "beams", "how the light of virtual lights spreads (delta-beam): as beams, or in hops on "
+        "shells around each as in split and paper", choices=("beams", "radial"),
     )  # fmt: skip
     virtual_resolution: int = setting(
         256, "side of the maps that they are taken from", unit="px", low=8, high=4096
@@ -169,7 +173,8 @@ class PopSolver:
             self._ordinates = self._scene_ordinates.of(frame.lights, frame.environment, seen)
         self._lamps = lamps_of(frame.lights)
         # Virtual lights' rows are written on the device.
-        self._lamps += [_DARK] * (frame.surfaces.virtual_lights if frame.surfaces else 0)
+        self._virtual = frame.surfaces.virtual_lights if frame.surfaces else 0
+        self._lamps += [_DARK] * self._virtual
         count = self._ordinates.count + len(self._lamps) + self.beams.blocks
         self.params = self._params(count, self.volume.albedo)
         v = self.volume
@@ -195,11 +200,11 @@ class PopSolver:
         # Where surfaces are all the light there is, the lattice's unit is the scale.
         is_dark = frame.bounced is not None and not self._ordinates.count and not self._lamps
         scale = frame.bounced.source.scale if frame.bounced and is_dark else 0.0
-        self.beams.write(self._ordinates, self._lamps, self.volume, scale)
+        self.beams.write(self._ordinates, self._lamps, self.volume, scale, virtual=self._virtual)
         self._write_gain(self.beams, self._scene_ordinates.sky)
         if frame.surfaces is not None:
             self.beams.write_surfaces(self._ordinates, frame.lights, frame.surfaces)
-        self.beams.encode(commands, self.params, self.density)
+        self.beams.encode(commands, self.params, self.density, self.placement.point(frame.eye))
 
     def source(self, medium: int) -> Source:
         """The last emission for `march`; `medium` is the volume's row in `march.air`."""
@@ -209,9 +214,8 @@ class PopSolver:
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
-        hopped = getattr(self.beams, "iterations", 0)
         return {"ordinates": self.beams.table.count, "grid": list(self.placement.count),
-                "scheme": self.settings.scheme, "hops": hopped,
+                "scheme": self.settings.scheme, "hops": getattr(self.beams, "iterations", 0),
                 "iterations": self.settings.solver_steps}  # fmt: skip
 
     @property
@@ -232,8 +236,7 @@ class PopSolver:
         """What the camera sees of the map, where that is asked for."""
         if self._importance is None or look is None or environment is None:
             return None
-        rotation_deg = environment.rotation_deg
-        return self._importance.of(self.volume, self.placement, look, rotation_deg)
+        return self._importance.of(self.volume, self.placement, look, environment.rotation_deg)
 
     def encode_medium(self, commands: Commands, frame: Frame) -> None:
         """What a changed medium needs, or a change of one that it is mixed with."""
@@ -288,11 +291,8 @@ class PopSolver:
         """Go on with a changed volume. Raises SceneError where its grid's size changed."""
         new = placed(volume, self.settings.grid)
         same_voxels = voxel_count(volume) == voxel_count(self.volume)
-        if (
-            new.count != self.placement.count
-            or not same_voxels
-            or volume.shape != self.volume.shape
-        ):
+        same_grid = new.count == self.placement.count and volume.shape == self.volume.shape
+        if not (same_voxels and same_grid):
             raise SceneError("the volume changed in size", remedy="Make a new Renderer")
         if self._own_voxels and volume.density is not self.volume.density:
             self.voxels.write(half_floats(shape_density(volume, SPHERE_SIDE)))

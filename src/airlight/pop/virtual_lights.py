@@ -5,8 +5,9 @@ a running sum of it: one of each of `count` equal parts, so that the same scene 
 ones, and a small change moves them little. All of it happens on the device. A virtual light stands
 for a piece of surface: a cosine lobe whose fall-off ends where the piece is as near as it is wide,
 instead of the clamping that Elek2014 takes from instant radiosity.
-differs: Elek2014 gives each a radial grid; here they are more beams of the scheme delta-beam, so
-that all of them cost one ordinate each and share its one solve.
+Elek2014 gives each a radial grid, as `virtual_grids` does here for the schemes split and paper, and
+for delta-beam on request. differs: there they are more of its beams by default, which costs less
+and errs less.
 """
 
 from __future__ import annotations
@@ -60,6 +61,7 @@ class VirtualParams(Struct):
     count = u32("virtual lights")
     first_row = u32("of the ordinates")
     scale = f32("of the ordinates' irradiance, W m^-2")
+    kind = f32("w of their positions")
 
 
 class ScanParams(Struct):
@@ -127,8 +129,9 @@ class _Sight(ComputePass):
 class VirtualLights:
     """Writes the last rows of a medium's ordinates, and what surfaces keep from it of them."""
 
-    def __init__(self, gpu: Gpu, reflected: Reflected) -> None:
-        self._of = reflected
+    def __init__(self, gpu: Gpu, reflected: Reflected, *, are_hopping: bool) -> None:
+        """`are_hopping`: whether each has a grid, or is a beam of the medium."""
+        self._of, self._kind = reflected, 4.0 if are_hopping else 2.0
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
         self._places = Buffer(gpu, "virtual lights in cells", 16 * reflected.count)
@@ -187,6 +190,7 @@ class VirtualLights:
                 radius=float(np.linalg.norm(half)), resolution=maps.resolution,
                 side=_side(maps), layers=maps.layers, first_tile=int(firsts[k]),
                 all_tiles=int(firsts[-1]), count=self._of.count, first_row=first_row, scale=scale,
+                kind=self._kind,
             ))
             for k, maps in enumerate(self._of.maps)
         ]  # fmt: skip

@@ -25,7 +25,7 @@ class PopTechniqueSettings(SurfaceSettings, PopMediaSettings):
     """Surfaces, and principal ordinates."""
 
     virtual_lights: int = setting(
-        64, "points of lit surfaces whose reflected light media see, once (delta-beam); 0: none",
+        64, "points of lit surfaces whose reflected light media see, once; 0: none",
         low=0, high=512,
     )  # fmt: skip
 

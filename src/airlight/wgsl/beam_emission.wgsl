@@ -39,7 +39,8 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         } else {
             sum.sky += once;
         }
-        let quasi = exp(-reduced_depth(n, cell)) - direct;
+        let quasi = select(exp(-reduced_depth(n, cell)) - direct, vec3f(0.0),
+            ordinates[n].position.w == 4.0);
         let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;

@@ -19,13 +19,15 @@ fn hop_slot(n: u32, index: u32) -> u32 {
     return 3u * (n * hops.capacity + index);
 }
 
-fn send_out(slot: u32, power: vec3f, a: vec3f) {
+// `gate`: share of light along the grid's own that surfaces between this cell and the one before let
+// through, both ways.
+fn send_out(slot: u32, power: vec3f, a: vec3f, gate: f32) {
     let r = cap_fractions(a.r);
     let g = cap_fractions(a.g);
     let b = cap_fractions(a.b);
     states_out[slot] = vec4f(power * vec3f(r.x, g.x, b.x), a.r);
     states_out[slot + 1u] = vec4f(power * vec3f(r.y, g.y, b.y), a.g);
-    states_out[slot + 2u] = vec4f(power * vec3f(r.z, g.z, b.z), a.b);
+    states_out[slot + 2u] = vec4f(gate * power * vec3f(r.z, g.z, b.z), a.b);
 }
 
 const EVEN_WAY = 0.674;

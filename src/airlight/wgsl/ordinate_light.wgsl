@@ -48,7 +48,7 @@ fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
         return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
     }
     let away = point - o.position.xyz;
-    if (o.position.w == 2.0) {
+    if (o.position.w == 2.0 || o.position.w == 4.0) {
         return reflected_light(n, away);
     }
     let distance = max(length(away), 1e-9);
