@@ -120,6 +120,31 @@ def _error(image: Image, truth: np.ndarray, layer: str = "") -> float:
     return max(0.0, float(np.sqrt(np.sum((pixels - true) ** 2))) - 3.0 * noise) / norm
 
 
+def _unlike(image: Image, truth: Image, layer: str, *, is_mirrored: bool = False) -> float:
+    """Relative L2 of a layer of two pictures beyond what the noise of both explains.
+
+    A technique has none. Mitsuba's is known from batches; three deviations of it are let pass in
+    the pixels, and none of that in the sum over all of them, where it averages out: what the two
+    differ by there, beyond four deviations of the sum, counts too.
+    """
+    a, b = (x.layers[layer].astype(np.float64) for x in (image, truth))
+    nothing = np.zeros_like(b)
+    spread = [x.layers.get(f"{layer}_variance", nothing).astype(np.float64) for x in (image, truth)]
+    if is_mirrored:
+        a = a[:, ::-1]
+    variance = float(spread[0].sum() + spread[1].sum())
+    pixels = math.sqrt(float(np.sum((a - b) ** 2))) - 3.0 * math.sqrt(variance)
+    total = abs(float(a.sum() - b.sum())) - 4.0 * math.sqrt(variance)
+    norm = max(float(np.sqrt(np.sum(b**2))), 1e-12)
+    return max(0.0, pixels / norm, total / max(float(b.sum()), 1e-12))
+
+
+@pytest.fixture(scope="session")
+def unlike() -> Callable[..., float]:
+    """unlike(image, truth, layer, is_mirrored=False) -> relative L2."""
+    return _unlike
+
+
 @pytest.fixture(scope="session")
 def error() -> Callable[..., float]:
     """error(image, truth, layer="") -> relative L2."""

@@ -114,15 +114,16 @@ WAYS = {"about x": turn(0), "about y": turn(1), "about z": turn(2), "x for z": S
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_turned_scene_is_the_same_picture(judged, square, way):
+def test_a_turned_scene_is_the_same_picture(judged, square, unlike, way):
     scene = corner(square)
     image = judged.picture(moved(scene, WAYS[way]), SIZE)
     truth = judged.picture(scene, SIZE)
     mirrored = np.linalg.det(WAYS[way]) < 0.0
     for layer in ("direct", "indirect"):
-        pixels = image.layers[layer][:, ::-1] if mirrored else image.layers[layer]
         # Shadow maps and surfels lie otherwise: measured .006 (direct), .025 (indirect, lpv).
-        assert relative(pixels, truth.layers[layer]) < {"direct": 0.01, "indirect": 0.03}[layer]
+        # Mitsuba's mirrored pixels have other random numbers: .09 and .21, its noise 1.02 times.
+        limit = {"direct": 0.01, "indirect": 0.03}[layer]
+        assert unlike(image, truth, layer, is_mirrored=mirrored) < limit
 
 
 def test_centimetres_are_the_same_picture(judged, square):
@@ -151,7 +152,7 @@ def test_a_mirrored_mesh_faces_as_before(judged, square):
 
 
 @pytest.mark.parametrize(("way", "scale"), [("about x", 100.0), ("x for z", 1.0)])
-def test_air_turned_and_in_centimetres_is_the_same_picture(judged, square, way, scale):
+def test_air_turned_and_in_centimetres_is_the_same_picture(judged, square, unlike, way, scale):
     """Also that extinction is per metre: a hundred times the size, a hundredth of the sigma."""
     if way == "x for z" and not judged.is_sharp:
         pytest.skip(f"{judged.name} draws air at half resolution, which a mirror does not keep")
@@ -159,9 +160,8 @@ def test_air_turned_and_in_centimetres_is_the_same_picture(judged, square, way, 
     truth = judged.air_picture(scene, SIZE, needs=("single_scatter",))
     image = judged.air_picture(moved(scene, WAYS[way], scale), SIZE)
     for layer in ("single_scatter", "multiple_scatter"):
-        pixels = image.layers[layer][:, ::-1] if way == "x for z" else image.layers[layer]
-        # Measured 8e-5 (single), .0023 (multiple).
-        assert relative(pixels, truth.layers[layer]) < 5e-3
+        # Measured 8e-5 (single), .0023 (multiple); Mitsuba's noise explains .94 and .51.
+        assert unlike(image, truth, layer, is_mirrored=way == "x for z") < 5e-3
 
 
 def relative(image, truth) -> float:

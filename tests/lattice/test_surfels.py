@@ -81,6 +81,19 @@ def test_what_is_cut_away_has_no_area():
     assert made["area_normal"][:, 1].sum() == pytest.approx(0.75, abs=0.01)
 
 
+def test_edges_of_what_is_cut_away_lie_between_texels():
+    pixels = np.full((1, 2, 4), 255, np.uint8)
+    pixels[:, 0, 3] = 0  # between 1/4 and 3/4 of a width alpha rises evenly: .8 is reached at .65
+    leaf = Material(base_color_texture=Texture(pixels), alpha_cutoff=0.8)
+    made = surfels((placed(shapes.quad(), np.eye(3), material=leaf),), [0], 4000)
+    whole = surfels((placed(shapes.quad(), np.eye(3)),), [0], 4000)["area_normal"].sum(
+        dtype=np.float64
+    )
+    # Beyond the last texel it falls to the first one's 0 again, which repeats: .2 is cut there.
+    share = made["area_normal"].sum(dtype=np.float64) / whole
+    assert share == pytest.approx(0.2, abs=0.02)
+
+
 def test_colour_is_linear_and_takes_the_factor():
     pixels = np.full((2, 2, 4), (188, 0, 255, 255), np.uint8)  # sRGB 188 is linear 0.503
     paint = Material(base_color=(0.5, 1.0, 0.25), base_color_texture=Texture(pixels))

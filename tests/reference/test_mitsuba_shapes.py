@@ -1,4 +1,4 @@
-"""Meshes in world space, and glowing textures that Mitsuba can or cannot map."""
+"""Meshes where they are placed, and glowing textures that Mitsuba can or cannot map."""
 
 from __future__ import annotations
 
@@ -58,3 +58,23 @@ def test_mirrored_and_flattened_placements_stay_finite() -> None:
     for diagonal in ([-1, 1, 1, 1], [2, 0, 1, 1]):
         placed = in_world(box(), np.diag(np.array(diagonal, np.float64)))
         assert np.isfinite(placed.normals).all() and np.isfinite(placed.positions).all()
+
+
+def test_copies_share_a_file_and_keep_their_places(tmp_path) -> None:
+    geometry, files = box(), FileStore(tmp_path, ".")
+    turned = np.array([[0.6, 0, 0.8, 1], [0, 2, 0, 2], [-0.8, 0, 0.6, 3], [0, 0, 0, 1.0]])
+    shapes = [mesh_shapes(Mesh(geometry, Material(), m), 1.0, files, [])[0]
+              for m in (np.eye(4), turned)]  # fmt: skip
+    names = [shape.find("string[@name='filename']").get("value") for shape in shapes]
+    assert names[0] == names[1] and shapes[0].find("transform") is None
+    values = [float(v) for v in shapes[1].find("transform/matrix").get("value").split()]
+    np.testing.assert_allclose(np.reshape(values, (4, 4)), turned, rtol=1e-11)
+
+
+def test_what_is_mirrored_or_glows_is_written_in_world_space(tmp_path) -> None:
+    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
+    moved = np.eye(4)
+    moved[:3, 3] = 1.0
+    for mesh in (Mesh(box(), Material(), mirror), Mesh(quad(), GLOW, moved)):
+        for shape in mesh_shapes(mesh, 1.0, FileStore(tmp_path, "."), []):
+            assert shape.find("transform") is None

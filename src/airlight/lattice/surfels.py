@@ -191,7 +191,8 @@ def _colour_and_cover(
     if texture.is_srgb:
         rgb = srgb_decode(rgb)
     if material.alpha_cutoff > 0.0:
-        cover = (texel[:, 3] / 255.0 * material.alpha >= material.alpha_cutoff).astype(np.float64)
+        alpha = _filtered_alpha(texture, uv) * material.alpha
+        cover = (alpha >= material.alpha_cutoff).astype(np.float64)
     return colour * rgb, cover
 
 
@@ -201,3 +202,18 @@ def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:
     x = np.minimum((place[:, 0] * width).astype(int), width - 1)
     y = np.minimum((place[:, 1] * height).astype(int), height - 1)
     return np.asarray(texture.pixels[y, x])
+
+
+def _filtered_alpha(texture: Texture, uv: F64) -> F64:
+    """Alpha (n,), 0..1, between texels as the surface passes read it before they cut it."""
+    shape = np.array(texture.pixels.shape[1::-1])
+    place = ((uv * texture.scale + texture.offset) % 1.0) * shape - 0.5
+    first = np.floor(place).astype(int)
+    weight = place - first
+    alpha = texture.pixels[..., 3]
+    sums = np.zeros(len(uv))
+    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        share = np.abs(1 - dx - weight[:, 0]) * np.abs(1 - dy - weight[:, 1])
+        x, y = ((first + np.array((dx, dy))) % shape).T
+        sums += share * alpha[y, x]
+    return sums / 255.0

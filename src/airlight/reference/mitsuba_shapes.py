@@ -1,4 +1,8 @@
-"""airlight meshes as Mitsuba shapes, in world space, one PLY each."""
+"""airlight meshes as Mitsuba shapes: a PLY for each geometry, placed as the scene places it.
+
+What glows and what is mirrored is written in world space: an area emitter's back side lies a
+length in metres behind its front, and Mitsuba takes a mirrored triangle's back for its front.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 from .mitsuba_files import FileStore, write_exr, write_ply
 from .mitsuba_material import add_bitmap, is_absent, is_masked, linear_pixels, material_reference
-from .mitsuba_xml import add_reference, add_rgb, add_text, add_truth, plugin
+from .mitsuba_xml import add_matrix, add_reference, add_rgb, add_text, add_truth, plugin
 
 BACK_OFFSET = 1e-5  # of the scene's diagonal: the gap between the two sides of a glowing sheet
 EMISSION_LEVELS = 24  # colours a texture's glow is reduced to where Mitsuba cannot map it
@@ -37,15 +41,21 @@ def mesh_shapes(mesh: Mesh, diagonal: float, files: FileStore, notes: list[str])
     material = mesh.material
     if is_absent(material):
         return []
-    geometry = in_world(mesh.geometry, mesh.world_from_object)
+    is_baked = material.is_emissive or np.linalg.det(mesh.world_from_object[:3, :3]) <= 0.0
+    geometry = in_world(mesh.geometry, mesh.world_from_object) if is_baked else mesh.geometry
+    to_world = np.eye(4) if is_baked else mesh.world_from_object
     if material.is_emissive and is_masked(material, geometry):
         notes.append(f"material '{material.name}': the parts cut away by its alpha still glow")
     shapes = []
     for part in _emission_parts(material, geometry, notes):
-        kept = replace(geometry, indices=geometry.indices[part.triangles])
+        kept = geometry
+        if not part.triangles.all():
+            kept = replace(geometry, indices=geometry.indices[part.triangles])
         has_back = part.glows and material.two_sided
         side = "_front" if has_back else ""
         shapes.append(_shape(mesh, kept, part, files, notes, side))
+        if not np.array_equal(to_world, np.eye(4)):
+            add_matrix(shapes[-1], "to_world", to_world)
         if has_back:
             back = _flipped(kept, BACK_OFFSET * diagonal)
             shapes.append(_shape(mesh, back, part, files, notes, "_back"))
