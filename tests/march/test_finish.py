@@ -63,14 +63,13 @@ def test_it_is_what_the_passes_make(
         )
     else:
         apart["single"] = at_once["single"] = shafts
-    one.encode(seen.commands, **surfaces, **apart)
+    one.encode(seen.commands, **surfaces, transmittance=apart["transmittance"])
     Finish(gpu, air, has_sky=has_sky).encode(
         seen.commands, params, depth, reduced=reduced, skylit=skylit, shafts=shafts, **surfaces,
-        **at_once, composed=(other.direct, other.indirect, other.radiance),
+        **at_once, composed=other.layers,
     )  # fmt: skip
     pairs = [(apart[n], at_once[n]) for n in LAYERS]
-    pairs += [(one.direct, other.direct), (one.indirect, other.indirect),
-              (one.radiance, other.radiance)]  # fmt: skip
+    pairs += list(zip(one.layers, other.layers, strict=True))
     for expected, got in pairs:
         np.testing.assert_allclose(seen.read(got)[..., :3], seen.read(expected)[..., :3], rtol=1e-6)
-    np.testing.assert_array_equal(other.radiance.read()[..., 3], direct.read()[..., 3])
+    np.testing.assert_array_equal(other.direct.read()[..., 3], direct.read()[..., 3])

@@ -35,7 +35,7 @@ _LIMITS = {  # asked for up to these values, so that code which needs more fails
     "max-texture-dimension-2d": 16384,
     "max-texture-array-layers": 2048,
     "max-sampled-textures-per-shader-stage": 48,
-    "max-color-attachment-bytes-per-sample": 96,
+    "max-color-attachment-bytes-per-sample": 80,
 }
 
 declare_only_what_is_named(ffi)

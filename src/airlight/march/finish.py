@@ -1,4 +1,4 @@
-"""Reduced pictures of air at full size, its transmittance and the composed picture, in one pass.
+"""Reduced pictures of air at full size, its transmittance and what is behind it, in one pass.
 
 The same as `upsample`, `transmittance` and `compose` one after the other, where no density grid
 asks for more: what they read of a pixel is read once, and nothing between them is written.
@@ -14,15 +14,17 @@ from ..gpu.slots import texture, uniform
 from .air import Air
 from .rays import RayParams
 
-_TARGETS = ("direct", "indirect", "radiance", "multiple", "transmittance")
+_TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
 _SKY = """
 fn skylit_at(texel: vec2i) -> vec3f { return textureLoad(skylit, texel, 0).rgb; }
-fn set_single(out: ptr<function, Finished>, value: vec4f) { (*out).single = value; }
+fn set_single(out: ptr<function, Finished>, pixel: vec2i, sky: vec3f) {
+    (*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);
+}
 """
 _NO_SKY = """
 fn skylit_at(texel: vec2i) -> vec3f { return vec3f(0.0); }
-fn set_single(out: ptr<function, Finished>, value: vec4f) {}
+fn set_single(out: ptr<function, Finished>, pixel: vec2i, sky: vec3f) {}
 """
 
 
@@ -42,7 +44,7 @@ class Finish(FullscreenPass):
         self._air, self._has_sky = air, has_sky
         names = [*_TARGETS, *["single"] * has_sky]
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
-        read = ["reduced", *["skylit"] * has_sky, "shafts", "direct", "indirect"]
+        read = ["reduced", *["skylit", "shafts"] * has_sky, "direct", "indirect"]
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams), texture("depth", "2d", "depth"), *air.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
@@ -54,15 +56,15 @@ class Finish(FullscreenPass):
     def encode(
         self, commands: Commands, params: RayParams, depth: Texture, *, reduced: Texture,
         skylit: Texture, shafts: Texture, direct: Texture, indirect: Texture,
-        composed: tuple[Texture, Texture, Texture], multiple: Texture, transmittance: Texture,
+        composed: tuple[Texture, Texture], multiple: Texture, transmittance: Texture,
         single: Texture,
     ) -> None:  # fmt: skip
-        """Fill `composed` (direct, indirect, radiance), `multiple`, `transmittance` and, with a
+        """Fill `composed` (direct, indirect), `multiple`, `transmittance` and, with a
         sky, `single` from what is read: `shafts` at full size, `reduced` and `skylit`.
         """
         sky = self._has_sky
         self.draw(
             commands, (*composed, multiple, transmittance, *[single] * sky), rays=params,
-            depth=depth, reduced=reduced, shafts=shafts, direct=direct, indirect=indirect,
-            **self._air.medium_bound, **({"skylit": skylit} if sky else {}),
+            depth=depth, reduced=reduced, direct=direct, indirect=indirect,
+            **self._air.medium_bound, **({"skylit": skylit, "shafts": shafts} if sky else {}),
         )  # fmt: skip

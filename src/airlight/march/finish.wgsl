@@ -1,5 +1,5 @@
 // What is left to do for a pixel once the reduced pictures of air are there: they at full size, the
-// transmittance of even air, and all of it together with the surfaces behind.
+// transmittance of even air, and the surfaces behind it.
 //! use air
 //! use upsample_corner
 
@@ -19,16 +19,12 @@
         total += weight;
     }
     multiple /= total;
-    let single = sky / total + textureLoad(shafts, pixel, 0).rgb;
     let T = exp(-air_optical_depth(rays.eye, normalize(direction), 0.0, own));
-    let scattered = single + multiple;
-    let shown = textureLoad(direct, pixel, 0) * vec4f(T, 1.0);
     var out: Finished;
-    out.direct = shown;
+    out.direct = textureLoad(direct, pixel, 0) * vec4f(T, 1.0);
     out.indirect = textureLoad(indirect, pixel, 0) * vec4f(T, 1.0);
-    out.radiance = vec4f(out.direct.rgb + out.indirect.rgb + scattered, shown.a);
     out.multiple = vec4f(multiple, 1.0);
     out.transmittance = vec4f(T, 1.0);
-    set_single(&out, vec4f(single, 1.0));
+    set_single(&out, pixel, sky / total);
     return out;
 }

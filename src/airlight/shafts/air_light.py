@@ -4,7 +4,7 @@ air = AirLight(gpu, scene, size, lights)
 air.solve(commands, scene, low, high)                    # whatever the camera
 air.encode(commands, view, lights, sources=[...])        # every picture
 air.single_scatter, air.multiple_scatter, air.transmittance
-air.compose(commands, view)                              # air.composed.radiance
+air.compose(commands, view)                              # surfaces behind it: air.composed
 """
 
 from __future__ import annotations
@@ -250,18 +250,16 @@ class AirLight:
     def compose(self, commands: Commands, view: View) -> None:
         """`composed`: the view's layers behind the air, and everything summed."""
         surfaces = {"direct": view.layers.direct, "indirect": view.layers.indirect}
-        composed = self.composed
-        layers = {"transmittance": self.transmittance, "single": self.single_scatter,
-                  "multiple": self.multiple_scatter}  # fmt: skip
         with commands.stage("compose"):
             if self._unfinished is None or self._finisher is None:
-                composed.encode(commands, **surfaces, **layers)
+                self.composed.encode(commands, **surfaces, transmittance=self.transmittance)
                 return
             self._finisher.encode(
-                commands, self._unfinished, view.gbuffer.depth, **surfaces, **layers,
+                commands, self._unfinished, view.gbuffer.depth, **surfaces,
+                transmittance=self.transmittance, single=self.single_scatter,
+                multiple=self.multiple_scatter, composed=self.composed.layers,
                 reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
                 shafts=self._shafts_alone,
-                composed=(composed.direct, composed.indirect, composed.radiance),
             )  # fmt: skip
 
     def _full(self, name: str) -> Texture:

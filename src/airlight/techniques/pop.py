@@ -47,13 +47,10 @@ class Pop(Direct):
         surfaces = Surfaces(meshes, self.lights, self.sky, virtual) if scene.meshes else None
         self.media = PopMedia(gpu, scene, settings, surfaces)
         self.composed = Compose(gpu, size)
-        self._none = Texture(gpu, "no single scatter", size, "rgba32float")
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
         self.composed.resize(size)
-        self._none.release()
-        self._none = Texture(self.gpu, "no single scatter", size, "rgba32float")
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Surfaces, then media."""
@@ -76,8 +73,7 @@ class Pop(Direct):
         with commands.stage("compose"):
             self.composed.encode(
                 commands, direct=view.layers.direct, indirect=view.layers.indirect,
-                transmittance=self.media.transmittance, single=self._none,
-                multiple=self.media.scattered,
+                transmittance=self.media.transmittance,
             )  # fmt: skip
 
     def pictures(self, view: View) -> dict[str, Texture]:
@@ -97,6 +93,6 @@ class Pop(Direct):
     def release(self) -> None:
         """Give the memory back."""
         super().release()
-        for part in (self.media, self.reflected, self.shadow, self.composed, self._none):
+        for part in (self.media, self.reflected, self.shadow, self.composed):
             if part is not None:
                 part.release()
