@@ -9,6 +9,7 @@ from airlight.maths import delta_beam as db
 from airlight.maths.diffusion import largest_diffusivity
 from airlight.maths.lamp_beam import (
     NEAR_TABLE,
+    axis_share,
     lamp,
     mean_inverse_square,
     near_fluence,
@@ -108,3 +109,13 @@ def test_a_lamp_outside_is_nearly_parallel_light():
     sun = db.light(air, [db.beam(air, (0.0, 0.0, 1.0), np.full(3, 0.01), 1.0)])
     ratio = far[air.density > 0.5].mean() / sun.scattered_fluence()[air.density > 0.5].mean()
     assert ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_spots_axis_is_as_far_in_the_box_as_it_is():
+    size, below = (1.0, 1.0, 1.0), (0.5, -0.25, 0.5)
+    points = np.array([[0.5, 0.5, 0.5], [0.5, 0.2, 0.1], [0.9, 0.9, 0.9]])
+    np.testing.assert_allclose(axis_share(below, (0.0, 1.0, 0.0), size, points), 1.0, atol=0.01)
+    assert not axis_share(below, (0.0, -1.0, 0.0), size, points).any()
+    assert not axis_share(below, (1.0, 0.0, 0.0), size, points).any()
+    # Inside, near a face and towards it: 0.1 m of the 0.5 to the middle.
+    assert axis_share((0.5, 0.1, 0.5), (0.0, -1.0, 0.0), size, np.array([0.5, 0.6, 0.5])) == pytest.approx(0.2)

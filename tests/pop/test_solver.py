@@ -13,7 +13,7 @@ from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths import delta_beam as db
-from airlight.maths.lamp_beam import lamp, near_fluence
+from airlight.maths.lamp_beam import axis_share, lamp, near_fluence
 from airlight.maths.ordinates import Ordinates, even_sky
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
@@ -192,6 +192,17 @@ LAMPS = (
 )
 
 
+def test_a_spot_that_turns_its_back_scatters_nothing(gpu):
+    """However near by: its light is all around it to no one."""
+    low = blob().bounds[0][1]
+    seen = []
+    for way in (1.0, -1.0):
+        spot = SpotLight((0.0, low - 0.05, 0.0), (0.0, way, 0.0), (1.0,) * 3, 20.0, 30.0)
+        solver = PopSolver(gpu, blob(), SETTINGS, lights=1)
+        seen.append(frame(solver, gpu, (spot,), None, EYE)[..., :3].astype(np.float64).sum())
+    assert seen[1] < 1e-4 * seen[0]
+
+
 def test_lamps_light_the_medium_like_their_twins(gpu):
     solver = PopSolver(gpu, blob(), SETTINGS, lights=2)
     commands = Commands(gpu)
@@ -205,7 +216,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
         away = air.centres - position
         distance = np.linalg.norm(away, axis=-1)
         intensity = np.array(light.intensity) / scale
-        mean = intensity
+        mean, beside = intensity, np.ones(())
         by_cell = np.broadcast_to(intensity, (*air.density.shape, 3))
         if isinstance(light, SpotLight):
             inner, outer = np.cos(np.radians([light.inner_deg, light.outer_deg]))
@@ -213,9 +224,12 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
             t = np.clip(((away / distance[..., None]) @ axis - outer) / (inner - outer), 0, 1)
             by_cell = intensity * (t * t * (3 - 2 * t))[..., None]
             mean = intensity * (0.5 - 0.25 * (inner + outer))
+            beside = axis_share(position, axis, air.extent, air.centres)
         one = lamp(air, position, by_cell)
         beams.append(one)
-        near = near + near_fluence(air, one, distance, mean, 3.0 * width.diffusivity, width.density)
+        radius = 3.0 * width.diffusivity
+        around = near_fluence(air, one, distance, mean, radius, width.density)
+        near = near + beside[..., None] * around
     solution = db.light(air, beams, SETTINGS.solver_steps, width.diffusivity)
     got = of_cells(solver, solver.beams.diffuse.diffuse.read(), 4)
     assert_close(got[0], np.maximum(solution.fluence + near, 0.0), 5e-3)

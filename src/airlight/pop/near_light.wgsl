@@ -1,4 +1,5 @@
 //! use medium_grid
+//! use medium
 
 const NEAR_TABLE = 64u;
 const THIN_GAIN = 2.5;
@@ -7,6 +8,21 @@ fn missing_at(s: f32) -> vec3f {
     let at = s / (1.0 + s) * f32(NEAR_TABLE - 1u);
     let low = min(u32(at), NEAR_TABLE - 2u);
     return mix(missing[low].rgb, missing[low + 1u].rgb, at - f32(low));
+}
+
+// How much of the first r metres from a lamp lie in the medium's box, m.
+fn way_in_box(begin: vec3f, way: vec3f, r: f32) -> f32 {
+    let span = ray_box_interval(begin, way, vec3f(0.0), params.extent);
+    return max(0.0, min(span.y, r) - max(span.x, 0.0));
+}
+
+// What of a lamp's surroundings are lit, beside those towards a point r away: of a spot, its axis as
+// far as it is in the medium; see maths/lamp_beam.py.
+fn axis_share(n: u32, point: vec3f, r: f32) -> f32 {
+    let o = ordinates[n];
+    let own = way_in_box(o.position.xyz, normalize(point - o.position.xyz + vec3f(1e-12)), r);
+    let lit = way_in_box(o.position.xyz, o.direction.xyz, r);
+    return select(min(1.0, lit / max(own, 1e-9)), 1.0, all(o.direction.xyz == vec3f(0.0)));
 }
 
 // Fluence that beam and diffusion miss around lamp n; see maths/lamp_beam.py, near_fluence.
@@ -20,7 +36,7 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     // One table has all channels, each looked up at a distance of its own.
     let lost = vec3f(missing_at(s.r).r, missing_at(s.g).g, missing_at(s.b).b);
     let lit = passed[(params.ordinate_count + n) * params.cells + cell];
-    return o.irradiance.rgb * lit * o.spot.z * scattering_near(n, cell, r) * lost / r;
+    return o.irradiance.rgb * lit * o.spot.z * axis_share(n, point, r) * scattering_near(n, cell, r) * lost / r;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
