@@ -74,3 +74,19 @@ def test_the_cap_is_a_third_of_a_balls_radius():
     assert largest_diffusivity(np.zeros((2, 2, 2)), np.ones(3)) > 0.0
     d = diffusivity(np.array([[[0.0, 1.0]]]), [3.0], [1.0], 0.5)
     np.testing.assert_allclose(d[0, 0, :, 0], [0.5, 1 / 12])
+
+
+def test_the_cap_follows_the_thin_sides_however_they_are_turned():
+    """A plate's radius is nearer its thickness than its width; a turned one has the same."""
+    at = (np.arange(48) + 0.5) / 24 - 1.0
+    z, y, x = np.meshgrid(at, at, at, indexing="ij")
+
+    def cap(across: np.ndarray, along: np.ndarray) -> float:
+        plate = (np.abs(across) < 0.125) & (np.abs(along) < 0.625) & (np.abs(z) < 0.625)
+        return largest_diffusivity(plate.astype(float), np.full(3, 2.0 / 48))
+
+    straight = cap(x, y)
+    radii = np.sqrt(5.0 / 3.0) * np.array([0.125, 0.625, 0.625])  # of a box of these half sides
+    assert straight == pytest.approx(np.sqrt(3.0 / (radii**-2.0).sum()) / 3.0, rel=0.05)
+    half = np.sqrt(0.5)
+    assert cap(half * (x + y), half * (x - y)) == pytest.approx(straight, rel=0.08)

@@ -58,7 +58,8 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
     air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
     rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
     beams = [db.beam(air, *row) for row in rows]
-    solution = db.light(air, beams, SETTINGS.solver_steps, solver.width.diffusivity)
+    solution = db.light(air, beams, SETTINGS.solver_steps, solver.width.diffusivity,
+                        solver.width.density)  # fmt: skip
     away = at.point(EYE) - air.centres
     return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
 

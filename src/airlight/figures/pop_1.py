@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, off, scores, traced, turned, white_plume
+from .pop_scenes import drawn, moving_ms, off, scores, traced, turned, white_plume
 
 OTHER_SIDE_DEG = 180.0  # the map is turned, not the plume: the sun at the eye's back
 
@@ -11,7 +11,7 @@ OTHER_SIDE_DEG = 180.0  # the map is turned, not the plume: the sun at the eye's
 def draw(request: Request) -> Drawn:
     """Dense smoke, g = 0.85, no absorption, before two sides of the map; the first also traced."""
     scene = white_plume(0.85)
-    image = drawn(request, scene, timed=True)
+    image = drawn(request, scene)
     truth = traced(request, scene)
     stops = exposure_of(scene, image.radiance)
     told = scores(image, truth)
@@ -21,7 +21,7 @@ def draw(request: Request) -> Drawn:
     other = drawn(request, turned(scene, OTHER_SIDE_DEG))
     shown.append(("against the other side", other.radiance))
     numbers = {
-        "frame_ms": image.stats.get("frame_ms"), "device": image.stats.get("device"),
+        "moving_ms": moving_ms(request, scene), "device": image.stats.get("device"),
         "medium": {"g": 0.85, "albedo": 1.0}, **told,
     }  # fmt: skip
     return Drawn(sheet(request, "Smoke", [("smoke", exposed(request, shown, stops))]), numbers)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Mapping
 from typing import Any
 
-from ..scene.scene import Scene
-from .panels import TIMED_FRAMES, Drawn, Request, exposed, exposure_of, renderer, sheet
-from .pop_scenes import QUICK_POP, drawn, off, plume, scores, traced, turned
+from .panels import Drawn, Request, exposed, exposure_of, sheet
+from .pop_scenes import drawn, moving_ms, off, plume, scores, traced
 
 ORDINATES = (8, 27, 64, 216)
 _SAMPLES: Mapping[str, Any] = {"ordinates_from": "importance", "exact_sky": False}
@@ -39,20 +37,10 @@ def draw(request: Request) -> Drawn:
             found = scores(image, truth)
             told[str(count)] = dict(found)
             if row == 0:
-                told[str(count)]["frame_ms"] = _moving_ms(request, scene, count)
+                told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
             pictures.append((f"{count}{off(found)}", image.radiance))
         rows.append((way, exposed(request, pictures, stops)))
         numbers[way] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))
     return Drawn(sheet(request, "More and more ordinates", rows), numbers)
-
-
-def _moving_ms(request: Request, scene: Scene, ordinates: int) -> float:
-    """The median of frames under a turning map; were it still, nothing would be solved."""
-    quick = QUICK_POP if request.quick else {}
-    with renderer(request, scene, {"ordinates": ordinates, **quick}, technique="pop") as made:
-        for turn in range(1 + (1 if request.quick else TIMED_FRAMES)):
-            made.scene = turned(scene, float(turn))
-            made.frame(read=False)
-        return statistics.median(made.frame_ms[1:])

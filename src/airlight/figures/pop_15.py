@@ -7,7 +7,7 @@ from typing import Any
 
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, from_here, sheet
-from .pop_scenes import clouds, drawn, off, scores, traced
+from .pop_scenes import clouds, drawn, moving_ms, off, scores, traced
 
 ANISOTROPIES = {"isotropic": 0.0, "g = 0.7": 0.7, "anisotropic, g = 0.96": 0.96}
 
@@ -21,7 +21,7 @@ def draw(request: Request) -> Drawn:
             continue
         request.report(name, index / len(ANISOTROPIES))
         scene = clouds(g)
-        image = drawn(request, scene, timed=True)
+        image = drawn(request, scene)
         truth = traced(request, scene)
         stops = exposure_of(scene, image.radiance)
         told = scores(image, truth)
@@ -32,7 +32,7 @@ def draw(request: Request) -> Drawn:
         behind = drawn(request, shaded)
         stops = exposure_of(shaded, behind.radiance)
         rows["ours, against the sun"] += exposed(request, [(name, behind.radiance)], stops)
-        numbers[name] = {**told, "frame_ms": image.stats.get("frame_ms")}
+        numbers[name] = {**told, "moving_ms": moving_ms(request, scene)}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Clouds", kept), numbers)
 

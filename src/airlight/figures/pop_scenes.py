@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import statistics
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,7 +18,7 @@ from ..scene.checks import F32, Rgb, Vec3
 from ..scene.image import Image
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .panels import Request, mean_light, rendered
+from .panels import TIMED_FRAMES, Request, mean_light, rendered, renderer
 from .pop_court import courtyard
 
 PLUME_M = 10.0  # Elek2014 Fig. 11
@@ -100,12 +101,24 @@ def turned(scene: Scene, degrees: float) -> Scene:
 
 
 def drawn(
-    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None, *,
-    timed: bool = False,
+    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None
 ) -> Image:  # fmt: skip
     """A panel by `pop`. Raises SettingsError, DeviceError."""
     quick = QUICK_POP if request.quick else {}
-    return rendered(request, scene, {**(settings or {}), **quick}, technique="pop", timed=timed)
+    return rendered(request, scene, {**(settings or {}), **quick}, technique="pop")
+
+
+def moving_ms(
+    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None
+) -> float:  # fmt: skip
+    """The median of frames of `pop` under a turning map; were it still, nothing would be solved."""
+    asked = {**(settings or {}), **(QUICK_POP if request.quick else {})}
+    start = scene.environment.rotation_deg if scene.environment else 0.0
+    with renderer(request, scene, asked, technique="pop") as made:
+        for turn in range(1 + (1 if request.quick else TIMED_FRAMES)):
+            made.scene = turned(scene, start + float(turn))
+            made.frame(read=False)
+        return statistics.median(made.frame_ms[1:])
 
 
 def traced(request: Request, scene: Scene) -> Image | None:

@@ -101,6 +101,20 @@ def quasi_forward_anisotropy(g: ArrayLike, albedo: ArrayLike, tau: ArrayLike) ->
     return np.where(small, kept * (1.0 - 0.5 * m * (1.0 - kept)), exact)
 
 
+def unturned(medium: MediumGrid, largest: float, mean_density: float | None = None) -> F64:
+    """The share of diffuse light (channel,) that leaves the medium before it is turned.
+
+    1 less one and a half radii (three times the `largest` diffusivity, m) in units of the transport
+    mean free path at `mean_density` (else the mean over the mass); at least 0. Measured in cubes, g
+    of .5 to .96 and optical depths of 1 to 30: the best share falls from 1 in thin air by a
+    straight line to 0 at that depth.
+    """
+    if mean_density is None:
+        mean_density = float((medium.density**2).sum()) / max(float(medium.density.sum()), 1e-30)
+    turning = medium.sigma_t * (1.0 - medium.albedo * medium.g) * mean_density
+    return np.asarray(np.clip(1.0 - 4.5 * largest * turning, 0.0, 1.0))
+
+
 @dataclass(frozen=True, eq=False)
 class Beam:
     """One ordinate: unit `direction` of travel (3,), `irradiance` (channel,) W m^-2.
@@ -179,6 +193,7 @@ class Solution:
     fluence: F64
     flux: F64
     residual: F64
+    unturned: F64 | float = 0.0
 
     def quasi_forward(self, one: Beam) -> tuple[F64, F64, F64]:
         """(Phi_b, Phi_q, a): beam and quasi-forward fluence of one ordinate, and the latter's a."""
@@ -215,10 +230,26 @@ class Solution:
             quasi_forward += quasi * henyey_greenstein(mu[..., None], lobe)
         return beams, quasi_forward
 
+    def bent(self) -> F64:
+        """Flux (3, z, y, x, channel), W m^-2, that lobes of quasi-forward light lack.
+
+        On its way it counts as a beam's, so that all flux together is right; drawn as wide as it
+        is, it carries less. In thin air the rest belongs to the light that has left the beams,
+        scattered forwards itself.
+        """
+        total = np.zeros_like(self.flux)
+        for one in self.beams:
+            _, quasi, a = self.quasi_forward(one)
+            along = np.broadcast_to(one.direction, (*self.fluence.shape[:3], 3))
+            lost = one.mean_cosine * quasi * (1.0 - a)
+            total += lost * np.moveaxis(along, -1, 0)[..., None]
+        return np.asarray(self.unturned * total)
+
     def diffuse_emission(self, towards_eye: F64) -> F64:
         """The diffuse part of `emission`: a Henyey-Greenstein lobe about the flux."""
-        size = np.linalg.norm(self.flux, axis=0)
-        direction = self.flux / np.maximum(size, 1e-300)
+        flux = self.flux + self.bent()
+        size = np.linalg.norm(flux, axis=0)
+        direction = flux / np.maximum(size, 1e-300)
         towards = np.broadcast_to(towards_eye, (*self.fluence.shape[:3], 3))
         mu = np.clip(np.einsum("azyxc,zyxa->zyxc", direction, towards), -1.0, 1.0)
         phi = np.maximum(self.fluence, 0.0)
@@ -238,13 +269,16 @@ def diffusion_of(medium: MediumGrid, largest: float | None = None) -> Diffusion:
 
 
 def light(
-    medium: MediumGrid, beams: list[Beam], steps: int = 60, largest: float | None = None
-) -> Solution:
+    medium: MediumGrid, beams: list[Beam], steps: int = 60, largest: float | None = None,
+    mean_density: float | None = None,
+) -> Solution:  # fmt: skip
     """Solve for the light that `beams` bring into `medium`, `steps` of conjugate gradients.
 
-    `largest` diffusivity, m: else the one of the medium's cells.
+    `largest` diffusivity, m, and `mean_density` over its mass: else those of the medium's cells.
     """
+    largest = largest_diffusivity(medium.density, medium.cell) if largest is None else largest
     system = diffusion_of(medium, largest)
     power, forward = deposit(medium, beams)
     phi, residual = solve(system, system.source(power, forward), steps)
-    return Solution(medium, beams, phi, system.flux(phi, forward), residual)
+    share = unturned(medium, largest, mean_density)
+    return Solution(medium, beams, phi, system.flux(phi, forward), residual, share)

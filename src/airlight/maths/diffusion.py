@@ -19,21 +19,30 @@ F64 = NDArray[np.float64]
 def largest_diffusivity(density: F64, cell: F64) -> float:
     """A third of the medium's effective radius, m: D is capped there.
 
-    The radius is sqrt(5/3) times the density-weighted rms distance from the centre of mass: a
-    homogeneous ball's own. In thin air 1/(3 sigma) is longer than the medium is wide.
+    In thin air 1/(3 sigma) is longer than the medium is wide. Along the principal axes of its
+    density a homogeneous ball's radius is sqrt(5) times the standard deviation; the rates at which
+    light gets out along the three, as 1/radius^2, add up: what is flat or long is left sideways.
     """
     total = float(density.sum())
     if total <= 0.0:
         return float(np.linalg.norm(cell * np.array(density.shape[::-1]))) / 6.0
-    variance = 0.0
-    for axis in range(3):
-        n = density.shape[2 - axis]
-        weight = density.sum(axis=tuple(a for a in range(3) if a != 2 - axis)) / total
-        at = (np.arange(n) + 0.5) * cell[axis]
-        mean = float(weight @ at)
-        # cell^2/12: a cell is not a point
-        variance += float(weight @ (at - mean) ** 2) + float(cell[axis]) ** 2 / 12.0
-    return float(np.sqrt(5.0 / 3.0 * variance)) / 3.0
+    spread = np.diag(np.asarray(cell, dtype=np.float64) ** 2 / 12.0)  # a cell is not a point
+    at = [(np.arange(n) + 0.5) * h for n, h in zip(density.shape[::-1], cell, strict=True)]
+    for i in range(3):
+        for j in range(i, 3):
+            rest = tuple(2 - axis for axis in range(3) if axis not in (i, j))
+            weight = density.sum(axis=rest) / total
+            spread[i, j] += _covariance(weight, at[i], at[j] if j > i else None)
+            spread[j, i] = spread[i, j]
+    return float(np.sqrt(15.0 / (1.0 / np.linalg.eigvalsh(spread)).sum())) / 3.0
+
+
+def _covariance(weight: F64, x: F64, y: F64 | None) -> float:
+    """Of places with weights (y, x) of sum 1; without y, the variance of x."""
+    if y is None:
+        return float(weight @ (x - weight @ x) ** 2)
+    along_x, along_y = weight.sum(axis=0), weight.sum(axis=1)
+    return float((y - along_y @ y) @ weight @ (x - along_x @ x))
 
 
 def diffusivity(density: F64, sigma_tr: ArrayLike, sigma_a: ArrayLike, largest: float) -> F64:

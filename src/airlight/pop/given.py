@@ -2,7 +2,7 @@
 
 Each other medium is cut into blocks. What a block scatters out of beams, and of its diffuse light,
 is a source with its net direction, seen from every cell through what lies between as one more
-ordinate: a scaled beam, as all others.
+ordinate: a scaled beam, as all others. Walls stop it; see `given_sight`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,14 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import sampler, storage, uniform
+from .given_sight import GivenSight
 from .mixture import BLOCKS, PER_AXIS, Mix, MixedData, fine_bound, fine_slots, fine_wgsl
 from .ordinates import OrdinateData
 from .placement import MediumParams
 
 if TYPE_CHECKING:
     from .solver import PopSolver
+    from .visibility import Surfaces
 
 
 class BlockParams(Struct):
@@ -64,7 +66,8 @@ class _Given(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams), uniform("way", GivenParams),
             storage("media", MixedData), storage("ordinates", OrdinateData),
-            storage("blocks", "vec4f"), storage("reach", "u32"), sampler("linear_clamp"),
+            storage("blocks", "vec4f"), storage("reach", "u32"), storage("seen", "f32"),
+            sampler("linear_clamp"),
             *fine_slots(others), storage("given", "vec4f", "read_write"),
         )  # fmt: skip
         super().__init__(gpu, generated=fine_wgsl(others))
@@ -76,12 +79,16 @@ class Given:
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mix.blocks)
         self._gather, self._give = _Blocks(gpu, mix), _Given(gpu, mix.media - 1)
+        self._sight = GivenSight(gpu, mix.cells, mix.blocks)
 
     def encode(
         self, commands: Commands, taker: PopSolver, params: MediumParams, count: int,
-        others: Sequence[PopSolver], *, is_lit: bool,
+        others: Sequence[PopSolver], surfaces: Surfaces | None, *, is_lit: bool,
     ) -> None:  # fmt: skip
-        """What `others` send now; `count`: the taker's ordinates. Not `is_lit`: places alone."""
+        """What `others` send now; `count`: the taker's ordinates. Not `is_lit`: places alone.
+
+        `surfaces`: what stands between them.
+        """
         first = count - taker.mix.blocks
         for k, giver in enumerate(others):
             scale = giver.beams.table.scale / taker.beams.table.scale if is_lit else 0.0
@@ -97,13 +104,25 @@ class Given:
                 diffuse=giver.beams.diffuse.diffuse, ordinates=taker.beams.table.rows,
                 blocks=self._blocks,
             )  # fmt: skip
+        if surfaces is not None and surfaces.blockers is not None and not is_lit:
+            self._sight.encode(
+                commands, params, taker.placement, surfaces.blockers,
+                version=surfaces.meshes.version, ordinates=taker.beams.table.rows,
+                blocks=self._blocks, reach=taker.density.reach,
+            )  # fmt: skip
         self._give.dispatch(
             commands, (taker.placement.cells, taker.mix.blocks), params=params,
             way=GivenParams(blocks=taker.mix.blocks), media=taker.mix.rows,
             ordinates=taker.beams.table.rows, blocks=self._blocks, reach=taker.density.reach,
-            linear_clamp=taker.density.linear, **fine_bound(others), given=taker.mix.given,
+            seen=self._sight.seen, linear_clamp=taker.density.linear, **fine_bound(others),
+            given=taker.mix.given,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
         self._blocks.release()
+        self._sight.release()
+
+    def forget(self) -> None:
+        """Media moved, or changed."""
+        self._sight.forget()

@@ -38,5 +38,6 @@
     let mean = select((grown - 1.0 / grown) / (2.0 * max(half, vec3f(0.05))), vec3f(1.0),
         half < vec3f(0.05));
     let passed = min(exp(-depth) * mean, vec3f(1.0));
-    given[id.y * params.cells + id.x] = vec4f(intensity * passed / blunt, 0.0);
+    let arrives = intensity * passed * seen[id.y * params.cells + id.x];
+    given[id.y * params.cells + id.x] = vec4f(arrives / blunt, 0.0);
 }

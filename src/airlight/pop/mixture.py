@@ -16,6 +16,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, vec3f
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, texture
+from ..maths.transforms import F64
 from .placement import solved_extinction
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 PER_AXIS = 3
 """Blocks along each axis of a medium that others take its light from."""
 BLOCKS = PER_AXIS**3
+_PLACES = 8  # along an axis, where boxes are asked whether they overlap
 
 
 class MixedData(Struct):
@@ -35,6 +37,7 @@ class MixedData(Struct):
     albedo = vec3f()
     mean_density = f32("over its mass")
     g = vec3f("mean cosine")
+    overlap = f32("of the box of the one that asks, the share that lies in this one's")
 
 
 class Mix:
@@ -138,4 +141,13 @@ def _row(own: PopSolver, of: PopSolver) -> dict[str, Any]:
         "sigma_t": solved_extinction(volume, placement, of.width),
         "cell": float(np.min(placement.cell)), "albedo": volume.albedo,
         "mean_density": of.width.density, "g": volume.g,
+        "overlap": _overlap(placement.uvw_from_world @ own.placement.world_from_medium, own),
     }  # fmt: skip
+
+
+def _overlap(uvw_from_own: F64, own: PopSolver) -> float:
+    """The share of a medium's box that lies in another's."""
+    at = (np.arange(_PLACES) + 0.5) / _PLACES
+    places = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3) * own.placement.extent
+    uvw = places @ uvw_from_own[:3, :3].T + uvw_from_own[:3, 3]
+    return float(np.all((uvw > 0.0) & (uvw < 1.0), axis=-1).mean())

@@ -61,6 +61,7 @@ class Beams:
         self._virtual: VirtualLights | None = None
         self._virtual_hops: Hopping | None = None
         self._hopped_for = b""
+        self._surfaces: Surfaces | None = None
         self._has_lamps = False
         self._solver = solver
 
@@ -108,6 +109,8 @@ class Beams:
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """Take a changed medium."""
+        if self._given is not None:
+            self._given.forget()
         self.diffuse.encode_medium(commands, params, density.cells)
 
     def encode(
@@ -132,7 +135,7 @@ class Beams:
         assert self._given is not None
         with commands.stage("pop other media"):
             self._given.encode(commands, self._solver, params, self.table.count,
-                               self._solver.others, is_lit=is_lit)  # fmt: skip
+                               self._solver.others, self._surfaces, is_lit=is_lit)  # fmt: skip
 
     def _hop(self, commands: Commands, params: MediumParams, density: Density, eye: F64) -> None:
         """Light of virtual lights that hop: added to the deposits, and what `eye` sees of it."""
@@ -164,9 +167,9 @@ class Beams:
 
     def encode_paths(self, commands: Commands, params: MediumParams, density: Density) -> None:
         """March to the light from every cell."""
-        placement, virtual = self._solver.placement, self._virtual
-        if virtual is not None:
-            first = self.table.count - self._surfaces.virtual_lights - self.blocks
+        placement, virtual, surfaces = self._solver.placement, self._virtual, self._surfaces
+        if virtual is not None and surfaces is not None:
+            first = self.table.count - surfaces.virtual_lights - self.blocks
             with commands.stage("pop virtual lights"):
                 virtual.encode(commands, placement, self.table.rows, first, self.table.scale)
         with commands.stage("pop paths"):
@@ -174,10 +177,10 @@ class Beams:
                 commands, params, self.table.rows, self.table.count, density,
                 self._solver.others, is_closed=not self.blocks,
             )  # fmt: skip
-        if self._visibility is not None:
+        if self._visibility is not None and surfaces is not None:
             with commands.stage("pop visibility"):
                 self._visibility.encode(
-                    commands, params, placement, self.table.count, self._surfaces,
+                    commands, params, placement, self.table.count, surfaces,
                     reach=density.reach, passed=self.paths.passed,
                 )  # fmt: skip
         if virtual is not None:

@@ -1,41 +1,5 @@
 //! use medium_grid
-//! use lattice_space
-
-const MOST_CELLS = 128u;
-
-// The open share of a cell's face across an axis, both ways.
-fn open_face(cell: vec3i, axis: u32, is_high: bool) -> f32 {
-    let texel = lattice_texel(lattice, cell);
-    let side = u32(is_high);
-    if (axis == 2u) {
-        return textureLoad(lattice_open_b, texel, 0)[side];
-    }
-    return textureLoad(lattice_open_a, texel, 0)[2u * axis + side];
-}
-
-// How much of a straight line between two places of the lattice its faces leave open.
-fn open_line(begin: vec3f, end: vec3f) -> f32 {
-    let last = vec3i(lattice.count) - 1;
-    var cell = clamp(vec3i(floor(begin)), vec3i(0), last);
-    let target_cell = clamp(vec3i(floor(end)), vec3i(0), last);
-    let way = end - begin;
-    let is_up = way > vec3f(0.0);
-    let per_cell = 1.0 / max(abs(way), vec3f(1e-9));
-    var next = (select(vec3f(cell) - begin, vec3f(cell) + 1.0 - begin, is_up))
-        * select(-per_cell, per_cell, is_up);
-    var open = 1.0;
-    for (var k = 0u; k < MOST_CELLS && any(cell != target_cell) && open > 0.01; k++) {
-        var axis = select(0u, 1u, next.y < next.x);
-        axis = select(axis, 2u, next.z < next[axis]);
-        if (next[axis] > 1.0) {
-            break;
-        }
-        open *= open_face(cell, axis, is_up[axis]);
-        cell[axis] = clamp(cell[axis] + select(-1, 1, is_up[axis]), 0, last[axis]);
-        next[axis] += per_cell[axis];
-    }
-    return open;
-}
+//! use open_line
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || id.y >= sight.count || reach[id.x] == 0u) {

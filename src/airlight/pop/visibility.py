@@ -18,6 +18,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import sampler, storage, texture, uniform
+from ..lattice.blockers import Blockers
 from ..lighting.lights import Lights
 from ..lighting.sky import Sky
 from ..maths.ordinates import Ordinates
@@ -38,6 +39,7 @@ class Surfaces:
     lights: Lights
     sky: Sky
     reflected: Reflected | None = None
+    blockers: Blockers | None = None  # what stands between media
 
     @property
     def version(self) -> tuple[int, ...]:

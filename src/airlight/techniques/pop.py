@@ -44,8 +44,8 @@ class Pop(Direct):
         self.air = self.shadow
         self.reflected = reflected_maps(scene, settings, self, self.shadow)
         virtual = self.reflected.reflected if self.reflected else None
-        surfaces = Surfaces(meshes, self.lights, self.sky, virtual) if scene.meshes else None
-        self.media = PopMedia(gpu, scene, settings, surfaces)
+        surfaces = Surfaces(meshes, self.lights, self.sky, virtual, self.blockers)
+        self.media = PopMedia(gpu, scene, settings, surfaces if scene.meshes else None)
         self.composed = Compose(gpu, size)
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -36,7 +36,7 @@ def with_pop(base: type[Direct]) -> type[Direct]:
             pop = _pop_settings(settings, base.Settings)
             self._maps = reflected_maps(scene, pop, self, self.air_light.air)
             virtual = self._maps.reflected if self._maps else None
-            surfaces = Surfaces(meshes, self.lights, self.sky, virtual)
+            surfaces = Surfaces(meshes, self.lights, self.sky, virtual, self.blockers)
             self._surfaces = surfaces if scene.meshes else None
             grids = iter(self.air_light.air.grids)
             self.solvers = [

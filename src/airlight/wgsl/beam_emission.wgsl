@@ -13,6 +13,9 @@ struct BeamEmission {
     beams: vec3f,          // of suns and lamps
     sky: vec3f,            // the same of the sky's ordinates
     quasi_forward: vec3f,
+    bent_x: vec3f,         // flux that the lobes of quasi_forward lack
+    bent_y: vec3f,
+    bent_z: vec3f,
 }
 
 fn beam_phase(n: u32, mu: f32) -> vec3f {
@@ -24,7 +27,7 @@ fn beam_phase(n: u32, mu: f32) -> vec3f {
 
 // Per unit scattering coefficient, of all ordinates, in a cell and towards `travel`.
 fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
-    var sum = BeamEmission(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var sum = BeamEmission();
     let point = cell_centre(cell_of(cell));
     for (var n = 0u; n < params.ordinate_count; n++) {
         let light = beam_light(n, cell, point);
@@ -46,15 +49,21 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         let lobe = params.g * a * ordinates[n].direction.w;
         sum.quasi_forward += light.irradiance * quasi
             * henyey_greenstein_rgb(mu, min(lobe, vec3f(sharpest)));
+        let lost = light.irradiance * quasi * (1.0 - a) * ordinates[n].direction.w;
+        sum.bent_x += lost * light.travel.x;
+        sum.bent_y += lost * light.travel.y;
+        sum.bent_z += lost * light.travel.z;
     }
     return sum;
 }
 
-fn diffuse_emission(cell: u32, travel: vec3f) -> vec3f {
+// `beams`: of the same cell; what their lobes lack, diffuse light of thin air carries.
+fn diffuse_emission(cell: u32, travel: vec3f, beams: BeamEmission) -> vec3f {
+    let share = unturned();
     let phi = diffuse[cell].xyz;
-    let x = diffuse[cell + params.cells].xyz;
-    let y = diffuse[cell + 2u * params.cells].xyz;
-    let z = diffuse[cell + 3u * params.cells].xyz;
+    let x = diffuse[cell + params.cells].xyz + share * beams.bent_x;
+    let y = diffuse[cell + 2u * params.cells].xyz + share * beams.bent_y;
+    let z = diffuse[cell + 3u * params.cells].xyz + share * beams.bent_z;
     let size = sqrt(x * x + y * y + z * z);
     let along = x * travel.x + y * travel.y + z * travel.z;
     let mu = clamp(along / max(size, vec3f(1e-20)), vec3f(-1.0), vec3f(1.0));

@@ -27,6 +27,11 @@ fn forward_cosine(m: vec3f, kept: vec3f) -> vec3f {
     return select(exact, kept * (1.0 - 0.5 * m * (1.0 - kept)), small);
 }
 
+// Of diffuse light, what leaves the medium before it is turned; see maths/delta_beam.py, unturned.
+fn unturned_share(turning: vec3f, largest_diffusivity: f32) -> vec3f {
+    return saturate(1.0 - 4.5 * largest_diffusivity * turning);
+}
+
 const RIPPLE = 0.05;
 
 // The sharpest lobe that ordinates as narrow as `mean_cosine` sum up without spots; see
