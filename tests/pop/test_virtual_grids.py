@@ -12,6 +12,7 @@ from airlight.gpu.device import Gpu
 from airlight.maths.ordinate_grid import ordinate_grids
 from airlight.maths.radial_grid import radial_grid
 from airlight.maths.transforms import F64
+from airlight.pop import hop_grids
 from airlight.pop.hop_grids import FAR, FIXED_POINT_BITS, HopGridData
 from airlight.pop.hopping import Hopping
 from airlight.pop.placement import placed
@@ -174,6 +175,25 @@ def test_a_plate_in_the_air_stops_what_hops(gpu: Gpu) -> None:
             lights[name] = merged.reshape(*solver.placement.count[::-1], 4)[..., 0]
     assert lights["cut"][:, 11:].sum() < 0.1 * lights["open"][:, 11:].sum()
     assert lights["cut"][:, :6].sum() == pytest.approx(lights["open"][:, :6].sum(), rel=0.1)
+
+
+def test_only_cells_in_the_box_hop_however_many_at_once(
+    gpu: Gpu, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = []
+    for most in (hop_grids.MOST_GROUPS, 2):
+        few = f"const GROUP = {hop_grids.GROUP}u;\nconst MOST_GROUPS = {most}u;\n"
+        monkeypatch.setattr(hop_grids, "_CONSTANTS", few)
+        with Renderer(over_floor(), "pop", (8, 8), settings=SETTINGS) as made:
+            found.append(made.frame(samples=1).layers["scattered"])
+            grids = made.technique.media.solvers[0].beams.hopping.grids  # type: ignore[attr-defined]
+            listed, groups = grids.listed.read(np.uint32), grids.groups.read(np.uint32)
+            density = grids.density.read()[: grids.count * grids.capacity]
+        inside = np.flatnonzero(density >= 0.0)
+        assert listed[0] == len(inside) < 0.3 * len(density)
+        np.testing.assert_array_equal(np.sort(listed[1 : 1 + listed[0]]), inside)
+        assert tuple(groups[:3]) == (min(-(-len(inside) // hop_grids.GROUP), most), 1, 1)
+    np.testing.assert_array_equal(found[0], found[1])
 
 
 def test_residuum_fits_its_fixed_point(gpu: Gpu) -> None:

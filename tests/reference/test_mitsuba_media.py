@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from airlight.errors import ReferenceFailure
+from airlight.reference.mitsuba import write_mitsuba
 from airlight.reference.mitsuba_boundary import _overlap, _unit_sphere
 from airlight.reference.mitsuba_files import FileStore
 from airlight.reference.mitsuba_media import air_bounds, scene_media
 from airlight.scene import Camera, Medium, Mesh, Scene, Volume
+from airlight.scene.io import load
 from airlight.scene.shapes import box
 
 
@@ -79,3 +81,13 @@ def test_the_meshed_ball_has_a_balls_volume() -> None:
     a, b, c = (positions[indices[:, k]] for k in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(4 / 3 * np.pi, rel=1e-3)
+
+
+@pytest.mark.parametrize("values", [{}, {"endless": True}, {"endless": True, "top": 2.5}])
+def test_air_without_bounds_is_read_back_without_them(tmp_path, values) -> None:
+    scene = Scene(meshes=(Mesh(box()),), medium=Medium((0.5, 0.5, 0.5), **values))
+    write_mitsuba(scene, tmp_path / "scene.xml")
+    air = load(tmp_path / "scene.xml").medium
+    assert air is not None and air.bounds is None and air.endless == scene.medium.endless
+    if air.endless:
+        assert air.top == pytest.approx(values.get("top", 0.75))  # a box of 1 m around 0

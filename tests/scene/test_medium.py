@@ -7,7 +7,7 @@ import pytest
 
 from airlight.errors import SceneError
 from airlight.scene import Medium
-from airlight.scene.medium import extinction_and_albedo
+from airlight.scene.medium import extinction_and_albedo, medium_box
 
 
 def test_scattering_and_absorption_come_back():
@@ -41,3 +41,36 @@ def test_one_number_is_grey_and_the_default_is_white_and_isotropic():
 def test_impossible_media_are_refused(values, expected):
     with pytest.raises(SceneError, match=expected):
         Medium(**values)
+
+
+LOW, HIGH, EYE = np.array([-5.0, 0.0, -5.0]), np.array([5.0, 8.0, 5.0]), (0.0, 2.0, 20.0)
+
+
+def test_endless_air_has_a_top_and_no_other_end():
+    low, high = medium_box(Medium(0.05, endless=True), LOW, HIGH, EYE)
+    assert high[1] == pytest.approx(10.0)  # the scene's height and a quarter of it
+    # From the eye, a millionth of the light comes through to any other side.
+    for way in (low[0] - EYE[0], high[0] - EYE[0], low[2] - EYE[2], high[2] - EYE[2], low[1] - 2.0):
+        assert np.exp(-0.05 * abs(way)) < 1e-6
+    assert medium_box(Medium(0.05, endless=True, top=3.0), LOW, HIGH, EYE)[1][1] == 3.0
+
+
+def test_air_that_fills_the_scene_holds_the_eye():
+    low, high = medium_box(Medium(0.05), LOW, HIGH, EYE)
+    assert (low < LOW).all() and (high > np.maximum(HIGH, EYE)).all() and high[1] < 8.1
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"top": 3.0}, "only endless air has a top. Add endless = true."),
+        (
+            {"endless": True, "bounds": ((0, 0, 0), (1, 1, 1))},
+            "endless air has no bounds. Give its top alone.",
+        ),
+    ],
+)
+def test_ends_that_contradict_each_other_are_refused(values, message):
+    with pytest.raises(SceneError) as caught:
+        Medium(0.1, **values)
+    assert str(caught.value) == message

@@ -19,7 +19,7 @@ from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..maths.transforms import F64
 from ..scene.checks import F32
-from ..scene.medium import Medium
+from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .air_slots import MediumData, column_slots, column_wgsl, medium_slots, medium_wgsl
@@ -29,8 +29,6 @@ from .light_columns import LightColumns
 MAX_MEDIA = 8
 MAX_GRIDS = 4
 BOX, ELLIPSOID, GRID = 0, 1, 2
-# A medium without bounds reaches a little past the surfaces, so that none lies on its border.
-_FILL_MARGIN = 1e-3
 _DENSITY_MAX = 65504.0
 
 
@@ -173,15 +171,6 @@ class Air:
                 grid += 1
             rows.append(row)
         return rows
-
-
-def medium_box(medium: Medium, low: F64, high: F64, eye: Sequence[float]) -> tuple[F64, F64]:
-    """What a homogeneous medium fills, metres: its bounds, else low..high with the camera."""
-    if medium.bounds is not None:
-        return np.array(medium.bounds[0]), np.array(medium.bounds[1])
-    low, high = np.minimum(low, eye), np.maximum(high, eye)
-    margin = _FILL_MARGIN * float(np.linalg.norm(high - low)) + 1e-6
-    return low - margin, high + margin
 
 
 def voxel_m(volume: Volume) -> float:

@@ -86,14 +86,16 @@ fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
     var L = vec3f(0.0);
     var sky = vec3f(0.0);
     var t = hull.x;
-    let longest = max(own.step, (hull.y - hull.x) / f32(own.max_steps));
+    let held = held_span(eye, ray.direction, hull);
+    let longest = max(own.step, (held.y - held.x) / f32(own.max_steps));
     // Borders of media cut steps short and grids want steps of their own.
     let most = 2u * own.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
     // Tested at its end: a software driver runs a body once more than a test before it lets through.
     var i = 0u;
     if (t < hull.y) {
         loop {
-            let here = max(own.step * step_share(eye + t * ray.direction), longest);
+            let near = max(own.step * step_share(eye + t * ray.direction), longest);
+            let here = held_step(t, held, near);
             let dt = min(air_step_limit(t, here), hull.y - t);
             let p = eye + (t + 0.5 * dt) * ray.direction;
             look_around(p, t + 0.5 * dt);

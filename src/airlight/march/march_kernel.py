@@ -8,6 +8,7 @@ from ..gpu.layout import Struct, f32, i32, mat4x4f, u32
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from .air import Air
+from .far_air import FAR_WGSL, NO_FAR_WGSL, far_slots
 from .forward_source import FORWARD_WGSL, forward_slots
 from .rays import RayParams
 
@@ -28,6 +29,8 @@ class MarchParams(Struct):
     forward_scale = f32("W m^-2 per stored unit of light scattered forwards")
     forward_slabs = f32("lights that its texture holds along z")
     forward_count = u32("of which so many shine")
+    far_top = f32("m, of endless air")
+    far_sigma = f32("m^-1, of endless air")
 
 
 class SourceData(Struct):
@@ -42,7 +45,7 @@ class SourceData(Struct):
 class Variant:
     """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
     scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
-    lattice; how many nested lattices there are at one place.
+    lattice; how many nested lattices there are at one place; endless air beyond them.
     """
 
     sources: int = 0
@@ -53,6 +56,7 @@ class Variant:
     has_third_band: bool = False
     has_forward: bool = False
     levels: int = 1
+    has_far: bool = False
 
 
 _NO_FORWARD = "fn forward_emission(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
@@ -67,8 +71,7 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
         made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
     names: list[str] = []
     if variant.has_lattice or variant.has_sky:
-        made += [storage("lattices", LatticeParams), sampler("linear_clamp"),
-                 storage("march_cells", "vec4u")]  # fmt: skip
+        made += [storage("lattices", LatticeParams), sampler("linear_clamp")]
         colours = ("red", "green", "blue", "open_a", "open_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
@@ -78,6 +81,7 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
     names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
+    beams += far_slots() if variant.has_far else ()
     return (*made, *beams, image("scattered", "rgba32float"), image("passed", "rgba32float"))
 
 
@@ -85,7 +89,8 @@ def generated(variant: Variant) -> str:
     """The WGSL before the kernel."""
     lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else ""
     beams = FORWARD_WGSL if variant.has_forward else _NO_FORWARD
-    return _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams
+    far = FAR_WGSL if variant.has_far else NO_FAR_WGSL
+    return _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams + far
 
 
 def _sources_wgsl(variant: Variant) -> str:
@@ -103,6 +108,8 @@ def _sources_wgsl(variant: Variant) -> str:
     ]
     if variant.has_lattice:
         parts.append("    sum += lattice_emission(p, travel) + forward_emission(p, travel);\n")
+    if variant.has_lattice and variant.has_far:
+        parts.append("    sum += far_emission(0u, p, travel);\n")
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     share = "march_step_share(p)" if has_lattices and not sources else "1.0"
     uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
@@ -126,10 +133,12 @@ def _sky_wgsl(variant: Variant) -> str:
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
             "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
         )
+    far = " + far_emission(1u, p, travel)" if variant.has_far else ""
     return (
         _third_wgsl(variant)
         + (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
-        + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return sky_emission(p, travel); }\n"
+        + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
+        f"    return sky_emission(p, travel){far};\n}}\n"
         "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
         "    textureStore(skylit, texel, vec4f(radiance, 1.0));\n}\n"
     )

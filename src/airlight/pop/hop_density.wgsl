@@ -1,5 +1,16 @@
 //! use hop_grid
 
+// Light may hop from here.
+fn list(entry: u32) {
+    let place = atomicAdd(&listed[0], 1u);
+    atomicStore(&listed[1u + place], entry);
+    if (place % GROUP == 0u && place / GROUP < MOST_GROUPS) {
+        atomicAdd(&groups[0], 1u);
+        atomicStore(&groups[1], 1u);
+        atomicStore(&groups[2], 1u);
+    }
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = id.y;
     if (n >= hops.grids || id.x >= hop_cells(n)) {
@@ -19,4 +30,7 @@
     // Around lamps, what is beyond the medium's box is told from what is empty.
     let is_beyond = inside == 0u && grids[n].is_radial == 1u;
     hop_rho[n * hops.capacity + id.x] = select(sum / 8.0, -1.0, is_beyond);
+    if (!is_beyond || hops.is_paper == 1u) {
+        list(n * hops.capacity + id.x);
+    }
 }

@@ -29,6 +29,10 @@ FAR = 2.0
 """A lamp this many half diagonals from the middle of a medium gets a parallel grid: seen from
 there, a shell's cells are wider than the medium."""
 FIXED_POINT_BITS = 30
+GROUP = 64
+"""Cells that hop together."""
+MOST_GROUPS = 32768
+"""At once; a device takes 65535. Where cells are more, each goes through several lots of them."""
 
 
 class HopGridData(Struct):
@@ -61,6 +65,9 @@ class HopParams(Struct):
     is_added = u32("1: to the deposits of beams")
 
 
+_CONSTANTS = f"const GROUP = {GROUP}u;\nconst MOST_GROUPS = {MOST_GROUPS}u;\n"
+
+
 class _Fill(ComputePass):
     slots = (
         uniform("params", MediumParams),
@@ -70,13 +77,19 @@ class _Fill(ComputePass):
         texture("fine", "3d"),
         sampler("linear_clamp"),
         storage("hop_rho", "f32", "read_write"),
+        storage("listed", "atomic<u32>", "read_write"),
+        storage("groups", "atomic<u32>", "read_write"),
     )
     workgroup = (64, 1, 1)
     file = "hop_density.wgsl"
 
 
 class HopGrids:
-    """`rows`, HopGridData of every ordinate, then every lamp; `density`, f32 [grid][z][y][x]."""
+    """`rows`, HopGridData of every ordinate, then every lamp; `density`, f32 [grid][z][y][x].
+
+    `listed`: how many cells light may hop from, then grid * `capacity` + cell of each in any order;
+    `groups` of `GROUP` of them, to dispatch. Most cells around a lamp beside the medium are not.
+    """
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, side: int, most: int) -> None:
         """At most `most` grids of about `side`^3 cells."""
@@ -86,9 +99,11 @@ class HopGrids:
         self.capacity = hop_capacity(side)
         self.rows = Buffer(gpu, "hop grids", HopGridData.dtype.itemsize * most)
         self.density = Buffer(gpu, "density of hop grids", 4 * self.capacity * most)
+        self.listed = Buffer(gpu, "cells of hop grids", 4 * (1 + self.capacity * most))
+        self.groups = Buffer(gpu, "groups of hop cells", 16, indirect=True)
         angles = octahedron_cell_solid_angles(self.side).astype(np.float32)
         self.solid_angles = buffer_of(gpu, "solid angles", angles)
-        self._fill = _Fill(gpu)
+        self._fill = _Fill(gpu, generated=_CONSTANTS)
         self.columns = 1
         self.first_row = self.ordinates = self.lamps = self.virtual = 0
         self.lamp_power = 0.0
@@ -137,16 +152,19 @@ class HopGrids:
     def encode(
         self, commands: Commands, params: MediumParams, hops: HopParams, density: Density
     ) -> None:
-        """Fill `density`."""
+        """Fill `density`, and list the cells."""
+        for counted in (self.listed, self.groups):
+            commands.encoder.clear_buffer(counted.handle)
         self._fill.dispatch(
             commands, (self.capacity, max(1, self.count)), params=params,
             hops=hops, grids=self.rows, solid_angles=self.solid_angles, fine=density.fine,
             linear_clamp=density.linear, hop_rho=self.density,
+            listed=self.listed, groups=self.groups,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        for buffer in (self.rows, self.density, self.solid_angles):
+        for buffer in (self.rows, self.density, self.solid_angles, self.listed, self.groups):
             buffer.release()
 
 

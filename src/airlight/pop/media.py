@@ -15,12 +15,13 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..lighting.view import View
-from ..march.air import Air, medium_box
+from ..march.air import Air
 from ..march.guided import GuidedUpsample
 from ..march.march import MAX_SOURCES, March
 from ..march.rays import RESOLUTIONS, RayParams, Rays
 from ..march.upsample import Upsample
 from ..maths.transforms import F64
+from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
@@ -55,11 +56,7 @@ class PopMedia:
         self.gpu, self.settings, self._surfaces = gpu, settings, surfaces
         self._lobes = SharpLobes()
         scene = self._dulled(scene)
-        self._fog = (
-            None
-            if scene.medium is None
-            else medium_box(scene.medium, *scene.bounds, scene.camera.position)
-        )
+        self._fog = _fog_box(scene)
         media = self._volumes(scene)
         if len(media) > MAX_SOURCES:
             raise SceneError(
@@ -200,6 +197,19 @@ class _Picture:
             self.passed,
         ):
             part.release()
+
+
+def _fog_box(scene: Scene) -> tuple[F64, F64] | None:
+    """Where the scene's own medium is, metres. Raises SceneError where that has no end."""
+    medium = scene.medium
+    if medium is None:
+        return None
+    if medium.endless:
+        raise SceneError(
+            "endless air does not fit into the grid of pop",
+            remedy="Use technique lpv-scatter, or give the medium bounds",
+        )
+    return medium_box(medium, *scene.bounds, scene.camera.position)
 
 
 def _corner(point: F64) -> tuple[float, float, float]:

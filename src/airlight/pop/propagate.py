@@ -12,7 +12,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .hop_grids import HopGridData, HopGrids, HopParams, hop_capacity
+from .hop_grids import GROUP, HopGridData, HopGrids, HopParams, hop_capacity
 from .ordinates import OrdinateData
 from .placement import MediumParams
 
@@ -35,8 +35,8 @@ class _Begin(ComputePass):
 
 
 class _Hop(ComputePass):
-    slots = (*_common, storage("states_in", "vec4f"), *_out)
-    workgroup = (64, 1, 1)
+    slots = (*_common, storage("listed", "u32"), storage("states_in", "vec4f"), *_out)
+    workgroup = (GROUP, 1, 1)
     file = "propagate.wgsl"
 
 
@@ -63,6 +63,8 @@ class Propagate:
         passed: Buffer, eye: Any, *, is_paper: bool,
     ) -> None:  # fmt: skip
         """Put the light in; `passed` as `Paths` and `Visibility` leave it."""
+        # Cells that are not listed send nothing, ever.
+        commands.encoder.clear_buffer(self._states[1].handle)
         self._begin.dispatch(
             commands, (grids.columns, max(1, grids.count)), params=params,
             hops=grids.params(eye, is_paper=is_paper), **_bound(grids), ordinates=ordinates,
@@ -77,9 +79,9 @@ class Propagate:
         going = grids.params(eye, is_paper=is_paper)
         last = grids.params(eye, is_paper=is_paper, is_last=True)
         for k in range(iterations):
-            self._hop.dispatch(
-                commands, (grids.capacity, max(1, grids.count)), params=params,
-                hops=last if k == iterations - 1 else going, **_bound(grids),
+            self._hop.dispatch_indirect(
+                commands, grids.groups, params=params,
+                hops=last if k == iterations - 1 else going, **_bound(grids), listed=grids.listed,
                 states_in=self._states[k % 2], states_out=self._states[1 - k % 2],
                 gathered=self.gathered,
             )  # fmt: skip

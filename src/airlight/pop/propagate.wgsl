@@ -81,14 +81,10 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     return Scattered(1.0 - exp(-SHARE * lost) * (1.0 - handed), after);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = id.y;
-    if (n >= hops.grids || id.x >= hop_cells(n)) {
-        return;
-    }
-    let cell = hop_cell(n, id.x);
-    let slot = hop_slot(n, id.x);
-    let density = hop_rho[n * hops.capacity + id.x];
+fn hop(n: u32, index: u32) {
+    let cell = hop_cell(n, index);
+    let slot = hop_slot(n, index);
+    let density = hop_rho[n * hops.capacity + index];
     let rho = max(density, 0.0);
     let gate = gathered[slot].w;
     let sum = arriving(n, cell, gate);
@@ -110,4 +106,22 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     gathered[slot + 1u] += vec4f(handed, 0.0);
     gathered[slot + 2u] += vec4f(carried * handed * a, 0.0);
     send_out(slot, left, a, gate);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+) {
+    let count = listed[0];
+    var k = id.x;
+    if (k >= count) {
+        return;
+    }
+    loop {
+        let entry = listed[1u + k];
+        hop(entry / hops.capacity, entry % hops.capacity);
+        k += WX * groups.x;
+        if (k >= count) {
+            break;
+        }
+    }
 }

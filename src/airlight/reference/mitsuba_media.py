@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..scene.checks import F32, F64, Rgb
-from ..scene.medium import Medium
+from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .mitsuba_boundary import (
@@ -38,7 +38,6 @@ from .mitsuba_xml import (
 )
 
 AIR = "air"
-FILL_MARGIN = 1e-3  # of the diagonal: air that fills the scene ends outside its walls
 
 
 @dataclass
@@ -79,13 +78,9 @@ def air_bounds(scene: Scene) -> tuple[F64, F64]:
     assert scene.medium is not None
     if scene.medium.bounds is not None:
         low, high = (np.array(corner) for corner in scene.medium.bounds)
-        margin = EDGE_MARGIN
-    else:
-        low, high = scene.bounds
-        eye = np.array(scene.camera.position)
-        low, high, margin = np.minimum(low, eye), np.maximum(high, eye), FILL_MARGIN
-    grow = margin * float(np.linalg.norm(high - low))
-    return low - grow, high + grow
+        grow = EDGE_MARGIN * float(np.linalg.norm(high - low))
+        return low - grow, high + grow
+    return medium_box(scene.medium, *scene.bounds, scene.camera.position)
 
 
 @dataclass(frozen=True)

@@ -144,11 +144,11 @@ def g_channels(scene: Scene) -> tuple[int, ...]:
 
 
 def scene_diagonal(scene: Scene) -> float:
-    """Length of the box around surfaces, volumes, air and camera, metres."""
+    """Length of the box around surfaces, volumes, camera and air with an end, metres."""
     low, high = scene.bounds
     eye = np.array(scene.camera.position)
     low, high = np.minimum(low, eye), np.maximum(high, eye)
-    if scene.medium is not None:
+    if scene.medium is not None and not scene.medium.endless:
         air_low, air_high = air_bounds(scene)
         low, high = np.minimum(low, air_low), np.maximum(high, air_high)
     return float(np.linalg.norm(high - low))

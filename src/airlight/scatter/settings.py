@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import SettingsError
 from ..lattice.placement import Placement
 from ..scene.checks import Rgb
+from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .schedule import ACCELERATIONS
@@ -45,8 +46,9 @@ class ScatterSettings:
 def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:
     """Whether cells need coefficients of their own; SettingsError where the scheme has none."""
     varies = bool(scene.volumes)
-    if scene.medium is not None and scene.medium.bounds is not None:
-        low, high = scene.medium.bounds
+    medium = scene.medium
+    if medium is not None and (medium.bounds is not None or medium.endless):
+        low, high = medium_box(medium, *scene.bounds, scene.camera.position)
         # The lattice reaches a cell further than the surfaces; that far a medium may end.
         inner = placement.cell * 1.001
         inside = np.subtract(placement.bounds[0], low) >= -inner

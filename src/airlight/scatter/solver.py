@@ -28,6 +28,7 @@ from ..march.air import Air
 from ..march.march import LatticeSource
 from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight, Light
+from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from ..surface.light_table import LightData, light_rows
@@ -36,6 +37,7 @@ from ..surface.reflective import ReflectiveShadowMaps
 from .air_cells import AirCells
 from .emission import Emission
 from .forward import ForwardLight
+from .inject_border import InjectBorder
 from .inject_maps import InjectRays, InjectReflected, fixed_point_scale, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
@@ -94,6 +96,8 @@ class ScatterSolver:
         self._is_forward = False
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
+        is_endless = scene.medium is not None and scene.medium.endless
+        self.border = InjectBorder(gpu, self.placement) if is_endless else None
         self.reflectance_of = CellReflectance(gpu)
         self.air_cells = AirCells(gpu, self.air) if self.is_varied else None
         self._emitted = emitted_flux(scene.meshes)
@@ -140,6 +144,7 @@ class ScatterSolver:
             self._resolve(commands, self.steady, self.reflected, scale)
         with commands.stage("single-scattered"):
             self._inject_single(commands)
+            self._inject_border(commands, scene, low, high)
             self._take_forward(commands, scene)
         with commands.stage("propagate"):
             total, track = self.levels.encode(commands, self.source)
@@ -246,6 +251,13 @@ class ScatterSolver:
             base=self.reflected, cells=self.source,
         )  # fmt: skip
 
+    def _inject_border(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+        even = similar_scene(scene).medium
+        if self.border and even:
+            top = float(medium_box(even, low, high, scene.camera.position)[1][1])
+            lights = [*scene.lights, *self.sky.lights]
+            self.border.encode(commands, self.source, even, top, lights)
+
     @property
     def _sky_forward(self) -> Buffer:
         return self.forward.sky if self.sky.lights and self.sky.maps.layers else self.black
@@ -296,6 +308,8 @@ class ScatterSolver:
     def release(self) -> None:
         """Give the memory back."""
         self.points.release()
+        if self.border:
+            self.border.release()
         buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
                    self.steady, self.reflected, self.source, self.medium,
                    self.reflectance, self.forward]  # fmt: skip

@@ -5,9 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..errors import SceneError
 from . import checks
-from .checks import Bounds, Rgb
+from .checks import F64, Bounds, Rgb
+
+FILL_MARGIN = 1e-3
+"""Of the diagonal: air that fills a scene ends outside its walls."""
+_ABOVE = 0.25
+"""Of a scene's height: how far endless air reaches above it."""
+_OPAQUE = 14.0
+"""Optical depths of which a millionth of the light comes through: as good as endless."""
+_FARTHEST_M = 1e5
+"""Beyond it single precision no longer tells centimetres apart."""
 
 
 @dataclass(frozen=True)
@@ -16,13 +27,17 @@ class Medium:
 
     `sigma_t` extinction in m^-1, `albedo` = sigma_s/sigma_t in [0, 1], `g` the mean cosine of
     the Henyey-Greenstein phase function in (-1, 1), each per RGB channel. Without `bounds`
-    (metres) it fills the scene's bounds, the camera included.
+    (metres) it fills the scene's bounds, the camera included. `endless` air goes on sideways and
+    downwards without an end, below the height `top` (metres; by default the scene's top and a
+    quarter of its height above that): fog without a top would let no sun in.
     """
 
     sigma_t: Rgb
     albedo: Rgb = (1.0, 1.0, 1.0)
     g: Rgb = (0.0, 0.0, 0.0)
     bounds: Bounds | None = None
+    endless: bool = False
+    top: float | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -31,6 +46,12 @@ class Medium:
         put(self, "g", mean_cosine(self.g))
         if self.bounds is not None:
             put(self, "bounds", checks.bounds(self.bounds, "medium bounds"))
+            if self.endless:
+                raise SceneError("endless air has no bounds", remedy="Give its top alone.")
+        if self.top is not None:
+            put(self, "top", checks.number(self.top, "top"))
+            if not self.endless:
+                raise SceneError("only endless air has a top", remedy="Add endless = true.")
 
     @property
     def sigma_s(self) -> Rgb:
@@ -60,3 +81,29 @@ def extinction_and_albedo(sigma_s: Any, sigma_a: Any) -> tuple[Rgb, Rgb]:
     t = (s[0] + a[0], s[1] + a[1], s[2] + a[2])
     w = tuple(x / y if y > 0.0 else 0.0 for x, y in zip(s, t, strict=True))
     return t, (w[0], w[1], w[2])
+
+
+def filled_box(low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
+    """What air without bounds fills: the scene's box low..high and the eye, metres."""
+    low, high = np.minimum(low, eye), np.maximum(high, eye)
+    margin = FILL_MARGIN * float(np.linalg.norm(high - low)) + 1e-6
+    return low - margin, high + margin
+
+
+def medium_box(medium: Medium, low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
+    """The box that a medium fills in a scene of the box low..high seen from `eye`, metres.
+
+    Endless air has one so large that nothing is seen of its sides.
+    """
+    if medium.bounds is not None:
+        return np.array(medium.bounds[0]), np.array(medium.bounds[1])
+    if not medium.endless:
+        return filled_box(low, high, eye)
+    top = medium.top
+    if top is None:
+        top = float(high[1] + _ABOVE * (high[1] - low[1]))
+    thinnest = min((c for c in medium.sigma_t if c > 0.0), default=1.0)
+    reach = min(_OPAQUE / thinnest, _FARTHEST_M) + float(np.linalg.norm(np.subtract(high, low)))
+    low, high = np.minimum(low, eye) - reach, np.maximum(high, eye) + reach
+    low[1], high[1] = min(low[1], top - reach), top
+    return low, high

@@ -19,6 +19,7 @@ from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..march.air import Air
 from ..march.compose import Compose
+from ..march.far_air import FarSource
 from ..march.finish import Finish, can_finish
 from ..march.guided import GuidedUpsample
 from ..march.march import LatticeSource, March, Source
@@ -173,11 +174,12 @@ class AirLight:
 
     def encode(
         self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
-        lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *, frame: int = 0,
-        is_composed: bool = False,
+        lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *,
+        far: FarSource | None = None, frame: int = 0, is_composed: bool = False,
     ) -> None:  # fmt: skip
         """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter.
 
+        `far`: endless air beyond the lattices.
         `is_composed`: `compose` follows and fills them, where one pass can do both.
         """
         self._unfinished = None
@@ -190,10 +192,10 @@ class AirLight:
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
             if self._finisher and is_whole:
-                self._march_reduced(commands, params, sources, lattice, sky)
+                self._march_reduced(commands, params, sources, lattice, sky, far)
                 self._unfinished = params
             else:
-                self._march(commands, params, view, sources, lattice, sky)
+                self._march(commands, params, view, sources, lattice, sky, far)
 
     def _draw_shafts(
         self, commands: Commands, params: RayParams, view: View, lights: Lights
@@ -210,10 +212,10 @@ class AirLight:
 
     def _march(
         self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
-        lattice: LatticeSource | None, sky: LatticeSource | None,
+        lattice: LatticeSource | None, sky: LatticeSource | None, far: FarSource | None,
     ) -> None:  # fmt: skip
         if self.is_marched:
-            self._march_reduced(commands, params, sources, lattice, sky)
+            self._march_reduced(commands, params, sources, lattice, sky, far)
             self._finish_march(commands, params, view)
         if sky is not None:
             self._upsample_onto.encode(
@@ -225,10 +227,11 @@ class AirLight:
 
     def _march_reduced(
         self, commands: Commands, params: RayParams, sources: Sequence[Source],
-        lattice: LatticeSource | None, sky: LatticeSource | None,
+        lattice: LatticeSource | None, sky: LatticeSource | None, far: FarSource | None,
     ) -> None:  # fmt: skip
         self.march.encode(
             commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
+            far=far if lattice or sky else None,
             scattered=self._target("multiple"), transmittance=self._target("transmittance"),
             skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
             max_steps=self.settings.march_steps,

@@ -11,11 +11,13 @@ from ..gpu.memory import Texture
 from ..lighting.direct import Direct, SurfaceSettings
 from ..lighting.view import View
 from ..lpv.lpv import Lpv, LpvSettings
+from ..march.far_air import FarAir, FarSource
 from ..march.march import LatticeSource, Source
 from ..maths.lattice6 import LOOKUP_SCALE
 from ..scatter.map_blockers import MapBlockers
 from ..scatter.settings import ScatterSettings
 from ..scatter.solver import ScatterSolver
+from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
@@ -52,6 +54,7 @@ class InAir(Direct):
     has_single = True
     source_count = 0
     has_lattice = False
+    scatters_on = False  # whether the lattice holds light scattered in air
     volumes_in_lattice = False  # whether light that bounced was carried through solved volumes
 
     def __init__(
@@ -77,6 +80,9 @@ class InAir(Direct):
                 solved=self.solved(scene),
             )
         self._shadows, self._sky_version = (-1, -1), -1
+        is_endless = scene.medium is not None and scene.medium.endless
+        self.far = FarAir(gpu) if is_endless else None
+        self._far: FarSource | None = None
 
     def solved(self, scene: Scene) -> tuple[Volume, ...]:
         """Volumes whose single scattering comes with their source."""
@@ -102,12 +108,21 @@ class InAir(Direct):
             commands, scene, *self._bounds(scene), shadows_changed=versions != self._shadows
         )
         self._shadows = versions
+        self._take_far(scene)
         if self.sky_air:
             is_moved = self.meshes.version != self._sky_version
             self._sky_version = self.meshes.version
             with commands.stage("sky"):
                 self.sky_air.encode(commands, scene, *self._bounds(scene), self.blockers.walls,
                                     self.placements, shadows_changed=is_moved)  # fmt: skip
+
+    def _take_far(self, scene: Scene) -> None:
+        if self.far and scene.medium:
+            box = medium_box(scene.medium, *self._bounds(scene), scene.camera.position)
+            self._far = self.far.update(
+                scene.medium, float(box[1][1]), scene.lights, self.sky.lights,
+                is_lattice=self.scatters_on,
+            )  # fmt: skip
 
     def draw(self, commands: Commands, view: View) -> None:
         """Surfaces, shafts, marching, and all of it together."""
@@ -117,7 +132,7 @@ class InAir(Direct):
             sky = self.sky_air.source(self.blockers.bound, self.placements[:-1])
         self.air_light.encode(
             commands, view, self.lights, self.sources(), self.lattice_source(), sky,
-            frame=view.sample, is_composed=True,
+            far=self._far, frame=view.sample, is_composed=True,
         )  # fmt: skip
         self.air_light.compose(commands, view)
 
@@ -144,8 +159,9 @@ class InAir(Direct):
         """Give the memory back."""
         super().release()
         self.air_light.release()
-        if self.sky_air:
-            self.sky_air.release()
+        for part in (self.sky_air, self.far):
+            if part:
+                part.release()
 
 
 class Single(InAir):
@@ -176,7 +192,7 @@ class LpvScatter(InAir, Direct):
     """The technique `lpv-scatter`: light scattered many times, in air and onto surfaces."""
 
     Settings = LpvScatterSettings
-    has_lattice = True
+    has_lattice = scatters_on = True
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvScatterSettings,

@@ -47,7 +47,7 @@ NEEDS = {  # keys that cannot stand alone
 INSTEAD = {"file": ("shape", "radiance"), "sequence": ("shape",), "shape": ("file",),
            "sigma_s": ("sigma_t",), "sigma_a": ("sigma_t",), "detail": ("shape",)}  # fmt: skip
 BESIDE = {"detail": {"file": "smoke.npy"}, "grid": {"file": "smoke.npy"},
-          "channels": {"file": "smoke.npy"}}  # fmt: skip
+          "channels": {"file": "smoke.npy"}, "top": {"endless": True}}  # fmt: skip
 DIRECTIONS = ([0, -1, 0], [0, -0.6, 0.8], [0.6, -0.8, 0])
 SEQUENCE = {"sequence": "smoke.*.npy"}
 
@@ -143,6 +143,8 @@ def test_every_key_comes_back(folder, table, kind, key):
     own = tables[table]
     for other in INSTEAD.get(key.name, ()):
         own.pop(other, None)
+    if table == "medium":
+        own |= BESIDE.get(key.name, {})
     if table == "volume" and key.name in BESIDE:
         own.pop("shape", None)
         own |= BESIDE[key.name]

@@ -22,6 +22,7 @@ from ..checks import Vec3
 from ..environment import Environment
 from ..lights import Light
 from ..material import Material
+from ..medium import FILL_MARGIN, medium_box
 from ..mesh import Mesh
 from ..scene import Scene
 from .mitsuba_emitters import emitter, with_emission
@@ -102,6 +103,21 @@ def _scene(tree: Node, source: Source) -> Scene:
 
         source.note("there is no sensor: the camera frames the scene")
         scene = with_default_camera(scene)
+    return _with_filling_air(scene)
+
+
+def _with_filling_air(scene: Scene) -> Scene:
+    """Air in a box that `reference.write_mitsuba` gives to air without bounds, without them."""
+    medium = scene.medium
+    if medium is None or medium.bounds is None or not (scene.meshes or scene.volumes):
+        return scene
+    filling = replace(medium, bounds=None)
+    endless = replace(filling, endless=True, top=medium.bounds[1][1])
+    for unbound in (filling, endless):
+        box = np.array(medium_box(unbound, *scene.bounds, scene.camera.position))
+        off = np.abs(np.array(medium.bounds) - box).max()
+        if off < 0.1 * FILL_MARGIN * np.linalg.norm(box[1] - box[0]):
+            return replace(scene, medium=unbound)
     return scene
 
 

@@ -184,6 +184,21 @@ MEDIUM = Table(
     (
         *_SCATTERING,
         Key("bounds", checks.bounds, "two corners", "the box it fills", "m"),
+        Key(
+            "endless",
+            checks.boolean,
+            "boolean",
+            "it goes on sideways and downwards without an end",
+            default="false",
+        ),
+        Key(
+            "top",
+            checks.number,
+            "number",
+            "height above which there is none; only of endless air, by default the scene's and a "
+            "quarter more",
+            "m",
+        ),
     ),
 )
 

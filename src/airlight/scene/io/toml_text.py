@@ -153,9 +153,11 @@ def _environment(
 def _medium(medium: Medium | None, raw: Mapping[str, Any]) -> dict[str, Any]:
     if medium is None:
         return {}
-    kept = {key: value for key, value in raw.items() if key not in (*_SCATTERING, "bounds")}
-    bounds = {} if medium.bounds is None else {"bounds": medium.bounds}
-    return {**kept, **_scattering(medium), **bounds}
+    extent = ("bounds", "endless", "top")
+    kept = {key: value for key, value in raw.items() if key not in (*_SCATTERING, *extent)}
+    given = {key: getattr(medium, key) for key in extent}
+    said = {key: value for key, value in given.items() if value is not None and value is not False}
+    return {**kept, **_scattering(medium), **said}
 
 
 def _scattering(of: Medium | Volume) -> dict[str, Any]:

@@ -1,0 +1,111 @@
+"""Light in a half space of even air that parallel light enters from above.
+
+What a lattice cannot hold of air that goes on for ever: far from everything, light depends on the
+depth alone. Scattering counts as isotropic; coefficients of air that scatters forwards are scaled
+by similarity before (`scatter.similar`).
+Source: the integral equation of Schwarzschild and Milne (Chandrasekhar 1950, section 12).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+
+# Optical depths. What goes deeper where nothing is absorbed comes back: the last is a mirror.
+_EDGES = np.concatenate([[0.0], np.geomspace(0.02, 40.0, 64)])
+
+
+@dataclass(frozen=True)
+class PlaneLight:
+    """At optical depths (N,) below the top: `scattered` fluence (N,) of light that was scattered
+    at least once, its net `flux` downwards (N,), what of it comes from above, `down` (N,), and
+    what shines through an upright plane from one side, `side` (N,); W m^-2.
+    """
+
+    depth: F64
+    scattered: F64
+    flux: F64
+    down: F64
+    side: F64
+
+
+def plane_light(albedo: float, cosines: F64, irradiances: F64) -> PlaneLight:
+    """One channel. `cosines` (B,) of beams to the vertical, `irradiances` (B,) across them.
+
+    Beams that do not come from above bring nothing.
+    """
+    k = _kernels()
+    is_down = cosines > 1e-3
+    mu, e = cosines[is_down], irradiances[is_down]
+    # Of each layer, the mean of what beams bring.
+    passed = np.exp(-_EDGES[:, None] / mu)
+    beams = ((passed[:-1] - passed[1:]) * mu * e).sum(axis=1) / np.diff(_EDGES)
+    sent = np.linalg.solve(np.eye(len(beams)) - albedo * k.between, albedo * beams)
+    down, up = k.down @ sent, k.up @ sent
+    return PlaneLight(k.depth, k.fluence @ sent, down - up, down, k.side @ sent)
+
+
+@dataclass(frozen=True)
+class _Kernels:
+    """What layers of unit emission (4 pi J = 1 per depth) send: `between` their middles (M, M), and
+    to `depth` (N,) as in PlaneLight, each (N, M).
+    """
+
+    between: F64
+    depth: F64
+    fluence: F64
+    down: F64
+    up: F64
+    side: F64
+
+
+@lru_cache(maxsize=1)
+def _kernels() -> _Kernels:
+    middles = 0.5 * (_EDGES[1:] + _EDGES[:-1])
+    depth = np.concatenate([[0.0], middles])
+    mirrored = 2.0 * _EDGES[-1] - depth
+    fluence = _fluence(depth) + _fluence(mirrored)
+    up = _up(depth) + _down(mirrored)
+    return _Kernels(fluence[1:], depth, fluence, _down(depth), up, _through_side(depth))
+
+
+def _fluence(at: F64) -> F64:
+    low, high = np.abs(at[:, None] - _EDGES[:-1]), np.abs(at[:, None] - _EDGES[1:])
+    is_inside = (at[:, None] > _EDGES[:-1]) & (at[:, None] < _EDGES[1:])
+    near, far = _exponential_integral(2, low), _exponential_integral(2, high)
+    return 0.5 * np.where(is_inside, 2.0 - near - far, np.abs(near - far))
+
+
+def _down(at: F64) -> F64:
+    above = np.maximum(at[:, None] - _EDGES, 0.0)
+    return 0.5 * np.diff(_exponential_integral(3, above), axis=1)
+
+
+def _up(at: F64) -> F64:
+    below = np.maximum(_EDGES - at[:, None], 0.0)
+    return -0.5 * np.diff(_exponential_integral(3, below), axis=1)
+
+
+def _through_side(at: F64) -> F64:
+    """Through an upright plane: 2 L(mu) sqrt(1 - mu^2) over all cosines mu."""
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    mu, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    total = np.zeros((len(at), len(_EDGES) - 1))
+    for way in (1.0, -1.0):
+        beyond = np.maximum(way * (_EDGES - at[:, None]), 0.0)
+        reached = np.abs(np.diff(np.exp(-beyond[..., None] / mu), axis=1))
+        total += reached @ (2.0 * w * np.sqrt(1.0 - mu**2)) / (4.0 * np.pi)
+    return total
+
+
+def _exponential_integral(order: int, x: F64) -> F64:
+    """E_n(x) = integral of mu^(n-2) exp(-x/mu) over 0..1, for n = 2 and 3; to 1e-6."""
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    t, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    mu = t**3  # many nodes where exp(-x/mu) turns at small x
+    return np.asarray(np.exp(-x[..., None] / mu) @ (w * 3.0 * t**2 * mu ** (order - 2)))
