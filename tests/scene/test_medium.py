@@ -74,3 +74,11 @@ def test_ends_that_contradict_each_other_are_refused(values, message):
     with pytest.raises(SceneError) as caught:
         Medium(0.1, **values)
     assert str(caught.value) == message
+
+
+def test_from_above_the_horizon_is_a_straight_line():
+    eye = np.array([0.0, 25.0, 0.0])  # 15 m above the top: the box's sides and corners look alike
+    low, high = medium_box(Medium(0.05, endless=True), LOW, HIGH, eye)
+    assert np.degrees(15.0 / (high[0] - eye[0])) < 0.04
+    moved = medium_box(Medium(0.05, endless=True), LOW, HIGH, eye + (0.3, 0.2, -0.4))
+    np.testing.assert_array_equal(moved, (low, high))

@@ -17,6 +17,8 @@ _ABOVE = 0.25
 """Of a scene's height: how far endless air reaches above it."""
 _OPAQUE = 14.0
 """Optical depths of which a millionth of the light comes through: as good as endless."""
+_HORIZON = 2000.0
+"""How many times as far as an eye is above the fog its horizon is: less than a pixel down."""
 _FARTHEST_M = 1e5
 """Beyond it single precision no longer tells centimetres apart."""
 
@@ -103,7 +105,10 @@ def medium_box(medium: Medium, low: Any, high: Any, eye: Any) -> tuple[F64, F64]
     if top is None:
         top = float(high[1] + _ABOVE * (high[1] - low[1]))
     thinnest = min((c for c in medium.sigma_t if c > 0.0), default=1.0)
-    reach = min(_OPAQUE / thinnest, _FARTHEST_M) + float(np.linalg.norm(np.subtract(high, low)))
-    low, high = np.minimum(low, eye) - reach, np.maximum(high, eye) + reach
+    aside = float(np.linalg.norm(np.subtract(high, low)) + np.linalg.norm(np.subtract(eye, low)))
+    reach = _OPAQUE / thinnest + aside + _HORIZON * max(0.0, float(eye[1]) - top)
+    # In powers of two, so that it stays the same box while the eye moves.
+    reach = 2.0 ** np.ceil(np.log2(min(reach, _FARTHEST_M)))
+    low, high = np.subtract(low, reach), np.add(high, reach)
     low[1], high[1] = min(low[1], top - reach), top
     return low, high
