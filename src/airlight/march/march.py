@@ -29,6 +29,7 @@ from ..maths.transforms import F64
 from .air import Air
 from .far_air import FarSource
 from .forward_source import ForwardSource
+from .march_cells import MarchCells
 from .march_kernel import MAX_LEVELS_AT_ONCE, MarchParams, SourceData, Variant, generated, slots
 from .rays import RayParams, Rays
 
@@ -124,6 +125,7 @@ class March:
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
+        self._cells = MarchCells(gpu)
         self.params: MarchParams | None = None  # the last ones
         self._variant = Variant(sources, has_lattice, has_sky)
         self._passes: dict[Variant, _March] = {}
@@ -142,6 +144,11 @@ class March:
             self._passes[variant] = _March(self.gpu, self._air, variant)
         cells = [s.cell_m for s in (*sources, lattice, sky) if s is not None]
         forward = lattice.forward if lattice else None
+        bound = self._bound(variant, sources, lattice, sky, skylit)
+        one = lattice or sky
+        if one is not None:  # nested lattices are read as they are
+            bound["march_cells"] = self._table if variant.levels > 1 else self._cells.encode(
+                commands, one.placement.count, bound)  # fmt: skip
         self.params = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
             max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
@@ -154,8 +161,7 @@ class March:
         )  # fmt: skip
         self._passes[variant].dispatch(
             commands, rays.reduced, rays=params, march=self.params, picked=rays.picked,
-            **self._air.medium_bound, **self._bound(variant, sources, lattice, sky, skylit),
-            **({"far_light": far.table} if far else {}),
+            **self._air.medium_bound, **bound, **({"far_light": far.table} if far else {}),
             scattered=scattered, passed=transmittance,
         )  # fmt: skip
 
@@ -224,4 +230,5 @@ class March:
     def release(self) -> None:
         """Give the memory back."""
         self._table.release()
+        self._cells.release()
         self._release_levels()

@@ -71,7 +71,8 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
         made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
     names: list[str] = []
     if variant.has_lattice or variant.has_sky:
-        made += [storage("lattices", LatticeParams), sampler("linear_clamp")]
+        made += [storage("lattices", LatticeParams), sampler("linear_clamp"),
+                 storage("march_cells", "vec4u")]  # fmt: skip
         colours = ("red", "green", "blue", "open_a", "open_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:

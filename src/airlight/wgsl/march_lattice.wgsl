@@ -19,9 +19,34 @@ fn lattice_begin() {
     }
 }
 
+// lattice_eased(bent_place(p)) of the only lattice, from its packed cells (march/march_cells.py).
+fn cell_index(cell: vec3i) -> u32 {
+    let at = vec3u(cell);
+    return (at.z * lattice_alone.count.y + at.y) * lattice_alone.count.x + at.x;
+}
+
+fn eased_alone(p: vec3f) -> vec3f {
+    let place = (p - lattice_alone.origin) / lattice_alone.cell;
+    let last = vec3i(lattice_alone.count) - 1;
+    let cell = clamp(vec3i(floor(place)), vec3i(0), last);
+    let walls = march_cells[cell_index(cell)].zw;
+    let low = unpack4x8snorm(walls.x);
+    let high = unpack4x8snorm(walls.y);
+    let bent = vec3f(bent_axis(place.x, cell.x, low.x, high.x),
+        bent_axis(place.y, cell.y, low.y, high.y), bent_axis(place.z, cell.z, low.z, high.z));
+    let there = clamp(vec3i(floor(bent)), vec3i(0), last);
+    let faces = march_cells[cell_index(there)].xy;
+    let xy = unpack4x8unorm(faces.x);
+    let z = unpack4x8unorm(faces.y);
+    let t = clamp(bent - vec3f(there), vec3f(0.0), vec3f(1.0)) - 0.5;
+    let eased = vec3f(open_fraction(t.x, xy.x, xy.y, 0.0), open_fraction(t.y, xy.z, xy.w, 0.0),
+        open_fraction(t.z, z.x, z.y, 0.0));
+    return lattice_uvw(lattice_alone, vec3f(there) + 0.5 + eased);
+}
+
 fn lattice_enter(p: vec3f) {
     if (LATTICES_AT_ONCE == 1u) {
-        let uvw = lattice_eased(lattice_alone, bent_place(lattice_alone, p), vec3f(0.0));
+        let uvw = eased_alone(p);
         lattice_at[0] = vec4f(uvw, lattice_weight(lattice_alone, p));
         lattice_gain[0] = 1.0;
         return;
