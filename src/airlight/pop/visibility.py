@@ -102,6 +102,7 @@ class Visibility(ComputePass):
         self._gpu = gpu
         self._sights = Buffer(gpu, "sights", SightData.dtype.itemsize * capacity)
         self._shares = Buffer(gpu, "sky shares", SkyViewData.dtype.itemsize)
+        self._unshaded = 0
 
     def write(
         self, ordinates: Ordinates, lights: tuple[Light, ...], sky: Sky, unshaded: int = 0
@@ -111,6 +112,7 @@ class Visibility(ComputePass):
         """
         rows, shares = sights(ordinates, lights, sky.lights if sky.maps.layers else [])
         rows = np.concatenate([rows, np.zeros(unshaded, rows.dtype)])
+        self._unshaded = unshaded
         self._sights.write(rows)
         if shares.nbytes > self._shares.nbytes:
             self._shares.release()
@@ -121,10 +123,10 @@ class Visibility(ComputePass):
         self, commands: Commands, params: MediumParams, placement: MediumPlacement, count: int,
         surfaces: Surfaces, *, reach: Buffer, passed: Buffer,
     ) -> None:  # fmt: skip
-        """For the first `count` ordinates, after their paths were marched."""
+        """For the first `count` ordinates less the unshaded ones, after their paths were marched."""
         lights, maps = surfaces.lights, surfaces.sky.maps
         self.dispatch(
-            commands, (placement.cells, max(1, count)), params=params,
+            commands, (placement.cells, max(1, count - self._unshaded)), params=params,
             sight=SightParams(world_from_medium=placement.world_from_medium),
             sights=self._sights, sky_shares=self._shares, reach=reach, lights=lights.table,
             parallel_views=lights.parallel.views, local_views=lights.local.views,
