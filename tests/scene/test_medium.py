@@ -80,5 +80,5 @@ def test_from_above_the_horizon_is_a_straight_line():
     eye = np.array([0.0, 25.0, 0.0])  # 15 m above the top: the box's sides and corners look alike
     low, high = medium_box(Medium(0.05, endless=True), LOW, HIGH, eye)
     assert np.degrees(15.0 / (high[0] - eye[0])) < 0.04
-    moved = medium_box(Medium(0.05, endless=True), LOW, HIGH, eye + [0.3, 0.2, -0.4])
+    moved = medium_box(Medium(0.05, endless=True), LOW, HIGH, np.add(eye, (0.3, 0.2, -0.4)))
     np.testing.assert_array_equal(moved, (low, high))
