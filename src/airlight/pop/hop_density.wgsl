@@ -19,7 +19,12 @@ fn list(entry: u32) {
     let cell = hop_cell(n, id.x);
     var sum = 0.0;
     var inside = 0u;
-    for (var k = 0u; k < 8u; k++) {
+    // Most shells around a lamp beside the medium are far from its box: nothing to sample.
+    let centre = hop_point(n, vec3f(cell) + 0.5);
+    let apart = distance(centre, clamp(centre, vec3f(0.0), params.extent));
+    let is_far = grids[n].is_radial == 1u && apart > hop_path(n, cell.z);
+    let samples = select(8u, 0u, is_far);
+    for (var k = 0u; k < samples; k++) {
         let offset = vec3f(vec3u(k, k >> 1u, k >> 2u) & vec3u(1u)) * 0.5 + 0.25;
         let uvw = hop_point(n, vec3f(cell) + offset) / params.extent;
         if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {

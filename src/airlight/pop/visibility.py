@@ -123,7 +123,7 @@ class Visibility(ComputePass):
         self, commands: Commands, params: MediumParams, placement: MediumPlacement, count: int,
         surfaces: Surfaces, *, reach: Buffer, passed: Buffer,
     ) -> None:  # fmt: skip
-        """For the first `count` ordinates less the unshaded ones, after their paths were marched."""
+        """For the first `count` ordinates but the unshaded, after their paths were marched."""
         lights, maps = surfaces.lights, surfaces.sky.maps
         self.dispatch(
             commands, (placement.cells, max(1, count - self._unshaded)), params=params,
