@@ -8,8 +8,9 @@ from ..app.compare_pictures import shown
 from ..reference.metrics import compare
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.image import Image
+from .lpvms_6 import without_grain
 from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
-from .truths import as_large_as, truth_of
+from .truths import as_large_as, told_of, truth_of
 
 TECHNIQUES = {
     "a  ours": "lpv-scatter", "b  shadow map": "direct", "c  lattice": "lpv",
@@ -36,5 +37,6 @@ def draw(request: Request) -> Drawn:
     panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)
     rows: list[Any] = [("", panels[:3]), ("", panels[3:])]
     if truth is not None:
-        rows.append(("", [("path traced", shown(truth.image.radiance, stops))]))
+        light = without_grain(truth.image, next(iter(images.values())))
+        rows.append(("", [(told_of(truth), shown(light, stops))]))
     return Drawn(sheet(request, "Six ways to draw fog", rows), numbers)
