@@ -116,9 +116,11 @@ WAYS = {"about x": turn(0), "about y": turn(1), "about z": turn(2), "x for z": S
 @pytest.mark.parametrize("way", WAYS)
 def test_a_turned_scene_is_the_same_picture(judged, square, unlike, way):
     scene = corner(square)
-    image = judged.picture(moved(scene, WAYS[way]), SIZE)
-    truth = judged.picture(scene, SIZE)
     mirrored = np.linalg.det(WAYS[way]) < 0.0
+    # The pattern that near surfaces are sampled in is not mirrored: .075 at 48 x 32 (indirect).
+    size = (144, 96) if mirrored and judged.name != MITSUBA else SIZE
+    image = judged.picture(moved(scene, WAYS[way]), size)
+    truth = judged.picture(scene, size)
     for layer in ("direct", "indirect"):
         # Shadow maps and surfels lie otherwise: measured .006 (direct), .025 (indirect, lpv).
         # Mitsuba's mirrored pixels have other random numbers: .09 and .21, its noise 1.02 times.

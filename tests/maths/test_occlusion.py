@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.maths.occlusion import interreflected, specular_visibility, visible_arc
+from airlight.maths.lattice6 import surface_irradiance
+from airlight.maths.occlusion import (
+    hidden_flux,
+    interreflected,
+    replaced,
+    specular_visibility,
+    visible_arc,
+)
 
 RNG = np.random.default_rng(4)
 
@@ -55,4 +62,38 @@ def test_twins(wgsl):
     np.testing.assert_allclose(
         wgsl("occlusion", "specular_visibility", v, n_v, r),
         specular_visibility(v, n_v, r), atol=1e-5,
+    )  # fmt: skip
+
+
+def test_what_comes_from_hidden_directions_is_the_integral_over_them():
+    """A two-band field, integrated over the half of the hemisphere that near surfaces hide."""
+    z = np.sqrt(1.0 - (np.arange(4000) + 0.5) / 4000)
+    phi = np.arange(4000) * 2.399963
+    ways = np.stack([np.sqrt(1 - z**2) * np.cos(phi), np.sqrt(1 - z**2) * np.sin(phi), z], axis=1)
+    hidden = ways[:, 0] > 0.0
+    state = np.array([2.0, 0.4, -0.3, 0.5])
+    exact = ((state[0] - ways @ state[1:]) * hidden).mean()
+    found = hidden_flux(state, (ways * hidden[:, None]).mean(axis=0), 1.0 - hidden.mean())
+    assert found == pytest.approx(exact, rel=1e-12)
+
+
+def test_where_all_is_hidden_what_comes_from_there_is_all():
+    state = np.array([1.0, 0.2, 0.1, -0.3])
+    whole = surface_irradiance(state, [0.0, 0.0, 1.0], 1.0, scale=1.0)
+    assert np.pi * hidden_flux(state, [0.0, 0.0, 2.0 / 3.0], 0.0) == pytest.approx(whole, rel=1e-12)
+    assert replaced(whole, whole, 0.25) == pytest.approx(0.25 * np.pi)
+    assert replaced(1.0, 2.0, 0.0) == 0.0
+
+
+def test_hidden_light_in_wgsl(wgsl):
+    state = RNG.normal(size=(500, 4)) + np.array([2, 0, 0, 0])
+    way = RNG.normal(size=(500, 3)) * 0.3
+    v = RNG.random(500)
+    np.testing.assert_allclose(
+        wgsl("occlusion", "hidden_flux", state, way, v), hidden_flux(state, way, v), atol=1e-5
+    )
+    e, known, own = (RNG.random((500, 3)) for _ in range(3))
+    np.testing.assert_allclose(
+        wgsl("occlusion", "replaced", e, known, own, returns="vec3f"), replaced(e, known, own),
+        rtol=1e-5, atol=1e-6,
     )  # fmt: skip

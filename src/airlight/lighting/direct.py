@@ -20,7 +20,7 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
-from .lighting import LightAir, Lighting, LightingParams
+from .lighting import LightAir, Lighting, LightingParams, Part
 from .lights import Lights
 from .occlusion import Occlusion
 from .sky import Sky
@@ -55,7 +55,7 @@ class SurfaceSettings:
         True, "whether what is smaller than cells shades sky and bounced light"
     )
     occlusion_radius: float = setting(
-        1.0, "how far that is looked for", unit="cells", low=0.01, high=8.0
+        2.0, "how far that is looked for", unit="cells", low=0.01, high=8.0
     )
 
 
@@ -86,14 +86,16 @@ class Direct:
         self.textures = LatticeTextures(gpu, self.placement, cells)
         self.table = LatticeTable(gpu, self.lattice_count)
         self.black = Buffer(gpu, "no light", 3 * int(np.prod(cells)) * 16)
-        self.lighting: Lighting | None = None  # made at the first draw: subclasses bring air
+        self._passes: dict[Part, Lighting] = {}  # made at the first draw: subclasses bring air
         self.glossy: GlossyPixels | None = None
-        self.occlusion = Occlusion(gpu)
+        self._occlusion: Occlusion | None = None
         self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
         self.linear = linear_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
         self.damping = 0.0
+        # Whether there is bounced light, and whether it bounces again.
+        self.is_bounced, self.is_bouncing = False, True
         self.air: LightAir | None = None
 
     def outermost(self, scene: Scene) -> Placement:
@@ -129,19 +131,33 @@ class Direct:
         """The picture: G-buffer and lighting."""
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, self.meshes, view.clip_from_world)
-        if self.settings.ambient_occlusion and self.meshes.draws:
+        is_occluded = self.settings.ambient_occlusion and bool(self.meshes.draws)
+        has_near_light = is_occluded and self._has_near_light
+        if has_near_light:
+            with commands.stage("lighting"):
+                self._light(commands, view, "lights")
+        if is_occluded:
             with commands.stage("ambient occlusion"):
                 self._occlude(commands, view)
         with commands.stage("lighting"):
-            self._light(commands, view)
+            self._light(commands, view, "lattices" if has_near_light else "whole")
+
+    @property
+    def _has_near_light(self) -> bool:
+        """Whether near surfaces light each other: where there is bounced light at all."""
+        has_lights = self.lights.parallel.layers + self.lights.local.layers > 0
+        return self.is_bounced and (has_lights or self.blockers.is_emissive)
 
     def _occlude(self, commands: Commands, view: View) -> None:
         g = view.gbuffer
         wanted, finest, coarsest = self.settings.occlusion_radius, *self._end_cells
-        self.occlusion.encode(
+        has_light = self._has_near_light
+        if self._occlusion is None:
+            self._occlusion = Occlusion(self.gpu, has_light=has_light)
+        self._occlusion.encode(
             commands, g.depth, g.normal, view.occlusion, view.world_from_clip,
             wanted * finest.cell, growth=wanted * 2.0 / max(finest.count),
-            largest=wanted * coarsest.cell,
+            largest=wanted * coarsest.cell, lit=view.layers.lit if has_light else None,
         )  # fmt: skip
 
     @property
@@ -149,42 +165,48 @@ class Direct:
         """The finest and the coarsest lattice: what is smaller than their cells occludes."""
         return self.placements[0], self.placements[-1]
 
-    def _light(self, commands: Commands, view: View) -> None:
-        g = view.gbuffer
+    def _light(self, commands: Commands, view: View, part: Part) -> None:
+        g, layers = view.gbuffer, view.layers
         params = LightingParams(
             world_from_clip=view.world_from_clip, eye=view.eye, light_count=self.lights.count,
             size=view.size, environment_rotation=self.lights.background.rotation, has_lattice=1,
         )  # fmt: skip
-        lighting = self._lighting_of(view.size)
+        lighting = self._lighting_of(view.size, part)
         values: dict[str, Any] = {
             "params": params, **self.lattice_bound, **self.lights.bound,
             **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
-            "normal": g.normal, "emission": g.emission, "occlusion": view.occlusion.visibility,
+            "normal": g.normal, "emission": g.emission, "occlusion": view.occlusion.way,
+            "near_light": view.occlusion.light,
+            "lit": layers.lit if part == "lattices" else g.albedo,
             "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
         }  # fmt: skip
-        if self.glossy is None:
-            lighting.draw(commands, view.layers.targets, **values)
+        if self.glossy is None or part == "lights":
+            targets = (layers.lit,) if part == "lights" else layers.targets
+            lighting.draw(commands, targets, **values)
             return
         listed = self.glossy.empty(commands, view.size)
         lighting.draw(commands, view.layers.targets, **values, **listed)
         self.glossy.encode(commands, view.layers.targets, values)
 
-    def _lighting_of(self, size: tuple[int, int]) -> Lighting:
+    def _lighting_of(self, size: tuple[int, int], part: Part) -> Lighting:
         """The pass for pictures of `size`, pixels, and on software drivers the one for gloss."""
         is_listed = self._is_glossy and self.gpu.is_cpu and can_list(self.gpu, size)
-        if self.lighting is None or is_listed != (self.glossy is not None):
-            known = {"is_occluded": self.settings.ambient_occlusion, "has_sky": self._has_sky,
-                     "is_one_lattice": self.table.count == 1}  # fmt: skip
+        known = {"is_occluded": self.settings.ambient_occlusion, "has_sky": self._has_sky,
+                 "is_one_lattice": self.table.count == 1}  # fmt: skip
+        if is_listed != (self.glossy is not None):
             if self.glossy:
                 self.glossy.release()
             self.glossy = GlossyPixels(self.gpu, **known) if is_listed else None
-            self.lighting = Lighting(
+            self._passes.clear()
+        if part not in self._passes:
+            self._passes[part] = Lighting(
                 self.gpu, self.air, is_glossy=self._is_glossy, damping=self.damping,
                 has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
                 has_lamps=self.lights.local.layers > 0, **known,
-                glossy_group=GlossyPixels.group if is_listed else 0,
+                glossy_group=GlossyPixels.group if is_listed and part != "lights" else 0,
+                part=part, is_bouncing=self.is_bouncing,
             )  # fmt: skip
-        return self.lighting
+        return self._passes[part]
 
     @property
     def _has_sky(self) -> bool:

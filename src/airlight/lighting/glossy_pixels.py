@@ -30,7 +30,7 @@ class _Mirrored(ComputePass):
         uniform("params", LightingParams), storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float")
-          for n in ("albedo", "normal", "emission", "occlusion")),
+          for n in ("albedo", "normal", "emission", "occlusion", "near_light")),
         *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
                                      "lattice_open_a", "lattice_open_b", "lattice_walls")),
         sampler("linear_clamp"), storage("found", "u32"), storage("listed", "vec4u"),

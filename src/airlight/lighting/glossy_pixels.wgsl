@@ -13,7 +13,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
-    let open = near_visibility(position, 1.0 / (params.world_from_clip[2].w * d));
+    let open = near_surroundings(position, 1.0 / (params.world_from_clip[2].w * d)).open;
     let gain = mirror_gain(r, n_v, open) / PI;
     var direct = rest;
     var bounced = rest_bounced;

@@ -6,7 +6,7 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Literal, Protocol
 
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
@@ -53,6 +53,9 @@ _LISTS = (
 )  # fmt: skip
 
 
+Part = Literal["whole", "lights", "lattices"]
+
+
 class LightAir(Protocol):
     """Air as a pass binds it: march.air.Air."""
 
@@ -91,7 +94,9 @@ class Lighting(FullscreenPass):
         texture("albedo", "2d", "unfilterable-float"),
         texture("normal", "2d", "unfilterable-float"),
         texture("emission", "2d", "unfilterable-float"),
+        texture("lit", "2d", "unfilterable-float"),
         texture("occlusion", "2d", "unfilterable-float"),
+        texture("near_light", "2d", "unfilterable-float"),
         texture("environment", "2d"),
         sampler("environment_sampler"),
         texture("sky_cube", "3d"),
@@ -109,13 +114,17 @@ class Lighting(FullscreenPass):
         self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
         has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
-        is_one_lattice: bool = False, glossy_group: int = 0,
+        is_one_lattice: bool = False, glossy_group: int = 0, part: Part = "whole",
+        is_bouncing: bool = False,
     ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
         `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
         which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
         `is_one_lattice`: `lattices` has no other.
+        `part`: "lights" draws all but the lattices' light, into one target; "lattices" adds theirs
+        to what the slot `lit` has, and what near occluders send. `is_bouncing`: that the lattices'
+        light bounces between near surfaces, too.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
         surfaces follow their mirrored rays into the lattice; with a `glossy_group` they are listed
         instead, for groups of so many invocations of `GlossyPixels`. `damping`: how strongly
@@ -128,28 +137,46 @@ class Lighting(FullscreenPass):
                      "HAS_GLOSS": float(is_glossy and not lists),
                      "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
                      "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
-                     "HAS_SKY": float(has_sky),
+                     "HAS_SKY": float(has_sky), "HAS_LIGHTS": float(part != "lattices"),
+                     "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
                      "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
         group = f"const GLOSSY_GROUP = {glossy_group}u;\nconst MOST_GROUPS = {MOST_GROUPS}u;\n"
         generated = (
             (air.wgsl if air else "") + through + group + (_LISTED if lists else _NOT_LISTED)
         )
-        super().__init__(gpu, generated=generated, constants=constants)
+        super().__init__(
+            gpu, generated=generated, constants=constants,
+            targets=self.targets[:1] if part == "lights" else None,
+        )  # fmt: skip
 
 
 class RadianceLayers:
-    """What lighting writes: direct (with emission, sky and background; a = 1) and indirect."""
+    """What lighting writes: direct (with emission, sky and background; a = 1) and indirect.
+
+    `lit` is the first without the sky, made where near surfaces light each other.
+    """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.direct = Texture(gpu, "direct", size, "rgba32float", target=True, written=True)
         self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True, written=True)
+        self._gpu, self._size = gpu, size
+        self._lit: Texture | None = None
 
     @property
     def targets(self) -> tuple[Texture, Texture]:
         """In the order of the pass's targets."""
         return (self.direct, self.indirect)
 
+    @property
+    def lit(self) -> Texture:
+        """What surfaces send of lights and by themselves, and the background."""
+        if self._lit is None:
+            self._lit = Texture(self._gpu, "lit", self._size, "rgba32float", target=True)
+        return self._lit
+
     def release(self) -> None:
         """Give the memory back."""
+        if self._lit is not None:
+            self._lit.release()
         self.direct.release()
         self.indirect.release()

@@ -7,6 +7,9 @@ override HAS_SURFACES: bool = true;
 override DAMPING: f32 = 0.0;
 override HAS_SUNS: bool = true;
 override HAS_LAMPS: bool = true;
+override HAS_LIGHTS: bool = true;       // else `lit` has their light
+override HAS_LATTICES: bool = true;
+override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
 
 struct Lit {
     @location(0) direct: vec4f,
@@ -64,8 +67,7 @@ struct LatticeLight {
 
 // What one lattice gives to a surface.
 fn lattice_light(
-    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32,
-    diffuse: vec3f, mirrors: vec3f,
+    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: Near, mirrors: vec3f,
 ) -> LatticeLight {
     let lattice = lattice_of(level);
     let mirrored = reflect(-v, n);
@@ -75,14 +77,20 @@ fn lattice_light(
         e *= lattice_damping(lattice, uvw, n, DAMPING);
     }
     let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
-    return LatticeLight((diffuse * sky_at(uvw, n) + mirrors * mirror.sky) / PI,
+    let diffuse = (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse;
+    let seen = interreflected(near.open, r.diffuse);
+    var sky = sky_at(uvw, n);
+    if (HAS_LIGHTS) {
+        sky *= seen;
+        e *= seen;
+    } else {
+        // What the near surroundings hide comes back as their own light.
+        let returned = (seen - near.open) * (sky + RETURNED * e);
+        e = replaced(e, from_occluders(lattice, uvw, near), near.light) + returned;
+        sky *= near.open;
+    }
+    return LatticeLight((diffuse * sky + mirrors * mirror.sky) / PI,
         (diffuse * e + mirrors * mirror.bounced) / PI);
-}
-
-// How much of irradiance a surface reflects evenly, as far as the near surroundings let it in.
-fn diffuse_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
-    return (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse
-        * interreflected(visibility, r.diffuse);
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
@@ -93,7 +101,11 @@ fn diffuse_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
     let p = pixel_point(position.xy, d);
     let v = normalize(params.eye - p);
     if (!HAS_SURFACES || d <= 0.0) {
-        out.direct = vec4f(background(-v), 0.0);
+        if (HAS_LIGHTS) {
+            out.direct = vec4f(background(-v), 0.0);
+        } else {
+            out.direct = textureLoad(lit, pixel, 0);
+        }
         return out;
     }
     let base = textureLoad(albedo, pixel, 0);
@@ -102,12 +114,17 @@ fn diffuse_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
     var is_listed = false;
-    var direct = glow.rgb + direct_light(r, p, n, v);
-    if (params.has_lattice != 0u) {
-        let open = near_visibility(position.xy, 1.0 / (params.world_from_clip[2].w * d));
+    var direct = vec3f(0.0);
+    if (HAS_LIGHTS) {
+        direct = glow.rgb + direct_light(r, p, n, v);
+    } else {
+        direct = textureLoad(lit, pixel, 0).rgb;
+    }
+    if (HAS_LATTICES && params.has_lattice != 0u) {
+        let near = near_surroundings(position.xy, 1.0 / (params.world_from_clip[2].w * d));
         let n_v = max(dot(n, v), 1e-4);
         is_listed = is_walked_apart(r, n_v);
-        let mirrors = select(mirror_gain(r, n_v, open), vec3f(0.0), is_listed);
+        let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
         // The finest lattice that has the point; towards its border the next larger one.
         let last = last_lattice();
         var left = 1.0;
@@ -115,7 +132,7 @@ fn diffuse_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
         loop {
             k = lattice_from(k, p);
             let weight = left * lattice_weight(lattice_of(k), p);
-            let light = lattice_light(k, p, r, n, v, n_v, diffuse_gain(r, n_v, open), mirrors);
+            let light = lattice_light(k, p, r, n, v, n_v, near, mirrors);
             direct += weight * light.sky;
             out.indirect += vec4f(weight * light.bounced, 0.0);
             left -= weight;

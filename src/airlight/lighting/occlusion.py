@@ -1,4 +1,8 @@
-"""Ambient occlusion by what stands nearer than a lattice resolves, from the depth picture.
+"""Occlusion by what stands nearer than a lattice resolves, and its light, from the picture itself.
+
+Lattices smooth light over a cell, so surfaces beside a sunlit strip would stay dark: what a lattice
+has coming from the hidden directions is taken away, and what the occluders show of their light is
+put in its place. Each rise of a horizon has the light of the sample that raised it.
 
 Horizons are searched in slices through the direction to the eye, and the cosine-weighted
 openness between them is exact (GTAO, Jimenez2016). Rotation and offset of the samples follow the
@@ -42,22 +46,28 @@ class _Horizons(FullscreenPass):
         uniform("params", OcclusionParams),
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
+        texture("lit", "2d", "unfilterable-float"),
     )
-    targets = ("rg32float",)
+    targets = ("rgba32float", "rgba32float")
     file = "occlusion.wgsl"
 
 
 class _Blur(FullscreenPass):
     slots = (
         uniform("params", OcclusionParams),
-        texture("sampled", "2d", "unfilterable-float"),
+        texture("sampled_light", "2d", "unfilterable-float"),
+        texture("sampled_way", "2d", "unfilterable-float"),
     )
-    targets = ("rg32float",)
+    targets = ("rgba32float", "rgba32float")
     file = "occlusion_blur.wgsl"
 
 
 class OcclusionLayers:
-    """Visibility (1 = open) and depth (m along the view axis; 0 = nothing there) per texel.
+    """What near occluders send and hide, per texel, each as (4,) values.
+
+    `light`  their radiance times the share of the hemisphere that they fill, W m^-2 sr^-1, and the
+             depth (m along the view axis; 0 = nothing there)
+    `way`    the mean direction to them times that share, and the visibility (1 = open)
 
     Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
     """
@@ -66,36 +76,55 @@ class OcclusionLayers:
         self.size = size
         self.scale = scale or (_CPU_SCALE if gpu.is_cpu else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
-        self.sampled = Texture(gpu, "sampled occlusion", reduced, "rg32float", target=True)
-        self.visibility = Texture(gpu, "occlusion", reduced, "rg32float", target=True)
+
+        def texture(name: str) -> Texture:
+            return Texture(gpu, name, reduced, "rgba32float", target=True)
+
+        self.sampled = (texture("sampled near light"), texture("sampled occlusion"))
+        self.light, self.way = texture("near light"), texture("occlusion")
 
     def release(self) -> None:
         """Give the memory back."""
-        self.sampled.release()
-        self.visibility.release()
+        for part in (*self.sampled, self.light, self.way):
+            part.release()
 
 
 class Occlusion:
-    """Depth and normals -> visibility of the near surroundings."""
+    """Depth and normals -> visibility of the near surroundings, and their light."""
 
-    def __init__(self, gpu: Gpu, slices: int | None = None, steps: int | None = None) -> None:
-        """`slices` of the hemisphere and `steps` on each side of one; by device if not given."""
+    def __init__(
+        self, gpu: Gpu, slices: int | None = None, steps: int | None = None, *,
+        has_light: bool = False,
+    ) -> None:  # fmt: skip
+        """`slices` of the hemisphere and `steps` on each side of one; by device if not given.
+
+        `has_light`: what occludes gives the light that it shows.
+        """
         usual = _CPU_SAMPLES if gpu.is_cpu else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
-        self._horizons = _Horizons(gpu, constants={k: float(v) for k, v in counts.items()})
+        constants = {k: float(v) for k, v in counts.items()} | {"HAS_LIGHT": float(has_light)}
+        self._horizons = _Horizons(gpu, constants=constants)
         self._blur = _Blur(gpu)
 
     def encode(
         self, commands: Commands, depth: Texture, normal: Texture, layers: OcclusionLayers,
         world_from_clip: F64, radius: float, *, growth: float = 0.0, largest: float = 0.0,
+        lit: Texture | None = None,
     ) -> None:  # fmt: skip
-        """Fill `layers.visibility`; only surfaces within `radius` (m) occlude, fading out.
+        """Fill `layers`; only surfaces within `radius` (m) occlude, fading out.
 
         Where that is less, within `growth` times the distance to the eye, but `largest` (m).
+        `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
-        self._horizons.draw(commands, (layers.sampled,), params=params, depth=depth, normal=normal)
-        self._blur.draw(commands, (layers.visibility,), params=params, sampled=layers.sampled)
+        self._horizons.draw(
+            commands, layers.sampled, params=params, depth=depth, normal=normal, lit=lit or normal
+        )
+        light, way = layers.sampled
+        self._blur.draw(
+            commands, (layers.light, layers.way), params=params, sampled_light=light,
+            sampled_way=way,
+        )  # fmt: skip
 
 
 def occlusion_params(
@@ -109,6 +138,6 @@ def occlusion_params(
         corner=corner, right=world_from_clip[:3, 0] * (2.0 / width),
         down=world_from_clip[:3, 1] * (-2.0 / height), depth_scale=float(world_from_clip[3, 2]),
         radius=radius, scale=layers.scale, size=layers.size,
-        reduced=np.array(layers.visibility.size[:2]), growth=growth,
+        reduced=np.array(layers.way.size[:2]), growth=growth,
         largest=max(largest, radius),
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 override SLICES: u32 = 2;
 override STEPS: u32 = 4;
+override HAS_LIGHT: bool = false;    // what occludes shows its light in `lit`
 
 const OCCLUSION_PI = 3.14159265;
 // Within this share of the radius surfaces occlude wholly; from there on less and less.
@@ -14,6 +15,7 @@ const SPREAD = 2.0;
 const NEAREST_PX = 1.3;         // nearer samples show the surface itself
 const LARGEST_RADIUS = 0.25;    // of the picture's height: neighbours in memory stay near
 const SAME_SURFACE = 0.1;       // depths that differ by less than this share
+const LEAST_FACING = 0.05;      // cosine between a normal and the direction to the eye
 const OFFSET = 1e-4;           // of the distance to the eye, towards it: depths are not exact
 
 fn inverse_distance(pixel: vec2i) -> f32 {
@@ -59,19 +61,54 @@ fn radius_at(p: vec3f) -> f32 {
     return clamp(params.growth * length(p), params.radius, params.largest);
 }
 
-// The cosine between the eye's direction and the horizon as one sample raises it.
-fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> f32 {
+struct Raised {
+    horizon: f32,       // cosine between it and the direction to the eye
+    is_seen: bool,      // whether the sample shows us the side that faces the point
+}
+
+// The horizon as one sample raises it.
+fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> Raised {
     let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
     let found = point(inside, inverse_distance(inside)) - s.p;
     if (dot(found, s.n) <= 0.0) {
-        return horizon;
+        return Raised(horizon, false);
+    }
+    var is_seen = false;
+    if (HAS_LIGHT) {
+        is_seen = dot(textureLoad(normal, inside, 0).xyz, found) < 0.0;
     }
     // Whole pixels lie beside the slice: moved onto it, along the surface, at the same height.
     let delta = found - s.sideways * dot(found, s.axis);
     let distance = max(length(delta), 1e-9);
     let weight = saturate((1.0 - distance / (REACH * s.radius)) / (1.0 - FULL_RANGE));
-    return max(horizon, mix(lowest, dot(delta, s.v) / distance, weight));
+    return Raised(max(horizon, mix(lowest, dot(delta, s.v) / distance, weight)), is_seen);
 }
+
+// Of occluders, each by the share of what may come in that they hide: their radiance, W m^-2 sr^-1, and
+// the unit directions to them.
+struct Near {
+    light: vec3f,
+    way: vec3f,
+}
+
+// What a sample adds that raises the horizon from `before`, a cosine too; `tangent` on its side. Where
+// it shows us its back, the light on its front is not known.
+fn hidden_by(s: Slice, tangent: vec3f, before: f32, now: Raised, share: f32, pixel: vec2i) -> Near {
+    let after = now.horizon;
+    let low = before * s.v + sqrt(max(1.0 - before * before, 0.0)) * tangent;
+    let high = after * s.v + sqrt(max(1.0 - after * after, 0.0)) * tangent;
+    let middle = low + high;
+    let way = middle / max(length(middle), 1e-4);
+    let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
+    let light = textureLoad(lit, inside, 0).rgb;
+    return Near(select(vec3f(0.0), share * light, now.is_seen), share * way);
+}
+
+fn sum_of(a: Near, b: Near) -> Near {
+    return Near(a.light + b.light, a.way + b.way);
+}
+
+var<private> near: Near;
 
 // Openness of the slice that looks along `across` (unit, px) in the picture, and without occluders.
 fn slice_openness(
@@ -89,32 +126,51 @@ fn slice_openness(
     // The surface's own plane is the lowest horizon on each side.
     let lowest = vec2f(cos(gamma + 0.5 * OCCLUSION_PI), cos(gamma - 0.5 * OCCLUSION_PI));
     var horizon = lowest;
+    let tangent_v = normalize(tangent);
+    var arc = vec2f(visible_arc(acos(lowest.x), gamma), visible_arc(-acos(lowest.y), gamma));
     for (var i = 0u; i < STEPS; i++) {
         let share = pow((f32(i) + offset) / f32(STEPS), SPREAD);
         let moved = vec2i(round(across * max(share * radius_px, NEAREST_PX + f32(i))));
-        horizon.x = raised(horizon.x, lowest.x, s, pixel + moved);
-        horizon.y = raised(horizon.y, lowest.y, s, pixel - moved);
+        let before = horizon;
+        let plus = raised(horizon.x, lowest.x, s, pixel + moved);
+        let minus = raised(horizon.y, lowest.y, s, pixel - moved);
+        horizon = vec2f(plus.horizon, minus.horizon);
+        if (HAS_LIGHT) {
+            let high = acos(clamp(horizon, vec2f(-1.0), vec2f(1.0)));
+            let now = vec2f(visible_arc(high.x, gamma), visible_arc(-high.y, gamma));
+            let share = size * (arc - now);
+            near = sum_of(near, hidden_by(s, tangent_v, before.x, plus, share.x, pixel + moved));
+            near = sum_of(near, hidden_by(s, -tangent_v, before.y, minus, share.y, pixel - moved));
+            arc = now;
+        }
     }
     let high = acos(clamp(horizon, vec2f(-1.0), vec2f(1.0)));
     let open = visible_arc(high.x, gamma) + visible_arc(-high.y, gamma);
     return size * vec2f(open, cos(gamma) + gamma * sin(gamma));
 }
 
-@fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+struct Around {
+    @location(0) light: vec4f,      // and the depth, m along the view axis
+    @location(1) way: vec4f,        // and the visibility
+}
+
+@fragment fn fragment(@builtin(position) position: vec4f) -> Around {
     let texel = vec2u(position.xy);
     let pixel = chosen_pixel(texel);
     let inverse = inverse_distance(pixel);
     if (inverse <= 0.0) {
-        return vec4f(1.0, 0.0, 0.0, 0.0);
+        return Around(vec4f(0.0), vec4f(0.0, 0.0, 0.0, 1.0));
     }
     let on_surface = point(pixel, inverse);
     let v = normalize(-on_surface);
     let p = on_surface * (1.0 - OFFSET);
-    let n = normalize(textureLoad(normal, pixel, 0).xyz);
+    // Normals between corners may look away from the eye, where nothing is open.
+    let bent = normalize(textureLoad(normal, pixel, 0).xyz);
+    let n = normalize(bent + max(LEAST_FACING - dot(bent, v), 0.0) * v);
     let wanted_px = REACH * radius_at(p) * inverse / length(params.right);
     let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
     if (radius_px < NEAREST_PX) {
-        return vec4f(1.0, 1.0 / inverse, 0.0, 0.0);
+        return Around(vec4f(0.0, 0.0, 0.0, 1.0 / inverse), vec4f(0.0, 0.0, 0.0, 1.0));
     }
     // Jimenez2016: sixteen rotations and four offsets, each once in every 4 x 4 texels.
     let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
@@ -125,5 +181,7 @@ fn slice_openness(
         open += slice_openness(pixel, vec2f(cos(angle), sin(angle)), offset, radius_px, p, v, n);
     }
     // differs: the paper divides by the number of slices; few of them then shade tilted planes.
-    return vec4f(saturate(open.x / max(open.y, 1e-6)), 1.0 / inverse, 0.0, 0.0);
+    let scale = 1.0 / max(open.y, 1e-6);
+    return Around(vec4f(near.light * scale, 1.0 / inverse),
+        vec4f(near.way * scale, saturate(open.x * scale)));
 }

@@ -101,6 +101,7 @@ class Lpv(Direct):
         self.lpv = replace(settings, iterations=steps)
         super().__init__(gpu, scene, meshes, self.lpv, size)
         self.is_paper, self.damping = settings.scheme == "paper", settings.damping
+        self.is_bounced, self.is_bouncing = not self.is_paper, settings.bounces
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
         self._is_shaped = settings.occlusion and not self.is_paper
         suns, lamps = _by_kind(scene.lights)

@@ -1,4 +1,4 @@
-"""Ambient occlusion in a slice of the hemisphere, and the light that occluders give back."""
+"""Occlusion by near surfaces in a slice of the hemisphere, and the light that they give back."""
 
 from __future__ import annotations
 
@@ -39,3 +39,26 @@ def specular_visibility(visibility: ArrayLike, n_v: ArrayLike, roughness: ArrayL
     """
     v, c, r = (np.asarray(x, np.float64) for x in (visibility, n_v, roughness))
     return np.asarray(np.clip((c + v) ** np.exp2(-16.0 * r - 1.0) - 1.0 + v, 0.0, 1.0))
+
+
+def hidden_flux(state: ArrayLike, way: ArrayLike, visibility: ArrayLike) -> F64:
+    """Of accumulated two-band states (..., 4), what comes from where near surfaces are.
+
+    `way` (..., 3) is the mean direction to them times the cosine-weighted share of the hemisphere
+    that they hide, 1 - visibility (...). Times pi / cell^2 it is irradiance, W m^-2, and where they
+    hide all it is that of `lattice6.surface_irradiance` to first order.
+    """
+    s, d = np.asarray(state, np.float64), np.asarray(way, np.float64)
+    hidden = 1.0 - np.asarray(visibility, np.float64)
+    flux = s[..., 0] * hidden - np.einsum("...i,...i->...", s[..., 1:], d)
+    return np.asarray(np.maximum(flux, 0.0))
+
+
+def replaced(irradiance: ArrayLike, from_them: ArrayLike, own: ArrayLike) -> F64:
+    """Irradiance (...), W m^-2, with the near surfaces' own light in the place of the lattice's.
+
+    `from_them` (...), W m^-2, is what the lattice has coming from them; `own` (...) their radiance,
+    W m^-2 sr^-1, times the share of the hemisphere that they fill.
+    """
+    e, known, light = (np.asarray(x, np.float64) for x in (irradiance, from_them, own))
+    return np.asarray(np.maximum(e - known, 0.0) + np.pi * light)

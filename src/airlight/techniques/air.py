@@ -199,6 +199,7 @@ class LpvScatter(InAir, Direct):
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         super().__init__(gpu, scene, meshes, settings, size)
+        self.is_bounced = True
         if settings.blockers == "maps":
             self.blockers.release()
             self.blockers = MapBlockers(

@@ -1,32 +1,52 @@
 //! use occlusion
+//! use lattice
 
-// Ambient occlusion read at full size. The including pass binds `occlusion` and `params` with the
-// picture's `size`, and sets the override HAS_OCCLUSION.
+// What stands nearer than cells resolve, read at full size. The including pass binds `near_light` and
+// `occlusion` and `params` with the picture's `size`, and sets the override HAS_OCCLUSION.
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
-// How open the near surroundings are: bilinear among texels of about the pixel's own depth (m
-// along the view axis). Source: Kopf et al. 2007 (joint bilateral upsampling).
-fn near_visibility(position: vec2f, own: f32) -> f32 {
+struct Near {
+    light: vec3f,   // radiance of near occluders times the share of the hemisphere that they fill
+    open: f32,      // the share that they leave
+    way: vec3f,     // mean direction to them times their share
+}
+
+// Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf et al. 2007
+// (joint bilateral upsampling).
+fn near_surroundings(position: vec2f, own: f32) -> Near {
     if (!HAS_OCCLUSION) {
-        return 1.0;
+        return Near(vec3f(0.0), 1.0, vec3f(0.0));
     }
     let size = vec2f(textureDimensions(occlusion));
     // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
     let place = position * size / params.size - 1.0;
     let base = floor(place);
     let t = place - base;
-    var sum = 0.0;
+    var light = vec3f(0.0);
+    var way = vec4f(0.0);
     var total = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let corner = vec2f(f32(k & 1u), f32(k >> 1u));
-        let texel = textureLoad(occlusion, vec2i(clamp(base + corner, vec2f(0.0), size - 1.0)), 0);
+        let texel = vec2i(clamp(base + corner, vec2f(0.0), size - 1.0));
+        let near = textureLoad(near_light, texel, 0);
         let share = mix(1.0 - t, t, corner);
-        let off = abs(texel.y - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
+        let off = abs(near.w - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
         let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
-        sum += weight * texel.x;
+        light += weight * near.rgb;
+        way += weight * textureLoad(occlusion, texel, 0);
         total += weight;
     }
-    return sum / total;
+    return Near(light / total, way.w / total, way.xyz / total);
+}
+
+// Irradiance, W m^-2, that the lattice has coming from the near occluders.
+fn from_occluders(lattice: LatticeParams, uvw: vec3f, near: Near) -> vec3f {
+    let light = vec3f(
+        hidden_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), near.way, near.open),
+        hidden_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), near.way, near.open),
+        hidden_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), near.way, near.open));
+    let area = lattice.cell * lattice.cell * lattice.power_scale;
+    return light * (3.14159265 * lattice.lookup_scale / area);
 }

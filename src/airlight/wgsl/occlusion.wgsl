@@ -14,3 +14,13 @@ fn interreflected(visibility: f32, albedo: vec3f) -> vec3f {
 fn specular_visibility(visibility: f32, n_v: f32, roughness: f32) -> f32 {
     return saturate(pow(n_v + visibility, exp2(-16.0 * roughness - 1.0)) - 1.0 + visibility);
 }
+
+// Of a two-band state (a, b), what comes from the hidden directions, in units of pi / s^2.
+fn hidden_flux(state: vec4f, way: vec3f, visibility: f32) -> f32 {
+    return max(state.x * (1.0 - visibility) - dot(state.yzw, way), 0.0);
+}
+
+// The lattice's irradiance e with the near occluders' own light in the place of what it has from them.
+fn replaced(e: vec3f, from_them: vec3f, own: vec3f) -> vec3f {
+    return max(e - from_them, vec3f(0.0)) + 3.14159265 * own;
+}
