@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from importlib import resources
+
 import numpy as np
 import pytest
 
 from airlight.maths.beam_phase import PHASE_TABLE
 from airlight.maths.ordinates import even_sky, parallel
-from airlight.pop.ordinates import OrdinateTable, SceneOrdinates
+from airlight.pop.ordinates import Kind, OrdinateTable, SceneOrdinates
 from airlight.pop.placement import placed
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, PointLight
@@ -67,3 +70,9 @@ def test_a_turning_map_turns_its_ordinates_and_nothing_else(made_by):
         np.testing.assert_allclose(cosine / flat, np.cos(np.radians(angle)), atol=1e-9)
     brighter = skies.of((), Environment(map=lit, scale=2.0))
     np.testing.assert_allclose(brighter.irradiance.sum(), 2 * first.irradiance.sum())
+
+
+def test_kinds_are_numbered_as_in_wgsl():
+    text = resources.files("airlight.wgsl").joinpath("ordinate_kind.wgsl").read_text("utf-8")
+    numbers = dict(re.findall(r"const (\w+) = ([\d.]+);", text))
+    assert {name: float(n) for name, n in numbers.items()} == {k.name: k.value for k in Kind}

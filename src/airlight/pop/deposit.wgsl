@@ -42,7 +42,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     for (var n = 0u; n < params.ordinate_count && is_any; n++) {
         let light = beam_light(n, id.x, point);
         // What hops leaves its own residuum.
-        if (ordinates[n].position.w == 4.0 || all(light.irradiance <= vec3f(0.0))) {
+        if (ordinates[n].position.w == HOPS_ON || all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
         let here = reduced_depth(n, id.x);

@@ -1,4 +1,5 @@
 //! use hop_light
+//! use ordinate_kind
 
 const BARELY_LIT = 1e-3;
 
@@ -15,7 +16,7 @@ fn entering(n: u32, cell: vec3u, point: vec3f) -> vec3f {
     let o = ordinates[hops.first_row + n];
     let g = grids[n];
     let section = g.cell * g.cell;
-    if (o.position.w == 0.0) {
+    if (o.position.w == FROM_AFAR) {
         return o.irradiance.rgb * section;
     }
     let away = point - o.position.xyz;
@@ -23,7 +24,7 @@ fn entering(n: u32, cell: vec3u, point: vec3f) -> vec3f {
     let cosine = dot(away / sqrt(r2), o.direction.xyz);
     // A virtual light is a piece of surface; see wgsl/ordinate_light.wgsl.
     let strength = select(smoothstep(o.spot.y, o.spot.x, cosine) / r2,
-        max(cosine, 0.0) / (r2 + o.spot.x), o.position.w == 4.0);
+        max(cosine, 0.0) / (r2 + o.spot.x), o.position.w == HOPS_ON);
     let across = select(section, r2 * solid_angles[cell.y * g.count.x + cell.x], g.is_radial == 1u);
     return o.irradiance.rgb * strength * across;
 }

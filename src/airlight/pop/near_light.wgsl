@@ -1,5 +1,6 @@
 //! use medium_grid
 //! use medium
+//! use ordinate_kind
 
 const NEAR_TABLE = 64u;
 const THIN_GAIN = 2.5;
@@ -46,7 +47,7 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let point = cell_centre(cell_of(id.x));
     var sum = vec3f(0.0);
     for (var n = 0u; n < params.ordinate_count; n++) {
-        if (ordinates[n].position.w == 1.0) {
+        if (ordinates[n].position.w == FROM_LAMP) {
             sum += near_fluence(n, id.x, point);
         }
     }

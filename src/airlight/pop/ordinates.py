@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -31,15 +32,22 @@ from .sky_gain import SkyGain, SkyLight
 Lamp = PointLight | SpotLight
 
 
+class Kind(IntEnum):
+    """What an ordinate's light comes from (twin: wgsl/ordinate_kind.wgsl)."""
+
+    FROM_AFAR = 0
+    FROM_LAMP = 1
+    FROM_SURFACE = 2  # a virtual light
+    FROM_MEDIUM = 3  # a block of another volume
+    HOPS_ON = 4  # a virtual light in a grid of its own
+
+
 class OrdinateData(Struct):
     """One ordinate in the medium's frame."""
 
     direction = vec4f("of travel, a lamp's axis; w: mean cosine of the ordinate's part of the sky")
     irradiance = vec4f("rgb, in units of the table's scale; a lamp's intensity, times m^-2")
-    position = vec4f(
-        "m; w: 0 distant light, 1 a lamp, 2 a virtual light, 3 a block of another medium, 4 a "
-        "virtual light that hops"
-    )
+    position = vec4f("m; w: its Kind")
     spot = vec4f(
         "cosines of the inner and outer half angle, share of 4 pi that is lit; w: 1 for the sky's"
     )
@@ -167,7 +175,7 @@ class OrdinateTable:
         packed = packed_ordinates(ordinates, lamps, placement, self.scale)
         if blocks:
             rows = np.zeros(blocks, OrdinateData.dtype)
-            rows["direction"][:, 3], rows["position"][:, 3] = _BLOCK_COSINE, 3.0
+            rows["direction"][:, 3], rows["position"][:, 3] = _BLOCK_COSINE, Kind.FROM_MEDIUM
             packed = np.concatenate([packed[: self.count - blocks], rows])
         self.rows.write(packed)
         cosines = packed["direction"][: self.count, 3].astype(np.float64)
@@ -205,6 +213,6 @@ def packed_ordinates(
             spot = (max(inner, outer + 1e-4), outer, 0.5 - 0.25 * (inner + outer), 0.0)
         row["direction"] = (*placement.direction(np.array(axis)), 1.0)
         row["irradiance"][:3] = np.array(lamp.intensity) / scale
-        row["position"] = (*placement.point(np.array(lamp.position)), 1.0)
+        row["position"] = (*placement.point(np.array(lamp.position)), Kind.FROM_LAMP)
         row["spot"] = spot
     return packed

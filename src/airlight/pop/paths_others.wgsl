@@ -12,7 +12,7 @@
     let back = -light.travel;
     let out = max(0.0, ray_box_interval(point, back, vec3f(0.0), params.extent).y);
     let inside = min(out, light.distance);
-    let is_closed = ways.is_closed == 1u || ordinates[id.y].position.w == 3.0;
+    let is_closed = ways.is_closed == 1u || ordinates[id.y].position.w == FROM_MEDIUM;
     let end = select(light.distance, inside, is_closed);
     for (var m = 1u; m < MEDIA; m++) {
         let part = (m + 1u) * params.ordinate_count + id.y;

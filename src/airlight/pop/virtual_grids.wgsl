@@ -1,4 +1,5 @@
 //! use ordinate_grid
+//! use ordinate_kind
 
 const PI = 3.14159265;
 
@@ -43,7 +44,7 @@ fn placed(n: u32) -> f32 {
         around(n, o.position.xyz);
     }
     grids[n].mean_cosine = select(1.0, mean_cosine(o.spot.x, distance), place.is_blurred == 1u);
-    if (o.position.w != 4.0 || sent <= 0.0) {
+    if (o.position.w != HOPS_ON || sent <= 0.0) {
         grids[n].count = vec3u(0u);
         return 0.0;
     }

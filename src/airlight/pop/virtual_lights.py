@@ -26,7 +26,7 @@ from ..lattice.blockers import Blockers
 from ..lattice.placement import LatticeParams, Placement
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
-from .ordinates import OrdinateData
+from .ordinates import Kind, OrdinateData
 from .placement import MediumParams, MediumPlacement
 
 TILE = 16
@@ -61,7 +61,7 @@ class VirtualParams(Struct):
     count = u32("virtual lights")
     first_row = u32("of the ordinates")
     scale = f32("of the ordinates' irradiance, W m^-2")
-    kind = f32("w of their positions")
+    kind = f32("their Kind")
 
 
 class ScanParams(Struct):
@@ -131,7 +131,7 @@ class VirtualLights:
 
     def __init__(self, gpu: Gpu, reflected: Reflected, *, are_hopping: bool) -> None:
         """`are_hopping`: whether each has a grid, or is a beam of the medium."""
-        self._of, self._kind = reflected, 4.0 if are_hopping else 2.0
+        self._of, self._kind = reflected, Kind.HOPS_ON if are_hopping else Kind.FROM_SURFACE
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
         self._places = Buffer(gpu, "virtual lights in cells", 16 * reflected.count)

@@ -1,4 +1,5 @@
 //! use medium_grid
+//! use ordinate_kind
 
 // An ordinate's light in a cell; see maths/delta_beam.py and maths/lamp_beam.py. The including pass
 // binds `params` (MediumParams) and `ordinates` (OrdinateData).
@@ -41,14 +42,14 @@ fn block_light(n: u32, away: vec3f) -> OrdinateLight {
 
 fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
     let o = ordinates[n];
-    if (o.position.w == 3.0) {
+    if (o.position.w == FROM_MEDIUM) {
         return block_light(n, point - o.position.xyz);
     }
-    if (o.position.w == 0.0) {
+    if (o.position.w == FROM_AFAR) {
         return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
     }
     let away = point - o.position.xyz;
-    if (o.position.w == 2.0 || o.position.w == 4.0) {
+    if (o.position.w == FROM_SURFACE || o.position.w == HOPS_ON) {
         return reflected_light(n, away);
     }
     let distance = max(length(away), 1e-9);
