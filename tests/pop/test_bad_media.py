@@ -11,7 +11,8 @@ from airlight.errors import AirlightError, SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, PointLight, Scene, Volume
 

@@ -12,7 +12,8 @@ from airlight.lattice.placement import Placement
 from airlight.march.march import LatticeSource
 from airlight.maths.transforms import F64
 from airlight.pop.bounce import Bounced
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
 
 SETTINGS = PopSettings(ordinates=16, grid=8, solver_steps=24)
@@ -42,7 +43,7 @@ def emission(gpu: Gpu, volume: Volume, source: LatticeSource | None, sky: float 
     bounced = Bounced(source, ()) if source else None
     solver.encode(commands, (), environment, EYE, bounced=bounced)
     commands.submit()
-    inside = solver.density.cells.read().reshape(solver.placement.count[::-1]) > 0.5
+    inside = solver.medium.density.cells.read().reshape(solver.medium.placement.count[::-1]) > 0.5
     texels = solver.emission.texture.read()[..., :3].astype(np.float64)
     result = np.asarray(texels[inside] * solver.beams.table.scale)
     solver.release()

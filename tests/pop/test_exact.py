@@ -8,7 +8,8 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight
 from airlight.scene.volume import Volume
@@ -28,7 +29,7 @@ def turned(about: F64, angle: float) -> F64:
 
 def emission(solver: PopSolver, lights, sky, eye: F64) -> F64:
     """In-scattered radiance per unit scattering coefficient, W m^-2 sr^-1, (z, y, x, channel)."""
-    commands = Commands(solver.gpu)
+    commands = Commands(solver.medium.gpu)
     solver.encode(commands, lights, sky, eye)
     commands.submit()
     light = solver.emission.texture.read()[..., :3].astype(np.float64)

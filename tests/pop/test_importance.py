@@ -11,7 +11,8 @@ from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
 from airlight.pop.importance import Look, ViewImportance, coarse_air
 from airlight.pop.placement import placed
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.scene import Camera, Environment, Volume
 
 BALL = Volume((4.0,) * 3, shape="sphere", g=(0.9,) * 3)
@@ -31,7 +32,7 @@ def emission(gpu: Gpu, count: int, **s: str) -> F64:
 
 
 def look_at(solver: PopSolver, camera: Camera) -> F64:
-    commands = Commands(solver.gpu)
+    commands = Commands(solver.medium.gpu)
     eye = np.array(camera.position)
     solver.encode(commands, (), SKY, eye, look=Look(camera, 1.5))
     commands.submit()

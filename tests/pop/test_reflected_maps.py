@@ -9,7 +9,7 @@ from airlight.gpu.device import Gpu
 from airlight.lighting.direct import Direct, SurfaceSettings
 from airlight.march.air import Air
 from airlight.pop.reflected_maps import reflected_maps
-from airlight.pop.solver import PopSettings
+from airlight.pop.settings import PopSettings
 from airlight.scene import DirectionalLight, Material, Mesh, Scene, Volume
 from airlight.scene.shapes import quad
 from airlight.surface.geometry import GpuScene

@@ -14,7 +14,8 @@ from airlight.maths.ordinate_grid import grid_density, ordinate_grids, read_back
 from airlight.maths.radial_grid import radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Mesh, Scene, Volume
 from airlight.scene.environment import Environment
@@ -37,7 +38,7 @@ def solved(gpu: Gpu, scheme: str, lights=(SUN,), sky=SKY, **settings) -> PopSolv
 
 
 def air_of(solver: PopSolver) -> db.MediumGrid:
-    v, at = solver.volume, solver.placement
+    v, at = solver.medium.volume, solver.medium.placement
     fine = box_averaged(v.density, at.fine_count)
     x, y, z = at.count
     coarse = fine.reshape(z, 2, y, 2, x, 2).mean(axis=(1, 3, 5))
@@ -49,7 +50,7 @@ class Twin:
 
     def __init__(self, solver: PopSolver, *, is_paper: bool) -> None:
         self.air, self.is_paper = air_of(solver), is_paper
-        self.eye = solver.placement.point(EYE)
+        self.eye = solver.medium.placement.point(EYE)
         self.iterations = solver.beams.iterations
         shape = (*self.air.density.shape, 3)
         self.merged, self.power = np.zeros(shape), np.zeros(shape)
@@ -101,7 +102,7 @@ class Twin:
 
 def twin(solver: PopSolver, lights, sky: Environment | None) -> Twin:
     made = Twin(solver, is_paper=solver.settings.scheme == "paper")
-    beams, at = solver.beams, solver.placement
+    beams, at = solver.beams, solver.medium.placement
     rows = solver._scene_ordinates.of(lights, sky)
     for d, e, c in zip(rows.direction, rows.irradiance, rows.mean_cosine, strict=True):
         made.add_parallel(
@@ -145,13 +146,17 @@ def test_the_picture_is_beams_lobes_and_residuum(gpu):
     truth = twin(solver, (SUN,), SKY)
     rows = solver._scene_ordinates.of((SUN,), SKY)
     scale = solver.beams.table.scale
-    each = zip(solver.placement.direction(rows.direction), rows.irradiance, rows.mean_cosine,
+    each = zip(solver.medium.placement.direction(rows.direction), rows.irradiance, rows.mean_cosine,
                strict=True)  # fmt: skip
     beams = [db.beam(truth.air, d, e / scale, float(c)) for d, e, c in each]
     away = truth.eye - truth.air.centres
     towards = away / np.linalg.norm(away, axis=-1, keepdims=True)
     phi, flux = hop.residual_light(
-        truth.air, truth.power, truth.forward, SETTINGS["solver_steps"], solver.width.diffusivity
+        truth.air,
+        truth.power,
+        truth.forward,
+        SETTINGS["solver_steps"],
+        solver.medium.placed.width.diffusivity,
     )
     unsolved = db.Solution(truth.air, beams, phi, flux, np.zeros(3))
     want = truth.merged + unsolved.beam_emission(towards)[0]

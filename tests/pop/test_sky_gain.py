@@ -10,8 +10,9 @@ from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
+from airlight.pop.settings import PopSettings
 from airlight.pop.sky_gain import SkyGain
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
 
 G = 0.93
@@ -53,5 +54,7 @@ def test_a_glow_in_a_turned_map_is_seen_as_it_is(gpu):
 
 def test_without_a_sky_it_is_one(gpu):
     gain = SkyGain(gpu)
-    gain.write(None, PopSolver(gpu, THIN, PopSettings(grid=4)).placement, THIN.g, prefilter=True)
+    gain.write(
+        None, PopSolver(gpu, THIN, PopSettings(grid=4)).medium.placement, THIN.g, prefilter=True
+    )
     assert gain.texture.read()[..., :3] == pytest.approx(1.0)

@@ -18,7 +18,8 @@ from airlight.maths.ordinates import Ordinates, even_sky
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.ordinates import SceneOrdinates
-from airlight.pop.solver import PopSettings, PopSolver
+from airlight.pop.settings import PopSettings
+from airlight.pop.solver import PopSolver
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
 from airlight.scene.volume import Volume
@@ -49,7 +50,7 @@ class Twin(NamedTuple):
 
 
 def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = False) -> Twin:
-    v, at = solver.volume, solver.placement
+    v, at = solver.medium.volume, solver.medium.placement
     assert v.density is not None
     fine = box_averaged(v.density, at.fine_count)
     x, y, z = at.count
@@ -58,8 +59,8 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
     air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
     rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
     beams = [db.beam(air, *row) for row in rows]
-    solution = db.light(air, beams, SETTINGS.solver_steps, solver.width.diffusivity,
-                        solver.width.density)  # fmt: skip
+    solution = db.light(air, beams, SETTINGS.solver_steps, solver.medium.placed.width.diffusivity,
+                        solver.medium.placed.width.density)  # fmt: skip
     away = at.point(EYE) - air.centres
     return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
 
@@ -80,7 +81,7 @@ def truth(solved: PopSolver) -> Twin:
 
 
 def of_cells(solver: PopSolver, buffer: np.ndarray, parts: int) -> F64:
-    x, y, z = solver.placement.count
+    x, y, z = solver.medium.placement.count
     return np.asarray(buffer.reshape(parts, z, y, x, 4)[..., :3], dtype=np.float64)
 
 
@@ -89,10 +90,10 @@ def assert_close(got: F64, want: F64, share: float) -> None:
 
 
 def test_density_is_averaged(solved, truth):
-    x, y, z = solved.placement.count
-    got = solved.density.cells.read().reshape(z, y, x)
+    x, y, z = solved.medium.placement.count
+    got = solved.medium.density.cells.read().reshape(z, y, x)
     assert_close(got, truth.medium.density, 2e-3)
-    assert_close(solved.density.fine.read()[..., 0], truth.medium.fine, 2e-3)
+    assert_close(solved.medium.density.fine.read()[..., 0], truth.medium.fine, 2e-3)
 
 
 def test_paths_are_marched(solved, truth):
@@ -144,7 +145,7 @@ def test_the_source_is_in_world_units(solved):
     source = solved.source(2)
     assert source.medium == 2
     assert source.scale == pytest.approx(3.0)
-    centre = source.uvw_from_world @ np.array([*solved_centre(solved.volume), 1.0])
+    centre = source.uvw_from_world @ np.array([*solved_centre(solved.medium.volume), 1.0])
     np.testing.assert_allclose(centre[:3], 0.5)
 
 
@@ -170,7 +171,7 @@ def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
     assert np.array_equal(frame(two, gpu, (SUN,), SKY, -EYE), moved)
     dimmed = DirectionalLight(SUN.direction, (1.0, 1.0, 1.0))
     assert not np.array_equal(frame(one, gpu, (dimmed,), SKY, -EYE), moved)
-    thinner = dataclasses.replace(one.volume, density=0.5 * one.volume.density)
+    thinner = dataclasses.replace(one.medium.volume, density=0.5 * one.medium.volume.density)
     changed = frame(one, gpu, (SUN,), SKY, EYE, thinner)
     fresh = PopSolver(gpu, thinner, SETTINGS, lights=1)
     assert np.array_equal(changed, frame(fresh, gpu, (SUN,), SKY, EYE))
@@ -209,7 +210,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
     commands = Commands(gpu)
     solver.encode(commands, LAMPS, None, EYE)
     commands.submit()
-    at, scale, width = solver.placement, solver.beams.table.scale, solver.width
+    at, scale, width = solver.medium.placement, solver.beams.table.scale, solver.medium.placed.width
     air = twin(solver, even_sky(1), scale).medium
     beams, near = [], 0.0
     for light in LAMPS:

@@ -16,7 +16,7 @@ from airlight.pop import hop_grids
 from airlight.pop.hop_grids import FAR, FIXED_POINT_BITS, HopGridData
 from airlight.pop.hopping import Hopping
 from airlight.pop.placement import placed
-from airlight.pop.solver import PopSettings
+from airlight.pop.settings import PopSettings
 from airlight.pop.virtual_grids import is_hopping
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Material, Mesh, Scene, SpotLight, Volume
@@ -139,7 +139,7 @@ def test_what_enters_dense_air_is_what_the_floor_sends(gpu: Gpu) -> None:
     with Renderer(scene, "pop", (8, 8), settings=settings) as made:
         made.frame(samples=1)
         solver = made.technique.media.solvers[0]  # type: ignore[attr-defined]
-        cells = solver.placement.cells
+        cells = solver.medium.placement.cells
         deposits = solver.beams.diffuse.deposits.read().reshape(4, cells, 4)[0, :, :3]
         got = deposits.sum(axis=0) * solver.beams.table.scale
     np.testing.assert_allclose(got, entering_power(), rtol=0.08)
@@ -172,7 +172,7 @@ def test_a_plate_in_the_air_stops_what_hops(gpu: Gpu) -> None:
             made.frame(samples=1)
             solver = made.technique.media.solvers[0]  # type: ignore[attr-defined]
             merged = solver.beams.hopping.merge.merged.read()
-            lights[name] = merged.reshape(*solver.placement.count[::-1], 4)[..., 0]
+            lights[name] = merged.reshape(*solver.medium.placement.count[::-1], 4)[..., 0]
     assert lights["cut"][:, 11:].sum() < 0.1 * lights["open"][:, 11:].sum()
     assert lights["cut"][:, :6].sum() == pytest.approx(lights["open"][:, :6].sum(), rel=0.1)
 

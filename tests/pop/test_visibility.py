@@ -32,7 +32,7 @@ def shares(scene: Scene) -> tuple[F64, F64]:
     with Renderer(scene, "pop", (16, 16), settings=SETTINGS) as renderer:
         renderer.frame(samples=1)
         (solver,) = renderer.technique.media.solvers  # type: ignore[attr-defined]
-        count, (x, y, z) = solver.beams.table.count, solver.placement.count
+        count, (x, y, z) = solver.beams.table.count, solver.medium.placement.count
         stored = solver.beams.paths.passed.read()[: 2 * count * x * y * z]
         rows = solver.beams.table.rows.read().reshape(-1, 16)[:count]
     return stored.reshape(2, count, z, y, x)[1].astype(np.float64), rows[:, :3]

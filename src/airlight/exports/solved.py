@@ -118,7 +118,7 @@ def _volume_lights(used: Any, renderer: Renderer) -> tuple[VolumeLight, ...]:
     return tuple(
         VolumeLight(
             (solver.emission.texture.read()[..., :3] * solver.beams.table.scale).astype(np.float32),
-            np.linalg.inv(solver.placement.uvw_from_world), eye,
+            np.linalg.inv(solver.medium.placement.uvw_from_world), eye,
         )
         for solver in solvers
     )  # fmt: skip

@@ -9,24 +9,22 @@ lights the medium by virtual point lights, of which one needs hundreds; differs:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
-from ..gpu.memory import linear_sampler
+from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from ..march.march import LatticeSource
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
-from .density import Density
+from .grid_medium import GridMedium
 from .ordinates import OrdinateData
 from .placement import MediumParams
 from .schemes import Beams
-
-if TYPE_CHECKING:
-    from .solver import PopSolver
+from .settings import PopSettings
 
 _WHITE = 0.999
 
@@ -76,39 +74,38 @@ class _Bounce(ComputePass):
 class Bounce:
     """Fills `Emission.bounced`, per unit scattering coefficient."""
 
-    def __init__(self, solver: PopSolver) -> None:
-        settings = solver.settings
-        self._solver = solver
+    def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
+        self._medium = medium
         self._sky = even_sky(settings.ordinates)
-        self._even = Beams(solver.gpu, solver, settings.ordinates, solver.mix)
-        self._pass, self._linear = _Bounce(solver.gpu), linear_sampler(solver.gpu)
+        self._even = Beams(medium, settings, settings.ordinates, medium.mix)
+        self._pass, self._linear = _Bounce(medium.gpu), linear_sampler(medium.gpu)
 
-    def encode_medium(
-        self, commands: Commands, params: MediumParams, density: Density, bounced: Bounced
-    ) -> None:
+    def encode_medium(self, commands: Commands, params: MediumParams, bounced: Bounced) -> None:
         """Take a changed medium; `params` count the even sky's ordinates."""
-        self._even.write(self._sky, (), self._solver.volume, 1.0)
-        self._even.encode_medium(commands, params, density)
+        self._even.write(self._sky, (), 1.0)
+        self._even.encode_medium(commands, params)
         if not (self._is_white or bounced.knows_media):
-            self._even.encode(commands, params, density)
+            self._even.encode(commands, params)
 
     def encode(
-        self, commands: Commands, params: MediumParams, eye: F64, bounced: Bounced,
-        density: Density,
+        self, commands: Commands, params: MediumParams, eye: F64, bounced: Bounced, scale: float,
+        target: Buffer,
     ) -> None:  # fmt: skip
-        """For an eye at `eye` (3,), m in the medium's frame."""
-        s, source = self._solver, bounced.source
+        """For an eye at `eye` (3,), m in the medium's frame; `scale`: radiance per unit of
+        `target`.
+        """
+        placement, source = self._medium.placement, bounced.source
         bounce = BounceParams(
-            world_from_medium=s.placement.world_from_medium, eye=eye,
-            scale=source.scale / s.beams.table.scale, direct=source.direct,
+            world_from_medium=placement.world_from_medium, eye=eye,
+            scale=source.scale / scale, direct=source.direct,
             is_whole=int(self._is_white or bounced.knows_media),
         )  # fmt: skip
         self._pass.dispatch(
-            commands, (s.placement.cells,), params=params, bounce=bounce,
+            commands, (placement.cells,), params=params, bounce=bounce,
             ordinates=self._even.table.rows, passed=self._even.paths.passed,
-            diffuse=self._even.diffuse.diffuse, reach=density.reach,
+            diffuse=self._even.diffuse.diffuse, reach=self._medium.density.reach,
             lattice=source.placement.params(), linear_clamp=self._linear, **source.bound,
-            bounced=s.emission.bounced,
+            bounced=target,
         )  # fmt: skip
 
     @property
@@ -118,7 +115,7 @@ class Bounce:
 
     @property
     def _is_white(self) -> bool:
-        return min(self._solver.volume.albedo) > _WHITE
+        return min(self._medium.volume.albedo) > _WHITE
 
     def release(self) -> None:
         """Give the memory back."""

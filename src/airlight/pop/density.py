@@ -7,7 +7,7 @@ voxels, 0 outside the volume.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from ..gpu.slots import image, sampler, storage, texture, uniform
 from ..scene.volume import Volume
 from .mixture import Mix, fine_bound, fine_slots, fine_wgsl
 from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, shape_density
-
-if TYPE_CHECKING:
-    from .solver import PopSolver
 
 _DENSITY_MAX = 65504.0
 
@@ -101,7 +98,7 @@ class Density:
         )
 
     def encode_reach(
-        self, commands: Commands, params: MediumParams, others: Sequence[PopSolver]
+        self, commands: Commands, params: MediumParams, others: Sequence[Texture]
     ) -> None:
         """Then the rest, from the others' `fine`."""
         if self._others is not None:

@@ -7,7 +7,6 @@ ordinate: a scaled beam, as all others. Walls stop it; see `given_sight`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,12 +18,12 @@ from ..gpu.layout import Struct, f32, mat4x4f, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import sampler, storage, uniform
 from .given_sight import GivenSight
+from .grid_medium import GridMedium
 from .mixture import BLOCKS, PER_AXIS, Mix, MixedData, fine_bound, fine_slots, fine_wgsl
-from .ordinates import OrdinateData
+from .ordinates import OrdinateData, OrdinateTable
 from .placement import MediumParams
 
 if TYPE_CHECKING:
-    from .solver import PopSolver
     from .visibility import Surfaces
 
 
@@ -74,7 +73,7 @@ class _Given(ComputePass):
 
 
 class Given:
-    """Fills a solver's `Mix.given` and places its last ordinates."""
+    """Fills a medium's `Mix.given` and places its last ordinates."""
 
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mix.blocks)
@@ -82,40 +81,47 @@ class Given:
         self._sight = GivenSight(gpu, mix.cells, mix.blocks)
 
     def encode(
-        self, commands: Commands, taker: PopSolver, params: MediumParams, count: int,
-        others: Sequence[PopSolver], surfaces: Surfaces | None, *, is_lit: bool,
+        self, commands: Commands, taker: GridMedium, table: OrdinateTable,
+        surfaces: Surfaces | None, *, is_lit: bool,
     ) -> None:  # fmt: skip
-        """What `others` send now; `count`: the taker's ordinates. Not `is_lit`: places alone.
+        """What the taker's others send now, as the last of `table`. Not `is_lit`: places alone.
 
         `surfaces`: what stands between them.
         """
-        first = count - taker.mix.blocks
-        for k, giver in enumerate(others):
-            scale = giver.beams.table.scale / taker.beams.table.scale if is_lit else 0.0
-            to_world = giver.placement.world_from_medium
-            block = BlockParams(
-                taker_from_giver=np.linalg.inv(taker.placement.world_from_medium) @ to_world,
-                uvw_from_giver=taker.placement.uvw_from_world @ to_world,
-                first_row=first + BLOCKS * k, first=BLOCKS * k, scale=scale,
-            )  # fmt: skip
-            self._gather.dispatch(
-                commands, (BLOCKS,), params=giver.params, block=block, **giver.mix.cell_bound,
-                density=giver.density.cells, deposits=giver.beams.diffuse.deposits,
-                diffuse=giver.beams.diffuse.diffuse, ordinates=taker.beams.table.rows,
-                blocks=self._blocks,
-            )  # fmt: skip
+        for index in range(len(taker.others)):
+            self._gather_block(commands, taker, table, index, is_lit=is_lit)
+        placement, params = taker.placement, taker.params
         if surfaces is not None and surfaces.blockers is not None and not is_lit:
             self._sight.encode(
-                commands, params, taker.placement, surfaces.blockers,
-                version=surfaces.meshes.version, ordinates=taker.beams.table.rows,
+                commands, params, placement, surfaces.blockers,
+                version=surfaces.meshes.version, ordinates=table.rows,
                 blocks=self._blocks, reach=taker.density.reach,
             )  # fmt: skip
         self._give.dispatch(
-            commands, (taker.placement.cells, taker.mix.blocks), params=params,
+            commands, (placement.cells, taker.mix.blocks), params=params,
             way=GivenParams(blocks=taker.mix.blocks), media=taker.mix.rows,
-            ordinates=taker.beams.table.rows, blocks=self._blocks, reach=taker.density.reach,
-            seen=self._sight.seen, linear_clamp=taker.density.linear, **fine_bound(others),
-            given=taker.mix.given,
+            ordinates=table.rows, blocks=self._blocks, reach=taker.density.reach,
+            seen=self._sight.seen, linear_clamp=taker.density.linear,
+            **fine_bound(taker.fine_others), given=taker.mix.given,
+        )  # fmt: skip
+
+    def _gather_block(
+        self, commands: Commands, taker: GridMedium, table: OrdinateTable, index: int, *,
+        is_lit: bool,
+    ) -> None:  # fmt: skip
+        """The blocks of one of the others."""
+        giver = taker.others[index]
+        to_world = giver.placement.world_from_medium
+        block = BlockParams(
+            taker_from_giver=np.linalg.inv(taker.placement.world_from_medium) @ to_world,
+            uvw_from_giver=taker.placement.uvw_from_world @ to_world,
+            first_row=table.count - taker.mix.blocks + BLOCKS * index, first=BLOCKS * index,
+            scale=giver.sent.scale / table.scale if is_lit else 0.0,
+        )  # fmt: skip
+        self._gather.dispatch(
+            commands, (BLOCKS,), params=giver.params, block=block, **giver.mix.cell_bound,
+            density=giver.density.cells, deposits=giver.sent.deposits,
+            diffuse=giver.sent.diffuse, ordinates=table.rows, blocks=self._blocks,
         )  # fmt: skip
 
     def release(self) -> None:

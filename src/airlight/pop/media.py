@@ -26,8 +26,9 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .importance import Look
+from .settings import PopSettings
 from .sharp_lobes import SharpLobes
-from .solver import Frame, PopSettings, PopSolver
+from .solver import Frame, PopSolver
 from .together import encode, introduce
 from .visibility import Surfaces
 

@@ -8,19 +8,16 @@ the others scatter outside its box arrives from blocks of them (`given`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, vec3f
-from ..gpu.memory import Buffer
+from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, storage, texture
 from ..maths.transforms import F64
-from .placement import solved_extinction
-
-if TYPE_CHECKING:
-    from .solver import PopSolver
+from .placement import MediumPlacement, PlacedVolume
 
 PER_AXIS = 3
 """Blocks along each axis of a medium that others take its light from."""
@@ -57,7 +54,9 @@ class Mix:
         """Whether there is no other medium."""
         return self.media == 1
 
-    def write(self, own: PopSolver, others: Sequence[PopSolver], *, is_white: bool = False) -> None:
+    def write(
+        self, own: PlacedVolume, others: Sequence[PlacedVolume], *, is_white: bool = False
+    ) -> None:
         """Take the media as they are, or as they were if they did not absorb."""
         packed = pack_array(MixedData, [_row(own, of) for of in (own, *others)])
         if is_white:
@@ -125,29 +124,29 @@ def fine_wgsl(others: int) -> str:
     )
 
 
-def fine_bound(others: Sequence[PopSolver]) -> dict[str, Any]:
-    """By slot name."""
-    return {f"fine{m}": of.density.fine for m, of in enumerate(others, 1)}
+def fine_bound(others: Sequence[Texture]) -> dict[str, Any]:
+    """By slot name, of the others' `Density.fine`."""
+    return {f"fine{m}": fine for m, fine in enumerate(others, 1)}
 
 
 def _used(alone: str, mixed: str, media: int) -> str:
     return f"//! use {alone}\n" if media == 1 else f"const MEDIA = {media}u;\n//! use {mixed}\n"
 
 
-def _row(own: PopSolver, of: PopSolver) -> dict[str, Any]:
+def _row(own: PlacedVolume, of: PlacedVolume) -> dict[str, Any]:
     volume, placement = of.volume, of.placement
+    uvw_from_own = placement.uvw_from_world @ own.placement.world_from_medium
     return {
-        "uvw_from_medium": placement.uvw_from_world @ own.placement.world_from_medium,
-        "sigma_t": solved_extinction(volume, placement, of.width),
+        "uvw_from_medium": uvw_from_own, "sigma_t": of.extinction,
         "cell": float(np.min(placement.cell)), "albedo": volume.albedo,
         "mean_density": of.width.density, "g": volume.g,
-        "overlap": _overlap(placement.uvw_from_world @ own.placement.world_from_medium, own),
+        "overlap": _overlap(uvw_from_own, own.placement),
     }  # fmt: skip
 
 
-def _overlap(uvw_from_own: F64, own: PopSolver) -> float:
+def _overlap(uvw_from_own: F64, own: MediumPlacement) -> float:
     """The share of a medium's box that lies in another's."""
     at = (np.arange(_PLACES) + 0.5) / _PLACES
-    places = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3) * own.placement.extent
+    places = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3) * own.extent
     uvw = places @ uvw_from_own[:3, :3].T + uvw_from_own[:3, 3]
     return float(np.all((uvw > 0.0) & (uvw < 1.0), axis=-1).mean())

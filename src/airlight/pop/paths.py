@@ -7,21 +7,17 @@ along each ordinate; differs: see `maths.delta_beam`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
-from ..gpu.memory import Buffer
+from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import sampler, storage, texture, uniform
 from .density import Density
 from .mixture import Mix, fine_bound, fine_slots, fine_wgsl
 from .ordinates import OrdinateData
 from .placement import MediumParams, MediumPlacement
-
-if TYPE_CHECKING:
-    from .solver import PopSolver
 
 
 class WayParams(Struct):
@@ -71,9 +67,9 @@ class Paths(ComputePass):
 
     def encode(
         self, commands: Commands, params: MediumParams, ordinates: Buffer, count: int,
-        density: Density, others: Sequence[PopSolver] = (), *, is_closed: bool = False,
+        density: Density, others: Sequence[Texture] = (), *, is_closed: bool = False,
     ) -> None:  # fmt: skip
-        """March towards the first `count` ordinates; past `others`, where there are any."""
+        """March towards the first `count` ordinates; past `others` (their `Density.fine`)."""
         self.dispatch(
             commands, (self._cells, max(1, count)), params=params, ordinates=ordinates,
             reach=density.reach, fine=density.fine, linear_clamp=density.linear, passed=self.passed,

@@ -154,31 +154,42 @@ def shape_density(volume: Volume, side: int) -> Any:
     return inside.reshape(side, 2, side, 2, side, 2).mean(axis=(1, 3, 5))
 
 
-def solved_extinction(
-    volume: Volume, placement: MediumPlacement, width: Width
-) -> tuple[float, ...]:
-    """m^-1 at density 1: the volume's, or what makes its cells opaque where that is less.
+@dataclass(frozen=True, eq=False)
+class PlacedVolume:
+    """A volume, the grid that it is solved on, and how wide its medium is."""
 
-    Hardly any light comes through either, but of thicker cells the middle sees none: a white block
-    under an even sky scatters 1.00 at a cell's depth of 4, 1.3 at 8, 2.3 at 20, nothing at 100.
-    Eye rays are marched through the true extinction.
-    """
-    most = THICKEST_CELL / max(width.density * float(placement.cell.mean()), 1e-30)
-    return tuple(min(sigma, most) for sigma in volume.sigma_t)
+    volume: Volume
+    placement: MediumPlacement
+    width: Width
 
+    @classmethod
+    def of(cls, volume: Volume, resolution: int) -> PlacedVolume:
+        """On a grid of about `resolution`^3 cells."""
+        placement = placed(volume, resolution)
+        return cls(volume, placement, medium_width(volume, placement))
 
-def medium_fields(
-    volume: Volume, placement: MediumPlacement, ordinates: int, width: Width, group: int
-) -> dict[str, Any]:
-    """The values of `MediumParams` by name; `group` is the size of a workgroup."""
-    voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
-    per_cell = -(-voxels // np.array(placement.fine_count))
-    return {
-        "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
-        "ordinate_count": ordinates, "cell": placement.cell,
-        "count": placement.count, "cells": placement.cells, "sigma_t": solved_extinction(
-            volume, placement, width),
-        "largest_diffusivity": width.diffusivity, "albedo": volume.albedo,
-        "mean_density": width.density, "samples": np.clip(per_cell, 1, 16), "g": volume.g,
-        "groups": -(-placement.cells // group),
-    }  # fmt: skip
+    @property
+    def extinction(self) -> tuple[float, ...]:
+        """m^-1 at density 1: the volume's, or what makes its cells opaque where that is less.
+
+        Hardly any light comes through either, but of thicker cells the middle sees none: a white
+        block under an even sky scatters 1.00 at a cell's depth of 4, 1.3 at 8, 2.3 at 20, nothing
+        at 100. Eye rays are marched through the true extinction.
+        """
+        depth = self.width.density * float(self.placement.cell.mean())
+        most = THICKEST_CELL / max(depth, 1e-30)
+        return tuple(min(sigma, most) for sigma in self.volume.sigma_t)
+
+    def fields(self, ordinates: int, group: int) -> dict[str, Any]:
+        """The values of `MediumParams` by name; `group` is the size of a workgroup."""
+        volume, placement, width = self.volume, self.placement, self.width
+        voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
+        per_cell = -(-voxels // np.array(placement.fine_count))
+        return {
+            "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
+            "ordinate_count": ordinates, "cell": placement.cell,
+            "count": placement.count, "cells": placement.cells, "sigma_t": self.extinction,
+            "largest_diffusivity": width.diffusivity, "albedo": volume.albedo,
+            "mean_density": width.density, "samples": np.clip(per_cell, 1, 16), "g": volume.g,
+            "groups": -(-placement.cells // group),
+        }  # fmt: skip

@@ -21,7 +21,7 @@ from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from ..surface.light_views import light_views, view_count
 from ..surface.reflective import ReflectiveShadowMaps
-from .solver import PopSettings
+from .settings import PopSettings
 from .virtual_lights import Reflected
 
 

@@ -19,7 +19,8 @@ ROUNDS = 1
 def introduce(solvers: Sequence[PopSolver]) -> None:
     """Tell each of the others; all were made with `others` of their number."""
     for solver in solvers:
-        solver.others = tuple(other for other in solvers if other is not solver)
+        others = (other.medium for other in solvers if other is not solver)
+        solver.medium.others = tuple(others)
 
 
 def encode(
@@ -40,6 +41,6 @@ def encode(
             solver.encode_light(commands, frame)
         for _ in range(ROUNDS):
             for solver in solvers:
-                solver.beams.encode_given(commands, solver.params, solver.density)
+                solver.beams.encode_given(commands)
     for solver in solvers:
         solver.encode_view(commands, frame, new_medium=new_medium, new_light=new_light)

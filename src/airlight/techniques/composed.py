@@ -25,7 +25,7 @@ from ..lighting.direct import Direct, SurfaceSettings
 from ..lighting.view import View
 from ..lpv.lpv import Lpv
 from ..maths.transforms import F64
-from ..pop.solver import PopSettings
+from ..pop.settings import PopSettings
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene, volume_world_bounds
 from ..scene.volume import Volume

@@ -15,7 +15,8 @@ from ..march.march import Source
 from ..pop.bounce import Bounced
 from ..pop.importance import Look
 from ..pop.reflected_maps import reflected_maps
-from ..pop.solver import Frame, PopSettings, PopSolver
+from ..pop.settings import PopSettings
+from ..pop.solver import Frame, PopSolver
 from ..pop.together import encode, introduce
 from ..pop.visibility import Surfaces
 from ..scene.scene import Scene
