@@ -26,7 +26,13 @@ NO_DRIVER_REMEDY = (
     "(Debian and Ubuntu: apt install mesa-vulkan-drivers)"
 )
 _PREFERENCE = ("DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other")
-_FEATURES = ("float32-filterable", "float32-blendable", "timestamp-query")
+_FEATURES = (
+    "float32-filterable",
+    "float32-blendable",
+    "timestamp-query",
+    "subgroup",
+    "shader-int64",
+)
 _LIMITS = {  # asked for up to these values, so that code which needs more fails everywhere alike
     "max-storage-buffers-per-shader-stage": 10,
     "max-storage-buffer-binding-size": 1 << 30,

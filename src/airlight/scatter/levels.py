@@ -21,6 +21,7 @@ from ..maths.lattice26_levels import mean_track
 from .balance import Balance
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
 from .correction import Correction
+from .doubling import summed_states
 from .hop_wgsl import constants
 from .hop_wgsl import mean_track as mean_track_wgsl
 from .propagate import MOVE, TRACK, Count, Step
@@ -94,18 +95,9 @@ class Level:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (
-            self.sum,
-            self.spare,
-            self.track,
-            self.answer,
-            self.packs,
-            self.source,
-            self.medium,
-            self.openness,
-            self.reflectance,
-        ):
-            part.release()
+        for part in vars(self).values():
+            if isinstance(part, Buffer):
+                part.release()
 
 
 class Levels:
@@ -203,8 +195,11 @@ class Levels:
     def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         """Smooth, correct by the next level, smooth; returns where the sum now is."""
         plan = self.schedule
-        for _ in range(plan.before[k]):
-            current = self._smoothed(commands, k, current)
+        if self._is_doubled(k, current):
+            current = self._doubled(commands, plan.before[k] + 1)
+        else:
+            for _ in range(plan.before[k]):
+                current = self._smoothed(commands, k, current)
         left = plan.after[k]
         if k + 1 < len(self.levels):
             current = self._corrected(commands, k, current)
@@ -212,6 +207,22 @@ class Levels:
         for _ in range(left):
             current = self._smoothed(commands, k, current)
         return current
+
+    def _is_doubled(self, k: int, current: Buffer) -> bool:
+        """Where a step that adds nothing is cheaper: without walls, whose steps are not linear."""
+        is_first = k == 0 and current is self._source
+        step = self._step
+        return is_first and isinstance(step, Step) and step.leaves_out_zeros(self.levels[k].count)
+
+    def _doubled(self, commands: Commands, states: int) -> Buffer:
+        level = self.levels[0]
+
+        def step(before: Buffer, added: Buffer | None, after: Buffer) -> None:
+            self._apply(commands, 0, MOVE, before, added or self._zero, after)
+
+        # The track and the answer are free until a correction.
+        sums, spare = (level.sum, level.spare), (level.track, level.answer)
+        return summed_states(states, self._source, sums, spare, step)
 
     def _corrected(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         level, coarse = self.levels[k], self.levels[k + 1]
@@ -262,7 +273,10 @@ class Levels:
         else:
             # The finest level's rows for corrections come last.
             first = 2 * CHANNELS * (len(self.levels) if is_change and k == 0 else k) + row
-            self._step.encode(commands, level.count, self._coefficients, first, **buffers)
+            self._step.encode(
+                commands, level.count, self._coefficients, first, **buffers,
+                is_added=source is not self._zero,
+            )  # fmt: skip
 
     def _other(self, k: int, current: Buffer) -> Buffer:
         level = self.levels[k]

@@ -14,12 +14,14 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
+from ..gpu.lanes import has_row_lanes
 from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS, StepCoefficients
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
 from .propagate_open import TILES, OpenColumns, fitting
+from .propagate_rows import OpenRows, Rows, rows_for
 
 Count = tuple[int, int, int]
 SLAB = 8
@@ -71,31 +73,49 @@ class Step:
         text = "\n".join([constants(), gathered_blocked() if is_blocked else gathered()])
         self._cells = _Cells(gpu, generated=f"{text}\n{_cell_call(is_blocked)}")
         self._columns: _Columns | None = None
-        is_open = self.is_marched and not is_blocked
-        self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if is_open}
+        self._gpu, self._is_open = gpu, self.is_marched and not is_blocked
+        self._has_rows = self._is_open and has_row_lanes(gpu)
+        self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if self._is_open}
+        self._rows: dict[tuple[Rows, bool], OpenRows] = {}
         if self.is_marched:
             self._columns = _Columns(gpu, generated=f"{text}\n{_column_functions(is_blocked)}")
 
     def encode(
         self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
-        before: Buffer, source: Buffer, after: Buffer, packs: Buffer,
+        before: Buffer, source: Buffer, after: Buffer, packs: Buffer, is_added: bool = True,
     ) -> None:  # fmt: skip
-        """after = source + K before, K by the rows `row` .. `row` + 2 of `coefficients`."""
+        """after = source + K before, K by the rows `row` .. `row` + 2 of `coefficients`.
+
+        Where not `is_added`, `source` holds zeros, which need not be read.
+        """
         nx, ny, nz = count
         slabs = -(-nz // SLAB)
         values = {
             "params": StepParams(count=count, row=row, slabs=slabs), "before": before,
             "coefficients": coefficients, "source": source, "after": after, "packs": packs,
         }  # fmt: skip
-        tile = fitting(count)
-        if tile in self._open:
-            given = {"before": before, "source": source, "after": after}
+        tile, rows = fitting(count), rows_for(count)
+        given = {"before": before, "source": source, "after": after}
+        if self._has_rows and rows:
+            kernel = self._row_kernel(rows, is_added)
+            kernel.encode(commands, count, coefficients, row, **given)
+        elif tile in self._open:
             self._open[tile].encode(commands, count, coefficients, row, **given)
         # Columns come in pairs; a coarse lattice of odd size takes the plain kernel.
         elif self._columns and nx % 2 == 0 and ny % 2 == 0:
             self._columns.dispatch(commands, (nx // 2, ny // 2, CHANNELS * slabs), **values)
         else:
             self._cells.dispatch(commands, (nx, ny, CHANNELS * nz), **values)
+
+    def leaves_out_zeros(self, count: Count) -> bool:
+        """Whether a step without `is_added` is cheaper on such a lattice."""
+        return self._has_rows and rows_for(count) is not None
+
+    def _row_kernel(self, rows: Rows, is_added: bool) -> OpenRows:
+        found = self._rows.get((rows, is_added))
+        if found is None:
+            found = self._rows[rows, is_added] = OpenRows(self._gpu, rows, is_added=is_added)
+        return found
 
 
 def _arguments(names: list[str], is_blocked: bool) -> str:

@@ -80,9 +80,9 @@ def _tile_wgsl(width: int, height: int) -> str:
         "fn layer_at(n: vec3u, c: StepCoefficients, w: Weights, base: u32, x: u32, y: u32)"
         " -> Layer {",
         "    var layer: Layer;",
-        *_rows(width, height), *_sums(width, height), "    return layer;", "}",
-        "fn store(index: u32, nx: u32, tile: Tile) {", *_stores(width, height), "}",
-        *_added(width * height),
+        *_rows(width, height), *sums_wgsl(width, height), "    return layer;", "}",
+        "fn store(at: vec2u, n: vec3u, index: u32, tile: Tile) {", *_stores(width, height), "}",
+        added_wgsl(width * height),
     ])  # fmt: skip
 
 
@@ -111,7 +111,8 @@ def _rows(width: int, height: int) -> list[str]:
     return lines
 
 
-def _sums(width: int, height: int) -> list[str]:
+def sums_wgsl(width: int, height: int) -> list[str]:
+    """What a layer's rows `r{y}_{x}` send to three layers, into `layer`."""
     lines = []
     for k in range(width * height):
         y, x = divmod(k, width)
@@ -124,11 +125,12 @@ def _stores(width: int, height: int) -> list[str]:
     lines = []
     for k in range(width * height):
         y, x = divmod(k, width)
-        at = f"index + {y}u * nx + {x}u"
+        at = f"index + {y}u * n.x + {x}u"
         lines.append(f"    after[{at}] = source[{at}] + tile.v{k};")
     return lines
 
 
-def _added(columns: int) -> list[str]:
+def added_wgsl(columns: int) -> str:
+    """`added(a, b)`: two tiles' sum."""
     parts = ", ".join(f"a.v{k} + b.v{k}" for k in range(columns))
-    return [f"fn added(a: Tile, b: Tile) -> Tile {{ return Tile({parts}); }}"]
+    return f"fn added(a: Tile, b: Tile) -> Tile {{ return Tile({parts}); }}"

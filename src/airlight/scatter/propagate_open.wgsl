@@ -60,22 +60,26 @@ fn sent(k: StepCoefficients, w: Weights, a: Row, c: Row, b: Row) -> Sent {
     let plane = n.x * n.y;
     let first = channel * n.z * plane;
     let z_last = min(z_first + SLAB, n.z);
-    // What layers so far have sent to the layer before this one, and to this one.
+    // What layers so far have sent to the layer before this one, and to this one. One loop for all
+    // layers, those beside the slab too, with its test at its end: `layer_at` is long.
     var earlier: Tile;
     var current: Tile;
-    if (z_first > 0u) {
-        current = layer_at(n, c, w, first + (z_first - 1u) * plane, x, y).above;
-    }
-    for (var z = z_first; z < z_last; z++) {
+    let end = min(z_last, n.z - 1u);
+    var z = max(z_first, 1u) - 1u;
+    loop {
         let layer = layer_at(n, c, w, first + z * plane, x, y);
         if (z > z_first) {
-            store(first + (z - 1u) * plane + y * n.x + x, n.x, added(earlier, layer.below));
+            store(vec2u(x, y), n, first + (z - 1u) * plane + y * n.x + x,
+                added(earlier, layer.below));
         }
         earlier = added(current, layer.here);
         current = layer.above;
+        z++;
+        if (z > end) {
+            break;
+        }
     }
-    if (z_last < n.z) {
-        earlier = added(earlier, layer_at(n, c, w, first + z_last * plane, x, y).below);
+    if (z_last == n.z) {
+        store(vec2u(x, y), n, first + (z_last - 1u) * plane + y * n.x + x, earlier);
     }
-    store(first + (z_last - 1u) * plane + y * n.x + x, n.x, earlier);
 }

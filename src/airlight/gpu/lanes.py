@@ -1,0 +1,49 @@
+"""Whether invocations run in lanes of one vector that may look at one another's values.
+
+Software drivers run eight invocations as lanes of a vector and make each lane's loads one by one,
+while what the lane beside it has loaded costs a shuffle, a sixth of a load. Kernels that rely on
+the order of lanes (eight in a row along x) ask here first.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from .commands import Commands
+from .compute import ComputePass
+from .device import Gpu
+from .memory import Buffer
+from .slots import storage
+
+LANES = 8
+_FEATURES = ("subgroup", "shader-int64")
+
+
+class _Probe(ComputePass):
+    """Each invocation writes its neighbours' numbers."""
+
+    slots = (storage("found", "vec2u", "read_write"),)
+    workgroup = (LANES, 1, 1)
+    file = "lanes.wgsl"
+
+
+@cache
+def has_row_lanes(gpu: Gpu) -> bool:
+    """Whether LANES invocations along x are one subgroup in that order, and 64-bit integers work.
+
+    Only software drivers are asked: a GPU's threads are served by its caches.
+    """
+    if not gpu.is_cpu or any(name not in gpu.features for name in _FEATURES):
+        return False
+    groups = 2
+    found = Buffer(gpu, "lanes", groups * LANES * 8)
+    commands = Commands(gpu)
+    _Probe(gpu).dispatch(commands, (groups * LANES, 1, 1), found=found)
+    commands.submit()
+    numbers = found.read(np.uint32).reshape(groups, LANES, 2)
+    found.release()
+    own = np.arange(groups * LANES).reshape(groups, LANES)
+    is_before = np.array_equal(numbers[:, 1:, 0], own[:, :-1])
+    return is_before and np.array_equal(numbers[:, :-1, 1], own[:, 1:])

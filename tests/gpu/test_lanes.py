@@ -1,0 +1,26 @@
+"""Lanes are asked for once, and only where a software driver has them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from airlight.gpu.lanes import has_row_lanes
+
+
+@pytest.mark.parametrize(
+    ("is_cpu", "features"),
+    [(False, ["subgroup", "shader-int64"]), (True, ["subgroup"]), (True, ["shader-int64"])],
+)
+def test_gpus_and_drivers_without_the_features_are_not_asked(is_cpu, features):
+    class Device(SimpleNamespace):
+        __hash__ = object.__hash__
+
+    assert not has_row_lanes(Device(is_cpu=is_cpu, features=features))
+
+
+def test_mesas_software_driver_has_them(gpu):
+    if "256 bits" not in gpu.info.name:
+        pytest.skip("not Mesa's driver with eight lanes")
+    assert has_row_lanes(gpu)
