@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expn
 
-from airlight.maths.plane_air import _exponential_integral, plane_light
+from airlight.maths.plane_air import _exponential_integral, plane_light, plane_radiance
 
 ONE = np.array([1.0])
 
@@ -56,9 +56,27 @@ def _h(albedo: float, cosine: float) -> float:
     return float(step(h, np.array([cosine]))[0])
 
 
+def test_radiance_adds_up_to_fluence_and_flux():
+    """Over all directions, those along which light changes fast among them."""
+    light = plane_light(0.9, np.array([0.6]), ONE)
+    s, weight = np.polynomial.legendre.leggauss(64)
+    mu, solid = s**3, 2.0 * np.pi * 3.0 * s**2 * weight
+    depth = np.array([0.0, 0.05, 0.4, 1.5, 3.0])
+    seen = plane_radiance(light, depth, mu)
+    assert (seen[0, mu > 0.0] == 0.0).all()
+    np.testing.assert_allclose(
+        seen @ solid, np.interp(depth, light.depth, light.scattered), rtol=0.02
+    )
+    # Who looks up sees light that comes down.
+    np.testing.assert_allclose(
+        seen @ (solid * mu), np.interp(depth, light.depth, light.flux), rtol=0.03, atol=2e-3
+    )
+
+
 def test_deep_down_light_comes_from_all_sides_alike():
-    """Where nothing is absorbed: half of a quarter of the fluence each way, as much sideways."""
+    """Where nothing is absorbed, a quarter of its fluence over pi."""
     light = plane_light(1.0, ONE, ONE)
-    deep = int(np.searchsorted(light.depth, 15.0))
-    assert light.side[deep] == pytest.approx(0.25 * light.scattered[deep], rel=0.01)
-    assert light.down[deep] == pytest.approx(0.25 * light.scattered[deep], rel=0.01)
+    mu = np.array([-0.9, -0.2, 0.2, 0.9])
+    seen = plane_radiance(light, np.array([20.0]), mu)[0]
+    even = np.interp(20.0, light.depth, light.scattered) / (4.0 * np.pi)
+    np.testing.assert_allclose(seen, even, rtol=0.02)

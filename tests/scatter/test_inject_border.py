@@ -2,43 +2,92 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from airlight.gpu.memory import Buffer
+from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.lattice.placement import Placement
-from airlight.maths.plane_air import plane_light
-from airlight.scatter.inject_border import InjectBorder, incoming_light
-from airlight.scene import DirectionalLight, Medium
+from airlight.march.air import Air
+from airlight.maths.plane_air import plane_light, plane_radiance
+from airlight.scatter.inject_border import LEVELS, ROWS, TURNS, InjectBorder, incoming_light, levels
+from airlight.scene import DirectionalLight, Medium, Scene
 
-PLACE = Placement((-3.0, 0.0, -2.0), 1.0, (6, 8, 4))
 SUN = DirectionalLight((0.0, -1.0, 0.0), (4.0, 2.0, 1.0))
 AIR = Medium(0.2, (0.9, 0.8, 0.0), endless=True)
+TOP = 10.0
+# So small that it takes nothing from the light that goes through it.
+SMALL = Placement((-0.03, 5.0, -0.02), 0.01, (6, 8, 4))
+DEPTH = 0.2 * (TOP - 5.04)
 
 
-def test_layers_take_what_the_half_space_sends():
-    rows = incoming_light(PLACE, AIR, 10.0, [SUN])
+class Found:
+    """What comes into the cells of SMALL, (3, Z, Y, X, 4), their walls all `open_share` open."""
+
+    def __init__(self, gpu, commands, owned, open_share: float, reflectance: float | None) -> None:
+        air = owned(Air(gpu, Scene(medium=AIR), light_count=0))
+        air.update(commands, Scene(medium=AIR), np.full(3, -1.0), np.array([1.0, TOP, 1.0]))
+        border = owned(InjectBorder(gpu, SMALL, air))
+        white = buffer_of(gpu, "colours", np.full(SMALL.cells, 0x00FFFFFF, np.uint32))
+        owned(white)
+        border.find(
+            commands, AIR, TOP, [SUN], SimpleNamespace(bound=_walls(gpu, owned, open_share)),
+            None if reflectance is None else white, is_new=True,
+        )  # fmt: skip
+        cells, base = (owned(Buffer(gpu, n, 3 * SMALL.cells * 16)) for n in ("cells", "base"))
+        for buffer in (cells, base):
+            buffer.write(np.zeros((3 * SMALL.cells, 4), np.float32))
+        border.encode(commands, cells, base)
+        commands.submit()
+        self.power, self.track, self.walls_get = (
+            np.asarray(b.read(), np.float64).reshape(3, 4, 8, 6, 4)
+            for b in (cells, border.beams, border.surface_beams)
+        )
+
+
+def _walls(gpu, owned, open_share: float) -> dict[str, Texture]:
+    textures = {}
+    for name in ("open_a", "open_b", "walls"):
+        kind = "rgba8snorm" if name == "walls" else "rgba8unorm"
+        texture = owned(Texture(gpu, name, SMALL.count, kind, dimension="3d"))
+        byte = np.int8(0) if name == "walls" else np.uint8(round(255 * open_share))
+        texture.write(np.full((4, 8, 6, 4), byte))
+        textures[f"lattice_{name}"] = texture
+    return textures
+
+
+def test_rows_are_what_an_eye_sees_of_the_half_space():
+    table = incoming_light(AIR, [SUN]).reshape(LEVELS, ROWS, 4)
     light = plane_light(0.9, np.array([1.0]), np.array([4.0]))
-    assert rows[2, 0] == pytest.approx(np.interp(0.2 * 7.5, light.depth, light.side))
-    assert rows[-1, 0] == pytest.approx(np.interp(0.2 * 2.0, light.depth, light.down))
-    assert (rows[:, 2] == 0.0).all()  # nothing scatters, nothing comes in scattered
-    low = incoming_light(PLACE, AIR, 5.0, [SUN])
-    assert (low[5:] == 0.0).all() and (low[:5, 0] > 0.0).all()
+    share = 0.975 * 20 / (ROWS - 1)
+    seen = plane_radiance(light, np.array([share / (1.0 - share)]), levels()[:, 0])
+    np.testing.assert_allclose(table[:, 20, 0], seen[0])
+    assert (table[..., 2] == 0.0).all()  # nothing scatters, nothing comes in scattered
+    assert TURNS * levels()[:, 1].sum() == pytest.approx(4.0 * np.pi)
 
 
-def test_every_open_side_brings_its_share(gpu, commands, owned):
-    cells = owned(Buffer(gpu, "cells", 3 * PLACE.cells * 16))
-    cells.write(np.zeros((3 * PLACE.cells, 4), np.float32))
-    border = owned(InjectBorder(gpu, PLACE))
-    border.encode(commands, cells, AIR, 10.0, [SUN])
-    commands.submit()
-    made = np.frombuffer(cells.read(), np.float32).reshape(3, 4, 8, 6, 4).astype(np.float64)
-    rows = incoming_light(PLACE, AIR, 10.0, [SUN])
-    around, lid = 2 * (6 + 4), 6 * 4
-    total = around * rows[:-1, :3].sum(axis=0) + lid * rows[-1, :3]
-    np.testing.assert_allclose(made[..., 0].sum(axis=(1, 2, 3)), total, rtol=1e-5)
-    assert (made[:, 1:-1, :-1, 1:-1] == 0.0).all()  # inside, and the bottom
-    # The middle of the low x side: all of it inwards, two thirds of it along.
-    a, bx, by, bz = made[0, 1, 3, 0]
-    np.testing.assert_allclose((bx, by, bz), (2.0 / 3.0 * a, 0.0, 0.0), atol=1e-6)
-    np.testing.assert_allclose(made[..., 1].sum(), 0.0, atol=1e-4)
+def test_a_small_open_lattice_holds_the_half_spaces_light(gpu, commands, owned):
+    found = Found(gpu, commands, owned, 1.0, None)
+    volume = SMALL.cell**3
+    light = plane_light(0.9, np.array([1.0]), np.array([4.0]))
+    fluence = np.interp(DEPTH, light.depth, light.scattered)
+    np.testing.assert_allclose(found.track[0, ..., 0] / volume, fluence, rtol=0.02)
+    flux = np.interp(DEPTH, light.depth, light.flux)
+    np.testing.assert_allclose(-found.track[0, ..., 2] / volume, flux, rtol=0.03, atol=0.02)
+    np.testing.assert_allclose(found.power[0, ..., 0], 0.18 * found.track[0, ..., 0], rtol=1e-4)
+    assert (found.power[..., 1:] == 0.0).all() and (found.power[2] == 0.0).all()
+    # Without walls what they would get is the same on the mean.
+    even = found.walls_get[0, ..., 0] / found.track[0, ..., 0]
+    np.testing.assert_allclose(even, 1.0, atol=0.05)
+
+
+def test_closed_cells_get_none_but_at_the_border(gpu, commands, owned):
+    """The border's own cells lie open to the outside; walls between turn back what they get."""
+    found = Found(gpu, commands, owned, 0.0, 1.0)
+    lit = found.track[0, ..., 0] > 0.0
+    assert not lit[1:-1, 1:-1, 1:-1].any() and lit[0].all() and lit[:, 0].all()
+    scattered = 0.18 * found.track[0, ..., 0]
+    assert (found.power[0][lit][:, 0] > scattered[lit]).all()
+    # The low x side's cell: light comes in towards +x, and goes back towards -x.
+    assert found.track[0, 2, 4, 0, 1] > 0.0 > found.power[0, 2, 4, 0, 1]

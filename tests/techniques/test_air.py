@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.rendering import render
+from airlight.rendering import Renderer, render
 from airlight.scene import Medium
 
 from .conftest import SIZE, SMALL
@@ -70,3 +70,19 @@ def test_black_air_scatters_nothing(foggy_box):
     image = picture(black, "lpv-scatter")
     assert float(image.layers["single_scatter"].max()) == 0.0
     assert float(image.layers["multiple_scatter"].max()) <= 1e-6
+
+
+def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
+    """As far as half the longest side beyond them, and where it says to be, nothing more."""
+    low, high = foggy_box.bounds
+    side = float((high - low).max())
+    tall = np.array([high[0], high[1] + 3.0 * side, high[2]])
+    air = replace(foggy_box, medium=Medium(0.2, bounds=(tuple(low), tuple(tall))))
+    for settings, top in (
+        (SMALL, high[1] + 0.5 * side),
+        ({**SMALL, "bounds": (0, 0, 0, 1, 1, 1)}, 1),
+    ):
+        with Renderer(air, "lpv-scatter", SIZE, settings=settings) as renderer:
+            place = renderer.technique.placement
+        ends = float(place.bounds[1][1])
+        assert top <= ends <= top + 2.6 * place.cell

@@ -23,15 +23,15 @@ _EDGES = np.concatenate([[0.0], np.geomspace(0.02, 40.0, 64)])
 @dataclass(frozen=True)
 class PlaneLight:
     """At optical depths (N,) below the top: `scattered` fluence (N,) of light that was scattered
-    at least once, its net `flux` downwards (N,), what of it comes from above, `down` (N,), and
-    what shines through an upright plane from one side, `side` (N,); W m^-2.
+    at least once, its net `flux` downwards (N,) and what of it comes from above, `down` (N,);
+    W m^-2. `sent` (M,): what layers of air scatter, per optical depth.
     """
 
     depth: F64
     scattered: F64
     flux: F64
     down: F64
-    side: F64
+    sent: F64
 
 
 def plane_light(albedo: float, cosines: F64, irradiances: F64) -> PlaneLight:
@@ -47,7 +47,20 @@ def plane_light(albedo: float, cosines: F64, irradiances: F64) -> PlaneLight:
     beams = ((passed[:-1] - passed[1:]) * mu * e).sum(axis=1) / np.diff(_EDGES)
     sent = np.linalg.solve(np.eye(len(beams)) - albedo * k.between, albedo * beams)
     down, up = k.down @ sent, k.up @ sent
-    return PlaneLight(k.depth, k.fluence @ sent, down - up, down, k.side @ sent)
+    return PlaneLight(k.depth, k.fluence @ sent, down - up, down, sent)
+
+
+def plane_radiance(light: PlaneLight, depth: F64, cosines: F64) -> F64:
+    """(N, K), W m^-2 sr^-1: what an eye at optical `depth` (N,) sees of `light` that was scattered
+    at least once, where it looks up by `cosines` (K,), not 0, to the vertical.
+    """
+    d, mu = depth[:, None, None], cosines[None, :, None]
+    # To each layer's borders, as far as they lie ahead.
+    ahead = np.maximum((d - _EDGES) * np.sign(mu), 0.0)
+    seen = np.abs(np.diff(np.exp(-ahead / np.abs(mu)), axis=2))
+    deep = 2.0 * _EDGES[-1] - d  # what the mirror at the end shows of what lies before it
+    mirrored = np.abs(np.diff(np.exp(-np.maximum(deep - _EDGES, 0.0) / np.abs(mu)), axis=2))
+    return np.asarray((seen + np.where(mu < 0.0, mirrored, 0.0)) @ light.sent / (4.0 * np.pi))
 
 
 @dataclass(frozen=True)
@@ -61,7 +74,6 @@ class _Kernels:
     fluence: F64
     down: F64
     up: F64
-    side: F64
 
 
 @lru_cache(maxsize=1)
@@ -71,7 +83,7 @@ def _kernels() -> _Kernels:
     mirrored = 2.0 * _EDGES[-1] - depth
     fluence = _fluence(depth) + _fluence(mirrored)
     up = _up(depth) + _down(mirrored)
-    return _Kernels(fluence[1:], depth, fluence, _down(depth), up, _through_side(depth))
+    return _Kernels(fluence[1:], depth, fluence, _down(depth), up)
 
 
 def _fluence(at: F64) -> F64:
@@ -89,18 +101,6 @@ def _down(at: F64) -> F64:
 def _up(at: F64) -> F64:
     below = np.maximum(_EDGES - at[:, None], 0.0)
     return -0.5 * np.diff(_exponential_integral(3, below), axis=1)
-
-
-def _through_side(at: F64) -> F64:
-    """Through an upright plane: 2 L(mu) sqrt(1 - mu^2) over all cosines mu."""
-    nodes, weights = np.polynomial.legendre.leggauss(24)
-    mu, w = 0.5 * (nodes + 1.0), 0.5 * weights
-    total = np.zeros((len(at), len(_EDGES) - 1))
-    for way in (1.0, -1.0):
-        beyond = np.maximum(way * (_EDGES - at[:, None]), 0.0)
-        reached = np.abs(np.diff(np.exp(-beyond[..., None] / mu), axis=1))
-        total += reached @ (2.0 * w * np.sqrt(1.0 - mu**2)) / (4.0 * np.pi)
-    return total
 
 
 def _exponential_integral(order: int, x: F64) -> F64:

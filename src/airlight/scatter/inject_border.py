@@ -1,10 +1,13 @@
 """Scattered light that comes into the lattice from endless air around it (march.far_air).
 
-Without it the outermost cells of an open scene would be darker than the air beyond them. Only what
-was scattered already: beams of suns and of the sky shine into every cell by themselves.
+Without it an open scene would be darker than the air beyond it. Only what was scattered already:
+beams of suns and of the sky shine into every cell by themselves. Hops would soon turn light that
+comes in flat out of a thin layer of fog; so it goes straight to the cells, and hops from there.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -12,67 +15,152 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, vec3u
-from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
-from ..lattice.placement import Placement
-from ..march.far_air import scattered_light
+from ..gpu.memory import Buffer, buffer_of
+from ..gpu.slots import storage, texture, uniform
+from ..lattice.blockers import Blockers
+from ..lattice.placement import LatticeParams, Placement
+from ..march.air import Air
+from ..march.far_air import suns
+from ..maths.lattice26_walls import returned_sharpness
+from ..maths.plane_air import plane_light, plane_radiance
 from ..maths.transforms import F64
 from ..scene.lights import Light
 from ..scene.medium import Medium
+from .hop_wgsl import literal
+
+TURNS = 6
+"""Directions around the vertical, on each of LEVELS levels."""
+LEVELS = 8
+ROWS = 48
+_LAST = 0.975  # of depth/(1 + depth), which rows are even in
 
 
 class BorderParams(Struct):
-    """The lattice's size."""
+    """The air around the lattice."""
 
-    count = vec3u("cells")
-    area = f32("of a cell's face, m^2")
+    top = f32("m, where it begins")
+    sigma = f32("m^-1, of its densest channel")
+    has_walls = f32("1: surfaces reflect")
+
+
+class AddParams(Struct):
+    """The lattice's size, thrice."""
+
+    count = vec3u("cells; of three channels along z")
+
+
+class _Beams(ComputePass):
+    workgroup = (32, 4, 1)
+    file = "border_beams.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", BorderParams),
+            uniform("lattice", LatticeParams),
+            *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
+            *air.medium_slots,
+            storage("reflectance", "u32"),
+            storage("directions", "vec2f"),
+            storage("radiance", "vec4f"),
+            storage("border", "vec4f", "read_write"),
+        )
+        super().__init__(gpu, generated=air.medium_wgsl + _CONSTANTS)
 
 
 class _AddBorder(ComputePass):
     slots = (
-        uniform("params", BorderParams),
-        storage("incoming", "vec4f"),
+        uniform("params", AddParams),
+        storage("border", "vec4f"),
+        storage("base", "vec4f"),
         storage("cells", "vec4f", "read_write"),
+        storage("beams", "vec4f", "read_write"),
+        storage("surface_beams", "vec4f", "read_write"),
     )
     workgroup = (32, 4, 2)
     file = "inject_border.wgsl"
 
 
 class InjectBorder:
-    """cells += what comes in through the lattice's sides and its top, W."""
+    """What comes in, W, into `cells`; its track on the straight way to them, W m, in `beams`, and
+    in `surface_beams` such that two bands of it bring walls what they get.
+    """
 
-    def __init__(self, gpu: Gpu, placement: Placement) -> None:
-        self._pass, self.placement = _AddBorder(gpu), placement
-        self._incoming = Buffer(gpu, "incoming light", (placement.count[1] + 1) * 16)
+    def __init__(self, gpu: Gpu, placement: Placement, air: Air) -> None:
+        self._find, self._add = _Beams(gpu, air), _AddBorder(gpu)
+        self._air, self.placement = air, placement
+        cells = 3 * placement.cells
+        self._border = Buffer(gpu, "light from the border", 3 * cells * 16)
+        self.beams = Buffer(gpu, "beams from the border", cells * 16)
+        self.surface_beams = Buffer(gpu, "beams to surfaces", cells * 16)
+        self._radiance = Buffer(gpu, "light of endless air", LEVELS * ROWS * 16)
+        self._directions = buffer_of(gpu, "ways into the lattice", levels().astype(np.float32))
         self._key: object = None
 
-    def encode(
-        self, commands: Commands, cells: Buffer, medium: Medium, top: float, lights: list[Light]
-    ) -> None:
-        """`medium`, endless below the height `top` (m), scatters evenly; `lights` reach it."""
-        place = self.placement
+    def find(
+        self, commands: Commands, medium: Medium, top: float, lights: list[Light],
+        blockers: Blockers, reflectance: Buffer | None, *, is_new: bool,
+    ) -> None:  # fmt: skip
+        """`medium`, endless below the height `top` (m), scatters evenly; `lights` reach it.
+
+        `is_new`: walls or air are others than before. Without `reflectance` walls are black.
+        """
         key = (medium, top, tuple(lights))
-        if key != self._key:
-            self._key = key
-            self._incoming.write(incoming_light(place, medium, top, lights).astype(np.float32))
-        params = BorderParams(count=place.count, area=place.cell**2)
-        self._pass.dispatch(
-            commands, place.count, params=params, incoming=self._incoming, cells=cells
-        )
+        if key == self._key and not is_new:
+            return
+        self._key = key
+        self._radiance.write(incoming_light(medium, lights).astype(np.float32))
+        place = self.placement
+        has_walls = float(reflectance is not None)
+        params = BorderParams(top=top, sigma=max(medium.sigma_t), has_walls=has_walls)
+        bound: dict[str, Any] = {**blockers.bound, **self._air.medium_bound}
+        self._find.dispatch(
+            commands, place.count, params=params, lattice=place.params(),
+            reflectance=reflectance or self._radiance, directions=self._directions,
+            radiance=self._radiance, border=self._border, **bound,
+        )  # fmt: skip
+
+    def encode(self, commands: Commands, cells: Buffer, base: Buffer) -> None:
+        """cells += what `find` found, and beams = `base` + its track."""
+        x, y, z = self.placement.count
+        self._add.dispatch(
+            commands, (x, y, 3 * z), params=AddParams(count=(x, y, 3 * z)), border=self._border,
+            base=base, cells=cells, beams=self.beams, surface_beams=self.surface_beams,
+        )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        self._incoming.release()
+        for part in (
+            self._border,
+            self.beams,
+            self.surface_beams,
+            self._radiance,
+            self._directions,
+        ):
+            part.release()
 
 
-def incoming_light(place: Placement, medium: Medium, top: float, lights: list[Light]) -> F64:
-    """(cells along y + 1, 4), W m^-2: into each layer's sides, then through the lattice's top."""
-    rows = np.zeros((place.count[1] + 1, 4))
-    heights = place.origin[1] + place.cell * (np.arange(place.count[1]) + 0.5)
-    lid = float(place.bounds[1][1])
+def levels() -> F64:
+    """(LEVELS, 2): cosines to the vertical, dense where rays are flat, and solid angles, sr."""
+    nodes, weights = np.polynomial.legendre.leggauss(LEVELS // 2)
+    s, solid = 0.5 * (nodes + 1.0), 2.0 * np.pi / TURNS * 0.5 * weights
+    up = np.column_stack([s**2, 2.0 * s * solid])
+    return np.concatenate([up * (-1.0, 1.0), up])
+
+
+def incoming_light(medium: Medium, lights: list[Light]) -> F64:
+    """(LEVELS * ROWS, 4), W m^-2 sr^-1: radiance seen on each level at each row's depth."""
+    share = np.linspace(0.0, _LAST, ROWS)
+    depth = share / (1.0 - share)
+    table = np.zeros((LEVELS, ROWS, 4))
     for c in range(3):
-        light, sigma = scattered_light(medium, lights, c), medium.sigma_t[c]
-        sides = np.interp(sigma * (top - heights), light.depth, light.side)
-        rows[:-1, c] = np.where(heights < top, sides, 0.0)
-        rows[-1, c] = np.interp(sigma * (top - lid), light.depth, light.down) if lid < top else 0.0
-    return rows
+        ways, irradiances = suns(lights, c)
+        light = plane_light(medium.albedo[c], -ways[:, 1], irradiances)
+        own = depth * medium.sigma_t[c] / max(medium.sigma_t)
+        table[..., c] = plane_radiance(light, own, levels()[:, 0]).T
+    return table.reshape(-1, 4)
+
+
+_CONSTANTS = (
+    f"const LEVELS = {LEVELS}u;\nconst TURNS = {TURNS}u;\nconst ROWS = {ROWS}u;\n"
+    f"const LAST = {literal(_LAST)};\nconst SHARPNESS = {literal(returned_sharpness())};\n"
+)

@@ -97,7 +97,7 @@ class ScatterSolver:
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         is_endless = scene.medium is not None and scene.medium.endless
-        self.border = InjectBorder(gpu, self.placement) if is_endless else None
+        self.border = InjectBorder(gpu, self.placement, self.air) if is_endless else None
         self.reflectance_of = CellReflectance(gpu)
         self.air_cells = AirCells(gpu, self.air) if self.is_varied else None
         self._emitted = emitted_flux(scene.meshes)
@@ -144,19 +144,17 @@ class ScatterSolver:
             self._resolve(commands, self.steady, self.reflected, scale)
         with commands.stage("single-scattered"):
             self._inject_single(commands)
-            self._inject_border(commands, scene, low, high)
+            self._inject_border(commands, scene, low, high, is_new=is_new)
             self._take_forward(commands, scene)
         with commands.stage("propagate"):
             total, track = self.levels.encode(commands, self.source)
         with commands.stage("copy"):
             forward = self.forward if self._is_forward else None
-            self.emission.encode(
-                commands, track, flux, self._sky_forward if forward else None, sigma_t=self._densest
-            )
+            self.emission.encode(commands, track, flux, self._beams, sigma_t=self._densest)
             self.surfaces.encode(
                 commands, total, flux, medium=self.medium if self.is_varied else None,
                 sigma_s=self._sigma_s, sigma_t=self._sigma_t,
-                forward=forward.all if forward else None,
+                forward=forward.all if forward else self._surface_beams,
             )  # fmt: skip
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
@@ -251,21 +249,38 @@ class ScatterSolver:
             base=self.reflected, cells=self.source,
         )  # fmt: skip
 
-    def _inject_border(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+    def _inject_border(
+        self, commands: Commands, scene: Scene, low: F64, high: F64, *, is_new: bool
+    ) -> None:
         even = similar_scene(scene).medium
         if self.border and even:
             top = float(medium_box(even, low, high, scene.camera.position)[1][1])
             lights = [*scene.lights, *self.sky.lights]
-            self.border.encode(commands, self.source, even, top, lights)
+            walls = self.reflectance if self.settings.occlusion else None
+            self.border.find(commands, even, top, lights, self.blockers, walls, is_new=is_new)
+            self.border.encode(commands, self.source, self._sky_forward)
 
     @property
     def _sky_forward(self) -> Buffer:
-        return self.forward.sky if self.sky.lights and self.sky.maps.layers else self.black
+        has_any = self._is_forward and self.sky.lights and self.sky.maps.layers
+        return self.forward.sky if has_any else self.black
+
+    @property
+    def _beams(self) -> Buffer | None:
+        """Light on straight ways that marching reads from cells, besides what lights send."""
+        if self.border:
+            return self.border.beams
+        return self._sky_forward if self._is_forward else None
+
+    @property
+    def _surface_beams(self) -> Buffer | None:
+        """The same for surfaces."""
+        return self.border.surface_beams if self.border else self._beams
 
     def _take_forward(self, commands: Commands, scene: Scene) -> None:
         if self._is_forward:
             self.forward.encode(
-                commands, scene, self.lights.bound, base=self._sky_forward,
+                commands, scene, self.lights.bound, base=self._surface_beams or self.black,
                 walls=self.blockers.walls, openness=self.blockers.openness,
             )  # fmt: skip
 

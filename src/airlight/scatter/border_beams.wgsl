@@ -1,0 +1,83 @@
+// Light of endless air around the lattice on its straight way into it: each cell's fluence and flux,
+// and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
+//! use air
+//! use open_line
+
+// W m^-2 sr^-1 that the air outside sends from a place on the border, seen on a level of directions.
+fn incoming(level: u32, depth: f32) -> vec3f {
+    let row = min(depth / (1.0 + depth) / LAST, 1.0) * f32(ROWS - 1u);
+    let i = min(u32(row), ROWS - 2u);
+    let first = level * ROWS + i;
+    return mix(radiance[first].rgb, radiance[first + 1u].rgb, row - f32(i));
+}
+
+// To where a ray from p leaves the lattice, m.
+fn leaving(p: vec3f, way: vec3f) -> f32 {
+    let low = lattice.origin;
+    return ray_box_interval(p, way, low, low + lattice.cell * vec3f(lattice.count)).y;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= lattice.count)) {
+        return;
+    }
+    let p = unbent_point(lattice, id, vec3f(0.5));
+    var fluence = vec3f(0.0);
+    var flux = mat3x3f();                   // columns x, y, z of rgb
+    var against: array<vec3f, 6>;           // irradiance of faces +x -x +y -y +z -z from within
+    for (var k = 0u; k < LEVELS * TURNS; k++) {
+        let level = k / TURNS;
+        let up = directions[level].x;
+        let turn = (f32(k % TURNS) + 0.5 * f32(level & 1u) + 0.25) * (6.2831853 / f32(TURNS));
+        let out = vec3f(sqrt(1.0 - up * up) * vec2f(cos(turn), sin(turn)), up).xzy;
+        let reach = leaving(p, out);
+        let end = p + reach * out;
+        let passed = exp(-air_optical_depth(p, out, 0.0, reach));
+        let sent = directions[level].y * passed
+            * incoming(level, params.sigma * max(params.top - end.y, 0.0));
+        // No way to walk where nothing comes from, as from above all air.
+        let begin = vec3f(id) + 0.5;
+        let light = sent
+            * open_line(begin, select(begin, bent_place(lattice, end), any(sent > vec3f(0.0))));
+        fluence += light;
+        flux -= mat3x3f(light * out.x, light * out.y, light * out.z);
+        for (var axis = 0u; axis < 3u; axis++) {
+            against[2u * axis] += light * max(-out[axis], 0.0);
+            against[2u * axis + 1u] += light * max(out[axis], 0.0);
+        }
+    }
+    let colour = unpack4x8unorm(reflectance[cell_of(id)]).rgb;
+    let area = lattice.cell * lattice.cell;
+    let volume = lattice.cell * area;
+    var power = air_scattering(p) * fluence * volume;
+    var turned = mat3x3f();
+    var walls = vec3f(1e-3);
+    for (var face = 0u; face < 6u; face++) {
+        let is_high = (face & 1u) == 0u;
+        let shut = 1.0 - open_face(vec3i(id), face / 2u, is_high);
+        let back = params.has_walls * shut * area * colour * against[face];
+        power += back;
+        turned[face / 2u] += select(SHARPNESS, -SHARPNESS, is_high) * back;
+        walls[face / 2u] += shut;
+    }
+    // Two bands would read flat light on a floor as too bright: what the cell's walls get of it is
+    // known, and so surfaces are told of light as even as would bring them that.
+    var even = vec3f(0.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        even += walls[axis] * 2.0 * (against[2u * axis] + against[2u * axis + 1u]);
+    }
+    even /= walls.x + walls.y + walls.z;
+    let share = walls / max(walls.x, max(walls.y, walls.z));
+    let cells = lattice.count.x * lattice.count.y * lattice.count.z;
+    for (var c = 0u; c < 3u; c++) {
+        let index = c * cells + cell_of(id);
+        let along = vec3f(flux[0][c], flux[1][c], flux[2][c]);
+        border[index] = vec4f(power[c], turned[0][c], turned[1][c], turned[2][c]);
+        border[3u * cells + index] = volume * vec4f(fluence[c], along);
+        border[6u * cells + index] = volume * vec4f(even[c], share * along);
+    }
+}
+
+fn cell_of(id: vec3u) -> u32 {
+    return (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+}
