@@ -7,7 +7,7 @@ import pytest
 
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
-from airlight.lpv import propagate
+from airlight.lpv import propagate, step
 from airlight.lpv.columns import column_march
 
 
@@ -18,8 +18,8 @@ def test_the_tile_does_not_change_the_light(gpu, commands, owned, monkeypatch, t
     faces = np.random.default_rng(6).integers(0, 1 << 32, 9 * 5 * 7 * 8, dtype=np.uint32)
     lights = []
     for used in ((2, 4), tile):
-        monkeypatch.setattr(propagate, "_CPU_TILE", used)
-        monkeypatch.setattr(propagate, "_CPU_OPEN_TILE", used)
+        monkeypatch.setattr(step, "_CPU_TILE", used)
+        monkeypatch.setattr(step, "_CPU_OPEN_TILE", used)
         made = owned(
             propagate.Propagate(
                 gpu, Placement((0, 0, 0), 1.0, count), is_blocked=True, is_reflecting=True

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.gpu.lanes import has_row_lanes
+from airlight.gpu.lanes import Rows, has_row_lanes
 from airlight.gpu.layout import pack_array
 from airlight.gpu.memory import buffer_of
 from airlight.scatter.coefficients import StepCoefficients, step_rows
 from airlight.scatter.propagate import Step
-from airlight.scatter.propagate_rows import Rows, rows_for
+from airlight.scatter.propagate_rows import rows_for
 
 SIGMA_S, SIGMA_T = (0.05, 0.7, 2.0), (0.05, 0.8, 4.0)
 

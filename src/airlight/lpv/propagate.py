@@ -17,32 +17,17 @@ state is accumulated, the first step free, as the paper says.
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 from ..gpu.commands import Commands
-from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
 from ..lattice.placement import Placement
-from ..maths.lattice6 import SPREAD_KEPT, Hop, Scheme, hops
-from .columns import column_march
-from .storage import Format, Pack
+from ..maths.lattice6 import SPREAD_KEPT, Scheme
+from .step import CHANNELS, Step
+from .storage import Pack
 from .sums import FLOAT, Sums
 
-CHANNELS = 3
 BLOCK = 8  # states that are summed by doubling
 _TAIL_BLOCKS = 4  # fewer do not know the slowest mode yet
-_CPU_TILE, _CPU_OPEN_TILE, _CPU_SLAB = (2, 4), (4, 4), 8  # measured best on a software driver
-
-
-class StepParams(Struct):
-    """The lattice's size, and what the step does."""
-
-    count = vec3u("cells")
-    kept = f32("share of negative power into closed faces that is handed back")
 
 
 class Propagate:
@@ -63,8 +48,8 @@ class Propagate:
         self._pack = Pack(gpu, storage)
         format = self._pack.format
 
-        def step(blocked: bool, *, is_added: bool = False) -> _Step:
-            return _Step(
+        def step(blocked: bool, *, is_added: bool = False) -> Step:
+            return Step(
                 gpu, placement.count, scheme, format, is_blocked=blocked,
                 is_reflecting=blocked and is_reflecting, is_added=is_added, kept=kept,
             )  # fmt: skip
@@ -165,130 +150,3 @@ class Propagate:
             buffer.release()
         self._sums.release()
         self._pack.release()
-
-
-class _Step:
-    """One step, in columns marched along z (lpv.columns).
-
-    Where faces block, an invocation has all channels, which share them; else one. With `is_added` a
-    lattice is added to what the step makes.
-    """
-
-    def __init__(
-        self, gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format, *,
-        is_blocked: bool, is_reflecting: bool, kept: float, is_added: bool = False,
-    ) -> None:  # fmt: skip
-        tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
-        width, height = (min(t, n) if gpu.is_cpu else 1 for t, n in zip(tile, count, strict=False))
-        slab, channels = _CPU_SLAB if gpu.is_cpu else 1, 1 if is_blocked else CHANNELS
-        self._count = count
-        self._columns = (
-            -(-count[0] // width), -(-count[1] // height), channels * -(-count[2] // slab)
-        )  # fmt: skip
-        text = format.wgsl + pair_functions(scheme, kept)
-        if is_blocked:
-            text += Path(__file__).with_name(f"propagate_{scheme}.wgsl").read_text()
-        self._pass = _step_pass(
-            gpu, format, text + column_march(width, height, slab, channels),
-            "propagate.wgsl" if is_blocked else "propagate_open.wgsl",
-            {
-                "IS_ADDED": float(is_added),
-                **({"IS_REFLECTING": float(is_reflecting)} if is_blocked else {}),
-            },
-        )  # fmt: skip
-
-    def encode(
-        self, commands: Commands, before: Buffer, after: Buffer, faces: Buffer,
-        kept: float = 1.0, added: Buffer | None = None,
-    ) -> None:  # fmt: skip
-        """after = M before + added. `kept`: what closed faces hand back of wrong-signed power."""
-        self._pass.dispatch(
-            commands, self._columns, params=StepParams.of(count=self._count, kept=kept),
-            before=before, after=after, faces=faces, added=added or before,
-        )  # fmt: skip
-
-
-def _step_pass(
-    gpu: Gpu, format: Format, text: str, wgsl: str, constants: dict[str, float]
-) -> ComputePass:
-    class Step(ComputePass):
-        slots = (
-            uniform("params", StepParams),
-            storage("before", format.element),
-            storage("after", format.element, "read_write"),
-            storage("faces", "vec4u"),
-            storage("added", format.element),
-        )
-        # One run of lanes: a software driver runs groups without work, too.
-        workgroup = (8, 1, 1) if gpu.is_cpu else (32, 8, 1)
-        file = wgsl
-
-    return Step(gpu, generated=text, constants=constants)
-
-
-def pair_functions(scheme: Scheme, kept: float = SPREAD_KEPT) -> str:
-    """WGSL of `along_x`, `along_y`, `along_z`: what two opposite neighbours' light adds.
-
-    `kept`: of the spread of directions (`maths.lattice6.spread_kept`).
-
-    Their first argument travels up the axis, the second down. Weights are literals: the software
-    driver reads a table ten times slower.
-    """
-    matrix = hops(scheme)[0].matrix
-    shares = "".join(
-        f"const {name} = {_literal(value)};\n"
-        for name, value in (("HOP_EVEN", matrix[0, 0]), ("HOP_DIRECT", matrix[0, 1]))
-    )
-    if scheme == "paper":
-        pairs = [
-            f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{ "
-            f"return hop_{2 * k}(up) + hop_{2 * k + 1}(down); }}"
-            for k, axis in enumerate("xyz")
-        ]
-        return shares + hop_functions(scheme) + "\n" + "\n".join(pairs) + "\n"
-    return shares + "\n".join(_linear_pair(k, axis, kept) for k, axis in enumerate("xyz")) + "\n"
-
-
-def _linear_pair(index: int, axis: str, kept: float) -> str:
-    """Opposite hops differ in the sign of what couples a with b along the axis."""
-    matrix, b = hops("centroid", kept)[2 * index].matrix, index + 1
-    same = ", ".join(_literal(matrix[k, k]) for k in range(4))
-    crossed = ["0.0"] * 4
-    crossed[0] = f"odd.{'xyzw'[b]} * {_literal(matrix[0, b])}"
-    crossed[b] = f"odd.x * {_literal(matrix[b, 0])}"
-    return (
-        f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{\n    let odd = up - down;\n"
-        f"    return (up + down) * vec4f({same}) + vec4f({', '.join(crossed)});\n}}"
-    )
-
-
-def hop_functions(scheme: Scheme) -> str:
-    """WGSL of `hop_0` .. `hop_5` (+x -x +y -y +z -z): what a neighbour's light adds."""
-    text = _clamped_hop if scheme == "paper" else _linear_hop
-    return "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
-
-
-def _linear_hop(index: int, hop: Hop) -> str:
-    rows = [_weighted(row) for row in hop.matrix]
-    return f"fn hop_{index}(v: vec4f) -> vec4f {{ return vec4f({', '.join(rows)}); }}"
-
-
-def _clamped_hop(index: int, hop: Hop) -> str:
-    lines = [f"fn hop_{index}(v: vec4f) -> vec4f {{", "    var gained = vec4f(0.0);"]
-    for face in hop.faces:
-        along = _weighted([1.0, *face.receive])
-        gain = ", ".join(_literal(g) for g in (1.0 / (4.0 * 3.141592653589793), *face.emit))
-        power = f"{_literal(face.solid_angle_sr)} * max(0.0, {along})"
-        lines.append(f"    gained += {power} * vec4f({gain});")
-    return "\n".join([*lines, "    return gained;", "}"])
-
-
-def _weighted(weights: Any) -> str:
-    terms = [
-        f"{_literal(w)} * v.{c}" for w, c in zip(weights, "xyzw", strict=True) if abs(w) > 1e-12
-    ]
-    return " + ".join(terms) or "0.0"
-
-
-def _literal(value: float) -> str:
-    return f"{value:.9e}".replace("e+00", "")

@@ -1,29 +1,10 @@
 // One step among blockers: what every cell receives of its six neighbours, and what its own closed faces return.
-// `main`, which marches columns of cells, comes from lpv/columns.py. `faces` is
-// lattice.blockers.Blockers.faces. A cell's light has a column (a, b) per channel.
+// `main`, which marches columns of cells, comes from lpv/columns.py or rows.py, light and faces are
+// read by light_cells.wgsl or light_pairs.wgsl. `faces` is lattice.blockers.Blockers.faces.
 
 override IS_REFLECTING: bool = false;   // blocked light bounces
-override IS_ADDED: bool = false;        // to `added`
 
 const BOUNCE_LOBE = 2.0;                // a cosine lobe off the face
-
-fn light_at(cell: u32) -> mat3x4f {
-    let channel = params.count.x * params.count.y * params.count.z;
-    return mat3x4f(unpacked(before[cell]), unpacked(before[cell + channel]),
-        unpacked(before[cell + 2u * channel]));
-}
-
-fn put(cell: u32, gained: mat3x4f) {
-    let channel = params.count.x * params.count.y * params.count.z;
-    var light = gained;
-    if (IS_ADDED) {
-        light += mat3x4f(unpacked(added[cell]), unpacked(added[cell + channel]),
-            unpacked(added[cell + 2u * channel]));
-    }
-    after[cell] = packed(light[0]);
-    after[cell + channel] = packed(light[1]);
-    after[cell + 2u * channel] = packed(light[2]);
-}
 
 // What a face makes of the share p of a cell's power that goes to it. The two-band light of a
 // stream has the wrong sign behind it: such power is handed back whole, so that energy does not
@@ -55,8 +36,9 @@ fn gathered(
     cell: u32, here: mat3x4f, west: mat3x4f, east: mat3x4f, south: mat3x4f, north: mat3x4f,
     below: mat3x4f, above: mat3x4f,
 ) -> mat3x4f {
-    let side = faces[2u * cell];
-    let rest = faces[2u * cell + 1u];
+    let own = faces_at(cell);
+    let side = own.side;
+    let rest = own.rest;
     let xy = unpack4x8unorm(rest.z);
     let z = unpack4x8unorm(rest.w);
     return interacted(here, side, rest, xy.x * west, xy.y * east, xy.z * south, xy.w * north,

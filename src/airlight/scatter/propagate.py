@@ -14,14 +14,14 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.lanes import has_row_lanes
+from ..gpu.lanes import Rows, has_row_lanes
 from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS, StepCoefficients
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
 from .propagate_open import TILES, OpenColumns, fitting
-from .propagate_rows import OpenRows, Rows, rows_for
+from .propagate_rows import OpenRows, rows_for
 
 Count = tuple[int, int, int]
 SLAB = 8

@@ -8,12 +8,10 @@ propagate_open's tiles it takes .55.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.lanes import LANES
+from ..gpu.lanes import LANES, Rows
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS, StepCoefficients
@@ -25,27 +23,14 @@ _HEIGHTS = {8: 1.0, 4: 1.1, 2: 1.35}
 """Rows of a tile, and what a cell costs in it; measured."""
 
 
-class Rows(NamedTuple):
-    """Columns along x and y that an invocation takes, and what it has to ask for."""
-
-    width: int
-    height: int
-    is_whole: bool
-    """A row's lanes hold all of it: nothing beside them is loaded."""
-    is_ragged: bool
-    """The last lane has fewer columns than `width`."""
-
-
 def rows_for(count: Count) -> Rows | None:
     """How a lattice is cut; none where rows begin in the middle of a pair of cells."""
     nx, ny, _ = count
     if nx % 2:
         return None
-    width = next((w for w in (4, 8) if nx <= LANES * w), 4)
-    tallest = 4 if width == 8 else 8
+    tallest = 4 if Rows.of(nx, 1).width == 8 else 8
     costs = {h: -(-ny // h) * h * c for h, c in _HEIGHTS.items() if h <= tallest}
-    height = min(costs, key=lambda h: costs[h])
-    return Rows(width, height, nx <= LANES * width, nx % width != 0)
+    return Rows.of(nx, min(costs, key=lambda h: costs[h]))
 
 
 class OpenRows(ComputePass):
