@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from airlight.app.view_drawn import QUICK_STEPS, Drawn, is_same
+from airlight.app.view_drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn, is_same
 from airlight.errors import DeviceError
 from airlight.rendering import Renderer
 from airlight.scene.io import load
@@ -51,16 +51,21 @@ def test_a_camera_needs_no_solution_and_other_meshes_do():
     drawn.close()
 
 
-def test_a_moving_light_makes_fewer_steps_until_it_rests():
+def test_a_moving_light_makes_fewer_steps_and_coarser_shadows_until_it_rests():
     drawn = drawn_with(iterations=64)
-    r, steps = drawn.renderer, []
+    r, steps, coarse = drawn.renderer, [], []
     if not r.gpu.is_cpu:
         pytest.skip("a GPU has time for all steps")
     inner = r.technique.solve
-    r.technique.solve = lambda *a: (steps.append(r.technique.lpv.iterations), inner(*a))
+    r.technique.solve = lambda *a: (
+        steps.append(r.technique.lpv.iterations),
+        coarse.append(r.technique.lights.coarseness),
+        inner(*a),
+    )
     for is_quick in (True, True, False, False, True):
         drawn.solve(r.commands, is_quick=is_quick)
     assert steps == [QUICK_STEPS, 64]  # once quickly, once in full, which then does for both
+    assert coarse == [QUICK_COARSENESS, 1.0]
     assert r.technique.lpv.iterations == 64
     drawn.close()
 

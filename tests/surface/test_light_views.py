@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.scene import DirectionalLight, PointLight, SpotLight
-from airlight.surface.light_views import light_views, view_count
+from airlight.surface.light_views import light_views, view_count, widened
 
 LOW, HIGH = np.array([-2.0, 0.0, -3.0]), np.array([4.0, 2.5, 1.0])
 DIRECTIONS = [(0, -1, 0), (1, 0, 0), (0.3, -0.62, 0.72), (0, 1, 0), (-0.2, -0.9, -0.1)]
@@ -145,3 +145,13 @@ def test_fields_hold_the_inverse(light):
     (view,) = light_views([light], LOW, HIGH, 8)
     product = np.asarray(view.fields["world_from_clip"]) @ view.clip_from_world
     np.testing.assert_allclose(product, np.eye(4), atol=1e-9)
+
+
+def test_a_widened_view_shows_the_same_in_the_middle_of_its_map():
+    (view,) = light_views([sun((0.3, -0.62, 0.72))], LOW, HIGH, 64)
+    wide = widened(view, 2.0)
+    narrow_uvd, _ = seen(view, POINTS)
+    uvd, _ = seen(wide, POINTS)
+    np.testing.assert_allclose(uvd[:, :2] - 0.5, 0.5 * (narrow_uvd[:, :2] - 0.5), atol=1e-12)
+    np.testing.assert_allclose(uvd[:, 2], narrow_uvd[:, 2], atol=1e-12)
+    assert wide.texel == (2.0 * view.texel[0], 2.0 * view.texel[1])

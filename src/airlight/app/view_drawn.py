@@ -15,6 +15,8 @@ from ..rendering import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 
+QUICK_COARSENESS = 2.0
+"""How much larger the texels of suns' shadows are: pixels are as much larger then, too."""
 QUICK_STEPS = 32
 """The fewest with an estimate of what later ones would add: living room, .86 of 64 steps' light."""
 
@@ -38,8 +40,8 @@ class Drawn:
     def solve(self, commands: Commands, *, is_quick: bool = False) -> None:
         """All that the camera does not matter for, unless nothing else has changed.
 
-        `is_quick`: a hand moves what shines, and fewer steps of propagation will do for now on a
-        software driver; what was solved so is solved again where it is not.
+        `is_quick`: a hand moves what shines, and fewer steps of propagation and coarser shadows
+        will do for now on a software driver; what was solved so is solved again where it is not.
         """
         self.solve_ms = 0.0
         r = self.renderer
@@ -47,8 +49,8 @@ class Drawn:
         if is_same(now, self._solved) and (is_quick or not self._is_quick):
             return
         begin = time.perf_counter()
-        self._is_quick = is_quick and r.gpu.is_cpu and _steps(r) > QUICK_STEPS
-        with _fewer_steps(r) if self._is_quick else nullcontext():
+        self._is_quick = is_quick and r.gpu.is_cpu
+        with _quickly(r) if self._is_quick else nullcontext():
             r.technique.solve(commands, r.scene)
         self._solved = now
         if r.gpu.is_cpu:
@@ -69,22 +71,24 @@ class Drawn:
         self.renderer.close()
 
 
-def _steps(r: Renderer) -> int:
-    """Of light propagation volumes; 0 in techniques without."""
-    technique: Any = getattr(r.technique, "chosen", r.technique)
-    return int(technique.lpv.iterations) if hasattr(technique, "lpv") else 0
-
-
 @contextmanager
-def _fewer_steps(r: Renderer) -> Iterator[None]:
-    """Light propagation volumes make QUICK_STEPS steps."""
+def _quickly(r: Renderer) -> Iterator[None]:
+    """Coarser shadows of suns; light propagation volumes make no more than QUICK_STEPS steps."""
     technique: Any = getattr(r.technique, "chosen", r.technique)
-    settings = technique.lpv
-    technique.lpv = replace(settings, iterations=QUICK_STEPS)
+    lights = getattr(technique, "lights", None)
+    settings = getattr(technique, "lpv", None)
+    if lights is not None:
+        lights.coarseness = QUICK_COARSENESS
+    if settings is not None:
+        steps = min(settings.iterations, QUICK_STEPS)
+        technique.lpv = replace(settings, iterations=steps)
     try:
         yield
     finally:
-        technique.lpv = settings
+        if lights is not None:
+            lights.coarseness = 1.0
+        if settings is not None:
+            technique.lpv = settings
 
 
 def solved_by(r: Renderer) -> tuple[Any, ...]:

@@ -15,7 +15,7 @@ from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light
 from ..surface.geometry import GpuScene
 from ..surface.light_table import LightData, light_rows
-from ..surface.light_views import light_views, view_count
+from ..surface.light_views import light_views, view_count, widened
 from ..surface.shadow import ShadowMaps
 from ..surface.sky import EnvironmentTexture
 
@@ -40,6 +40,9 @@ class Lights:
         self.background = EnvironmentTexture(gpu, environment)
         self._lights: tuple[Light, ...] | None = None
         self.count = len(lights)
+        self.coarseness = 1.0
+        """How much larger than asked for the texels of suns' shadows are, while a hand moves them:
+        a quarter of the map is drawn at 2."""
 
     def encode(
         self, commands: Commands, meshes: GpuScene, lights: tuple[Light, ...],
@@ -57,9 +60,10 @@ class Lights:
         suns = [x for x in lights if isinstance(x, DirectionalLight)]
         lamps = [x for x in lights if not isinstance(x, DirectionalLight)]
         low, high = np.asarray(low), np.asarray(high)
-        self.parallel.encode(
-            commands, meshes, light_views(suns, low, high, self.parallel.resolution)
-        )
+        views = light_views(suns, low, high, self.parallel.resolution)
+        if self.coarseness != 1.0:
+            views = [widened(view, self.coarseness) for view in views]
+        self.parallel.encode(commands, meshes, views)
         self.local.encode(commands, meshes, light_views(lamps, low, high, self.local.resolution))
 
     @property

@@ -60,6 +60,16 @@ class LightView:
         }  # fmt: skip
 
 
+def widened(view: LightView, times: float) -> LightView:
+    """The same view over so many times the width and height, in texels as much larger.
+
+    A smaller part of the map is drawn; what it shows is coarser.
+    """
+    wide = np.diag([1.0 / times, 1.0 / times, 1.0, 1.0]) @ view.clip_from_world
+    texel = (view.texel[0] * times, view.texel[1] * times)
+    return LightView(wide, texel, view.is_perspective, view.light)
+
+
 def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -> list[LightView]:
     """The views of all lights over the box low..high (metres), in the lights' order."""
     views: list[LightView] = []
