@@ -12,19 +12,33 @@ from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
 from .air import Air
+from .pixel_list import PixelList, RedrawParams, pixel_list_slots
 from .rays import RayParams
 
 _TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
-_SKY = """
-fn skylit_at(texel: vec2i) -> vec3f { return textureLoad(skylit, texel, 0).rgb; }
-fn set_single(out: ptr<function, Finished>, pixel: vec2i, sky: vec3f) {
-    (*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);
+_ONCE = """
+// Light scattered once by lamps and suns: weighed, and between which colours it lies.
+struct Once {
+    sum: vec3f,
+    least: vec3f,
+    most: vec3f,
 }
 """
-_NO_SKY = """
-fn skylit_at(texel: vec2i) -> vec3f { return vec3f(0.0); }
-fn set_single(out: ptr<function, Finished>, pixel: vec2i, sky: vec3f) {}
+_SKY = "return textureLoad(skylit, texel, 0).rgb;"
+_SHAFTS = "(*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);"
+_ADD_SHAFTS = """
+    let here = textureLoad(shafts, texel, 0).rgb;
+    (*once).sum += weight * here;
+    let is_same = likeness > SAME_DEPTH;
+    (*once).least = select((*once).least, min((*once).least, here), is_same);
+    (*once).most = select((*once).most, max((*once).most, here), is_same);
+"""
+_LIST_SHAFTS = """
+    (*out).single = vec4f(once.sum / total + sky, 1.0);
+    if (is_redrawn(once.least, once.most, redrawn.contrast)) {
+        list_pixel(vec2u(pixel), sky, redrawn.group);
+    }
 """
 
 
@@ -37,34 +51,60 @@ class Finish(FullscreenPass):
     """Layers of surfaces and reduced pictures of air -> composed layers and those of the air.
 
     Reduced pictures hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
-    scattered once is a reduced picture too, added to the shafts.
+    scattered once is a reduced picture too, added to the shafts. `lists`: shafts are reduced, too,
+    and pixels that cannot be made of their texels are listed, to be drawn anew.
     """
 
-    def __init__(self, gpu: Gpu, air: Air, *, has_sky: bool) -> None:
-        self._air, self._has_sky = air, has_sky
-        names = [*_TARGETS, *["single"] * has_sky]
+    vertex_entry = "vertex"
+    file = "finish.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air, *, has_sky: bool, lists: bool = False) -> None:
+        self._air, self._has_sky, self._has_single = air, has_sky, has_sky or lists
+        names = [*_TARGETS, *["single"] * self._has_single]
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
-        read = ["reduced", *["skylit", "shafts"] * has_sky, "direct", "indirect"]
+        read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single, "direct",
+                "indirect"]  # fmt: skip
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams), texture("depth", "2d", "depth"), *air.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
+            *(pixel_list_slots() if lists else ()),
         )  # fmt: skip
+        super().__init__(gpu, generated=air.medium_wgsl + self._generated(names, lists=lists))
+
+    def _generated(self, names: list[str], *, lists: bool) -> str:
+        """What is read and written of light scattered once."""
         fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
-        made = f"struct Finished {{\n{fields}}}\n" + (_SKY if has_sky else _NO_SKY)
-        super().__init__(gpu, generated=air.medium_wgsl + made)
+        sky = _SKY if self._has_sky else "return vec3f(0.0);"
+        shafts = _SHAFTS if self._has_sky else ""
+        return (
+            f"{'//! use pixel_list' if lists else ''}\n"
+            f"struct Finished {{\n{fields}}}\n{_ONCE}"
+            f"const AIR_IS_BOX = {str(self._air.is_one_box).lower()};\n"
+            f"fn skylit_at(texel: vec2i) -> vec3f {{ {sky} }}\n"
+            "fn add_once(once: ptr<function, Once>, texel: vec2i, likeness: f32, weight: f32) {"
+            f"{_ADD_SHAFTS if lists else ''}}}\n"
+            "fn set_single(out: ptr<function, Finished>, pixel: vec2i, once: Once, total: f32,"
+            f" sky: vec3f) {{{_LIST_SHAFTS if lists else shafts}}}\n"
+        )
 
     def encode(
         self, commands: Commands, params: RayParams, depth: Texture, *, reduced: Texture,
         skylit: Texture, shafts: Texture, direct: Texture, indirect: Texture,
         composed: tuple[Texture, Texture], multiple: Texture, transmittance: Texture,
-        single: Texture,
+        single: Texture, redrawn: RedrawParams | None = None, listed: PixelList | None = None,
     ) -> None:  # fmt: skip
-        """Fill `composed` (direct, indirect), `multiple`, `transmittance` and, with a
-        sky, `single` from what is read: `shafts` at full size, `reduced` and `skylit`.
+        """Fill `composed` (direct, indirect), `multiple`, `transmittance` and, with a sky or
+        shafts, `single` from what is read: `reduced`, `skylit` and `shafts`, which is reduced
+        where pixels are `listed`, else of full size.
         """
-        sky = self._has_sky
+        read = {"skylit": skylit} if self._has_sky else {}
+        read |= {"shafts": shafts} if self._has_single else {}
+        bound = {}
+        if listed is not None:
+            listed.begin(commands)
+            bound = {"redrawn": redrawn, **listed.bound}
         self.draw(
-            commands, (*composed, multiple, transmittance, *[single] * sky), rays=params,
-            depth=depth, reduced=reduced, direct=direct, indirect=indirect,
-            **self._air.medium_bound, **({"skylit": skylit, "shafts": shafts} if sky else {}),
+            commands, (*composed, multiple, transmittance, *[single] * self._has_single),
+            rays=params, depth=depth, reduced=reduced, direct=direct, indirect=indirect,
+            **self._air.medium_bound, **read, **bound,
         )  # fmt: skip

@@ -1,30 +1,74 @@
 // What is left to do for a pixel once the reduced pictures of air are there: they at full size, the
-// transmittance of even air, and the surfaces behind it.
+// transmittance of even air, and the surfaces behind it. What is linear over the picture, or the same
+// everywhere, comes from the vertices: software drivers read buffers in fragments lane by lane.
 //! use air
 //! use upsample_corner
 
-@fragment fn fragment(@builtin(position) position: vec4f) -> Finished {
-    let pixel = vec2i(position.xy);
-    let direction = pixel_direction(rays.world_from_clip, position.xy, vec2f(rays.size));
-    let own = pixel_distance(rays.world_from_clip, direction, textureLoad(depth, pixel, 0));
+struct Seen {
+    @builtin(position) position: vec4f,
+    @location(0) direction: vec3f,      // of the pixel's ray, one metre deep
+    @location(1) way: vec3f,            // the same in the first medium's own space
+    @location(2) @interpolate(flat) eye: vec3f,      // in that space
+    @location(3) @interpolate(flat) sigma_t: vec3f,  // of that medium, m^-1
+    @location(4) @interpolate(flat) grid: vec4f,     // pixels of a texel's side, last texel, 1/near
+}
+
+@vertex fn vertex(@builtin(vertex_index) index: u32) -> Seen {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u)) * 2.0 - 1.0;
+    var seen: Seen;
+    seen.position = vec4f(corner, 0.0, 1.0);
+    seen.direction = (rays.world_from_clip * vec4f(corner, 0.0, 1.0)).xyz;
+    seen.way = (air[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
+    seen.eye = air_place(0u, rays.eye);
+    seen.sigma_t = air[0].sigma_t;
+    seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
+    return seen;
+}
+
+// Of the way to `own` metres: in one box of even air by what the vertices brought.
+fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
+    if (!AIR_IS_BOX) {
+        return exp(-air_optical_depth(rays.eye, normalize(seen.direction), 0.0, own));
+    }
+    let span = ray_box_interval(seen.eye, seen.way, vec3f(0.0), vec3f(1.0));
+    return exp(-seen.sigma_t * (reach * max(0.0, min(span.y, own / reach) - max(span.x, 0.0))));
+}
+
+@fragment fn fragment(seen: Seen) -> Finished {
+    let pixel = vec2i(seen.position.xy);
+    let reach = length(seen.direction);
+    let shown = textureLoad(depth, pixel, 0);
+    let own = select(min(reach * seen.grid.w / max(shown, 1e-30), EYE_RAY_FAR), EYE_RAY_FAR,
+        shown <= 0.0);
+    let place = seen.position.xy / seen.grid.x - 0.5;
+    let last = seen.grid.yz;
+    // Four different texels even at the picture's edge, so that both of a block's sides are there.
+    let base = clamp(floor(place), vec2f(0.0), max(last - 1.0, vec2f(0.0)));
+    let t = saturate(place - base);
     var multiple = vec3f(0.0);
     var sky = vec3f(0.0);
     var total = 0.0;
+    var once = Once(vec3f(0.0), vec3f(3e38), vec3f(0.0));
     for (var k = 0u; k < 4u; k++) {
-        let corner = corner_of(position.xy, k);
-        let here = textureLoad(reduced, corner.texel, 0);   // a: how far its ray goes, m
-        let weight = corner_weight(corner.share, depth_weight(here.a, own));
+        let corner = vec2u(k & 1u, k >> 1u);
+        let texel = vec2i(min(base + vec2f(corner), last));
+        let share = select(1.0 - t, t, corner == vec2u(1u));
+        let here = textureLoad(reduced, texel, 0);   // a: how far its ray goes, m
+        let likeness = depth_weight(here.a, own);
+        let weight = corner_weight(share.x * share.y, likeness);
         multiple += weight * here.rgb;
-        sky += weight * skylit_at(corner.texel);
+        sky += weight * skylit_at(texel);
         total += weight;
+        add_once(&once, texel, likeness, weight);
     }
     multiple /= total;
-    let T = exp(-air_optical_depth(rays.eye, normalize(direction), 0.0, own));
+    sky /= total;
+    let T = passed(seen, reach, own);
     var out: Finished;
     out.direct = textureLoad(direct, pixel, 0) * vec4f(T, 1.0);
     out.indirect = textureLoad(indirect, pixel, 0) * vec4f(T, 1.0);
     out.multiple = vec4f(multiple, 1.0);
     out.transmittance = vec4f(T, 1.0);
-    set_single(&out, pixel, sky / total);
+    set_single(&out, pixel, once, total, sky);
     return out;
 }

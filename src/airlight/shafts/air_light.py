@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -106,8 +107,9 @@ class AirLight:
         self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
         self._finisher: Finish | None = None
         if self.is_marched and self.march_rays.scale > 1 and not self._guided and can_finish(gpu):
-            self._finisher = Finish(gpu, self.air, has_sky=self.has_sky)
-        self._unfinished: RayParams | None = None  # of the last picture, where `compose` finishes
+            self._finisher = Finish(gpu, self.air, has_sky=self.has_sky, lists=self._lists)
+        # Of the last picture, where `compose` finishes.
+        self._unfinished: tuple[RayParams, Lights] | None = None
         self.composed = Compose(gpu, size)
         self._make_pictures(size)
 
@@ -187,23 +189,28 @@ class AirLight:
         with commands.stage("shafts"):
             shaft_params = self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
-                self._draw_shafts(commands, shaft_params, view, lights)
+                is_listed = bool(self._finisher and is_whole and self._lists)
+                self._draw_shafts(commands, shaft_params, view, lights, is_listed=is_listed)
         with commands.stage("march"):
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
             if self._finisher and is_whole:
                 self._march_reduced(commands, params, sources, lattice, sky, far)
-                self._unfinished = params
+                self._unfinished = params, lights
             else:
                 self._march(commands, params, view, sources, lattice, sky, far)
 
     def _draw_shafts(
-        self, commands: Commands, params: RayParams, view: View, lights: Lights
-    ) -> None:
+        self, commands: Commands, params: RayParams, view: View, lights: Lights, *,
+        is_listed: bool,
+    ) -> None:  # fmt: skip
+        """`is_listed`: what differs is listed, and drawn anew, by `compose`."""
         assert self.shafts
         reduced = self._target("single")
         self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
         contrast = self.settings.shaft_contrast
+        if is_listed:
+            return
         if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
             self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
                                self._full("single"), contrast)  # fmt: skip
@@ -257,13 +264,33 @@ class AirLight:
             if self._unfinished is None or self._finisher is None:
                 self.composed.encode(commands, **surfaces, transmittance=self.transmittance)
                 return
-            self._finisher.encode(
-                commands, self._unfinished, view.gbuffer.depth, **surfaces,
-                transmittance=self.transmittance, single=self.single_scatter,
-                multiple=self.multiple_scatter, composed=self.composed.layers,
-                reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
-                shafts=self._shafts_alone,
-            )  # fmt: skip
+            self._finish_all(commands, view, *self._unfinished)
+
+    def _finish_all(
+        self, commands: Commands, view: View, params: RayParams, lights: Lights
+    ) -> None:
+        finisher, depth = self._finisher, view.gbuffer.depth
+        assert finisher
+        listing: dict[str, Any] = {}
+        if isinstance(self.shafts, Shafts) and self._lists:
+            redrawn = self.shafts.redrawn(self.settings.shaft_contrast)
+            listing = {"redrawn": redrawn, "listed": self.shafts.listed}
+        finisher.encode(
+            commands, params, depth, direct=view.layers.direct, indirect=view.layers.indirect,
+            transmittance=self.transmittance, single=self.single_scatter,
+            multiple=self.multiple_scatter, composed=self.composed.layers,
+            reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
+            shafts=self._reduced["single"] if listing else self._shafts_alone, **listing,
+        )  # fmt: skip
+        if isinstance(self.shafts, Shafts) and listing:
+            with commands.stage("shafts"):
+                self.shafts.redraw(commands, params, lights, depth, self.single_scatter)
+
+    @property
+    def _lists(self) -> bool:
+        """Whether the pass that finishes air upsamples shafts, too, and lists what differs."""
+        is_shared = self.march_rays is self.shaft_rays
+        return isinstance(self.shafts, Shafts) and is_shared and self.settings.shaft_contrast < 1.0
 
     def _full(self, name: str) -> Texture:
         return {"single": self._shafts_alone, "multiple": self.multiple_scatter,

@@ -10,11 +10,13 @@
         return;
     }
     loop {
-        let pixel = vec2u(chosen[i] & 0xffffu, chosen[i] >> 16u);
+        let entry = chosen[i];
+        let pixel = vec2u(entry.w & 0xffffu, entry.w >> 16u);
         let way = pixel_direction(rays.world_from_clip, vec2f(pixel) + 0.5, vec2f(rays.size));
         let reach = pixel_distance(
             rays.world_from_clip, way, textureLoad(depth, vec2i(pixel), 0));
-        textureStore(scattered, pixel, vec4f(single_scattered(normalize(way), reach), 1.0));
+        let drawn = single_scattered(normalize(way), reach) + bitcast<vec3f>(entry.xyz);
+        textureStore(scattered, pixel, vec4f(drawn, 1.0));
         i += groups.x * WX;
         if (i >= count) { break; }
     }

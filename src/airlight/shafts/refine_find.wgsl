@@ -1,18 +1,6 @@
-// A reduced picture at full size, and the pixels that cannot be made of its texels listed, with how
-// many groups they fill: where texels of the pixel's own depth differ, or none is of its depth.
+// A reduced picture at full size, and the pixels that cannot be made of its texels listed.
+//! use pixel_list
 //! use upsample_corner
-
-// Texels whose depth counts for less are another surface's.
-const SAME_DEPTH = 0.2;
-const MOST_GROUPS = 65535u;
-
-fn list(pixel: vec2u) {
-    let at = atomicAdd(&found[0], 1u);
-    chosen[at] = pixel.x | (pixel.y << 16u);
-    atomicMax(&groups[0], min(at / refine.group + 1u, MOST_GROUPS));
-    atomicMax(&groups[1], 1u);
-    atomicMax(&groups[2], 1u);
-}
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let own = own_distance(position.xy);
@@ -32,8 +20,8 @@ fn list(pixel: vec2u) {
             most = max(most, texel.rgb);
         }
     }
-    if (refine.contrast <= 0.0 || least.x > 1e38 || any(most - least > refine.contrast * most)) {
-        list(vec2u(position.xy));
+    if (is_redrawn(least, most, redrawn.contrast)) {
+        list_pixel(vec2u(position.xy), vec3f(0.0), redrawn.group);
     }
     return vec4f(sum / total, 1.0);
 }

@@ -16,23 +16,17 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32
-from ..gpu.memory import Buffer, Texture
+from ..gpu.layout import Struct, u32
+from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lighting.lights import Lights
 from ..march.air import Air
+from ..march.pixel_list import PixelList, RedrawParams, pixel_list_slots
 from ..march.rays import RayParams, Rays
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from .bounds import DepthBounds
-
-
-class RefineParams(Struct):
-    """Which pixels of a picture from reduced texels are drawn anew."""
-
-    contrast = f32("(most - least)/most among a pixel's texels, beyond which they are")
-    group = u32("pixels that a group of the drawing pass takes")
 
 
 class ShaftParams(Struct):
@@ -80,10 +74,8 @@ class _Shafts(ComputePass):
 
 class _RefineFind(FullscreenPass):
     slots = (
-        uniform("rays", RayParams), uniform("refine", RefineParams),
-        texture("depth", "2d", "depth"), texture("reduced", "2d", "unfilterable-float"),
-        storage("found", "atomic<u32>", "read_write"),
-        storage("groups", "atomic<u32>", "read_write"), storage("chosen", "u32", "read_write"),
+        uniform("rays", RayParams), texture("depth", "2d", "depth"),
+        texture("reduced", "2d", "unfilterable-float"), *pixel_list_slots(),
     )  # fmt: skip
     targets = ("rgba32float",)
     file = "refine_find.wgsl"
@@ -95,7 +87,10 @@ class _Refine(ComputePass):
 
     def __init__(self, gpu: Gpu, air: Air, lights: Lights, steps: int) -> None:
         self.slots = _slots(  # type: ignore[misc]
-            air, storage("found", "u32"), storage("chosen", "u32"), texture("depth", "2d", "depth")
+            air,
+            storage("found", "u32"),
+            storage("chosen", "vec4u"),
+            texture("depth", "2d", "depth"),
         )
         super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
@@ -119,17 +114,11 @@ class Shafts:
         self.local = DepthBounds(gpu, lights.local)
         self._pass = _Shafts(gpu, air, lights, steps)
         self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights, steps)
-        self._found = Buffer(gpu, "differing pixels", 16)
-        self._groups = Buffer(gpu, "groups of them", 16, indirect=True)
-        self._make_list(size)
-
-    def _make_list(self, size: tuple[int, int]) -> None:
-        self._chosen = Buffer(self.air.gpu, "list of them", 4 * size[0] * size[1])
+        self.listed = PixelList(gpu, size)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self._chosen.release()
-        self._make_list(size)
+        self.listed.resize(size)
 
     def prepare(self, commands: Commands) -> None:
         """Bring the hierarchies up to date, where shadow maps changed."""
@@ -157,15 +146,25 @@ class Shafts:
         Beside a lamp and at the edges of shafts a reduced picture cannot be interpolated: where
         texels of a pixel's depth differ, or none has it, the pixel is drawn anew.
         """
-        for counted in (self._found, self._groups):
-            commands.encoder.clear_buffer(counted.handle)
+        self.listed.begin(commands)
         self._find.draw(
-            commands, (scattered,), rays=params, depth=depth, reduced=reduced, found=self._found,
-            refine=RefineParams.of(contrast=contrast, group=self._refine.workgroup[0]),
-            groups=self._groups, chosen=self._chosen,
+            commands, (scattered,), rays=params, depth=depth, reduced=reduced,
+            redrawn=self.redrawn(contrast), **self.listed.bound,
         )  # fmt: skip
+        self.redraw(commands, params, lights, depth, scattered)
+
+    def redrawn(self, contrast: float) -> RedrawParams:
+        """For the pass that lists the pixels that `redraw` takes."""
+        return RedrawParams.of(contrast=contrast, group=self._refine.workgroup[0])
+
+    def redraw(
+        self, commands: Commands, params: RayParams, lights: Lights, depth: Texture,
+        scattered: Texture,
+    ) -> None:  # fmt: skip
+        """Draw the pixels of the full-size `scattered` anew that are `listed`."""
+        listed = self.listed
         self._refine.dispatch_indirect(
-            commands, self._groups, rays=params, found=self._found, chosen=self._chosen,
+            commands, listed.groups, rays=params, found=listed.found, chosen=listed.chosen,
             depth=depth, **self._bound(lights), scattered=scattered,
         )  # fmt: skip
 
@@ -186,5 +185,5 @@ class Shafts:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.parallel, self.local, self._found, self._groups, self._chosen):
+        for part in (self.parallel, self.local, self.listed):
             part.release()

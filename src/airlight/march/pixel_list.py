@@ -1,0 +1,68 @@
+"""Pixels listed on the device, to be drawn by an indirect dispatch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32
+from ..gpu.memory import Buffer
+from ..gpu.slots import Slot, storage, uniform
+
+_ENTRY_BYTES = 16
+
+
+class RedrawParams(Struct):
+    """Which pixels of a picture from reduced texels are drawn anew."""
+
+    contrast = f32("(most - least)/most among a pixel's texels, beyond which they are")
+    group = u32("pixels that a group of the drawing pass takes")
+
+
+def pixel_list_slots() -> tuple[Slot, ...]:
+    """Of passes that use wgsl/pixel_list.wgsl."""
+    return (
+        uniform("redrawn", RedrawParams), storage("found", "atomic<u32>", "read_write"),
+        storage("groups", "atomic<u32>", "read_write"), storage("chosen", "vec4u", "read_write"),
+    )  # fmt: skip
+
+
+class PixelList:
+    """How many pixels there are (`found`), in how many `groups` of the pass that draws them, and
+    each one (`chosen`: what is added to it, as the bits of rgb, and its place).
+    """
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        """`size` of the picture, pixels: all of them may be listed."""
+        self.gpu = gpu
+        self.found = Buffer(gpu, "differing pixels", 16)
+        self.groups = Buffer(gpu, "groups of them", 16, indirect=True)
+        self._none = Buffer(gpu, "no groups", 16)
+        self._none.write(np.array([0, 1, 1, 0], np.uint32))
+        self._make(size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self.chosen = Buffer(self.gpu, "list of them", _ENTRY_BYTES * size[0] * size[1])
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.chosen.release()
+        self._make(size)
+
+    def begin(self, commands: Commands) -> None:
+        """Nothing is listed."""
+        commands.encoder.clear_buffer(self.found.handle)
+        commands.encoder.copy_buffer_to_buffer(self._none.handle, 0, self.groups.handle, 0, 16)
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name, for the pass that lists."""
+        return {"found": self.found, "groups": self.groups, "chosen": self.chosen}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.found, self.groups, self._none, self.chosen):
+            part.release()
