@@ -14,7 +14,7 @@ from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bou
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
 from airlight.rendering import Renderer
-from airlight.scene import Material, Scene, SpotLight
+from airlight.scene import Material, Medium, Scene, SpotLight
 from airlight.scene.builtin import cornell
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
@@ -73,3 +73,35 @@ def test_steps_follow_the_cells_unless_they_are_given(gpu, resolution, asked, ma
     scene = dataclasses.replace(cornell(), environment=None)
     with Renderer(scene, "lpv", (8, 8), settings=asked) as renderer:
         assert renderer.stats()["iterations"] == made
+
+
+def test_lattices_are_filled_anew_only_where_their_light_changes(gpu, monkeypatch):
+    small = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 0,
+             "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+    scene = dataclasses.replace(cornell(), medium=Medium(sigma_t=(0.1, 0.1, 0.1)))
+    filled = []
+    inner = Propagate.encode
+    monkeypatch.setattr(
+        Propagate, "encode", lambda self, *a, **k: (filled.append(1), inner(self, *a, **k))[1]
+    )
+    with Renderer(scene, "lpv-march", (24, 16), settings=small) as made:
+        first = made.frame().radiance
+        again = made.frame().radiance
+        assert len(filled) == 1
+        np.testing.assert_array_equal(again, first)
+        made.scene = dataclasses.replace(made.scene, medium=Medium(sigma_t=(0.5, 0.5, 0.5)))
+        assert np.abs(made.frame().radiance - first).max() > 0.0
+        assert len(filled) == 1
+        made.timed_passes()
+        assert len(filled) == 2
+        dimmer = [_dimmed(light) for light in scene.lights]
+        darker = made.frame(lights=dimmer).radiance
+        assert len(filled) == 3
+        made.scene = dataclasses.replace(made.scene, medium=scene.medium)
+        np.testing.assert_allclose(made.frame().radiance, 0.5 * first, rtol=2e-2, atol=1e-3)
+        assert darker.mean() < first.mean()
+
+
+def _dimmed(light):
+    name = "irradiance" if hasattr(light, "irradiance") else "intensity"
+    return dataclasses.replace(light, **{name: tuple(0.5 * v for v in getattr(light, name))})

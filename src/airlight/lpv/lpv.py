@@ -126,6 +126,7 @@ class Lpv(Direct):
                 source=settings.surfel_source,
             )  # fmt: skip
         self._is_first = True
+        self._lit_by: tuple[Any, ...] | None = None
 
     def outermost(self, scene: Scene) -> Placement:
         """The largest lattice, or the only one."""
@@ -188,6 +189,25 @@ class Lpv(Direct):
             self._light_sky(commands, scene, moved, scale)
         with commands.stage("reflective shadow maps"):
             self._draw_maps(commands, scene.lights, low, high)
+        lit_by = self._lit(scene, scale)
+        # A frame whose stages are timed says what each costs.
+        if lit_by is None or lit_by != self._lit_by or commands.is_timed:
+            self._lit_by = None  # until it is done
+            self._fill(commands, scale)
+            self._lit_by = self._lit(scene, scale)
+
+    def _lit(self, scene: Scene, scale: float) -> tuple[Any, ...] | None:
+        """What the lattices' light depends on; None where they must be filled anyway."""
+        if any(part.is_stale for part in self.cascades):
+            return None
+        places = tuple(replace(part.placement, fade=None) for part in self.cascades)
+        # The points are kept while theirs are the groups.
+        groups = tuple(map(id, scene.light_groups))
+        versions = (self.sun_maps.version, self.lamp_maps.version, self.meshes.version)
+        return (*versions, *places, groups, scale, self.power_scale, self._hull, self.lpv)
+
+    def _fill(self, commands: Commands, scale: float) -> None:
+        """Inject -> propagate -> textures."""
         with commands.stage("inject"):
             for part in self.cascades:
                 if part.is_stale:

@@ -62,6 +62,8 @@ class ReflectiveShadowMaps:
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
         self._pass = MeshPass(gpu, _ReflectivePipeline)
         self._drawn: dict[int, tuple[int, bytes, Light]] = {}
+        self.version = 0
+        """Raised whenever a map was drawn anew."""
 
     def encode(
         self, commands: Commands, scene: GpuScene, lights: Sequence[Light],
@@ -82,6 +84,7 @@ class ReflectiveShadowMaps:
         for layer in gone:
             del self._drawn[layer]
             self._clear(commands, layer)
+        self.version += bool(stale or gone)
         return bool(stale or gone)
 
     def _clear(self, commands: Commands, layer: int) -> None:

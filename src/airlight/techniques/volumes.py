@@ -73,6 +73,10 @@ class LpvWithVolumes(InAir, Lpv):
         """What surfaces take light from: of surfaces and of volumes."""
         return {**super().lattice_bound, **self._shine.textures.bound}
 
+    def _lit(self, scene: Scene, scale: float) -> tuple[Any, ...] | None:
+        """The air has its say wherever light is on its way."""
+        return None
+
     def _draw_maps(
         self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
     ) -> None:
