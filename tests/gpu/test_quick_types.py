@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cffi import FFI
 
-from airlight.gpu.quick_types import declare_only_what_is_named
+from airlight.gpu.quick_types import declare_only_what_is_named, keep_attachments
 
 
 def made() -> FFI:
@@ -27,3 +27,37 @@ def test_types_are_as_without_it() -> None:
 
 def test_another_cffi_is_left_alone() -> None:
     assert not declare_only_what_is_named(object())
+
+
+class Encoder:
+    """Makes structs as wgpu-py's command encoder does."""
+
+    made = 0
+
+    def _create_render_pass_color_attachment(self, attachment):
+        Encoder.made += 1
+        return dict(attachment)
+
+    _create_render_pass_stencil_attachment = _create_render_pass_color_attachment
+
+
+def test_structs_of_render_passes_are_made_once_and_anew_where_anything_differs() -> None:
+    assert keep_attachments(Encoder)
+    assert keep_attachments(Encoder)  # twice is once
+    encoder, views = Encoder(), [object(), object()]
+    given = [
+        {"view": view, "load_op": load, "store_op": "store", "clear_value": (0, 0, 0, alpha)}
+        for view in views for load in ("load", "clear") for alpha in (0, 1)
+    ]  # fmt: skip
+    for _ in range(3):
+        for one in given:
+            assert encoder._create_render_pass_color_attachment(dict(one)) == one
+    assert Encoder.made == len(given)
+    other = {**given[0], "clear_value": {"r": 0.0}}  # which has no hash
+    assert encoder._create_render_pass_color_attachment(other) == other
+    depth = {"view": views[0], "depth_load_op": "clear", "depth_clear_value": 1.0}
+    assert encoder._create_render_pass_stencil_attachment(depth) == depth
+
+
+def test_another_wgpu_is_left_alone() -> None:
+    assert not keep_attachments(object)

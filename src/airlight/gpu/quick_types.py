@@ -1,4 +1,4 @@
-"""Looking up a C type of wgpu without declaring all the others first.
+"""Shorter ways through wgpu-py: C types looked up and C structs kept, not made every time.
 
 cffi compiles every C type that wgpu-py names when it is first used, and writes all 450 typedefs of
 the header before each: about two seconds of a program's start. Only those named in it are needed.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from typing import Any
+
+_MOST_ATTACHMENTS = 256
 
 
 def declare_only_what_is_named(ffi: Any) -> bool:
@@ -33,3 +35,41 @@ def declare_only_what_is_named(ffi: Any) -> bool:
     parser._parse = quick
     parser._parse.is_quick = True
     return True
+
+
+def keep_attachments(encoder: Any) -> bool:
+    """Make `encoder` (wgpu-py's class) keep the C structs of what render passes draw into.
+
+    They are the same in every frame, and to make them takes longer than to begin a pass. Returns
+    whether it could be: the two methods are wgpu-py's own affair.
+    """
+    names = ("_create_render_pass_color_attachment", "_create_render_pass_stencil_attachment")
+    made = [getattr(encoder, name, None) for name in names]
+    if not all(callable(method) for method in made):
+        return False
+    for name, method in zip(names, made, strict=True):
+        if not getattr(method, "is_quick", False):
+            setattr(encoder, name, _keeping(method))
+    return True
+
+
+def _keeping(method: Any) -> Any:
+    kept: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+
+    def quick(self: Any, attachment: dict[str, Any]) -> Any:
+        view = attachment.get("view")
+        # A view's id is its own while it is kept here.
+        rest = (v for k, v in attachment.items() if k != "view")
+        key = (id(view), *attachment, *rest)
+        try:
+            found = kept.get(key)
+        except TypeError:  # what cannot be compared is made anew
+            return method(self, attachment)
+        if found is None:
+            if len(kept) >= _MOST_ATTACHMENTS:
+                kept.clear()
+            found = kept[key] = (method(self, attachment), view)
+        return found[0]
+
+    quick.is_quick = True  # type: ignore[attr-defined]
+    return quick

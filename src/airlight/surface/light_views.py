@@ -6,8 +6,9 @@ spot light one, a point light six.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from ..maths.transforms import (
 )
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 
+Vec3 = tuple[float, float, float]
 _CUBE = (  # forward, up: faces +x -x +y -y +z -z
     ((1, 0, 0), (0, -1, 0)), ((-1, 0, 0), (0, -1, 0)), ((0, 1, 0), (0, 0, 1)),
     ((0, -1, 0), (0, 0, -1)), ((0, 0, 1), (0, -1, 0)), ((0, 0, -1), (0, -1, 0)),
@@ -93,9 +95,7 @@ def view_count(light: Light) -> int:
 def _parallel(
     light: DirectionalLight, index: int, low: F64, high: F64, resolution: int
 ) -> LightView:
-    view = view_from_world((0.0, 0.0, 0.0), light.direction, (0.0, 1.0, 0.0))
-    corners = transformed(box_corners(low, high), view)
-    near, far = corners.min(axis=0), corners.max(axis=0)
+    view, near, far = _seen_along(_triple(light.direction), _triple(low), _triple(high))
     margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
@@ -104,6 +104,18 @@ def _parallel(
     far[:2] = near[:2] + texel * resolution
     clip = clip_from_view_orthographic(near, far) @ view
     return LightView(clip, (float(texel[0]), float(texel[1])), False, index)
+
+
+def _triple(values: Sequence[float] | F64) -> Vec3:
+    return (float(values[0]), float(values[1]), float(values[2]))
+
+
+@lru_cache(maxsize=64)
+def _seen_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64]:
+    """view_from_world, and the box in it: a sun's shadows and what it reflects see the same."""
+    view = view_from_world((0.0, 0.0, 0.0), direction, (0.0, 1.0, 0.0))
+    corners = transformed(box_corners(np.array(low), np.array(high)), view)
+    return view, corners.min(axis=0), corners.max(axis=0)
 
 
 def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) -> LightView:
