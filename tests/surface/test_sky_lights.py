@@ -38,6 +38,16 @@ def test_fine_maps_keep_their_light():
     )
 
 
+@pytest.mark.parametrize("degrees", [2.0, 10.0, 30.0])
+def test_a_disc_s_spread_is_its_radius(degrees):
+    rows = 512
+    polar = (np.arange(rows) + 0.5) * 180.0 / rows
+    pixels = np.where(polar < degrees, 1.0, 0.0)[:, None, None] * np.ones((rows, 2 * rows, 3))
+    (light,) = sky_lights(Environment(map=pixels.astype(np.float32)), 1)
+    # the map that is partitioned has rows of 2.8 degrees
+    assert np.degrees(np.arctan(light.spread)) == pytest.approx(degrees, abs=1.5)
+
+
 def test_a_constant_environment_is_four_pi():
     lights = sky_lights(Environment(radiance=(1, 2, 3)), 64)
     np.testing.assert_allclose(total(lights), np.array([1, 2, 3]) * 4.0 * np.pi, rtol=1e-4)

@@ -7,7 +7,7 @@ frequency by construction, but occluded: a room without windows stays dark.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,9 +17,9 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, i32, pack_array, u32, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture
 from ..gpu.slots import image, sampler, storage, texture, uniform
-from ..scene.lights import DirectionalLight
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
+from ..surface.sky import SkyLight
 from .placement import LatticeParams, Placement
 
 FACES = 6  # +x -x +y -y +z -z, stacked along the texture's z
@@ -38,7 +38,7 @@ class SkylightParams(Struct):
 class SkyLightData(Struct):
     """One sky light."""
 
-    direction = vec4f("of travel; w unused")
+    direction = vec4f("of travel; w: tangent of the radius of the disc that it comes from")
     irradiance = vec4f("W m^-2; w unused")
 
 
@@ -50,7 +50,7 @@ class _Skylight(ComputePass):
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
-        texture("lattice_walls", "3d"),
+        *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
         texture("before", "3d"),
         image("cube", "rgba16float", "3d"),
     )
@@ -82,8 +82,8 @@ class Skylight:
         self._pass = _Skylight(gpu)
 
     def encode(
-        self, commands: Commands, lights: Sequence[DirectionalLight], maps: ReflectiveShadowMaps,
-        compare: Sampler, walls: Texture, *, is_same_light: bool = False,
+        self, commands: Commands, lights: Sequence[SkyLight], maps: ReflectiveShadowMaps,
+        compare: Sampler, blockers: Mapping[str, Texture], *, is_same_light: bool = False,
     ) -> None:  # fmt: skip
         """Fill the cubes from the depth maps of `lights`.
 
@@ -95,14 +95,14 @@ class Skylight:
             self._keep(commands)
         self._made = self.placement
         rows = [
-            {"direction": (*light.direction, 0.0), "irradiance": (*light.irradiance, 0.0)}
+            {"direction": (*light.direction, light.spread), "irradiance": (*light.irradiance, 0.0)}
             for light in lights
         ]
         self._lights.write(pack_array(SkyLightData, rows))
         self._pass.dispatch(
             commands, self.placement.count, params=_params(len(lights), shift),
             lattice=self.placement.params(), sky=self._lights, views=maps.views,
-            depth=maps.depth, compare=compare, lattice_walls=walls, before=self._before,
+            depth=maps.depth, compare=compare, **blockers, before=self._before,
             cube=self.cube,
         )  # fmt: skip
 

@@ -1,18 +1,110 @@
-//! use lattice_space
+//! use open_line
 
-// Places inside a cell where visibility is asked, in cells from its centre.
+// A sky light comes from a disc: how much of it a cell sees is asked at places as far beside the cell
+// as the disc is wide from where its shadow is cast (Fernando2005, percentage-closer soft shadows).
+
+// Places inside a cell, in cells from its centre.
 const PLACES = array<vec3f, 4>(
     vec3f(0.25, 0.25, 0.25), vec3f(-0.25, -0.25, 0.25), vec3f(-0.25, 0.25, -0.25),
     vec3f(0.25, -0.25, -0.25),
 );
+const TAPS = 16u;
+const SURE_TAPS = 4u;   // where all of the disc is free, or none of it
+const SEARCHES = 8u;
+const FREE_CELLS = 8u;  // that a tap is known to be on this side of walls
+const GOLDEN_TURN = vec2f(-0.73736888, 0.67549029);  // cosine and sine of the golden angle
 
-fn lit(world: vec3f, view: LightViewData, layer: u32) -> f32 {
+// One after another of the places of a spiral over the unit disc, stratified by area.
+fn turned(turn: vec2f) -> vec2f {
+    return vec2f(turn.x * GOLDEN_TURN.x - turn.y * GOLDEN_TURN.y,
+        turn.x * GOLDEN_TURN.y + turn.y * GOLDEN_TURN.x);
+}
+
+// Where a place lies in a view: u, v, depth.
+fn in_view(world: vec3f, view: LightViewData) -> vec3f {
     let clip = view.clip_from_world * vec4f(world, 1.0);
-    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0))) {
-        return 1.0;
+    return vec3f(clip.xy * vec2f(0.5, -0.5) + 0.5, clip.z);
+}
+
+fn lit(place: vec3f, layer: u32) -> f32 {
+    let is_outside = any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0));
+    return select(textureSampleCompareLevel(depth, compare, place.xy, layer, place.z), 1.0, is_outside);
+}
+
+fn depth_at(uv: vec2f, layer: u32) -> f32 {
+    let size = vec2f(textureDimensions(depth));
+    return textureLoad(depth, vec2u(clamp(uv * size, vec2f(0.0), size - 1.0)), layer, 0);
+}
+
+// The share of a disc of `radius` that something is before, and how far that is on average, in
+// units of depth; `turn`: of the taps, so that lights' patterns do not agree.
+fn blockers_before(place: vec3f, radius: vec2f, turn: vec2f, layer: u32) -> vec2f {
+    var sum = 0.0;
+    var found = 0.0;
+    var at = turn;
+    for (var k = 0u; k < SEARCHES; k++) {
+        let aside = radius * at * sqrt((f32(k) + 0.5) / f32(SEARCHES));
+        let before = place.z - depth_at(place.xy + aside, layer);
+        sum += max(0.0, before);
+        found += select(0.0, 1.0, before > 0.0);
+        at = turned(at);
     }
-    return textureSampleCompareLevel(depth, compare, uv, layer, clip.z);
+    return vec2f(found / f32(SEARCHES), sum / max(found, 1.0));
+}
+
+// Cells from a cell's middle to the first wall along an axis.
+fn free_way(id: vec3u, axis: u32, is_up: bool) -> f32 {
+    var cell = vec3i(id);
+    for (var k = 0u; k < FREE_CELLS; k++) {
+        if (open_face(cell, axis, is_up) < 0.5) {
+            return f32(k) + 0.5;
+        }
+        cell[axis] = clamp(cell[axis] + select(-1, 1, is_up), 0, i32(lattice.count[axis]) - 1);
+    }
+    return 1e9;
+}
+
+struct Cell {
+    places: array<vec3f, 4>,  // m
+    centre: vec3f,            // m
+    low: vec3f,               // cells, to where it is free
+    high: vec3f,
+}
+
+// The share of a light that a cell sees.
+fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
+    let view = views[i];
+    let side = view.texel * vec2f(textureDimensions(depth));
+    let metres = 1.0 / length(vec3f(view.clip_from_world[0].z, view.clip_from_world[1].z,
+        view.clip_from_world[2].z));
+    let widens = sky[i].direction.w * metres / side;
+    let turn = vec2f(cos(f32(i)), sin(f32(i)));
+    let centre = in_view((*cell).centre, view);
+    let found = blockers_before(centre, widens * centre.z, turn, i);
+    let radius = widens * found.y;
+    let right = 2.0 * view.world_from_clip[0].xyz / lattice.cell;
+    let down = -2.0 * view.world_from_clip[1].xyz / lattice.cell;
+    var places = array<vec3f, 4>();
+    for (var k = 0u; k < 4u; k++) {
+        places[k] = in_view((*cell).places[k], view);
+    }
+    let is_sure = found.x == 0.0 || found.x == 1.0;
+    let taps = select(TAPS, SURE_TAPS, is_sure);
+    var at = turn;
+    var share = 0.0;
+    var k = 0u;
+    loop {
+        let aside = radius * at * sqrt((f32(k) + 0.5) / f32(taps));
+        let way = aside.x * right + aside.y * down;
+        let is_free = all(way <= (*cell).high) && all(way >= (*cell).low);
+        share += select(0.0, lit(places[k & 3u] + vec3f(aside, 0.0), i), is_free);
+        at = turned(at);
+        k++;
+        if (k >= taps) {
+            break;
+        }
+    }
+    return share / f32(taps);
 }
 
 // The cell's place in the lattice before it moved. Border cells see no wall on the far side.
@@ -41,14 +133,16 @@ fn kept(id: vec3u) {
         kept(id);
         return;
     }
+    var cell: Cell;
+    cell.centre = unbent_point(lattice, id, vec3f(0.5));
+    for (var k = 0u; k < 4u; k++) {
+        cell.places[k] = unbent_point(lattice, id, 0.5 + PLACES[k]);
+    }
+    cell.high = vec3f(free_way(id, 0u, true), free_way(id, 1u, true), free_way(id, 2u, true));
+    cell.low = -vec3f(free_way(id, 0u, false), free_way(id, 1u, false), free_way(id, 2u, false));
     var faces = array<vec3f, 6>();
     for (var i = 0u; i < params.lights; i++) {
-        let view = views[i];
-        var share = 0.0;
-        for (var k = 0u; k < 4u; k++) {
-            share += lit(unbent_point(lattice, id, 0.5 + PLACES[k]), view, i);
-        }
-        let e = sky[i].irradiance.rgb * share * 0.25;
+        let e = sky[i].irradiance.rgb * share_of(&cell, i);
         let towards = -sky[i].direction.xyz;
         faces[0] += e * max(0.0, towards.x);
         faces[1] += e * max(0.0, -towards.x);

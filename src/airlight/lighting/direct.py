@@ -125,7 +125,7 @@ class Direct:
         with commands.stage("blockers"):
             self.blockers.encode(commands)
         with commands.stage("sky"):
-            self.sky.encode(commands, self.meshes, scene.environment, self.blockers.walls)
+            self.sky.encode(commands, self.meshes, scene.environment, self.blockers.bound)
 
     def draw(self, commands: Commands, view: View) -> None:
         """The picture: G-buffer and lighting."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..gpu.commands import Commands
@@ -10,12 +12,11 @@ from ..gpu.memory import Texture
 from ..lattice.placement import Placement
 from ..lattice.skylight import Skylight
 from ..scene.environment import Environment
-from ..scene.lights import DirectionalLight
 from ..surface.geometry import GpuScene
 from ..surface.light_views import light_views
 from ..surface.reflective import ReflectiveShadowMaps
 from ..surface.shadow import comparison_sampler
-from ..surface.sky import sky_lights
+from ..surface.sky import SkyLight, sky_lights
 
 
 class Sky:
@@ -30,7 +31,7 @@ class Sky:
     ) -> None:  # fmt: skip
         """`count` lights, maps of `resolution` px; `size` as `Skylight` has it."""
         self.placement, self._count = placement, count
-        self.lights: list[DirectionalLight] = sky_lights(environment, count)
+        self.lights: list[SkyLight] = sky_lights(environment, count)
         self._environment = environment
         self._drawn_version = -1
         layers = count if self.lights else 0
@@ -40,7 +41,7 @@ class Sky:
 
     def encode(
         self, commands: Commands, meshes: GpuScene, environment: Environment | None,
-        walls: Texture,
+        blockers: Mapping[str, Texture],
     ) -> bool:  # fmt: skip
         """Bring maps and cubes up to date; returns whether anything changed."""
         if environment is not self._environment:
@@ -56,11 +57,11 @@ class Sky:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
         self.maps.encode(commands, meshes, self.lights, views)
-        self.light(commands, self.skylight, walls)
+        self.light(commands, self.skylight, blockers)
         return True
 
     def light(
-        self, commands: Commands, skylight: Skylight, walls: Texture, *,
+        self, commands: Commands, skylight: Skylight, blockers: Mapping[str, Texture], *,
         is_same_light: bool = False,
     ) -> None:  # fmt: skip
         """Fill the cubes of a lattice from the maps as they are.
@@ -69,7 +70,7 @@ class Sky:
         """
         if self.maps.layers:
             skylight.encode(
-                commands, self.lights, self.maps, self._compare, walls,
+                commands, self.lights, self.maps, self._compare, blockers,
                 is_same_light=is_same_light,
             )  # fmt: skip
 

@@ -178,6 +178,8 @@ class Lpv(Direct):
         low, high = self._bounds(scene)
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
         self._hull = EVERYWHERE if is_open else (triple(low), triple(high))
+        for part in self.cascades:
+            part.blockers.hull = self._hull
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
@@ -229,12 +231,12 @@ class Lpv(Direct):
 
     def _light_sky(self, commands: Commands, scene: Scene, moved: list[bool], scale: float) -> None:
         """The sky's maps and cubes, where light, geometry or a lattice's place changed."""
-        changed = self.sky.encode(commands, self.meshes, scene.environment, self.blockers.walls)
+        changed = self.sky.encode(commands, self.meshes, scene.environment, self.blockers.bound)
         for part, has_moved in zip(self.cascades, moved, strict=True):
             part.is_stale = part.is_stale or changed or has_moved or scale != self._steady_scale
             if (changed or has_moved) and part.skylight is not self.sky.skylight:
                 self.sky.light(
-                    commands, part.skylight, part.blockers.walls, is_same_light=not changed
+                    commands, part.skylight, part.blockers.bound, is_same_light=not changed
                 )
         self._steady_scale = scale
 

@@ -7,6 +7,8 @@ noise and no seed, so a turning map does not flicker.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +24,14 @@ _ROWS = 64  # of the map that is partitioned; finer detail is averaged first
 _HALF_MAX = 65504.0
 
 
-def sky_lights(environment: Environment | None, count: int) -> list[DirectionalLight]:
+@dataclass(frozen=True)
+class SkyLight(DirectionalLight):
+    """A part of the sky. `spread`: tangent of the radius of the disc that its light comes from."""
+
+    spread: float
+
+
+def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     """At most `count` directional lights that carry the environment's light; none if it is black.
 
     Their irradiances sum to the integral of the radiance over the sphere.
@@ -43,12 +52,19 @@ def sky_lights(environment: Environment | None, count: int) -> list[DirectionalL
         [np.bincount(cell, weight * towards[:, k], count) for k in range(3)], axis=1
     )
     lit = irradiance.max(axis=1) > 1e-6 * max(float(irradiance.max()), 1e-30)
+    total = np.bincount(cell, weight, count)
     return [
-        DirectionalLight((float(-d[0]), float(-d[1]), float(-d[2])), (float(e[0]), float(e[1]),
-                         float(e[2])))
-        for d, e in zip(centroid[lit], irradiance[lit], strict=True)
+        SkyLight((float(-d[0]), float(-d[1]), float(-d[2])), (float(e[0]), float(e[1]),
+                 float(e[2])), _spread(float(np.linalg.norm(d)) / float(w)))
+        for d, e, w in zip(centroid[lit], irradiance[lit], total[lit], strict=True)
         if np.linalg.norm(d) > 0.0
     ]  # fmt: skip
+
+
+def _spread(mean_length: float) -> float:
+    """Tangent of a disc's radius, of the length of its directions' mean: (1 + cos radius) / 2."""
+    cosine = min(max(2.0 * mean_length - 1.0, 0.1), 1.0)
+    return float(np.sqrt(1.0 - cosine**2) / cosine)
 
 
 def environment_map(environment: Environment) -> F64:
