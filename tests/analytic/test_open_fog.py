@@ -50,3 +50,23 @@ def test_energies_beside_the_path_tracer(gpu, plain):
     assert ratio["direct"] == pytest.approx(1.0, abs=0.02)
     assert ratio["single_scatter"] == pytest.approx(1.0, abs=0.02)
     assert ratio["multiple_scatter"] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.reference
+@pytest.mark.parametrize(("way", "g"), [(-0.8, 0.7), (0.8, 0.7), (-0.8, 0.9), (0.8, 0.9)])
+def test_far_air_that_scatters_forwards(gpu, way, g):
+    """The sun behind the eye and before it. Measured 1.03, .94, 1.11, .94; noise .03 at most."""
+    pytest.importorskip("mitsuba", reason="needs the `reference` extra")
+    black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
+    scene = Scene(
+        meshes=(Mesh(box(), black),), lights=(DirectionalLight((0.0, -0.6, way), (3.0, 2.0, 1.0)),),
+        camera=Camera((0, 2, 20), (0, 4, -10), fov_y_deg=50.0),
+        medium=Medium(0.1, 0.9, g, endless=True, top=10.0),
+    )  # fmt: skip
+    name, size = "multiple_scatter", (48, 27)
+    truth = render_layers(scene, (name,), size=size, spp=64)[name].radiance
+    settings = {"shaft_resolution": "full", "march_resolution": "full", "resolution": 8}
+    with Renderer(scene, "lpv-scatter", size, settings=settings) as renderer:
+        ours = renderer.frame().layers[name]
+    assert float(ours.mean() / truth.mean()) == pytest.approx(1.0, abs=0.15)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.march.far_air import ROWS, FarAir
+from airlight.march.far_air import ROWS, SIDE, FarAir, fluence, sky_once
+from airlight.maths.octahedron import octahedron_point
 from airlight.maths.plane_air import plane_light
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Material, Medium, Mesh, Scene
 from airlight.scene.shapes import quad
+from airlight.surface.sky import sky_lights
 
 SUN = DirectionalLight((0.0, -0.6, -0.8), (3.0, 2.0, 1.0))
 AIR = Medium(0.1, 0.9, endless=True, top=10.0)
@@ -108,12 +110,27 @@ def test_an_open_scene_has_no_box_of_light(gpu):
 def test_rows_follow_the_half_space(gpu, owned):
     far = owned(FarAir(gpu))
     source = far.update(AIR, 10.0, (SUN,), (), is_lattice=True)
-    rows = np.frombuffer(source.table.read(), np.float32).reshape(2, 3, ROWS, 4)
+    read = np.frombuffer(source.table.read(), np.float32)[: ROWS * 3 * 4].reshape(ROWS, 3, 4)
     light = plane_light(0.9, np.array([0.6]), np.array([2.0]))
-    assert rows[0, 1, 0, 0] == pytest.approx(light.scattered[0] / (4.0 * np.pi), rel=1e-5)
-    assert (rows[1] == 0.0).all() and source.sigma_t == pytest.approx(0.1)
+    assert source.side == 1
+    assert read[0, 0, 1] == pytest.approx(light.scattered[0] / (4.0 * np.pi), rel=1e-5)
+    assert (read[:, 1:] == 0.0).all() and source.sigma_t == pytest.approx(0.1)
     again = far.update(AIR, 10.0, (SUN,), (), is_lattice=True)
     assert again is source
+
+
+def test_a_sky_scatters_all_its_light_whatever_g_is():
+    """Over all directions, by quadrature on the octahedron's square, what arrives."""
+    uneven = Medium(0.1, 0.9, 0.6, endless=True, top=10.0)
+    sky = sky_lights(Environment(radiance=(1.0, 1.0, 1.0)), 64)
+    made = sky_once(uneven, sky).reshape(ROWS, SIDE, SIDE, 3)
+    # Texels at borders and corners stand for less of the square; solid angle per area of it.
+    t = np.linspace(-1.0, 1.0, SIDE)
+    u, v = np.meshgrid(t, t)
+    area = np.outer(*[np.where(np.abs(t) < 1.0, 1.0, 0.5)] * 2) * (2.0 / (SIDE - 1)) ** 2
+    solid = area / np.linalg.norm(octahedron_point(np.stack([u, v], -1)), axis=-1) ** 3
+    total = np.einsum("rijc,ij->rc", made, solid)
+    np.testing.assert_allclose(total, fluence(uneven, sky, kept=False), rtol=0.02, atol=1e-9)
 
 
 def _known(technique: str) -> dict[str, object]:

@@ -1,48 +1,60 @@
-"""Light scattered forwards and again: moments, sums of Henyey-Greenstein, the shader's twin."""
+"""Light scattered nearly straight on: sums over orders, limits, the shader's table."""
 
 import numpy as np
 import pytest
 
-from airlight.maths.forward_phase import forward_phase, forward_scatterings
+from airlight.maths.forward_phase import COSINES, DEPTHS, fused_phase, fused_table, last_phase
 from airlight.maths.phase import ISOTROPIC, henyey_greenstein
 
-MU = np.linspace(-1.0, 1.0, 40_001)
+MU = 1.0 - 2.0 * np.linspace(0.0, 1.0, 4001) ** 3
+CASES = [(0.3, 0.5), (0.7, 1.5), (0.9, 4.0), (0.95, 12.0)]
 
 
-@pytest.mark.parametrize(
-    ("g", "m"), [(-0.4, 1.0), (0.0, 3.0), (0.3, 1.2), (0.85, 2.0), (0.95, 4.0)]
-)
-def test_it_scatters_all_light_about_as_far_as_g_says(g, m):
-    phase = forward_phase(MU, g, m)
-    total = 2.0 * np.pi * np.trapezoid(phase, MU)
+def _over_all_directions(phase):
+    return -2.0 * np.pi * np.trapezoid(phase, MU)
+
+
+@pytest.mark.parametrize(("g", "u"), CASES)
+def test_all_light_with_one_bend_or_none_is_there(g, u):
+    """Of k scatterings g^k go straight on, at any of k places; k g^(k-1) (1 - g) bend once."""
+    never = (1.0 - (1.0 + g * u) * np.exp(-g * u)) / u
+    once = (1.0 - g) * (1.0 - np.exp(-g * u))
+    strayed = np.exp(-0.06 * ((1.0 - g) * u) ** 2)
+    total = _over_all_directions(fused_phase(MU, g, u))
+    assert total == pytest.approx(strayed * (never + once), rel=2e-3)
+
+
+@pytest.mark.parametrize(("g", "u"), CASES)
+def test_the_last_scattering_takes_all_that_went_straight_on(g, u):
+    total = _over_all_directions(last_phase(MU, g, u))
     # What is cut off below zero comes on top.
-    assert 0.999 < total < 1.12
-    mean = 2.0 * np.pi * np.trapezoid(phase * MU, MU) / total
-    assert mean == pytest.approx(g, abs=0.07)
-    assert phase.min() >= 0.0
+    assert 0.999 * (1.0 - np.exp(-g * u)) < total < 1.12 * (1.0 - np.exp(-g * u))
 
 
-def test_with_what_the_similar_medium_scattered_it_is_the_convolution():
-    """Of m scatterings g^m went on forwards; those and the rest make HG(g^(m+1)) together."""
-    g, m, mu = 0.9, 3, np.linspace(0.2, 1.0, 50)  # where nothing is cut off
-    whole = g**m * forward_phase(mu, g, m) + (1.0 - g**m) * ISOTROPIC
-    np.testing.assert_allclose(whole, henyey_greenstein(mu, g ** (m + 1)), rtol=1e-12)
+def test_in_thin_air_light_scatters_twice():
+    """Half of u: each scattering may be the one at the place. What bends twice is the lattice's."""
+    g, u = 0.8, 1e-4
+    twice = henyey_greenstein(MU, g * g) - (1.0 - g) ** 2 * ISOTROPIC
+    np.testing.assert_allclose(fused_phase(MU, g, u) / u, 0.5 * twice, rtol=1e-3)
+    assert fused_phase(-1.0, g, u) > 0.0  # and backwards, too
 
 
-def test_the_mean_number_of_scatterings_is_poissons():
-    u, n = 1.7, np.arange(1, 60)
-    shares = np.cumprod(u / n)
-    assert forward_scatterings(u) == pytest.approx((shares @ n) / shares.sum(), rel=1e-12)
-    assert forward_scatterings(0.0) == 1.0
+def test_even_air_has_none():
+    np.testing.assert_allclose(fused_phase(MU, 0.0, 3.0), 0.0, atol=1e-12)
+    assert not fused_table(0.0).any() and not fused_table(-0.5).any()
 
 
-def test_the_shader_says_the_same(wgsl):
-    rng = np.random.default_rng(3)
-    mu, g = rng.uniform(-1, 1, 2000), rng.uniform(-0.9, 0.95, 2000)
-    m = rng.uniform(1.0, 8.0, 2000)
-    mu, g, m = (v.astype(np.float32).astype(float) for v in (mu, g, m))
-    got = wgsl("forward_phase", "forward_phase", mu, g, m)
-    np.testing.assert_allclose(got, forward_phase(mu, g, m), rtol=2e-3, atol=3e-4)
-    u = np.geomspace(1e-6, 50.0, 300).astype(np.float32).astype(float)
-    got = wgsl("forward_phase", "forward_scatterings", u)
-    np.testing.assert_allclose(got, forward_scatterings(u), rtol=1e-4)
+def test_tables_are_dense_enough():
+    """Between rows and columns, as shaders read them."""
+    g, table = 0.85, fused_table(0.85)
+    assert table.shape == (2, DEPTHS, COSINES)
+    rng = np.random.default_rng(2)
+    mu, u = rng.uniform(-1.0, 1.0, 500), rng.uniform(0.0, 12.0, 500)
+    x = (0.5 * (1.0 - mu)) ** 0.25 * (COSINES - 1)
+    y = u / (1.0 + u) * (41.0 / 40.0) * (DEPTHS - 1)
+    i, j = x.astype(int), y.astype(int)
+    fx, fy = x - i, y - j
+    for k, exact in enumerate((fused_phase(mu, g, u), last_phase(mu, g, u))):
+        rows = [(1.0 - fx) * table[k, r, i] + fx * table[k, r, i + 1] for r in (j, j + 1)]
+        read = (1.0 - fy) * rows[0] + fy * rows[1]
+        assert np.linalg.norm(read - exact) < 0.01 * np.linalg.norm(exact)

@@ -28,7 +28,7 @@ from ..lattice.table import LatticeTable
 from ..maths.transforms import F64
 from .air import Air
 from .far_air import FarSource
-from .forward_source import ForwardSource
+from .forward_source import ForwardSource, fused_rows
 from .march_cells import MarchCells
 from .march_kernel import MAX_LEVELS_AT_ONCE, MarchParams, SourceData, Variant, generated, slots
 from .rays import RayParams, Rays
@@ -71,7 +71,8 @@ class LatticeSource:
     as the cells of the finest that has the place (Kaplanyan2010 section 7).
     `third`: the five coefficients of a third band (wgsl/third_band.wgsl). `forward`: what is near
     its beam still. `mean`: the a of the three channels as rgb, for air that scatters evenly: one
-    read instead of three.
+    read instead of three. `is_similar`: it holds light of similar even air, which is marched
+    through that.
     """
 
     placement: Placement
@@ -82,6 +83,7 @@ class LatticeSource:
     forward: ForwardSource | None = None
     mean: Texture | None = None
     third: Texture | None = None
+    is_similar: bool = False
 
     @property
     def levels(self) -> tuple[Placement, ...]:
@@ -129,6 +131,8 @@ class March:
         self.params: MarchParams | None = None  # the last ones
         self._variant = Variant(sources, has_lattice, has_sky)
         self._passes: dict[Variant, _March] = {}
+        self._fused: Buffer | None = None
+        self._fused_of: tuple[Any, ...] = ()
 
     def encode(
         self, commands: Commands, params: RayParams, rays: Rays, *,
@@ -139,7 +143,7 @@ class March:
         cutoff: float = 1e-3,
     ) -> None:  # fmt: skip
         """Fill `scattered`, `transmittance` and, from `sky`, `skylit`: of `rays.reduced` size."""
-        variant = replace(self._chosen(lattice, sky), has_far=far is not None)
+        variant = replace(self._chosen(lattice, sky), far_side=far.side if far else 0)
         if variant not in self._passes:
             self._passes[variant] = _March(self.gpu, self._air, variant)
         cells = [s.cell_m for s in (*sources, lattice, sky) if s is not None]
@@ -155,6 +159,7 @@ class March:
             lattice_direct=lattice.direct if lattice else 0.0,
             sky_scale=sky.scale if sky else 0.0, sky_direct=sky.direct if sky else 0.0,
             forward_scale=forward.scale if forward else 0.0,
+            forward_spread=forward.spread if forward else 0.0,
             forward_slabs=forward.slabs if forward else 1.0,
             forward_count=forward.count if forward else 0,
             far_top=far.top if far else 0.0, far_sigma=far.sigma_t if far else 1.0,
@@ -176,6 +181,7 @@ class March:
             is_sky_even=is_even and sky is not None and sky.mean is not None,
             has_third_band=sharpest > _TWO_BANDS and sky is not None and sky.third is not None,
             has_forward=lattice is not None and lattice.forward is not None,
+            is_similar=lattice is not None and lattice.is_similar,
             levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
         )
 
@@ -199,14 +205,25 @@ class March:
             values = {"skylit": skylit, **own, **values}
         forward = lattice.forward if lattice else None
         if forward is not None:
-            values |= {"forward_table": forward.table, "forward_lights": forward.texture}
-        if lattice is not None and variant.is_even:
+            values |= {"forward_table": forward.table, "forward_lights": forward.texture,
+                       "forward_blurred": forward.blurred,
+                       "fused": self._fused_rows()}  # fmt: skip
+        if lattice is not None and (variant.is_even or variant.is_similar):
             values["lattice_mean"] = lattice.mean
         if sky is not None and variant.has_third_band:
             values["sky_third"] = sky.third
         if sky is not None and variant.is_sky_even:
             values["sky_mean"] = sky.mean
         return values
+
+    def _fused_rows(self) -> Buffer:
+        key = tuple(tuple(row["g"]) for row in self._air.rows)
+        if self._fused is None or key != self._fused_of:
+            self._fused_of, rows = key, fused_rows(self._air.rows)
+            if self._fused is None:
+                self._fused = Buffer(self.gpu, "fused phase functions", rows.nbytes)
+            self._fused.write(rows)
+        return self._fused
 
     def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
         if self._lattices is None or self._lattices.count != len(levels):
@@ -232,3 +249,5 @@ class March:
         self._table.release()
         self._cells.release()
         self._release_levels()
+        if self._fused is not None:
+            self._fused.release()

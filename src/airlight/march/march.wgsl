@@ -23,7 +23,13 @@ var<private> own: MarchParams;
 var<private> air_extincts: array<vec3f, AIR_COUNT>;     // sigma_t, m^-1
 var<private> air_scatters: array<vec3f, AIR_COUNT>;     // sigma_s, m^-1
 var<private> air_shines: array<vec3f, AIR_COUNT>;       // sigma_s where lattices light it, else 0
+var<private> air_evens: array<vec3f, AIR_COUNT>;        // of that, what similar even air scatters, m^-1
+var<private> air_similar: array<vec3f, AIR_COUNT>;      // sigma_t of similar air, m^-1
 var<private> air_is_grid: array<bool, AIR_COUNT>;
+// Optical depth of scattering from the eye to a step's middle.
+var<private> eye_depth: f32;
+// Of that way, m in air that lattices light.
+var<private> eye_way: f32;
 // Densities at a step's middle: asked once, they cost more than all else.
 var<private> air_here: array<f32, AIR_COUNT>;
 
@@ -33,6 +39,8 @@ fn march_begin() {
         air_extincts[m] = air[m].sigma_t;
         air_scatters[m] = air[m].sigma_t * air[m].albedo;
         air_shines[m] = f32(air[m].has_shafts) * air_scatters[m];
+        air_evens[m] = (1.0 - air[m].g) * air_shines[m];
+        air_similar[m] = air_extincts[m] - (air_shines[m] - air_evens[m]);
         air_is_grid[m] = AIR_GRIDS > 0u && air[m].kind == AIR_GRID;
     }
 }
@@ -46,6 +54,14 @@ fn look_around(p: vec3f, t: f32) {
             air_here[m] = air_density(m, p);
         }
     }
+}
+
+fn shining_here() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        sum += air_here[m] * air_shines[m];
+    }
+    return sum;
 }
 
 fn scattering_here() -> vec3f {
@@ -66,11 +82,44 @@ fn depth_here(t: f32, dt: f32) -> vec3f {
     return sum;
 }
 
+// Of lights one by one: what is scattered towards the eye at last, and what is scattered on as well.
+struct ForwardLight { last: vec3f, on: vec3f }
+
+// Of similar air; `scattered`: of the air's scattering, the mean of three channels.
+struct SimilarDepth { depth: vec3f, scattered: f32, way: f32 }
+
+fn similar_depth_here(t: f32, dt: f32) -> SimilarDepth {
+    var sum = SimilarDepth(vec3f(0.0), 0.0, 0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) {
+        let within = max(0.0, min(t + dt, air_spans[m].y) - max(t, air_spans[m].x));
+        let length = select(within, air_here[m] * dt, air_is_grid[m]);
+        sum.depth += air_similar[m] * length;
+        sum.scattered += dot(air_shines[m], vec3f(1.0 / 3.0)) * length;
+        sum.way = max(sum.way, select(0.0, length, any(air_shines[m] > vec3f(0.0))));
+    }
+    return sum;
+}
+
 // The mean transmittance along a step of which `left` is let through.
 fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
     let series = 1.0 - depth / 2.0
         * (1.0 - depth / 3.0 * (1.0 - depth / 4.0 * (1.0 - depth / 5.0)));
     return select((1.0 - left) / depth, series, depth < vec3f(0.1));
+}
+
+// Of what a ray ends at, the light that air scatters on: similar air lets it through, the air itself
+// does not. Of the sky what is scattered on but once is single scattering; surfaces' light comes out of
+// a wide cone, as two bands of the cells there have it.
+fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
+    let before = max(t - 0.5 * own.step, 0.0);
+    let p = eye + before * ray.direction;
+    look_around(p, before);
+    let sources = emission_at(p, -ray.direction);       // enters the lattice
+    let least = vec3f(1e-20);
+    let once = T * log(max(similar, least) / max(T, least));
+    let sky = max(similar - T - once, vec3f(0.0)) * skylit_at(p, -ray.direction);
+    let surface = max(similar - T, vec3f(0.0)) * lattice_seen(p, -ray.direction);
+    return select(surface, sky, ray.distance >= EYE_RAY_FAR) / max(shining_here(), least);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -85,6 +134,12 @@ fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
     var T = vec3f(1.0);
     var L = vec3f(0.0);
     var sky = vec3f(0.0);
+    var similar = vec3f(1.0);       // what similar air lets through
+    var forwards = vec3f(0.0);      // what it lets come of the lattices' light
+    var in_bands = vec3f(0.0);      // what the air itself does, of two bands of it
+    var most_left = 1.0;
+    eye_depth = 0.0;
+    eye_way = 0.0;
     var t = hull.x;
     let held = held_span(eye, ray.direction, hull);
     let longest = max(own.step, (held.y - held.x) / f32(own.max_steps));
@@ -105,12 +160,34 @@ fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
             L += reached * emission_at(p, -ray.direction);
             sky += reached * skylit_at(p, -ray.direction);
             T *= left;
+            most_left = max(T.r, max(T.g, T.b));
+            if (IS_SIMILAR) {
+                let even = similar_depth_here(t, dt);
+                let even_left = exp(-even.depth);
+                let evenly = similar * dt * mean_left(even.depth, even_left);
+                eye_depth += 0.5 * even.scattered;
+                // Of the sky's light that scattered once besides, what scattered on forwards.
+                eye_way += even.way;
+                let own_light = forward_light(p, -ray.direction, reached, evenly);
+                forwards += evenly * similar_emission_at(p, -ray.direction) + own_light.on
+                    + max(evenly - reached, vec3f(0.0)) * sky_even_at();
+                in_bands += reached * lattice_seen(p, -ray.direction) + own_light.last;
+                eye_depth += 0.5 * even.scattered;
+                similar *= even_left;
+                most_left = max(similar.r, max(similar.g, similar.b));
+            }
             t += dt;
             i++;
-            if (i >= most || t >= hull.y || max(T.r, max(T.g, T.b)) < own.cutoff) {
+            if (i >= most || t >= hull.y || most_left < own.cutoff) {
                 break;
             }
         }
+    }
+    if (IS_SIMILAR && hull.x < hull.y) {
+        // Near surfaces two bands know more of their light.
+        let is_sky = ray.distance >= EYE_RAY_FAR;
+        let all = forwards + behind(eye, ray, t, T, similar);
+        L += mix(all, in_bands, select(similar, vec3f(0.0), is_sky));
     }
     textureStore(scattered, id.xy, vec4f(L, ray.distance));
     store_skylit(id.xy, sky);

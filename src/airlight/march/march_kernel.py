@@ -8,7 +8,7 @@ from ..gpu.layout import Struct, f32, i32, mat4x4f, u32
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from .air import Air
-from .far_air import FAR_WGSL, NO_FAR_WGSL, far_slots
+from .far_air import NO_FAR_WGSL, far_slots, far_wgsl
 from .forward_source import FORWARD_WGSL, forward_slots
 from .rays import RayParams
 
@@ -27,6 +27,7 @@ class MarchParams(Struct):
     sky_scale = f32("W m^-2 sr^-1 per stored unit of a")
     sky_direct = f32("share of b that the phase function keeps, per g")
     forward_scale = f32("W m^-2 per stored unit of light scattered forwards")
+    forward_spread = f32("m^-2, see ForwardSource")
     forward_slabs = f32("lights that its texture holds along z")
     forward_count = u32("of which so many shine")
     far_top = f32("m, of endless air")
@@ -45,7 +46,8 @@ class SourceData(Struct):
 class Variant:
     """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
     scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
-    lattice; how many nested lattices there are at one place; endless air beyond them.
+    lattice; how many nested lattices there are at one place; the directions, squared, of
+    endless air beyond them; whether lattices hold light of similar even air.
     """
 
     sources: int = 0
@@ -56,10 +58,16 @@ class Variant:
     has_third_band: bool = False
     has_forward: bool = False
     levels: int = 1
-    has_far: bool = False
+    far_side: int = 0
+    is_similar: bool = False
 
 
-_NO_FORWARD = "fn forward_emission(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+_NO_LATTICE = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+_NO_FORWARD = """
+fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, evenly: vec3f) -> ForwardLight {
+    return ForwardLight(vec3f(0.0), vec3f(0.0));
+}
+"""
 
 
 def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
@@ -78,20 +86,24 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
         made += [image("skylit", "rgba32float")]
-    names += ["lattice_mean"] * variant.is_even + ["sky_mean"] * variant.is_sky_even
+    has_mean = variant.is_even or variant.is_similar
+    names += ["lattice_mean"] * has_mean + ["sky_mean"] * variant.is_sky_even
     names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
-    beams += far_slots() if variant.has_far else ()
+    beams += far_slots() if variant.far_side else ()
     return (*made, *beams, image("scattered", "rgba32float"), image("passed", "rgba32float"))
 
 
 def generated(variant: Variant) -> str:
     """The WGSL before the kernel."""
-    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else ""
+    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_LATTICE
     beams = FORWARD_WGSL if variant.has_forward else _NO_FORWARD
-    far = FAR_WGSL if variant.has_far else NO_FAR_WGSL
-    return _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams + far
+    far = NO_FAR_WGSL
+    if variant.far_side:
+        far = far_wgsl(variant.far_side, has_forward=variant.has_forward)
+    similar = f"const IS_SIMILAR = {str(variant.is_similar).lower()};\n"
+    return similar + _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams + far
 
 
 def _sources_wgsl(variant: Variant) -> str:
@@ -107,16 +119,22 @@ def _sources_wgsl(variant: Variant) -> str:
         f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
         for i in range(sources)
     ]
+    held = ""
     if variant.has_lattice:
-        parts.append("    sum += lattice_emission(p, travel) + forward_emission(p, travel);\n")
-    if variant.has_lattice and variant.has_far:
-        parts.append("    sum += far_emission(0u, p, travel);\n")
+        held = "    sum += lattice_emission(p, travel);\n"
+    if variant.has_lattice and variant.far_side:
+        held += "    sum += far_emission(p, travel);\n"
+    if not variant.is_similar:
+        parts.append(held)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     share = "march_step_share(p)" if has_lattices and not sources else "1.0"
     uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
         + "".join(parts)
+        + "    return sum;\n}\nfn similar_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
+        + "    var sum = vec3f(0.0);\n"
+        + held * variant.is_similar
         + "    return sum;\n}\n"
     )
 
@@ -124,7 +142,11 @@ def _sources_wgsl(variant: Variant) -> str:
 def _lattice_wgsl(variant: Variant) -> str:
     """`lattice_emission`, and how many lattices fade into each other at one place."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
-    return count + (_even_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+    if variant.is_similar:
+        seen = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_seen")
+        return count + _even_wgsl("lattice") + seen
+    seen = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+    return count + seen + (_even_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
 
 
 def _sky_wgsl(variant: Variant) -> str:
@@ -133,11 +155,16 @@ def _sky_wgsl(variant: Variant) -> str:
         return (
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
             "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
+            "fn sky_even_at() -> vec3f { return vec3f(0.0); }\n"
         )
-    far = " + far_emission(1u, p, travel)" if variant.has_far else ""
+    far = " + far_skylit(p, travel)" if variant.far_side else ""
+    even = "vec3f(0.0)"
+    if variant.is_similar:
+        even = "sky_even_here()" + (" + far_sky_even()" if variant.far_side else "")
     return (
         _third_wgsl(variant)
         + (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        + f"fn sky_even_at() -> vec3f {{ return {even}; }}\n"
         + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         f"    return sky_emission(p, travel){far};\n}}\n"
         "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
@@ -166,9 +193,13 @@ def _emission_wgsl(name: str) -> str:
         f"lattice_radiance({c} + vec4f({third.format(c[0])}), travel, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
-    samples += "    let third = sky_third_at(travel);\n" if name == "sky" else ""
+    kept = ""
+    if name == "sky":
+        samples += "    let third = sky_third_at(travel);\n"
+        samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
+        kept = _SKY_EVEN
     return (
-        f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"{kept}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
         "        let g = air[m].g;\n"
@@ -177,13 +208,24 @@ def _emission_wgsl(name: str) -> str:
     )
 
 
+_SKY_EVEN = """
+var<private> sky_means: vec3f;
+// Of the same place, what similar even air would scatter of the sky's light.
+fn sky_even_here() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) { sum += air_here[m] * air_evens[m]; }
+    return own.sky_scale * select(vec3f(0.0), sum * sky_means, lattice_at[0].w > 0.0);
+}
+"""
+
+
 def _even_wgsl(name: str) -> str:
     """The same where all air scatters evenly: of the three channels' means."""
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
-        "        sum += air_here[m] * air_shines[m];\n"
+        "        sum += air_here[m] * air_evens[m];\n"
         f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

@@ -8,7 +8,7 @@ propagate_open   the same without walls, faster     map_blockers    walls from s
 levels           sums of states, coarser lattices   schedule        how many steps on which
 correction       how long a coarse correction is
 inject_single    first-scattered light -> cells     inject_maps     reflected light; sampled rays
-forward          light that was scattered forwards only
+forward          light that similar air lets through, light by light
 emission         the track, for marching            surface_light   summed states, for surfaces
 solver           all of it, top to bottom
 

@@ -105,11 +105,15 @@ class Emission:
         """By slot name, for passes that use `wgsl/lattice.wgsl`."""
         return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
 
-    def source(self, walls: dict[str, Any], forward: ForwardSource | None = None) -> LatticeSource:
-        """For marching; `walls` as Blockers.bound."""
+    def source(
+        self, walls: dict[str, Any], forward: ForwardSource | None = None, *,
+        is_similar: bool = False,
+    ) -> LatticeSource:  # fmt: skip
+        """For marching; `walls` as Blockers.bound, `is_similar` as LatticeSource has it."""
         return LatticeSource(
-            self.placement, self.bound | walls, self.mean_scale, forward=forward, mean=self.mean
-        )
+            self.placement, self.bound | walls, self.mean_scale, forward=forward, mean=self.mean,
+            is_similar=is_similar,
+        )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

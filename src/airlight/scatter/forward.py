@@ -1,10 +1,10 @@
-"""Light that was scattered forwards only: near its beam still, and in no other layer.
+"""Light that similar isotropic air lets through: near its beam still, and in no other layer.
 
 The lattice solves for similar isotropic air (see similar), in which light scattered forwards goes
-on as if nothing had happened; single scattering draws what the air itself lets through. What the
-one lets through and the other does not, Phi (T' - T), is scattered by forward_phase of how often
-it has been, and lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in
-the air, as far as walls let it.
+on as if nothing had happened. What of a beam goes through that, Phi T', marching scatters towards
+the eye by fused_phase, light by light, and what the air itself would not have let through,
+Phi (T' - T), lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in the
+air, as far as walls let it.
 Source: ours. differs: Billeter2012 knows isotropic media only.
 """
 
@@ -16,12 +16,12 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..march.air import Air
-from ..march.forward_source import ForwardSource
+from ..march.forward_source import FORWARD_BLOCK, ForwardSource
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.light_table import LightData
@@ -67,6 +67,20 @@ class _Forward(ComputePass):
         super().__init__(gpu, generated=air.wgsl + (_KEEP if keeps else _DROP))
 
 
+class BlurParams(Struct):
+    """What is averaged."""
+
+    count = vec3u("cells")
+    lights = u32()
+
+
+class _Blur(ComputePass):
+    slots = (uniform("params", BlurParams), texture("kept", "3d"),
+             image("blurred", "rgba16float", "3d"))  # fmt: skip
+    workgroup = (8, 8, 4)
+    file = "forward_blur.wgsl"
+
+
 _DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
 _KEEP = """
 fn store_light(id: vec3u, i: u32, light: vec4f) {
@@ -92,6 +106,11 @@ class ForwardLight:
         self.all = Buffer(gpu, "forward light", 3 * cells * 16)
         self.kept = Texture(gpu, "forward light by light", (x, y, z * max(1, light_count)),
                             "rgba16float", dimension="3d", written=True)  # fmt: skip
+        self._blocks = tuple(-(-n // FORWARD_BLOCK) for n in (x, y, z))
+        a, b, c = self._blocks
+        self._blur = _Blur(gpu, generated=f"const BLOCK = {FORWARD_BLOCK}u;")
+        self.blurred = Texture(gpu, "blurred forward light", (a, b, c * max(1, light_count)),
+                               "rgba16float", dimension="3d", written=True)  # fmt: skip
         self.scale = 1.0
 
     def encode_sky(
@@ -114,6 +133,11 @@ class ForwardLight:
         self._dispatch(commands, self._lights, self._air, params, bound, base=base,
                        forward=self.all, kept=self.kept, lattice_walls=walls,
                        openness=openness)  # fmt: skip
+        if count:
+            a, b, c = self._blocks
+            blur = BlurParams(count=self.placement.count, lights=count)
+            self._blur.dispatch(commands, (a, b, c * count), params=blur, kept=self.kept,
+                                blurred=self.blurred)  # fmt: skip
 
     def _dispatch(
         self, commands: Commands, step: _Forward, air: Air, params: ForwardParams,
@@ -129,11 +153,12 @@ class ForwardLight:
     def source(self, table: Buffer) -> ForwardSource:
         """For marching; `table` of lights."""
         count = self.light_count
-        return ForwardSource(self.kept, table, count, max(1, count), 1.0 / self.scale)
+        return ForwardSource(self.kept, self.blurred, table, count, max(1, count),
+                             1.0 / self.scale, self.placement.cell)  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.sky, self.all, self.kept):
+        for part in (self.sky, self.all, self.kept, self.blurred):
             part.release()
 
 

@@ -1,5 +1,5 @@
 // Of each cell, the light that was scattered forwards only: what similar air lets through, less
-// what the air itself does. `store_light` is generated.
+// what the air itself does. `store_light`, of the whole of what similar air lets through, is generated.
 //! use lattice_space
 //! use air_light
 //! use cell_light
@@ -9,18 +9,21 @@ const BLUR_CELLS = 6.0;         // that light spreads across its way at most
 struct Depths {
     even: vec3f,        // optical depth of the similar air
     forward: vec3f,     // what the air itself has besides
+    scattering: vec3f,  // of it
     deviation: f32,     // m, of the light's spread across its way
 }
 
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let way = air_light_way(light, p);
-    var sum = Depths(vec3f(0.0), vec3f(0.0), 0.0);
+    var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
     for (var m = 0u; m < AIR_COUNT; m++) {
         let column = air_light_column(m, index, p, way);
         let even = air[m].sigma_t * column;
         let kept = max(vec3f(1e-4), 1.0 - air[m].g);
         sum.even += even;
-        sum.forward += even * air[m].albedo * air[m].g / kept;
+        let scattering = even * air[m].albedo / kept;
+        sum.forward += scattering * air[m].g;
+        sum.scattering += scattering;
         // Of the green of spread; lengths of several media add up.
         sum.deviation += select(0.0, 0.29 * sqrt(2.0 * kept.g) * column, air[m].g.g > 0.0);
     }
@@ -55,12 +58,21 @@ fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
     return at;
 }
 
-// W m^-2 of light i at part k of a cell.
-fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> vec4f {
+struct Part {
+    straight: vec3f,    // W m^-2, what the air itself lets through
+    gained: vec3f,      // what similar air does besides
+    depth: f32,         // optical, of scattering
+}
+
+// Of light i at part k of a cell.
+fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
     var p = unbent_point(lattice, id, half);
     var depths = depths_towards(light, i, p);
-    let u = depths.forward;
+    let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
+    let own = incoming(light, p);
+    let straight = own.irradiance * exp(-depths.even - depths.forward);
+    let seen = Part(straight * lit_point(light, own.to_light, p), vec3f(0.0), depth);
     let radius = depths.deviation / lattice.cell;
     if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
         // Two rings of four, each for half of a Gaussian.
@@ -81,11 +93,10 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> vec4f {
         irradiance *= in.distance * in.distance * mean_inverse_square(in.distance, near);
     }
     if (all(irradiance * depths.forward == vec3f(0.0))) {
-        return vec4f(0.0, 0.0, 0.0, dot(u, vec3f(1.0)) / 3.0);
+        return seen;
     }
-    let lit = lit_point(light, in.to_light, p);
     let gained = exp(-depths.even) * (1.0 - exp(-depths.forward));
-    return vec4f(lit * irradiance * gained, dot(u, vec3f(1.0)) / 3.0);
+    return Part(seen.straight, lit_point(light, in.to_light, p) * irradiance * gained, depth);
 }
 
 fn travel_of(light: LightData, id: vec3u) -> vec3f {
@@ -104,16 +115,20 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
     var flux = mat3x3f();   // columns x, y, z of rgb
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
-        var sum = vec4f(0.0);
+        var sum = vec3f(0.0);
+        var passed = vec4f(0.0);
         for (var k = 0u; k < 8u; k += params.stride) {
             // Of few parts the next light takes others.
-            sum += forward_part(light, i, id, (k + select(0u, 3u * i, params.stride > 1u)) & 7u);
+            let turned = (k + select(0u, 3u * i, params.stride > 1u)) & 7u;
+            let part = forward_part(light, i, id, turned);
+            sum += part.gained;
+            passed += vec4f(part.straight + part.gained, part.depth);
         }
         sum *= f32(params.stride) / 8.0;
-        store_light(id, i, sum);
+        store_light(id, i, f32(params.stride) / 8.0 * passed);
         let way = travel_of(light, id);
-        fluence += sum.rgb;
-        flux += mat3x3f(sum.rgb * way.x, sum.rgb * way.y, sum.rgb * way.z);
+        fluence += sum;
+        flux += mat3x3f(sum * way.x, sum * way.y, sum * way.z);
     }
     let volume = lattice.cell * lattice.cell * lattice.cell;
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;

@@ -28,10 +28,10 @@ def similar_scene(scene: Scene) -> Scene:
     )
 
 
-def is_forward(scene: Scene) -> bool:
-    """Whether any medium scatters unevenly."""
+def is_forward(scene: Scene, *, least: float = -1.0) -> bool:
+    """Whether any medium scatters unevenly, with a mean cosine above `least`."""
     media = [*((scene.medium,) if scene.medium else ()), *scene.volumes]
-    return any(c != 0.0 for m in media for c in m.g)
+    return any(c != 0.0 and c > least for m in media for c in m.g)
 
 
 def similar(air: Air) -> Air:

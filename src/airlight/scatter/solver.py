@@ -93,7 +93,7 @@ class ScatterSolver:
         self.sky_reflected = InjectReflected(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
-        self._is_forward = False
+        self._is_forward = self._is_similar = False
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         is_endless = scene.medium is not None and scene.medium.endless
@@ -159,6 +159,7 @@ class ScatterSolver:
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
         even, self._is_forward = similar_scene(scene), is_forward(scene)
+        self._is_similar = is_forward(scene, least=0.0)
         self.air.update(commands, even, low, high)
         sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
         self.sky_air.update(commands, sky, low, high)
@@ -288,7 +289,7 @@ class ScatterSolver:
         """For marching."""
         is_lit = self._is_forward and self.lights.count > 0
         beams = self.forward.source(self.lights.table) if is_lit else None
-        return self.emission.source(self.blockers.bound, beams)
+        return self.emission.source(self.blockers.bound, beams, is_similar=self._is_similar)
 
     def _resolve(self, commands: Commands, base: Buffer, cells: Buffer, scale: float) -> None:
         # Sums are W sr^-1; cells hold power.
