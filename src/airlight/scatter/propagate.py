@@ -22,6 +22,7 @@ from .coefficients import CHANNELS, StepCoefficients
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
 from .propagate_open import TILES, OpenColumns, fitting
 from .propagate_rows import OpenRows, rows_for
+from .propagate_walls import WallRows
 
 Count = tuple[int, int, int]
 SLAB = 8
@@ -77,6 +78,8 @@ class Step:
         self._has_rows = self._is_open and has_row_lanes(gpu)
         self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if self._is_open}
         self._rows: dict[tuple[Rows, bool], OpenRows] = {}
+        has_walls = self.is_marched and is_blocked and has_row_lanes(gpu)
+        self._walls = WallRows(gpu) if has_walls else None
         if self.is_marched:
             self._columns = _Columns(gpu, generated=f"{text}\n{_column_functions(is_blocked)}")
 
@@ -99,6 +102,8 @@ class Step:
         if self._has_rows and rows:
             kernel = self._row_kernel(rows, is_added)
             kernel.encode(commands, count, coefficients, row, **given)
+        elif self._walls and rows:
+            self._walls.encode(commands, count, coefficients, row, **given, packs=packs)
         elif tile in self._open:
             self._open[tile].encode(commands, count, coefficients, row, **given)
         # Columns come in pairs; a coarse lattice of odd size takes the plain kernel.
