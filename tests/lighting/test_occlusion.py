@@ -8,6 +8,7 @@ import pytest
 from airlight.gpu.memory import Texture
 from airlight.lighting.occlusion import Occlusion
 from airlight.lighting.view import View
+from airlight.maths.occlusion import packed_hidden
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Material, PointLight, Scene
 from airlight.surface.geometry import GpuScene
@@ -17,7 +18,7 @@ FULL_RANGE = 0.4  # as in occlusion.wgsl
 
 @pytest.fixture
 def seen_around(gpu, commands, owned):
-    """seen_around(meshes, camera, size, radius, ...) -> (light and depth, way and visibility).
+    """seen_around(meshes, camera, size, radius, ...) -> (light and packed depth, way and share).
 
     Each (H, W, 4). `radiance(depth)`: of each pixel, W m^-2 sr^-1; else occluders are black.
     """
@@ -55,8 +56,8 @@ def looked_at(seen_around):
     """looked_at(meshes, camera, size, radius, ...) -> (visibility, depth), each (H, W)."""
 
     def look(*args, **options):
-        light, way = seen_around(*args, **options)
-        return way[..., 3], light[..., 3]
+        light, _ = seen_around(*args, **options)
+        return 1.0 - packed_hidden(light[..., 3].copy()), light[..., 3]
 
     return look
 
@@ -245,8 +246,10 @@ def corner(square):
 def test_where_all_shines_occluders_send_what_they_hide(seen_around, square):
     meshes, camera = corner(square)
     light, way = seen_around(meshes, camera, (96, 72), 0.5, radiance=lambda n: (2.0, 1.0, 0.5))
-    hidden = 1.0 - way[..., 3]
+    hidden = way[..., 3]
     assert hidden.max() > 0.3
+    all_hidden = packed_hidden(light[..., 3].copy())
+    np.testing.assert_allclose(hidden, all_hidden, atol=2e-3)  # all of it shows its light
     np.testing.assert_allclose(light[..., :3], hidden[..., None] * [2.0, 1.0, 0.5], atol=2e-3)
 
 
@@ -256,7 +259,7 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
         meshes, camera, (96, 72), 0.5, slices=8, steps=16,
         radiance=lambda n: np.where(n[..., 1:2] > 0.9, [1.0, 1.0, 1.0], 0.0),
     )  # fmt: skip
-    hidden, middle = 1.0 - way[..., 3], np.s_[:, 40:56]
+    hidden, middle = way[..., 3], np.s_[:, 40:56]
     own = light[..., 0][middle]
     # The wall is the upper half; the blur mixes a few rows at the crease.
     wall, floor = np.s_[:40], np.s_[56:]
@@ -271,6 +274,18 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
     assert (toward[:, 1] < -0.3).all() and (toward[:, 2] > 0.2).all()
     assert (np.linalg.norm(toward, axis=1) <= 1.0 + 1e-5).all()
     assert abs(toward[:, 0].mean()) < 0.02
+
+
+def test_backs_are_not_taken_for_black(seen_around, square):
+    # A low board across the picture, looked down on: behind it the floor sees what we do not.
+    meshes = [square((0, 0, 0), (0, 0, 3), (6, 0, 0)), square((0, 0.1, 0), (6, 0, 0), (0, 0.1, 0))]
+    camera = Camera((0.0, 1.2, 1.0), (0.0, 0.0, 0.0), fov_y_deg=50)
+    light, way = seen_around(meshes, camera, (96, 72), 0.5, radiance=lambda n: (1.0, 1.0, 1.0))
+    hidden, known = packed_hidden(light[:, 48, 3].copy()), way[:, 48, 3]
+    behind, before = np.s_[:29], np.s_[29:]
+    assert hidden[behind].max() > 0.07 and hidden[before].max() > 0.3
+    assert known[behind].max() < 0.005
+    np.testing.assert_allclose(known[before], hidden[before], atol=2e-3)
 
 
 def strip_scene(square):

@@ -85,7 +85,9 @@ fn lattice_light(
         e *= seen;
     } else {
         // What the near surroundings hide comes back as their own light.
-        let returned = (seen - near.open) * (sky + RETURNED * e);
+        let open = 1.0 - near.hidden;
+        let returned = (seen - near.open) * sky
+            + RETURNED * (interreflected(open, r.diffuse) - open) * e;
         e = replaced(e, from_occluders(lattice, uvw, near), near.light) + returned;
         sky *= near.open;
     }

@@ -66,8 +66,9 @@ class OcclusionLayers:
     """What near occluders send and hide, per texel, each as (4,) values.
 
     `light`  their radiance times the share of the hemisphere that they fill, W m^-2 sr^-1, and the
-             depth (m along the view axis; 0 = nothing there)
-    `way`    the mean direction to them times that share, and the visibility (1 = open)
+             depth (m along the view axis; 0 = nothing there), the last bits of which are how much
+             is hidden (`packed_hidden`)
+    `way`    the mean direction to those that show their light times their share, and that share
 
     Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
     """

@@ -61,51 +61,53 @@ fn radius_at(p: vec3f) -> f32 {
     return clamp(params.growth * length(p), params.radius, params.largest);
 }
 
-struct Raised {
-    horizon: f32,       // cosine between it and the direction to the eye
-    is_seen: bool,      // whether the sample shows us the side that faces the point
+// Cosines between horizons and the direction to the eye.
+struct Horizon {
+    all: f32,           // of all that stands around
+    lit: f32,           // of what shows us the side that faces the point, and so its light
 }
 
-// The horizon as one sample raises it.
-fn raised(horizon: f32, lowest: f32, s: Slice, pixel: vec2i) -> Raised {
+// The horizons as one sample raises them.
+fn raised(before: Horizon, lowest: f32, s: Slice, pixel: vec2i) -> Horizon {
     let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
     let found = point(inside, inverse_distance(inside)) - s.p;
     if (dot(found, s.n) <= 0.0) {
-        return Raised(horizon, false);
-    }
-    var is_seen = false;
-    if (HAS_LIGHT) {
-        is_seen = dot(textureLoad(normal, inside, 0).xyz, found) < 0.0;
+        return before;
     }
     // Whole pixels lie beside the slice: moved onto it, along the surface, at the same height.
     let delta = found - s.sideways * dot(found, s.axis);
     let distance = max(length(delta), 1e-9);
     let weight = saturate((1.0 - distance / (REACH * s.radius)) / (1.0 - FULL_RANGE));
-    return Raised(max(horizon, mix(lowest, dot(delta, s.v) / distance, weight)), is_seen);
+    let own = mix(lowest, dot(delta, s.v) / distance, weight);
+    let all = max(before.all, own);
+    if (!HAS_LIGHT) {
+        return Horizon(all, lowest);
+    }
+    let is_seen = dot(textureLoad(normal, inside, 0).xyz, found) < 0.0;
+    return Horizon(all, select(before.lit, max(before.lit, own), is_seen));
 }
 
-// Of occluders, each by the share of what may come in that they hide: their radiance, W m^-2 sr^-1, and
-// the unit directions to them.
+// Of occluders whose light is known, each by the share of what may come in that they hide: their
+// radiance, W m^-2 sr^-1, the unit directions to them, and that share.
 struct Near {
     light: vec3f,
     way: vec3f,
+    hidden: f32,
 }
 
-// What a sample adds that raises the horizon from `before`, a cosine too; `tangent` on its side. Where
-// it shows us its back, the light on its front is not known.
-fn hidden_by(s: Slice, tangent: vec3f, before: f32, now: Raised, share: f32, pixel: vec2i) -> Near {
-    let after = now.horizon;
+// What a sample adds that raises the horizon of what is lit, cosines too; `tangent` on its side. What shows
+// us its back is not taken for black: its light is left to the lattice, or to what is seen beyond.
+fn hidden_by(s: Slice, tangent: vec3f, before: f32, after: f32, share: f32, pixel: vec2i) -> Near {
     let low = before * s.v + sqrt(max(1.0 - before * before, 0.0)) * tangent;
     let high = after * s.v + sqrt(max(1.0 - after * after, 0.0)) * tangent;
     let middle = low + high;
     let way = middle / max(length(middle), 1e-4);
     let inside = clamp(pixel, vec2i(0), vec2i(params.size) - 1);
-    let light = textureLoad(lit, inside, 0).rgb;
-    return Near(select(vec3f(0.0), share * light, now.is_seen), share * way);
+    return Near(share * textureLoad(lit, inside, 0).rgb, share * way, share);
 }
 
 fn sum_of(a: Near, b: Near) -> Near {
-    return Near(a.light + b.light, a.way + b.way);
+    return Near(a.light + b.light, a.way + b.way, a.hidden + b.hidden);
 }
 
 var<private> near: Near;
@@ -125,33 +127,33 @@ fn slice_openness(
     let gamma = sign(dot(tangent, projected)) * acos(cosine);
     // The surface's own plane is the lowest horizon on each side.
     let lowest = vec2f(cos(gamma + 0.5 * OCCLUSION_PI), cos(gamma - 0.5 * OCCLUSION_PI));
-    var horizon = lowest;
+    var ahead = Horizon(lowest.x, lowest.x);
+    var behind = Horizon(lowest.y, lowest.y);
     let tangent_v = normalize(tangent);
     var arc = vec2f(visible_arc(acos(lowest.x), gamma), visible_arc(-acos(lowest.y), gamma));
     for (var i = 0u; i < STEPS; i++) {
         let share = pow((f32(i) + offset) / f32(STEPS), SPREAD);
         let moved = vec2i(round(across * max(share * radius_px, NEAREST_PX + f32(i))));
-        let before = horizon;
-        let plus = raised(horizon.x, lowest.x, s, pixel + moved);
-        let minus = raised(horizon.y, lowest.y, s, pixel - moved);
-        horizon = vec2f(plus.horizon, minus.horizon);
+        let before = vec2f(ahead.lit, behind.lit);
+        ahead = raised(ahead, lowest.x, s, pixel + moved);
+        behind = raised(behind, lowest.y, s, pixel - moved);
         if (HAS_LIGHT) {
-            let high = acos(clamp(horizon, vec2f(-1.0), vec2f(1.0)));
+            let high = acos(clamp(vec2f(ahead.lit, behind.lit), vec2f(-1.0), vec2f(1.0)));
             let now = vec2f(visible_arc(high.x, gamma), visible_arc(-high.y, gamma));
-            let share = size * (arc - now);
-            near = sum_of(near, hidden_by(s, tangent_v, before.x, plus, share.x, pixel + moved));
-            near = sum_of(near, hidden_by(s, -tangent_v, before.y, minus, share.y, pixel - moved));
+            let hidden = size * (arc - now);
+            near = sum_of(near, hidden_by(s, tangent_v, before.x, ahead.lit, hidden.x, pixel + moved));
+            near = sum_of(near, hidden_by(s, -tangent_v, before.y, behind.lit, hidden.y, pixel - moved));
             arc = now;
         }
     }
-    let high = acos(clamp(horizon, vec2f(-1.0), vec2f(1.0)));
+    let high = acos(clamp(vec2f(ahead.all, behind.all), vec2f(-1.0), vec2f(1.0)));
     let open = visible_arc(high.x, gamma) + visible_arc(-high.y, gamma);
     return size * vec2f(open, cos(gamma) + gamma * sin(gamma));
 }
 
 struct Around {
-    @location(0) light: vec4f,      // and the depth, m along the view axis
-    @location(1) way: vec4f,        // and the visibility
+    @location(0) light: vec4f,      // and the packed depth, m along the view axis, and occlusion
+    @location(1) way: vec4f,        // and the share that is hidden by what shows its light
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Around {
@@ -159,7 +161,7 @@ struct Around {
     let pixel = chosen_pixel(texel);
     let inverse = inverse_distance(pixel);
     if (inverse <= 0.0) {
-        return Around(vec4f(0.0), vec4f(0.0, 0.0, 0.0, 1.0));
+        return Around(vec4f(0.0), vec4f(0.0));
     }
     let on_surface = point(pixel, inverse);
     let v = normalize(-on_surface);
@@ -170,7 +172,7 @@ struct Around {
     let wanted_px = REACH * radius_at(p) * inverse / length(params.right);
     let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
     if (radius_px < NEAREST_PX) {
-        return Around(vec4f(0.0, 0.0, 0.0, 1.0 / inverse), vec4f(0.0, 0.0, 0.0, 1.0));
+        return Around(vec4f(vec3f(0.0), packed_depth(1.0 / inverse, 0.0)), vec4f(0.0));
     }
     // Jimenez2016: sixteen rotations and four offsets, each once in every 4 x 4 texels.
     let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
@@ -182,6 +184,7 @@ struct Around {
     }
     // differs: the paper divides by the number of slices; few of them then shade tilted planes.
     let scale = 1.0 / max(open.y, 1e-6);
-    return Around(vec4f(near.light * scale, 1.0 / inverse),
-        vec4f(near.way * scale, saturate(open.x * scale)));
+    let occluded = 1.0 - saturate(open.x * scale);
+    return Around(vec4f(near.light * scale, packed_depth(1.0 / inverse, occluded)),
+        vec4f(near.way, near.hidden) * scale);
 }

@@ -1,3 +1,5 @@
+//! use occlusion
+
 // The mean over every phase of the 4 x 4 sampling pattern, on one surface.
 
 const DEPTH_TOLERANCE = 0.05;   // as a share of the depth, per texel of distance
@@ -13,6 +15,7 @@ struct Around {
     let last = vec2i(params.reduced) - 1;
     var light = vec3f(0.0);
     var way = vec4f(0.0);
+    var hidden = 0.0;
     var total = 0.0;
     for (var k = 0; k < 16; k++) {
         let place = clamp(texel + vec2i(k & 3, k >> 2u) - 1, vec2i(0), last);
@@ -20,7 +23,8 @@ struct Around {
         let weight = select(0.0, 1.0, abs(other.w - own.w) <= DEPTH_TOLERANCE * own.w);
         light += weight * other.rgb;
         way += weight * textureLoad(sampled_way, place, 0);
+        hidden += weight * packed_hidden(other.w);
         total += weight;
     }
-    return Around(vec4f(light / total, own.w), way / total);
+    return Around(vec4f(light / total, packed_depth(own.w, hidden / total)), way / total);
 }

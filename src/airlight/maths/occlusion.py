@@ -62,3 +62,13 @@ def replaced(irradiance: ArrayLike, from_them: ArrayLike, own: ArrayLike) -> F64
     """
     e, known, light = (np.asarray(x, np.float64) for x in (irradiance, from_them, own))
     return np.asarray(np.maximum(e - known, 0.0) + np.pi * light)
+
+
+HIDDEN_BITS = 12
+
+
+def packed_hidden(depth: ArrayLike) -> F64:
+    """How much of the hemisphere is hidden, 0 to 1: the last bits of a packed depth."""
+    bits = np.asarray(depth, np.float32).view(np.uint32)
+    largest = (1 << HIDDEN_BITS) - 1
+    return np.asarray((bits & largest) / float(largest))

@@ -8,16 +8,17 @@
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
 struct Near {
-    light: vec3f,   // radiance of near occluders times the share of the hemisphere that they fill
-    open: f32,      // the share that they leave
-    way: vec3f,     // mean direction to them times their share
+    open: f32,      // the share of the hemisphere that near occluders leave
+    light: vec3f,   // radiance of those that show it, times the share that they fill
+    way: vec3f,     // mean direction to them times that share
+    hidden: f32,    // that share
 }
 
 // Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf et al. 2007
 // (joint bilateral upsampling).
 fn near_surroundings(position: vec2f, own: f32) -> Near {
     if (!HAS_OCCLUSION) {
-        return Near(vec3f(0.0), 1.0, vec3f(0.0));
+        return Near(1.0, vec3f(0.0), vec3f(0.0), 0.0);
     }
     let size = vec2f(textureDimensions(occlusion));
     // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
@@ -26,6 +27,7 @@ fn near_surroundings(position: vec2f, own: f32) -> Near {
     let t = place - base;
     var light = vec3f(0.0);
     var way = vec4f(0.0);
+    var occluded = 0.0;
     var total = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let corner = vec2f(f32(k & 1u), f32(k >> 1u));
@@ -35,18 +37,20 @@ fn near_surroundings(position: vec2f, own: f32) -> Near {
         let off = abs(near.w - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
         let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
         light += weight * near.rgb;
+        occluded += weight * packed_hidden(near.w);
         way += weight * textureLoad(occlusion, texel, 0);
         total += weight;
     }
-    return Near(light / total, way.w / total, way.xyz / total);
+    return Near(1.0 - occluded / total, light / total, way.xyz / total, way.w / total);
 }
 
-// Irradiance, W m^-2, that the lattice has coming from the near occluders.
+// Irradiance, W m^-2, that the lattice has coming from the near occluders that show their light.
 fn from_occluders(lattice: LatticeParams, uvw: vec3f, near: Near) -> vec3f {
+    let seen = 1.0 - near.hidden;
     let light = vec3f(
-        hidden_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), near.way, near.open),
-        hidden_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), near.way, near.open),
-        hidden_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), near.way, near.open));
+        hidden_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), near.way, seen),
+        hidden_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), near.way, seen),
+        hidden_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), near.way, seen));
     let area = lattice.cell * lattice.cell * lattice.power_scale;
     return light * (3.14159265 * lattice.lookup_scale / area);
 }

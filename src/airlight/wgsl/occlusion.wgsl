@@ -24,3 +24,16 @@ fn hidden_flux(state: vec4f, way: vec3f, visibility: f32) -> f32 {
 fn replaced(e: vec3f, from_them: vec3f, own: vec3f) -> vec3f {
     return max(e - from_them, vec3f(0.0)) + 3.14159265 * own;
 }
+
+// A depth (m) whose last bits are how much of a hemisphere is hidden: it may be read as it is, 1/2000 off.
+const HIDDEN_BITS = 12u;
+const HIDDEN_MASK = (1u << HIDDEN_BITS) - 1u;
+
+fn packed_depth(depth: f32, hidden: f32) -> f32 {
+    let share = u32(round(saturate(hidden) * f32(HIDDEN_MASK)));
+    return bitcast<f32>((bitcast<u32>(depth) & ~HIDDEN_MASK) | share);
+}
+
+fn packed_hidden(depth: f32) -> f32 {
+    return f32(bitcast<u32>(depth) & HIDDEN_MASK) / f32(HIDDEN_MASK);
+}
