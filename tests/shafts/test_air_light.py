@@ -12,6 +12,7 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
+from airlight.shafts import air_light
 from airlight.shafts.air_light import AirLight, AirSettings
 
 SIZE = (44, 32)
@@ -53,6 +54,22 @@ def l2(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
+@pytest.fixture
+def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small pictures are reduced as large ones are."""
+    monkeypatch.setattr(air_light, "COARSE_TEXEL", np.inf)
+
+
+def test_small_pictures_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
+    seen = look(foggy, SIZE)
+    exact = full(gpu, seen, owned)
+    small = seen.read(drawn(gpu, seen, owned).single_scatter)
+    np.testing.assert_allclose(small[..., :3], exact[..., :3], rtol=1e-3, atol=1e-6)
+    never = seen.read(drawn(gpu, seen, owned, shaft_contrast=1.0).single_scatter)
+    assert l2(never[..., :3], exact[..., :3]) > 0.01
+
+
+@pytest.mark.usefixtures("as_if_large")
 def test_reduced_pictures_are_near_the_full_one(
     gpu: Gpu, look: Any, owned: Any, foggy: Scene
 ) -> None:
@@ -104,6 +121,7 @@ def test_without_air_nothing_happens(gpu: Gpu, look: Any, owned: Any, foggy: Sce
     assert np.all(seen.read(air.transmittance) == 1.0)
 
 
+@pytest.mark.usefixtures("as_if_large")
 def test_pixels_are_drawn_anew_where_texels_differ(
     gpu: Gpu, look: Any, owned: Any, foggy: Scene
 ) -> None:

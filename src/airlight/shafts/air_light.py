@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -35,6 +37,10 @@ from .jitter import Jitter
 from .shafts import Shafts
 from .volumes import Volumes
 
+COARSE_TEXEL = 1.0 / 80.0
+"""The side of a reduced texel in units of how far off it is, beyond which shafts fit between
+texels: at fov_y 60 degrees half resolution of less than 185 rows, which have few pixels to draw."""
+
 
 @dataclass(frozen=True)
 class AirSettings:
@@ -54,7 +60,8 @@ class AirSettings:
     shaft_contrast: float = setting(
         0.1,
         "between the texels of reduced single scattering that a pixel is made of, beyond which "
-        "it is drawn anew; 0: everywhere, 1: nowhere",
+        "it is drawn anew; 0: everywhere, 1: nowhere; below 1 also everywhere where texels are so "
+        "coarse, in small pictures, that shafts fit between them",
         low=0.0,
         high=1.0,
     )
@@ -208,9 +215,9 @@ class AirLight:
         assert self.shafts
         reduced = self._target("single")
         self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
-        contrast = self.settings.shaft_contrast
         if is_listed:
             return
+        contrast = self._contrast(view)
         if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
             self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
                                self._full("single"), contrast)  # fmt: skip
@@ -273,7 +280,7 @@ class AirLight:
         assert finisher
         listing: dict[str, Any] = {}
         if isinstance(self.shafts, Shafts) and self._lists:
-            redrawn = self.shafts.redrawn(self.settings.shaft_contrast)
+            redrawn = self.shafts.redrawn(self._contrast(view))
             listing = {"redrawn": redrawn, "listed": self.shafts.listed}
         finisher.encode(
             commands, params, depth, direct=view.layers.direct, indirect=view.layers.indirect,
@@ -285,6 +292,12 @@ class AirLight:
         if isinstance(self.shafts, Shafts) and listing:
             with commands.stage("shafts"):
                 self.shafts.redraw(commands, params, lights, depth, self.single_scatter)
+
+    def _contrast(self, view: View) -> float:
+        """Of what texels beside each other may differ by; 0 where shafts fit between them."""
+        wanted, rays = self.settings.shaft_contrast, self.shaft_rays
+        side = 2.0 * float(np.linalg.norm(view.world_from_clip[:3, 1])) / rays.size[1]
+        return 0.0 if wanted < 1.0 and side * rays.scale > COARSE_TEXEL else wanted
 
     @property
     def _lists(self) -> bool:

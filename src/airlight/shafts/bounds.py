@@ -30,7 +30,7 @@ class BoundsParams(Struct):
 class _Bounds(ComputePass):
     slots = (
         uniform("params", BoundsParams),
-        storage("bounds", "vec2f", "read_write"),
+        storage("bounds", "vec4f", "read_write"),
     )
     workgroup = (32, 4, 1)
     file = "bounds.wgsl"
@@ -68,7 +68,8 @@ class DepthBounds:
             )  # fmt: skip
             squares = self.side >> level
             (self._first if level == 1 else self._next).dispatch(
-                commands, (squares, squares, self.maps.layers), params=params, bounds=self.buffer
+                commands, (-(-squares // 2), squares, self.maps.layers), params=params,
+                bounds=self.buffer,
             )  # fmt: skip
 
     def _copy(self, commands: Commands) -> None:

@@ -1,4 +1,5 @@
-// One level of bounds from the finer one. Level 0 has been copied from the maps.
+// One level of bounds from the finer one, two squares beside each other at once: software drivers pay
+// for reads, whatever they bring. Level 0 has been copied from the maps.
 //! use shadow_levels
 
 // Squares beyond the map's edge bound nothing.
@@ -11,23 +12,32 @@ fn together(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(min(a.x, b.x), max(a.y, b.y));
 }
 
-// Of two squares beside each other: one entry holds two texels, larger ones have their own.
-fn pair(layer: u32, left: vec2u) -> vec2f {
-    let entry = level_entry(params.side, layer, select(params.level - 1u, 0u, IS_FIRST), left);
+// Of a texel and the next one of its row.
+fn of_texels(left: vec2u, depths: vec2f) -> vec2f {
+    return together(texel_bounds(left, depths.x), texel_bounds(left + vec2u(1u, 0u), depths.y));
+}
+
+// Of four squares of the finer level in a row: the first two, and the others.
+fn pairs(layer: u32, left: vec2u) -> vec4f {
+    let entry = level_entry(params.side, layer, select(params.level - 1u, 0u, IS_FIRST), left) / 2u;
     let first = bounds[entry];
-    if (!IS_FIRST) {
-        return together(first, bounds[entry + 1u]);
+    if (IS_FIRST) {
+        return vec4f(of_texels(left, first.xy), of_texels(left + vec2u(2u, 0u), first.zw));
     }
-    return together(texel_bounds(left, first.x), texel_bounds(left + vec2u(1u, 0u), first.y));
+    let second = bounds[entry + 1u];
+    return vec4f(together(first.xy, first.zw), together(second.xy, second.zw));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let level = params.level;
-    let squares = params.side >> level;
-    if (any(id.xy >= vec2u(squares)) || id.z >= params.layers) {
+    let squares = params.side >> params.level;
+    let square = vec2u(2u * id.x, id.y);
+    if (any(square >= vec2u(squares)) || id.z >= params.layers) {
         return;
     }
-    let first = 2u * id.xy;
-    bounds[level_entry(params.side, id.z, level, id.xy)] =
-        together(pair(id.z, first), pair(id.z, first + vec2u(0u, 1u)));
+    let a = pairs(id.z, 2u * square);
+    let b = pairs(id.z, 2u * square + vec2u(0u, 1u));
+    let both = vec4f(together(a.xy, b.xy), together(a.zw, b.zw));
+    let entry = level_entry(params.side, id.z, params.level, square);
+    // The one square of the last level lies second.
+    bounds[entry / 2u] = select(both, both.zwxy, squares == 1u);
 }
