@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 from cffi import FFI
 
-from airlight.gpu.quick_types import declare_only_what_is_named, keep_attachments
+from airlight.gpu.quick_types import declare_only_what_is_named, keep_attachments, keep_labels
 
 
 def made() -> FFI:
@@ -59,5 +61,16 @@ def test_structs_of_render_passes_are_made_once_and_anew_where_anything_differs(
     assert encoder._create_render_pass_stencil_attachment(depth) == depth
 
 
+def test_labels_are_made_once_and_code_is_not_kept() -> None:
+    asked: list[str | None] = []
+    api = SimpleNamespace(to_c_string_view=lambda text: (asked.append(text), text)[1])
+    assert keep_labels(api)
+    assert keep_labels(api)  # twice is once
+    for text in ("frame", "frame", None, None, "x" * 65, "x" * 65):
+        assert api.to_c_string_view(text) == text
+    assert asked == ["frame", None, None, "x" * 65, "x" * 65]
+
+
 def test_another_wgpu_is_left_alone() -> None:
     assert not keep_attachments(object)
+    assert not keep_labels(object())

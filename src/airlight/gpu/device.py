@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import wgpu
-from wgpu.backends.wgpu_native import GPUCommandEncoder, ffi
+from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
 
 from ..errors import DeviceError
 from .pipelines import Pipelines
-from .quick_types import declare_only_what_is_named, keep_attachments
+from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
 
 NO_DRIVER_REMEDY = (
     "Install a Vulkan driver: your GPU vendor's, or the software one "
@@ -46,6 +46,7 @@ _LIMITS = {  # asked for up to these values, so that code which needs more fails
 
 declare_only_what_is_named(ffi)
 keep_attachments(GPUCommandEncoder)
+keep_labels(_api)
 
 _UNIFORMS_IN_STORAGE = {  # on software drivers, see slots.on_software
     "max-storage-buffers-per-shader-stage": 18,

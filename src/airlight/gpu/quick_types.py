@@ -7,9 +7,10 @@ the header before each: about two seconds of a program's start. Only those named
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any
 
-_MOST_ATTACHMENTS = 256
+_MOST_ATTACHMENTS, _MOST_LABELS, _LONGEST_LABEL = 256, 256, 64
 
 
 def declare_only_what_is_named(ffi: Any) -> bool:
@@ -73,3 +74,23 @@ def _keeping(method: Any) -> Any:
 
     quick.is_quick = True  # type: ignore[attr-defined]
     return quick
+
+
+def keep_labels(api: Any) -> bool:
+    """Make `api` (the module in which wgpu-py calls the device) keep the C strings of labels.
+
+    Each pass of each frame has one. Returns whether it could be.
+    """
+    convert: Any = getattr(api, "to_c_string_view", None)
+    if not callable(convert):
+        return False
+    if not getattr(convert, "is_quick", False):
+        short = lru_cache(maxsize=_MOST_LABELS)(convert)
+
+        def quick(string: str) -> Any:
+            is_label = isinstance(string, str) and len(string) <= _LONGEST_LABEL
+            return (short if is_label else convert)(string)
+
+        quick.is_quick = True  # type: ignore[attr-defined]
+        api.to_c_string_view = quick
+    return True
