@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.gpu.memory import Texture
+from airlight.gpu.compute import ComputePass
+from airlight.gpu.memory import Buffer, Texture, buffer_of
+from airlight.gpu.slots import storage
 from airlight.lighting.occlusion import Occlusion
 from airlight.lighting.view import View
 from airlight.maths.occlusion import packed_hidden
@@ -45,10 +47,22 @@ def seen_around(gpu, commands, owned):
             view.world_from_clip, radius, lit=lit,
         )  # fmt: skip
         commands.submit()
-        layers = (view.occlusion.light, view.occlusion.way) if blurred else view.occlusion.sampled
-        return tuple(layer.read() for layer in layers)
+        texels = (view.occlusion.near if blurred else view.occlusion.sampled).read()
+        return near_surroundings(texels.astype(np.int64))
 
     return look
+
+
+def near_surroundings(texels):
+    """Words (..., 4) of wgsl/near_texel.wgsl -> light and packed depth, way and share."""
+    a, b, c, depth = np.moveaxis(texels, -1, 0)
+    scale = np.exp2((b >> 13 & 0xFF) - 126.0 - 13.0)
+    light = np.stack([a & 0x1FFF, a >> 13 & 0x1FFF, b & 0x1FFF], axis=-1) * scale[..., None]
+    way = np.stack([b >> 21, c >> 16 & 0x7FF, c >> 27 << 6 | a >> 26], axis=-1)
+    way = np.where(way > 0x3FF, way - 0x800, way) / 1023.0
+    depth = depth.astype(np.uint32).view(np.float32)
+    share = (c & 0xFFFF) / 65535.0
+    return np.dstack([light.astype(np.float32), depth]), np.dstack([way, share])
 
 
 @pytest.fixture
@@ -318,3 +332,67 @@ def test_light_from_nearer_than_a_cell_against_form_factors(gpu, square):
     assert np.abs(blurred / expected - 1.0).mean() > 0.9
     assert np.abs(found / expected - 1.0).mean() < 0.55
     assert (found < expected).all()
+
+
+class _Texels(ComputePass):
+    """What is packed, and what is read of it again."""
+
+    slots = (
+        storage("given", "vec4f"), storage("near", "vec4u", "read_write"),
+        storage("seen", "vec4f", "read_write"),
+    )  # fmt: skip
+    workgroup = (64, 1, 1)
+
+
+_TEXELS = """
+//! use near_texel
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let i = id.x;
+    let light = given[2u * i];
+    let way = given[2u * i + 1u];
+    near[i] = packed_near(Near(way.w, light.xyz, way.xyz, 1.0 - way.w), light.w);
+    let pixel = vec2u(i & 1u, (i >> 1u) & 1u);
+    let texel = packed_seen(Seen(light.w, pixel, way.xyz, light.xyz));
+    let back = near_of(near[i]);
+    seen[4u * i] = vec4f(seen_light(texel), bitcast<f32>(texel.x));
+    seen[4u * i + 1u] = vec4f(normalize(seen_normal(texel)), f32(seen_pixel(texel).x));
+    seen[4u * i + 2u] = vec4f(back.light, f32(seen_pixel(texel).y));
+    seen[4u * i + 3u] = vec4f(back.way, back.open);
+}
+"""
+
+
+def test_texels_keep_what_is_put_into_them(gpu, commands, owned, tmp_path):
+    """Light to a part in 2^18 and 2^13 of its largest channel, over 60 orders of magnitude."""
+    rng, count = np.random.default_rng(3), 512
+    light = rng.random((count, 3)) ** 3 * 10.0 ** rng.uniform(-25, 25, (count, 1))
+    light[:2] = [0, 0, 0], [1, 0, 0]
+    way = rng.normal(size=(count, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True) * rng.uniform(1.0, 4.0, (count, 1))
+    depth, share = rng.uniform(0.1, 1e3, count), rng.random(count)
+    share[:2] = 0, 1
+    given = np.stack([np.c_[light, depth], np.c_[way, share]], axis=1).astype(np.float32)
+    (tmp_path / "texels.wgsl").write_text(_TEXELS)
+    made = type("Texels", (_Texels,), {"file": str(tmp_path / "texels.wgsl"),
+                                       "__module__": __name__})(gpu)  # fmt: skip
+    near, seen = owned(Buffer(gpu, "near", 16 * count)), owned(Buffer(gpu, "seen", 64 * count))
+    bound = {"given": owned(buffer_of(gpu, "given", given)), "near": near, "seen": seen}
+    made.dispatch(commands, (count,), **bound)
+    commands.submit()
+    back = seen.read(np.float32).reshape(count, 4, 4)
+    largest = light.max(axis=1, keepdims=True) + 1e-30
+    assert (np.abs(back[:, 0, :3] - light) / largest).max() < 2.0**-18 * 1.01
+    assert (np.abs(back[:, 2, :3] - light) / largest).max() < 2.0**-13 * 1.01
+    np.testing.assert_array_equal(back[:, 0, 3], depth.astype(np.float32))
+    unit = way / np.linalg.norm(way, axis=1, keepdims=True)
+    np.testing.assert_allclose(back[:, 1, :3], unit, atol=1e-4)
+    np.testing.assert_array_equal(back[:, 1:3, 3], np.stack(
+        [np.arange(count) & 1, np.arange(count) >> 1 & 1], axis=1))  # fmt: skip
+    np.testing.assert_allclose(back[:, 3, :3], way, atol=0.5 / 1023 + 1e-6)
+    np.testing.assert_allclose(back[:, 3, 3], share, atol=0.5 / 4095 + 1e-6)
+    lit, there = near_surroundings(near.read(np.uint32).reshape(count, 4).astype(np.int64)[None])
+    np.testing.assert_allclose(lit[0, :, :3], back[:, 2, :3], rtol=1e-6)
+    np.testing.assert_allclose(lit[0, :, 3], depth, rtol=1 / 2000)
+    np.testing.assert_allclose(1.0 - packed_hidden(lit[0, :, 3].copy()), back[:, 3, 3], atol=1e-6)
+    np.testing.assert_allclose(there[0, :, :3], back[:, 3, :3], atol=1e-6)
+    np.testing.assert_allclose(there[0, :, 3], 1.0 - share, atol=0.5 / 65535 + 1e-6)

@@ -14,7 +14,7 @@ from .bindings import Bindings
 from .commands import Commands
 from .device import Gpu
 from .memory import Buffer
-from .slots import Slot, declarations, on_software
+from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
 
 _GRIDS_KEPT = 64
@@ -36,7 +36,7 @@ class ComputePass:
         self._groups: dict[tuple[int, ...], tuple[int, ...]] = {}
         source = Source()
         wx, wy, wz = self.workgroup
-        slots = on_software(self.slots) if gpu.is_cpu else self.slots
+        slots = on_device(self.slots, gpu)
         source.add(declarations(slots), f"{self.label} slots")
         source.add(f"const WX = {wx}u;\nconst WY = {wy}u;\nconst WZ = {wz}u;", "workgroup")
         if generated:

@@ -162,6 +162,15 @@ class Gpu:
         """Whether this is a software driver: kernels are laid out for lanes, not for threads."""
         return self.info.is_cpu
 
+    @property
+    def filtered(self) -> str:
+        """The format of 3D textures of light that shaders filter.
+
+        Half floats; a software driver filters whole ones in two thirds of the time.
+        """
+        is_whole = self.is_cpu and "float32-filterable" in self.features
+        return "rgba32float" if is_whole else "rgba16float"
+
     def count(self, nbytes: int) -> None:
         """So much more (or less) is allocated; any thread may say so."""
         with self._counting:

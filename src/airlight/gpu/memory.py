@@ -16,12 +16,14 @@ _TEXTURE_USAGE = (
 _BYTES = {  # of one texel
     "r8unorm": 1, "rgba8unorm": 4, "rgba8unorm-srgb": 4, "bgra8unorm": 4, "bgra8unorm-srgb": 4,
     "r16float": 2, "rg16float": 4, "rgba16float": 8, "r32float": 4, "rg32float": 8,
-    "rgba32float": 16, "depth32float": 4, "r32uint": 4, "rg32uint": 8, "rgba8snorm": 4,
+    "rgba32float": 16, "rgba32uint": 16, "depth32float": 4, "r32uint": 4, "rg32uint": 8,
+    "rgba8snorm": 4,
 }  # fmt: skip
 _DTYPES = {
     "rgba8unorm": (np.uint8, 4), "rgba8unorm-srgb": (np.uint8, 4), "r16float": (np.float16, 1),
     "rgba16float": (np.float16, 4), "r32float": (np.float32, 1), "rg32float": (np.float32, 2),
     "rgba32float": (np.float32, 4), "depth32float": (np.float32, 1), "r32uint": (np.uint32, 1),
+    "rgba32uint": (np.uint32, 4),
     "rgba8snorm": (np.int8, 4), "rg16float": (np.float16, 2), "r8unorm": (np.uint8, 1),
 }  # fmt: skip
 

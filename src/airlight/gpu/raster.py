@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from .bindings import Bindings
+from .carried import Carried, carried, first_elements
 from .commands import Commands
 from .compute import shader_path
 from .device import Gpu
-from .slots import Slot, declarations, on_software
+from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
 
 _FULLSCREEN_VERTEX = """
@@ -39,13 +41,24 @@ class RasterPipeline:
         self, gpu: Gpu, *, constants: dict[str, float] | None = None, cull: str = "none",
         front_face: str = "ccw",
         generated: str = "", targets: tuple[str, ...] | None = None,
+        firsts: Mapping[str, tuple[str, ...]] | None = None,
     ) -> None:  # fmt: skip
+        """`firsts`: storage buffers of which the pass reads `first_NAME()`, and not these fields.
+
+        In full-screen passes, for which software drivers have them at hand; as are uniforms.
+        """
         self.gpu, self.label = gpu, type(self).__name__
         self._slots, self._second = (
-            on_software(slots) if gpu.is_cpu else slots for slots in (self.slots, self.second_slots)
+            on_device(slots, gpu) for slots in (self.slots, self.second_slots)
         )
         self.targets_used = self.targets if targets is None else targets
-        source = self._source(generated)
+        text = shader_path(type(self)).read_text()
+        self._entry = self.fragment_entry
+        if self.vertex_entry == "fullscreen":
+            made = self._fullscreen(firsts or {}, text)
+            self._slots, self._entry, text = made.slots, made.entry, made.text
+            generated = made.generated + generated
+        source = self._source(generated, text)
         self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
         self.second: Bindings | None = None
         if self.second_slots:
@@ -53,7 +66,7 @@ class RasterPipeline:
         primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
         layouts = [slot.layout for slot in (*self._slots, *self._second)]
         fixed = (self.label, constants, primitive, self._depth_state(), self.targets_used,
-                 self.blend, self.vertex_buffers, self.vertex_entry, self.fragment_entry,
+                 self.blend, self.vertex_buffers, self.vertex_entry, self._entry,
                  layouts)  # fmt: skip
         self.pipeline: Any = gpu.pipelines.get(
             source.text, fixed, lambda: self._compiled(source, constants or {}, primitive)
@@ -76,17 +89,24 @@ class RasterPipeline:
             fragment=self._fragment_state(module, constants),
         )
 
-    def _source(self, generated: str) -> Source:
+    def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
+        if self.gpu.is_cpu:
+            made = carried(self._slots, firsts, text)
+            if made.entry != "fragment":
+                return made
+        return Carried(
+            self._slots, _FULLSCREEN_VERTEX + first_elements(self._slots, firsts), text, "fragment"
+        )
+
+    def _source(self, generated: str, text: str) -> Source:
         source = Source()
         source.add(declarations(self._slots), f"{self.label} slots")
         if self.second_slots:
             source.add(declarations(self._second, 1), f"{self.label} material slots")
-        if self.vertex_entry == "fullscreen":
-            source.add(_FULLSCREEN_VERTEX, "fullscreen vertex")
         if generated:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
-        source.add(path.read_text(), f"{path.parent.name}/{path.name}")
+        source.add(text, f"{path.parent.name}/{path.name}")
         return source
 
     def _depth_state(self) -> dict[str, Any] | None:
@@ -104,7 +124,7 @@ class RasterPipeline:
         extra = {"blend": self.blend} if self.blend else {}
         return {
             "module": module,
-            "entry_point": self.fragment_entry,
+            "entry_point": self._entry,
             "constants": constants,
             "targets": [{"format": f, **extra} for f in self.targets_used],
         }

@@ -7,8 +7,11 @@ from typing import Any, Literal
 
 import wgpu
 
+from .device import Gpu
 from .layout import Struct
 
+FILTERED = "filtered"
+"""The format of an image that shaders filter: that of the device, `Gpu.filtered`."""
 Dimension = Literal["2d", "2d-array", "3d", "cube"]
 
 
@@ -41,6 +44,12 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
     )
 
 
+def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
+    """The same slots for a device: images as it filters them, uniforms as it reads them."""
+    made = tuple(_filtered(slot, gpu.filtered) for slot in slots)
+    return on_software(made) if gpu.is_cpu else made
+
+
 def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
     """The same slots for a software driver, their uniforms read-only storage.
 
@@ -48,6 +57,14 @@ def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
     values, and keeps the clones (4 MB a picture): storage buffers it leaves alone.
     """
     return tuple(_from_storage(slot) if slot.is_dynamic else slot for slot in slots)
+
+
+def _filtered(slot: Slot, format: str) -> Slot:
+    image = slot.layout.get("storage_texture", {})
+    if image.get("format") != FILTERED:
+        return slot
+    layout = {"storage_texture": {**image, "format": format}}
+    return replace(slot, declaration=slot.declaration.replace(FILTERED, format), layout=layout)
 
 
 def _from_storage(slot: Slot) -> Slot:

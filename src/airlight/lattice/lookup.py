@@ -1,7 +1,7 @@
 """The solved lattice as filtered 3D textures, and how surfaces read it.
 
-Half floats hold three textures (one per channel) of (a, bx, by, bz), scaled so that the whole
-flux in one cell still fits. `wgsl/lattice.wgsl` reads them.
+Three textures (one per channel) hold (a, bx, by, bz), scaled so that the whole flux in one cell
+fits into half floats. `wgsl/lattice.wgsl` reads them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import FILTERED, image, storage, uniform
 from .inject import SHAPED_LOBE, forward_share
 from .placement import EVERYWHERE, Hull, Placement
 
@@ -41,9 +41,9 @@ class Pack(ComputePass):
         uniform("params", PackParams),
         storage("injected", "vec4f"),
         storage("propagated", "vec4f"),
-        image("red", "rgba16float", "3d"),
-        image("green", "rgba16float", "3d"),
-        image("blue", "rgba16float", "3d"),
+        image("red", FILTERED, "3d"),
+        image("green", FILTERED, "3d"),
+        image("blue", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "pack.wgsl"
@@ -60,7 +60,7 @@ class LatticeTextures:
         self.pack = Pack(gpu)
 
         self.red, self.green, self.blue = (
-            Texture(gpu, f"lattice {name}", size or placement.count, "rgba16float",
+            Texture(gpu, f"lattice {name}", size or placement.count, gpu.filtered,
                     dimension="3d", written=True)
             for name in ("red", "green", "blue")
         )  # fmt: skip

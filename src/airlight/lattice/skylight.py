@@ -16,7 +16,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, i32, pack_array, u32, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture
-from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
 from ..surface.sky import SkyLight
@@ -52,7 +52,7 @@ class _Skylight(ComputePass):
         sampler("compare", "comparison"),
         *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
         texture("before", "3d"),
-        image("cube", "rgba16float", "3d"),
+        image("cube", FILTERED, "3d"),
     )
     workgroup = (8, 8, 4)
     file = "skylight.wgsl"
@@ -71,12 +71,12 @@ class Skylight:
         self.placement, self._is_owner = placement, beside is None
         nx, ny, nz = size or placement.count
         self.cube: Texture = beside.cube if beside else Texture(
-            gpu, "sky light", (nx, ny, FACES * nz), "rgba16float", dimension="3d", written=True
+            gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
         )  # fmt: skip
         # Of a lattice that moves: its cubes before.
         columns, rows, _ = placement.count
         kept = (1, 1, 1) if beside is None else (columns, rows, FACES * self._depth)
-        self._before = Texture(gpu, "sky light before", kept, "rgba16float", dimension="3d")
+        self._before = Texture(gpu, "sky light before", kept, gpu.filtered, dimension="3d")
         self._made: Placement | None = None
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)

@@ -175,8 +175,7 @@ class Direct:
         values: dict[str, Any] = {
             "params": params, **self.lattice_bound, **self.lights.bound,
             **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
-            "normal": g.normal, "emission": g.emission, "occlusion": view.occlusion.way,
-            "near_light": view.occlusion.light,
+            "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
             "lit": layers.lit if part == "lattices" else g.albedo,
             "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
         }  # fmt: skip
@@ -203,7 +202,8 @@ class Direct:
                 self.gpu, self.air, is_glossy=self._is_glossy, damping=self.damping,
                 has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
                 has_lamps=self.lights.local.layers > 0, **known,
-                glossy_group=GlossyPixels.group if is_listed and part != "lights" else 0,
+                is_one_sun=self.lights.count == self.lights.parallel.layers == 1,
+                is_listed=is_listed and part != "lights",
                 part=part, is_bouncing=self.is_bouncing,
             )  # fmt: skip
         return self._passes[part]

@@ -17,6 +17,7 @@ from ..lattice.placement import LatticeParams
 from .lighting import LightingParams
 
 _ENTRY_BYTES = 32
+_AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
@@ -29,8 +30,8 @@ class _Mirrored(ComputePass):
     slots: ClassVar[tuple[Slot, ...]] = (
         uniform("params", LightingParams), storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
-        *(texture(n, "2d", "unfilterable-float")
-          for n in ("albedo", "normal", "emission", "occlusion", "near_light")),
+        *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
+        texture("near_texels", "2d", "uint"),
         *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
                                      "lattice_open_a", "lattice_open_b", "lattice_walls")),
         sampler("linear_clamp"), storage("found", "u32"), storage("listed", "vec4u"),
@@ -43,17 +44,14 @@ class _Mirrored(ComputePass):
 class GlossyPixels:
     """The list of a picture's glossy pixels, and their mirrored light."""
 
-    group = _Mirrored.workgroup[0]
-
     def __init__(self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool) -> None:
         """As for `Lighting`."""
         self.gpu = gpu
         self._pass = _Mirrored(gpu, constants={
-            "HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": 1.0, "HAS_SKY": float(has_sky),
-            "IS_ONE_LATTICE": float(is_one_lattice),
+            "HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": 1.0, "IS_LISTED": 1.0,
+            "HAS_SKY": float(has_sky), "IS_ONE_LATTICE": float(is_one_lattice),
         })  # fmt: skip
         self._found = Buffer(gpu, "glossy pixels", 16)
-        self._groups = Buffer(gpu, "groups of glossy pixels", 16, indirect=True)
         self._listed: Buffer | None = None
 
     def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
@@ -63,9 +61,8 @@ class GlossyPixels:
             if self._listed is not None:
                 self._listed.release()
             self._listed = Buffer(self.gpu, "list of glossy pixels", nbytes)
-        for counted in (self._found, self._groups):
-            commands.encoder.clear_buffer(counted.handle)
-        return {"found": self._found, "groups": self._groups, "listed": self._listed}
+        commands.encoder.clear_buffer(self._found.handle)
+        return {"found": self._found, "listed": self._listed}
 
     def encode(
         self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
@@ -74,13 +71,13 @@ class GlossyPixels:
         names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
         bound = {name: value for name, value in values.items() if name in names}
         direct, indirect = targets
-        self._pass.dispatch_indirect(
-            commands, self._groups, **bound, found=self._found, listed=self._listed,
+        self._pass.dispatch(
+            commands, _AT_ONCE, **bound, found=self._found, listed=self._listed,
             direct_light=direct, indirect_light=indirect,
         )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._found, self._groups, self._listed):
+        for part in (self._found, self._listed):
             if part is not None:
                 part.release()

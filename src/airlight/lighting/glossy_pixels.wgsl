@@ -3,7 +3,11 @@
 //! use pixel_point
 //! use mirrored_light
 
-fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
+fn first_lattices() -> LatticeParams {
+    return lattices[0];
+}
+
+fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
     let position = vec2f(pixel) + 0.5;
     let d = textureLoad(depth, pixel, 0);
     let p = pixel_point(position, d);
@@ -13,7 +17,6 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
-    let open = near_surroundings(position, 1.0 / (params.world_from_clip[2].w * d)).open;
     let gain = mirror_gain(r, n_v, open) / PI;
     var direct = rest;
     var bounced = rest_bounced;
@@ -23,8 +26,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
     loop {
         k = lattice_from(k, p);
         let weight = left * lattice_weight(lattice_of(k), p);
-        let own = lattice_coordinates(lattice_of(k), p, n);
-        let light = mirrored_light(k, p, r, n_v, n, own, reflect(-v, n));
+        let light = mirrored_light(k, p, r, n_v, n, vec3f(0.0), reflect(-v, n));
         direct += weight * gain * light.sky;
         bounced += weight * gain * light.bounced;
         left -= weight;
@@ -49,7 +51,8 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f) {
         let direct = listed[2u * i];
         let indirect = listed[2u * i + 1u];
         let pixel = vec2u(direct.w & 0xffffu, direct.w >> 16u);
-        add_mirrored(pixel, bitcast<vec3f>(direct.xyz), bitcast<vec3f>(indirect.xyz));
+        add_mirrored(pixel, bitcast<vec3f>(direct.xyz), bitcast<vec3f>(indirect.xyz),
+            bitcast<f32>(indirect.w));
         i += groups.x * WX;
         if (i >= count) { break; }
     }

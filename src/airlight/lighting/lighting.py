@@ -17,7 +17,6 @@ from ..lattice.placement import LatticeParams
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
-MOST_GROUPS = 65535
 _THROUGH_NOTHING = """
 fn light_passed(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
@@ -34,25 +33,26 @@ _LISTED = """
 fn is_walked_apart(r: Reflector, n_v: f32) -> bool {
     return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
 }
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f) {
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
     let at = atomicAdd(&found[0], 1u);
     listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
-    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), 0u);
-    atomicMax(&groups[0], min(at / GLOSSY_GROUP + 1u, MOST_GROUPS));
-    atomicMax(&groups[1], 1u);
-    atomicMax(&groups[2], 1u);
+    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), bitcast<u32>(open));
 }
 """
 _NOT_LISTED = """
 fn is_walked_apart(r: Reflector, n_v: f32) -> bool { return false; }
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f) {}
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
 """
 _LISTS = (
-    storage("found", "atomic<u32>", "read_write"), storage("groups", "atomic<u32>", "read_write"),
-    storage("listed", "vec4u", "read_write"),
+    storage("found", "atomic<u32>", "read_write"), storage("listed", "vec4u", "read_write"),
 )  # fmt: skip
 
 
+# What single lights and lattices are read from; nothing here goes from a light's view to the world.
+_LIGHTS_FIRST: dict[str, tuple[str, ...]] = {
+    "lights": (), "parallel_views": ("world_from_clip",), "lattices": ()
+}  # fmt: skip
+_LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()} | _LIGHTS_FIRST
 Part = Literal["whole", "lights", "lattices"]
 
 
@@ -95,8 +95,7 @@ class Lighting(FullscreenPass):
         texture("normal", "2d", "unfilterable-float"),
         texture("emission", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
-        texture("occlusion", "2d", "unfilterable-float"),
-        texture("near_light", "2d", "unfilterable-float"),
+        texture("near_texels", "2d", "uint"),
         texture("environment", "2d"),
         sampler("environment_sampler"),
         texture("sky_cube", "3d"),
@@ -114,23 +113,23 @@ class Lighting(FullscreenPass):
         self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
         has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
-        is_one_lattice: bool = False, glossy_group: int = 0, part: Part = "whole",
-        is_bouncing: bool = False,
+        is_one_lattice: bool = False, is_one_sun: bool = False, is_listed: bool = False,
+        part: Part = "whole", is_bouncing: bool = False,
     ) -> None:  # fmt: skip
         """`air`: what light is attenuated by on its way to surfaces.
 
         `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
         which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
-        `is_one_lattice`: `lattices` has no other.
+        `is_one_lattice`: `lattices` has no other. `is_one_sun`: nor has `lights`, and it is a sun.
         `part`: "lights" draws all but the lattices' light, into one target; "lattices" adds theirs
         to what the slot `lit` has, and what near occluders send. `is_bouncing`: that the lattices'
         light bounces between near surfaces, too.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
-        surfaces follow their mirrored rays into the lattice; with a `glossy_group` they are listed
-        instead, for groups of so many invocations of `GlossyPixels`. `damping`: how strongly
-        bounced light that falls off away from a surface is taken for a leak.
+        surfaces follow their mirrored rays into the lattice; where `is_listed` they are listed for
+        `GlossyPixels` instead. `damping`: how strongly bounced light that falls off away from a
+        surface is taken for a leak.
         """
-        lists = _LISTS if glossy_group else ()
+        lists = _LISTS if is_listed else ()
         self.slots = (*type(self).slots, *(air.slots if air else ()), *lists)  # type: ignore[misc]
         through = _THROUGH_AIR if air else _THROUGH_NOTHING
         constants = {"HAS_OCCLUSION": float(is_occluded),
@@ -139,13 +138,12 @@ class Lighting(FullscreenPass):
                      "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
                      "HAS_SKY": float(has_sky), "HAS_LIGHTS": float(part != "lattices"),
                      "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
-                     "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
-        group = f"const GLOSSY_GROUP = {glossy_group}u;\nconst MOST_GROUPS = {MOST_GROUPS}u;\n"
-        generated = (
-            (air.wgsl if air else "") + through + group + (_LISTED if lists else _NOT_LISTED)
-        )
+                     "IS_ONE_LATTICE": float(is_one_lattice),
+                     "IS_ONE_SUN": float(is_one_sun)}  # fmt: skip
+        generated = (air.wgsl if air else "") + through + (_LISTED if lists else _NOT_LISTED)
         super().__init__(
             gpu, generated=generated, constants=constants,
+            firsts=_LIGHTS_FIRST if part == "lights" else _LATTICES_FIRST,
             targets=self.targets[:1] if part == "lights" else None,
         )  # fmt: skip
 

@@ -7,6 +7,7 @@ override HAS_SURFACES: bool = true;
 override DAMPING: f32 = 0.0;
 override HAS_SUNS: bool = true;
 override HAS_LAMPS: bool = true;
+override IS_ONE_SUN: bool = false;      // the only light
 override HAS_LIGHTS: bool = true;       // else `lit` has their light
 override HAS_LATTICES: bool = true;
 override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
@@ -24,6 +25,10 @@ fn background(direction: vec3f) -> vec3f {
 }
 
 fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
+    if (IS_ONE_SUN) {
+        return lit_share(parallel_shadows, shadow_compare, first_parallel_views(), 0u, p, n,
+            in.to_light, 1.0);
+    }
     let view = view_of(light, in.to_light);
     if (HAS_SUNS && (!HAS_LAMPS || light.kind == LIGHT_DIRECTIONAL)) {
         return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
@@ -31,6 +36,20 @@ fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
     }
     return lit_share(local_shadows, shadow_compare, local_views[view], view, p, n, in.to_light,
         in.distance);
+}
+
+fn light_at(i: u32) -> LightData {
+    if (IS_ONE_SUN) {
+        return first_lights();
+    }
+    return lights[i];
+}
+
+fn arriving_from(light: LightData, p: vec3f) -> Incoming {
+    if (!HAS_LAMPS) {
+        return Incoming(-light.direction, light.color, 1e30);
+    }
+    return incoming(light, p);
 }
 
 fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
@@ -42,8 +61,8 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     // sides of every branch: loops end with their test.
     var i = 0u;
     loop {
-        let light = lights[i];
-        let in = incoming(light, p);
+        let light = light_at(i);
+        let in = arriving_from(light, p);
         let cosine = dot(n, in.to_light);
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
             let lit = light_visibility(light, p, n, in);
@@ -53,7 +72,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
             }
         }
         i++;
-        if (i >= params.light_count) {
+        if (IS_ONE_SUN || i >= params.light_count) {
             break;
         }
     }
@@ -116,6 +135,7 @@ fn lattice_light(
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
     var is_listed = false;
+    var open = 1.0;
     var direct = vec3f(0.0);
     if (HAS_LIGHTS) {
         direct = glow.rgb + direct_light(r, p, n, v);
@@ -124,6 +144,7 @@ fn lattice_light(
     }
     if (HAS_LATTICES && params.has_lattice != 0u) {
         let near = near_surroundings(position.xy, 1.0 / (params.world_from_clip[2].w * d));
+        open = near.open;
         let n_v = max(dot(n, v), 1e-4);
         is_listed = is_walked_apart(r, n_v);
         let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
@@ -146,7 +167,7 @@ fn lattice_light(
     }
     out.direct = vec4f(direct, 1.0);
     if (is_listed) {
-        list_glossy(vec2u(position.xy), direct, out.indirect.rgb);
+        list_glossy(vec2u(position.xy), direct, out.indirect.rgb, open);
     }
     return out;
 }

@@ -41,52 +41,47 @@ class OcclusionParams(Struct):
     largest = f32("m, but no farther")
 
 
-class _Horizons(FullscreenPass):
+class _Seen(FullscreenPass):
     slots = (
         uniform("params", OcclusionParams),
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
     )
-    targets = ("rgba32float", "rgba32float")
+    targets = ("rgba32uint",)
+    file = "occlusion_seen.wgsl"
+
+
+class _Horizons(FullscreenPass):
+    slots = (*_Seen.slots, texture("seen", "2d", "uint"))
+    targets = ("rgba32uint",)
     file = "occlusion.wgsl"
 
 
 class _Blur(FullscreenPass):
-    slots = (
-        uniform("params", OcclusionParams),
-        texture("sampled_light", "2d", "unfilterable-float"),
-        texture("sampled_way", "2d", "unfilterable-float"),
-    )
-    targets = ("rgba32float", "rgba32float")
+    slots = (uniform("params", OcclusionParams), texture("sampled", "2d", "uint"))
+    targets = ("rgba32uint",)
     file = "occlusion_blur.wgsl"
 
 
 class OcclusionLayers:
-    """What near occluders send and hide, per texel, each as (4,) values.
-
-    `light`  their radiance times the share of the hemisphere that they fill, W m^-2 sr^-1, and the
-             depth (m along the view axis; 0 = nothing there), the last bits of which are how much
-             is hidden (`packed_hidden`)
-    `way`    the mean direction to those that show their light times their share, and that share
+    """What near occluders send and hide, per texel, packed as `wgsl/near_texel.wgsl` says.
 
     Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
-        self.size = size
-        self.scale = scale or (_CPU_SCALE if gpu.is_cpu else _GPU_SCALE)
+        """For a picture of `size`; `scale`: pixels along one side of a texel, if not the usual."""
+        self.size, self.scale = size, scale or (_CPU_SCALE if gpu.is_cpu else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
-
-        def texture(name: str) -> Texture:
-            return Texture(gpu, name, reduced, "rgba32float", target=True)
-
-        self.sampled = (texture("sampled near light"), texture("sampled occlusion"))
-        self.light, self.way = texture("near light"), texture("occlusion")
+        self.seen, self.sampled, self.near = (
+            Texture(gpu, label, reduced, "rgba32uint", target=True)
+            for label in ("seen", "sampled near surroundings", "near surroundings")
+        )
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (*self.sampled, self.light, self.way):
+        for part in (self.seen, self.sampled, self.near):
             part.release()
 
 
@@ -104,6 +99,7 @@ class Occlusion:
         usual = _CPU_SAMPLES if gpu.is_cpu else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
         constants = {k: float(v) for k, v in counts.items()} | {"HAS_LIGHT": float(has_light)}
+        self._seen = _Seen(gpu, constants={"HAS_LIGHT": float(has_light)})
         self._horizons = _Horizons(gpu, constants=constants)
         self._blur = _Blur(gpu)
 
@@ -118,14 +114,10 @@ class Occlusion:
         `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
-        self._horizons.draw(
-            commands, layers.sampled, params=params, depth=depth, normal=normal, lit=lit or normal
-        )
-        light, way = layers.sampled
-        self._blur.draw(
-            commands, (layers.light, layers.way), params=params, sampled_light=light,
-            sampled_way=way,
-        )  # fmt: skip
+        picture = {"params": params, "depth": depth, "normal": normal, "lit": lit or normal}
+        self._seen.draw(commands, (layers.seen,), **picture)
+        self._horizons.draw(commands, (layers.sampled,), seen=layers.seen, **picture)
+        self._blur.draw(commands, (layers.near,), params=params, sampled=layers.sampled)
 
 
 def occlusion_params(
@@ -139,6 +131,6 @@ def occlusion_params(
         corner=corner, right=world_from_clip[:3, 0] * (2.0 / width),
         down=world_from_clip[:3, 1] * (-2.0 / height), depth_scale=float(world_from_clip[3, 2]),
         radius=radius, scale=layers.scale, size=layers.size,
-        reduced=np.array(layers.way.size[:2]), growth=growth,
+        reduced=np.array(layers.near.size[:2]), growth=growth,
         largest=max(largest, radius),
     )  # fmt: skip

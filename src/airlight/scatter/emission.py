@@ -1,6 +1,6 @@
 """The solved track as textures: what marching reads.
 
-Three rgba16float textures (one per channel) hold (V_a, 3 V_b) times a scale. With cells of side s,
+Three textures (one per channel) hold (V_a, 3 V_b) times a scale. With cells of side s,
 V_a/s^3 is fluence and V_b/s^3 net flux, so in two bands radiance is (V_a + 3 V_b.w)/(4 pi s^3);
 marching weighs its second band by g. A fourth holds V_a of the three channels as rgb: mean
 radiance, for those who march a colour.
@@ -16,7 +16,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import FILTERED, image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..march.forward_source import ForwardSource
 from ..march.march import LatticeSource
@@ -43,10 +43,10 @@ class _Pack(ComputePass):
         uniform("params", EmissionParams),
         storage("track", "vec4f"),
         storage("forward", "vec4f"),
-        image("red", "rgba16float", "3d"),
-        image("green", "rgba16float", "3d"),
-        image("blue", "rgba16float", "3d"),
-        image("mean", "rgba16float", "3d"),
+        image("red", FILTERED, "3d"),
+        image("green", FILTERED, "3d"),
+        image("blue", FILTERED, "3d"),
+        image("mean", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "emission.wgsl"
@@ -60,7 +60,7 @@ class Emission:
         self.scale = 1.0
         self._pack = _Pack(gpu)
         self.red, self.green, self.blue, self.mean = (
-            Texture(gpu, f"track {name}", placement.count, "rgba16float", dimension="3d",
+            Texture(gpu, f"track {name}", placement.count, gpu.filtered, dimension="3d",
                     written=True)
             for name in ("red", "green", "blue", "mean")
         )  # fmt: skip

@@ -14,7 +14,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import FILTERED, image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length, scattered_lookup_scale
 from ..scene.checks import Rgb
@@ -42,9 +42,9 @@ class _Pack(ComputePass):
         storage("total", "vec4f"),
         storage("medium", "vec2f"),
         storage("forward", "vec4f"),
-        image("red", "rgba16float", "3d"),
-        image("green", "rgba16float", "3d"),
-        image("blue", "rgba16float", "3d"),
+        image("red", FILTERED, "3d"),
+        image("green", FILTERED, "3d"),
+        image("blue", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "surface_light.wgsl"
@@ -58,7 +58,7 @@ class SurfaceLight:
         gain = f"const SCATTERED_GAIN = {literal(scattered_lookup_scale() / LOOKUP_SCALE - 1.0)};"
         self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}\n{gain}")
         self.red, self.green, self.blue = (
-            Texture(gpu, f"surface {name}", placement.count, "rgba16float", dimension="3d",
+            Texture(gpu, f"surface {name}", placement.count, gpu.filtered, dimension="3d",
                     written=True)
             for name in ("red", "green", "blue")
         )  # fmt: skip

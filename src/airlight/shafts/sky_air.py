@@ -20,7 +20,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, pack_array, u32
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
@@ -58,12 +58,12 @@ class _SkyAir(ComputePass):
             sampler("compare", "comparison"),
             texture("lattice_walls", "3d"),
             *air.slots,
-            image("red", "rgba16float", "3d"),
-            image("green", "rgba16float", "3d"),
-            image("blue", "rgba16float", "3d"),
-            image("cube", "rgba16float", "3d"),
-            image("mean", "rgba16float", "3d"),
-            image("third", "rgba16float", "3d"),
+            image("red", FILTERED, "3d"),
+            image("green", FILTERED, "3d"),
+            image("blue", FILTERED, "3d"),
+            image("cube", FILTERED, "3d"),
+            image("mean", FILTERED, "3d"),
+            image("third", FILTERED, "3d"),
         )
         super().__init__(gpu, generated=air.wgsl)
 
@@ -94,7 +94,7 @@ class SkyAir:
         nx, ny, nz = size or placement.count
 
         def made(name: str, depth: int) -> Texture:
-            return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), "rgba16float",
+            return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), gpu.filtered,
                            dimension="3d", written=True)  # fmt: skip
 
         self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))

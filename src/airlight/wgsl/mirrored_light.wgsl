@@ -1,5 +1,6 @@
 // What the lattices mirror to the eye, and what a loop over lattices needs. The including pass binds
-// what lattice and ambient_cube need, the table `lattices`, and depth, occlusion and `params`.
+// what lattice and ambient_cube need, the table `lattices` and `first_lattices`, depth, near_texels and
+// `params`.
 //! use surface_reflection
 //! use glossy
 //! use lattice
@@ -8,13 +9,14 @@
 
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;
+override IS_LISTED: bool = false;       // all points are glossy
 override HAS_SKY: bool = true;
 override IS_ONE_LATTICE: bool = false;
 
 // Of a single lattice what a loop needs is read once, and nothing is left of loops over lattices.
 fn lattice_of(k: u32) -> LatticeParams {
     if (IS_ONE_LATTICE) {
-        return lattices[0];
+        return first_lattices();
     }
     return lattices[k];
 }
@@ -51,8 +53,9 @@ struct Mirrored {
     bounced: vec3f,
 }
 
-// What comes from around the mirrored direction: of the point's own cell, or along a ray, which
-// goes on in the next larger lattice where it leaves one.
+// What comes from around the mirrored direction: of the point's own cell (looked up at `own`, which
+// points that are all glossy need not know), or along a ray, which goes on in the next larger lattice
+// where it leaves one.
 fn mirrored_light(
     level: u32, p: vec3f, r: Reflector, n_v: f32, n: vec3f, own: vec3f, mirrored: vec3f,
 ) -> Mirrored {
@@ -64,7 +67,7 @@ fn mirrored_light(
     }
     var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
     let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
-    if (share > 0.0) {
+    if (IS_LISTED || share > 0.0) {
         ray = glossy_begun();
         let last = last_lattice();
         loop {

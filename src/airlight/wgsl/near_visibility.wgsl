@@ -1,18 +1,12 @@
 //! use occlusion
 //! use lattice
+//! use near_texel
 
-// What stands nearer than cells resolve, read at full size. The including pass binds `near_light` and
-// `occlusion` and `params` with the picture's `size`, and sets the override HAS_OCCLUSION.
+// What stands nearer than cells resolve, read at full size. The including pass binds `near_texels` and
+// `params` with the picture's `size`, and sets the override HAS_OCCLUSION.
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
-
-struct Near {
-    open: f32,      // the share of the hemisphere that near occluders leave
-    light: vec3f,   // radiance of those that show it, times the share that they fill
-    way: vec3f,     // mean direction to them times that share
-    hidden: f32,    // that share
-}
 
 // Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf et al. 2007
 // (joint bilateral upsampling).
@@ -20,28 +14,29 @@ fn near_surroundings(position: vec2f, own: f32) -> Near {
     if (!HAS_OCCLUSION) {
         return Near(1.0, vec3f(0.0), vec3f(0.0), 0.0);
     }
-    let size = vec2f(textureDimensions(occlusion));
+    let size = vec2f(textureDimensions(near_texels));
     // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
     let place = position * size / params.size - 1.0;
     let base = floor(place);
     let t = place - base;
     var light = vec3f(0.0);
     var way = vec4f(0.0);
-    var occluded = 0.0;
+    var open = 0.0;
     var total = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let corner = vec2f(f32(k & 1u), f32(k >> 1u));
         let texel = vec2i(clamp(base + corner, vec2f(0.0), size - 1.0));
-        let near = textureLoad(near_light, texel, 0);
+        let packed = textureLoad(near_texels, texel, 0);
+        let near = near_of(packed);
         let share = mix(1.0 - t, t, corner);
-        let off = abs(near.w - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
+        let off = abs(bitcast<f32>(packed.w) - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
         let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
-        light += weight * near.rgb;
-        occluded += weight * packed_hidden(near.w);
-        way += weight * textureLoad(occlusion, texel, 0);
+        light += weight * near.light;
+        way += weight * vec4f(near.way, near.hidden);
+        open += weight * near.open;
         total += weight;
     }
-    return Near(1.0 - occluded / total, light / total, way.xyz / total, way.w / total);
+    return Near(open / total, light / total, way.xyz / total, way.w / total);
 }
 
 // Irradiance, W m^-2, that the lattice has coming from the near occluders that show their light.

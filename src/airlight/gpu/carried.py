@@ -1,0 +1,154 @@
+"""Parameters that the triangle of a full-screen pass carries to its pixels, on software drivers.
+
+Such drivers read a parameter from a buffer for every pixel anew, lane by lane (a vec4 about 4 ns);
+what a triangle carries unchanged they read once for eight pixels, and next to nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from .layout import Field, Struct
+from .slots import Slot
+
+MOST_WORDS = 64  # WebGPU carries at least 16 vec4s
+_ENTRY = re.compile(
+    r"@fragment fn fragment\(@builtin\(position\) position: vec4f\) -> (@location\(0\) )?(\w+) \{"
+)
+_KINDS = {"f": "f32", "u": "u32", "i": "i32"}
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A struct that is carried: the variable that pixels read, where vertices read it from."""
+
+    variable: str
+    source: str
+    struct: type[Struct]
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> list[str]:
+        """WGSL of each of its numbers as a u32, as vertices read them."""
+        return [
+            f"bitcast<u32>({self.source}.{name}{component})"
+            for name, field in self.struct.fields.items()
+            if name not in self.left_out
+            for component in _components(field)
+        ]
+
+    def built(self, first: int) -> str:
+        """WGSL that makes it of the carried words from `first` on; zeros for what is left out."""
+        values, at = [], first
+        for name, field in self.struct.fields.items():
+            if name in self.left_out:
+                values.append(f"{field.wgsl}()")
+                continue
+            count = field.size // 4
+            kind = _KINDS[field.dtype(0).dtype.kind]
+            words = [f"bitcast<{kind}>({_word(at + i)})" for i in range(count)]
+            values.append(words[0] if count == 1 else f"{field.wgsl}({', '.join(words)})")
+            at += count
+        return f"{self.struct.__name__}({', '.join(values)})"
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What a pass is made of: its slots, the WGSL before its file, the file's, and its entry."""
+
+    slots: tuple[Slot, ...]
+    generated: str
+    text: str
+    entry: str
+
+
+def carried(slots: tuple[Slot, ...], firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
+    """The pass `text` with what it reads of its parameters carried, as far as that fits.
+
+    Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
+    each with the fields of it that the pass does not read: `first_NAME()` in the pass.
+    """
+    found = _ENTRY.search(text)
+    if not found:
+        return Carried(slots, first_elements(slots, firsts), text, "fragment")
+    parts: list[_Part] = []
+    used, renamed, rest = 0, [], dict(firsts)
+    named = {slot.name: slot for slot in slots}
+    for slot in (*(s for s in slots if s.is_dynamic), *(named[name] for name in firsts)):
+        part = _part(slot, firsts.get(slot.name, ()))
+        if used + len(part.words) > MOST_WORDS:
+            continue
+        used += len(part.words)
+        parts.append(part)
+        rest.pop(slot.name, None)
+        renamed += [slot.name] if slot.is_dynamic else []
+    kept = tuple(_renamed(slot) if slot.name in renamed else slot for slot in slots)
+    generated = _wgsl(parts, found[1] or "", found[2]) + first_elements(slots, rest)
+    plain = f"fn fragment(position: vec4f) -> {found[2]} {{"
+    return Carried(kept, generated, text.replace(found[0], plain), "carried_fragment")
+
+
+def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]) -> str:
+    """WGSL of `first_NAME()` of storage buffers, read from them."""
+    structs = {slot.name: slot.struct.__name__ for slot in slots if slot.struct is not None}
+    return "".join(
+        f"fn first_{name}() -> {structs[name]} {{ return {name}[0]; }}\n" for name in names
+    )
+
+
+def _part(slot: Slot, left_out: tuple[str, ...]) -> _Part:
+    assert slot.struct is not None
+    if slot.is_dynamic:
+        return _Part(slot.name, f"kept_{slot.name}", slot.struct)
+    return _Part(f"carried_{slot.name}", f"{slot.name}[0]", slot.struct, left_out)
+
+
+def _renamed(slot: Slot) -> Slot:
+    """The buffer under another name: the pass's own is the variable's."""
+    return replace(
+        slot, declaration=slot.declaration.replace(f" {slot.name}:", f" kept_{slot.name}:")
+    )
+
+
+def _components(field: Field) -> list[str]:
+    if not field.shape:
+        return [""]
+    if len(field.shape) == 1:
+        return [f".{axis}" for axis in "xyzw"[: field.shape[0]]]
+    return [f"[{column}].{axis}" for column in range(4) for axis in "xyzw"]
+
+
+def _word(index: int) -> str:
+    return f"in.w{index // 4}.{'xyzw'[index % 4]}"
+
+
+def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
+    words = [word for part in parts for word in part.words]
+    words += ["0u"] * (-len(words) % 4)
+    groups = [", ".join(words[i : i + 4]) for i in range(0, len(words), 4)]
+    members = "".join(
+        f"    @location({i}) @interpolate(flat) w{i}: vec4u,\n" for i in range(len(groups))
+    )
+    lines = [f"struct Carried {{\n    @builtin(position) position: vec4f,\n{members}}}"]
+    lines += [f"var<private> {part.variable}: {part.struct.__name__};" for part in parts]
+    lines += [
+        f"fn first_{part.variable.removeprefix('carried_')}() -> {part.struct.__name__} "
+        f"{{ return {part.variable}; }}"
+        for part in parts if part.variable.startswith("carried_")
+    ]  # fmt: skip
+    lines += [
+        "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Carried {",
+        "    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));",
+        "    var out: Carried;",
+        "    out.position = vec4f(corner * 2.0 - 1.0, 0.0, 1.0);",
+        *(f"    out.w{i} = vec4u({group});" for i, group in enumerate(groups)),
+        "    return out;\n}",
+        f"@fragment fn carried_fragment(in: Carried) -> {attribute}{returned} {{",
+    ]
+    first = 0
+    for part in parts:
+        lines.append(f"    {part.variable} = {part.built(first)};")
+        first += len(part.words)
+    return "\n".join([*lines, "    return fragment(in.position);\n}\n"])
