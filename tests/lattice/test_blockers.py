@@ -191,21 +191,3 @@ def test_memory_is_given_back(gpu, owned, square):
     before = gpu.allocated_bytes
     Blockers(gpu, scene, on_device, ROOM, 100).release()
     assert gpu.allocated_bytes == before
-
-
-def test_no_light_enters_from_beyond_the_hull(gpu, commands, owned, square):
-    scene = Scene(meshes=(wall(square, 4 * CELL),))
-    made = owned(Blockers(gpu, scene, owned(GpuScene(gpu, scene)), ROOM, COUNT))
-    made.hull = ((1 * CELL, -1.0, -1.0), (7 * CELL, 9.0, 9.0))
-    assert made.encode(commands)
-    assert not made.encode(commands)
-    commands.submit()
-    arriving = entering(made)
-    assert (arriving[0, :, :, 1] == 0.0).all()  # from cell 0, along +x
-    assert (arriving[1, :, :, 6] == 0.0).all()  # from cell 7, along -x
-    assert (arriving[:2, :, :, 2] == 1.0).all() and (arriving[2:, :, :, 1:7] == 1.0).sum() > 0
-    assert (closed(made)[1, :, :, 1] == 0.0).all()  # it leaves
-    between = made.open_a.read()[..., :2] / 255.0
-    assert (between[:, :, 1, 0] == 1.0).all()  # and the air there is one
-    made.hull = ((-1.0, -1.0, -1.0), (9.0, 9.0, 9.0))
-    assert made.encode(commands)

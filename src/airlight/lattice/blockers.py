@@ -23,7 +23,7 @@ from ..gpu.slots import image, storage, uniform
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene, InstanceData
-from .placement import EVERYWHERE, Hull, Placement
+from .placement import Placement
 from .surfels import SurfelData, follow, surfels
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
@@ -40,8 +40,6 @@ class BlockerParams(Struct):
     surfel_count = u32()
     units = f32("fixed-point units per fully covered face")
     first_row = u32("where its cells begin along y of the textures")
-    low = vec3f("m, corner of a box beyond which no light comes from")
-    high = vec3f("m")
 
 
 class _SumSurfels(ComputePass):
@@ -77,8 +75,7 @@ class Blockers:
     the last two alone. `open_a`, `open_b` are textures of how open each of a cell's six faces is
     both ways: air on the two sides of a wall is not mixed. `walls` says how far (in cells)
     the walls that were counted on a cell's three low faces really lie from them: readers bend
-    space by it, so that a point before a wall is never looked up behind it. No light enters from
-    cells wholly beyond `hull` (metres).
+    space by it, so that a point before a wall is never looked up behind it.
     """
 
     count: int
@@ -87,7 +84,6 @@ class Blockers:
     open_a: Texture
     open_b: Texture
     walls: Texture
-    hull: Hull
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
@@ -110,8 +106,7 @@ class Blockers:
         self.openness = Buffer(gpu, "openness", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
         self._open = _Openness(gpu)
-        self.hull = EVERYWHERE
-        self._made: tuple[int, Placement, Hull] | None = None
+        self._made: tuple[int, Placement] | None = None
 
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
         samples = surfels(scene.meshes, self.meshes.order, count, _inside(scene))
@@ -133,7 +128,7 @@ class Blockers:
 
     def encode(self, commands: Commands) -> bool:
         """Bring the openness up to date; returns whether anything changed."""
-        made = (self.meshes.version, replace(self.placement, fade=None), self.hull)
+        made = (self.meshes.version, replace(self.placement, fade=None))
         if self._made == made:
             return False
         self._made = made
@@ -166,7 +161,6 @@ class Blockers:
         return BlockerParams(
             origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
             surfel_count=self.count, units=UNITS, first_row=self.placement.first_row,
-            low=self.hull[0], high=self.hull[1],
         )  # fmt: skip
 
     def follow_vertices(self) -> None:

@@ -4,7 +4,7 @@
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 
-const CLOSING = 1.35;   // as in maths.lattice6
+const CLOSING = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
 const DEAD_END_COVER = 0.5;
 const APART = 0.02;     // cells
@@ -109,13 +109,6 @@ fn dead_ends(cell: vec3u) -> f32 {
     return f32(bits) / 127.0;
 }
 
-// No light comes back from beyond all surfaces.
-fn is_beyond(cell: vec3i) -> bool {
-    let low = params.origin + vec3f(cell) * params.cell;
-    let slack = 0.01 * params.cell;
-    return any(low + params.cell < params.low + slack) || any(low > params.high - slack);
-}
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
         return;
@@ -128,12 +121,9 @@ fn is_beyond(cell: vec3i) -> bool {
         leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
         // A hop enters through the face that the opposite hop leaves by.
         let face = face_of(id, hop ^ 1u);
-        let open = 1.0 - closed_share(face, hop);
-        var source = vec3i(id);
-        source[hop / 2u] += select(-1, 1, (hop & 1u) == 1u);
-        entering[hop] = select(open, 0.0, is_beyond(source));
+        entering[hop] = 1.0 - closed_share(face, hop);
         // Air on both sides of a wall is apart, though light from inside the wall could come out.
-        between[hop] = min(open, 1.0 - closed_share(face, hop ^ 1u));
+        between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
     }
     let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);
     let zz = vec4f(entering[4], entering[5], 1.0, 1.0);

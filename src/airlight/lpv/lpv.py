@@ -178,8 +178,6 @@ class Lpv(Direct):
         low, high = self._bounds(scene)
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
         self._hull = EVERYWHERE if is_open else (triple(low), triple(high))
-        for part in self.cascades:
-            part.blockers.hull = self._hull
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)

@@ -50,11 +50,6 @@ LEAST_STEPS = 64
 # How much of the even part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
 # floors go black under the light that they reflect; 1 lets them light themselves twice as much.
 LEAST_BEHIND = 0.3
-# A wall between two layers of faces, or cut off where others meet it, covers less than a whole face
-# of each; columns and cloth smaller than a cell stop what they cover times this. Energy of one
-# bounce in the atrium and of all in `room`: .88 and .97 at 1.5, .91 and .99 at 1.35, .93 and 1.00
-# at 1.25, where a sheet lets .4 % through.
-CLOSING = 1.35
 
 
 @dataclass(frozen=True)
@@ -162,7 +157,7 @@ def blocked_shares(projected_area: ArrayLike) -> F64:
     `projected_area` is (Z+1, Y+1, X+1, 6), for the cells around the lattice's corners (a point p
     falls into floor(p/s + 1/2)): the surfels' area projected on each axis, over s^2, split by the
     side they face, order +x -x +y -y +z -z. Light is stopped by what faces it. The four corners
-    of the crossed face are averaged; CLOSING closes walls that fall between two layers.
+    of the crossed face are averaged; 3/2 closes a wall that falls between two layers.
     differs: Kaplanyan2010 section 3.2 keeps the surfels as spherical harmonics, which leak.
     """
     area = np.asarray(projected_area, dtype=np.float64)
@@ -173,7 +168,7 @@ def blocked_shares(projected_area: ArrayLike) -> F64:
         for other in {0, 1, 2} - {axis}:
             faces = 0.5 * (_without_last(faces, other) + _without_first(faces, other))
         trim = _without_first if offset.sum() > 0 else _without_last
-        shares.append(np.clip(CLOSING * trim(faces, axis), 0.0, 1.0))
+        shares.append(np.clip(1.5 * trim(faces, axis), 0.0, 1.0))
     return np.stack(shares)
 
 
