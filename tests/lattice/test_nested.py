@@ -65,18 +65,19 @@ def test_rows_of_shared_textures_do_not_overlap():
     assert all(c <= s for p in nest.levels for c, s in zip(p.count, nest.texture_size, strict=True))
 
 
-def test_with_a_given_extent_the_coarsest_may_follow_too():
-    nest = nested(*HALL, 16, count=2, ratio=2.0, finest_m=4.0)
+def test_with_a_given_extent_the_coarsest_still_covers_the_box():
+    nest = nested(*HALL, 16, count=3, ratio=2.0, finest_m=4.0)
     assert nest.levels[0].cell == pytest.approx(0.25)
     assert nest.levels[1].cell == pytest.approx(0.5)
-    assert nest.follows(1)
+    assert nest.levels[2].cell == pytest.approx(fitted(*HALL, 16).cell)
+    assert not nest.follows(2)
 
 
 def test_lattices_that_would_be_no_finer_are_left_out():
     nest = nested(*HALL, 16, count=4, ratio=4.0, finest_m=8.0)
     cells = [level.cell for level in nest.levels]
     assert cells == sorted(cells) and len(cells) == 3  # .5, 2, and the hall's own
-    assert nest.is_fixed
+    assert not nest.follows(2)
     assert nest.levels[-1].cell == pytest.approx(fitted(*HALL, 16).cell)
 
 

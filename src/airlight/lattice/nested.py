@@ -37,7 +37,6 @@ class Nest:
     low: Triple
     high: Triple
     levels: tuple[Placement, ...]
-    is_fixed: bool
 
     @property
     def texture_size(self) -> tuple[int, int, int]:
@@ -48,7 +47,7 @@ class Nest:
 
     def follows(self, level: int) -> bool:
         """Whether a lattice moves with the camera."""
-        return not self.is_fixed or level < len(self.levels) - 1
+        return level < len(self.levels) - 1
 
 
 def nested(
@@ -57,18 +56,16 @@ def nested(
 ) -> Nest:  # fmt: skip
     """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres).
 
-    Cells of neighbours differ by `ratio`. The coarsest covers the box. With `finest_m` the
-    finest has sides of that many metres, and where the coarsest then is smaller than the box, it
-    follows the camera too; lattices that would be no finer than the next are left out.
-    Raises SettingsError for an empty box.
+    Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being
+    beyond all lattices. With `finest_m` the finest has sides of that many metres, and the coarsest
+    is larger than its neighbour by what that leaves; lattices that would be no finer than it are
+    left out. Raises SettingsError for an empty box.
     """
     whole = fitted(low, high, resolution)
     cells = [whole.cell / ratio**k for k in range(count - 1, -1, -1)]
-    is_fixed = True
-    if finest_m > 0.0 and count > 1:
-        cells = [finest_m / resolution * ratio**k for k in range(count)]
-        is_fixed = cells[-1] >= whole.cell
-        cells = [c for c in cells if c < whole.cell] + [whole.cell] * is_fixed
+    if finest_m > 0.0:
+        finer = [finest_m / resolution * ratio**k for k in range(count - 1)]
+        cells = [c for c in finer if c < whole.cell] + [whole.cell]
     box = np.subtract(high, low)
     levels, row = [], 0
     for cell in cells:
@@ -78,7 +75,7 @@ def nested(
             placement = Placement(whole.origin, cell, tiled(needed), first_row=row)
         levels.append(placement)
         row += placement.count[1]
-    return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels), is_fixed)
+    return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels))
 
 
 def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
@@ -145,8 +142,7 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
 def shares(levels: Sequence[Placement], points: F64) -> F64:
     """(L, ...): the share of each lattice, the finest first, in the light at `points` (..., 3) m.
 
-    Twin: the loop over `lattice_weight` in lighting/lighting.wgsl. They add up to 1 where the
-    coarsest reaches.
+    Twin: the loop over `lattice_weight` in lighting/lighting.wgsl. They add up to 1.
     """
     left = np.ones(points.shape[:-1])
     found = []

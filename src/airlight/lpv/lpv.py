@@ -68,7 +68,7 @@ class LpvSettings(SurfaceSettings):
         2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
     )
     cascade_extent: float = setting(
-        0.0, "side of the finest cascade; 0: such that the largest fits the scene", unit="m",
+        0.0, "side of the finest cascade; 0: cells of all differ by the ratio", unit="m",
         low=0.0, high=1e6,
     )  # fmt: skip
     small_objects: str = setting(

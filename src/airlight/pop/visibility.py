@@ -6,6 +6,7 @@ directional lights that lie in its part of the sphere. Elek2014 section 6.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,7 +143,7 @@ class Visibility(ComputePass):
 
 
 def sights(
-    ordinates: Ordinates, lights: tuple[Light, ...], sky: list[DirectionalLight]
+    ordinates: Ordinates, lights: tuple[Light, ...], sky: Sequence[DirectionalLight]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """`SightData` of the ordinates, then of the lamps; and the sky's shares in their order.
 
