@@ -69,7 +69,7 @@ class Solved:
         for _ in range(2):  # the second frame keeps what did not change
             lights.encode(commands, meshes, scene.lights, scene.environment, low, high)
             blockers.encode(commands)
-            sky.encode(commands, meshes, scene.environment, blockers.walls)
+            sky.encode(commands, meshes, scene.environment, blockers.bound)
             self.solver.encode(commands, scene, low, high)
             commands.submit()
         unit = self.solver.emission.mean_scale

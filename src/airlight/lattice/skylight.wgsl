@@ -12,6 +12,7 @@ const TAPS = 16u;
 const SURE_TAPS = 4u;   // where all of the disc is free, or none of it
 const SEARCHES = 8u;
 const FREE_CELLS = 8u;  // that a tap is known to be on this side of walls
+const SKIN = 0.24;      // cells before a wall, which would shade itself in the maps' texels
 const GOLDEN_TURN = vec2f(-0.73736888, 0.67549029);  // cosine and sine of the golden angle
 
 // One after another of the places of a spiral over the unit disc, stratified by area.
@@ -52,22 +53,23 @@ fn blockers_before(place: vec3f, radius: vec2f, turn: vec2f, layer: u32) -> vec2
     return vec2f(found / f32(SEARCHES), sum / max(found, 1.0));
 }
 
-// Cells from a cell's middle to the first wall along an axis.
-fn free_way(id: vec3u, axis: u32, is_up: bool) -> f32 {
-    var cell = vec3i(id);
+// Where on an axis, m, the first wall from a cell is.
+fn first_wall(id: vec3u, axis: u32, is_up: bool) -> f32 {
+    var cell = id;
     for (var k = 0u; k < FREE_CELLS; k++) {
-        if (open_face(cell, axis, is_up) < 0.5) {
-            return f32(k) + 0.5;
+        if (open_face(vec3i(cell), axis, is_up) < 0.5) {
+            return unbent_point(lattice, cell, select(vec3f(SKIN), vec3f(1.0 - SKIN), is_up))[axis];
         }
-        cell[axis] = clamp(cell[axis] + select(-1, 1, is_up), 0, i32(lattice.count[axis]) - 1);
+        let next = i32(cell[axis]) + select(-1, 1, is_up);
+        cell[axis] = u32(clamp(next, 0, i32(lattice.count[axis]) - 1));
     }
-    return 1e9;
+    return select(-1e9, 1e9, is_up);
 }
 
 struct Cell {
     places: array<vec3f, 4>,  // m
     centre: vec3f,            // m
-    low: vec3f,               // cells, to where it is free
+    low: vec3f,               // m, of the free box around it
     high: vec3f,
 }
 
@@ -82,8 +84,8 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     let centre = in_view((*cell).centre, view);
     let found = blockers_before(centre, widens * centre.z, turn, i);
     let radius = widens * found.y;
-    let right = 2.0 * view.world_from_clip[0].xyz / lattice.cell;
-    let down = -2.0 * view.world_from_clip[1].xyz / lattice.cell;
+    let right = 2.0 * view.world_from_clip[0].xyz;
+    let down = -2.0 * view.world_from_clip[1].xyz;
     var places = array<vec3f, 4>();
     for (var k = 0u; k < 4u; k++) {
         places[k] = in_view((*cell).places[k], view);
@@ -92,19 +94,21 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     let taps = select(TAPS, SURE_TAPS, is_sure);
     var at = turn;
     var share = 0.0;
+    var free = 0.0;
     var k = 0u;
     loop {
         let aside = radius * at * sqrt((f32(k) + 0.5) / f32(taps));
-        let way = aside.x * right + aside.y * down;
-        let is_free = all(way <= (*cell).high) && all(way >= (*cell).low);
+        let world = (*cell).places[k & 3u] + aside.x * right + aside.y * down;
+        let is_free = all(world < (*cell).high) && all(world > (*cell).low);
         share += select(0.0, lit(places[k & 3u] + vec3f(aside, 0.0), i), is_free);
+        free += select(0.0, 1.0, is_free);
         at = turned(at);
         k++;
         if (k >= taps) {
             break;
         }
     }
-    return share / f32(taps);
+    return share / max(free, 1.0);
 }
 
 // The cell's place in the lattice before it moved. Border cells see no wall on the far side.
@@ -138,8 +142,8 @@ fn kept(id: vec3u) {
     for (var k = 0u; k < 4u; k++) {
         cell.places[k] = unbent_point(lattice, id, 0.5 + PLACES[k]);
     }
-    cell.high = vec3f(free_way(id, 0u, true), free_way(id, 1u, true), free_way(id, 2u, true));
-    cell.low = -vec3f(free_way(id, 0u, false), free_way(id, 1u, false), free_way(id, 2u, false));
+    cell.high = vec3f(first_wall(id, 0u, true), first_wall(id, 1u, true), first_wall(id, 2u, true));
+    cell.low = vec3f(first_wall(id, 0u, false), first_wall(id, 1u, false), first_wall(id, 2u, false));
     var faces = array<vec3f, 6>();
     for (var i = 0u; i < params.lights; i++) {
         let e = sky[i].irradiance.rgb * share_of(&cell, i);
