@@ -1,7 +1,7 @@
 //! use open_line
 
 // A sky light comes from a disc: how much of it a cell sees is asked at places as far beside the cell
-// as the disc is wide from where its shadow is cast (Fernando2005, percentage-closer soft shadows).
+// as the disc is wide from where its shadow is cast, on this side of walls (Fernando2005, percentage-closer soft shadows).
 
 // Places inside a cell, in cells from its centre.
 const PLACES = array<vec3f, 4>(
@@ -11,7 +11,7 @@ const PLACES = array<vec3f, 4>(
 const TAPS = 16u;
 const SURE_TAPS = 4u;   // where all of the disc is free, or none of it
 const SEARCHES = 8u;
-const FREE_CELLS = 8u;  // that a tap is known to be on this side of walls
+const FREE_CELLS = 8u;  // in which walls are looked for
 const SKIN = 0.24;      // cells before a wall, which would shade itself in the maps' texels
 const GOLDEN_TURN = vec2f(-0.73736888, 0.67549029);  // cosine and sine of the golden angle
 
@@ -86,29 +86,22 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     let radius = widens * found.y;
     let right = 2.0 * view.world_from_clip[0].xyz;
     let down = -2.0 * view.world_from_clip[1].xyz;
-    var places = array<vec3f, 4>();
-    for (var k = 0u; k < 4u; k++) {
-        places[k] = in_view((*cell).places[k], view);
-    }
     let is_sure = found.x == 0.0 || found.x == 1.0;
     let taps = select(TAPS, SURE_TAPS, is_sure);
     var at = turn;
     var share = 0.0;
-    var free = 0.0;
     var k = 0u;
     loop {
         let aside = radius * at * sqrt((f32(k) + 0.5) / f32(taps));
-        let world = (*cell).places[k & 3u] + aside.x * right + aside.y * down;
-        let is_free = all(world < (*cell).high) && all(world > (*cell).low);
-        share += select(0.0, lit(places[k & 3u] + vec3f(aside, 0.0), i), is_free);
-        free += select(0.0, 1.0, is_free);
+        let tap = (*cell).places[k & 3u] + aside.x * right + aside.y * down;
+        share += lit(in_view(clamp(tap, (*cell).low, (*cell).high), view), i);
         at = turned(at);
         k++;
         if (k >= taps) {
             break;
         }
     }
-    return share / max(free, 1.0);
+    return share / f32(taps);
 }
 
 // The cell's place in the lattice before it moved. Border cells see no wall on the far side.
