@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..gpu.layout import Struct, vec4f
+from ..gpu.layout import Struct, u32, vec3u, vec4f
 from ..maths.lattice26 import RHO, hops, mean_hop_length
 from ..maths.lattice26_levels import coarse_absorption_depth
 from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
@@ -37,6 +37,14 @@ class StepCoefficients(Struct):
     stopped_direct = vec4f("-> own B, per offset")
     returned_even = vec4f("own reflected hop -> own A")
     returned_direct = vec4f("-> own B, per normal")
+
+
+class StepParams(Struct):
+    """The lattice's size, and which of the coefficients a step uses; for all kernels of steps."""
+
+    count = vec3u("cells")
+    row = u32("of the coefficients, for channel 0")
+    slabs = u32("slabs along z, of as many layers as the kernel marches")
 
 
 def step_rows(

@@ -92,15 +92,15 @@ class Correction:
         """corrected = stepped + t answer; `stepped` = I + M current, `answer` = M change."""
         nx, ny, nz = count
         self._search.dispatch(
-            commands, (_PARTS, CHANNELS), params=SearchParams(fine=count, coarse=coarse),
+            commands, (_PARTS, CHANNELS), params=SearchParams.of(fine=count, coarse=coarse),
             stepped=stepped, sum=current, change=change, answer=answer, parts=self._parts,
         )  # fmt: skip
         self._length.dispatch(
-            commands, (CHANNELS,), params=LengthParams(most=_SAFE if is_finest else _BOLD),
+            commands, (CHANNELS,), params=LengthParams.of(most=_SAFE if is_finest else _BOLD),
             parts=self._parts, lengths=self._lengths,
         )  # fmt: skip
         self._correct.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=CorrectParams(count=count),
+            commands, (nx, ny, CHANNELS * nz), params=CorrectParams.of(count=count),
             stepped=stepped, answer=answer, lengths=self._lengths, corrected=corrected,
         )  # fmt: skip
 

@@ -129,7 +129,7 @@ class Levels:
         )
         self._restrict_air = _RestrictAir(gpu) if is_varied else None
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
-        self._ways = [[1.0, 1.0, 1.0] for _ in self.levels]
+        self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
         self._source, self._medium = self._zero, self.levels[0].medium
         self._openness = self.levels[0].openness
 
@@ -147,7 +147,7 @@ class Levels:
             sigma_s, sigma_t, self.levels[0].cell, keeps_deficits=False, kept=self._kept
         )
         self._coefficients.write(pack_array(StepCoefficients, rows))
-        self._ways = [mean_track(sigma_t, level.cell).tolist() for level in self.levels]
+        self._ways = [tuple(mean_track(sigma_t, level.cell).tolist()) for level in self.levels]
 
     def set_medium(self, commands: Commands, medium: Buffer) -> None:
         """Take on varying air, (sigma_s, sigma_t) m^-1 per channel and cell, and its means."""
@@ -290,7 +290,7 @@ class Levels:
 
     def _pair(self, k: int) -> LevelParams:
         """Parameters for level k and the finer one before it."""
-        return LevelParams(
+        return LevelParams.of(
             fine=self.levels[k - 1].count, cell=self.levels[k - 1].cell,
             coarse=self.levels[k].count, way=self._ways[k - 1],
             flags=int(self.is_blocked) + 2 * int(self.is_varied),

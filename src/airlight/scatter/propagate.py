@@ -15,10 +15,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.lanes import Rows, has_row_lanes
-from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .coefficients import CHANNELS, StepCoefficients
+from .coefficients import CHANNELS, StepCoefficients, StepParams
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
 from .propagate_open import TILES, OpenColumns, fitting
 from .propagate_rows import OpenRows, rows_for
@@ -29,14 +28,6 @@ SLAB = 8
 """Layers that one invocation marches through."""
 MOVE, TRACK = 0, CHANNELS
 """Where the rows of M and T stand in `step_rows`."""
-
-
-class StepParams(Struct):
-    """The lattice's size and which numbers to use."""
-
-    count = vec3u("cells")
-    row = u32("of the coefficients, for channel 0")
-    slabs = u32("slabs of SLAB layers along z")
 
 
 _SLOTS = (
@@ -93,12 +84,10 @@ class Step:
         """
         nx, ny, nz = count
         slabs = -(-nz // SLAB)
-        values = {
-            "params": StepParams(count=count, row=row, slabs=slabs), "before": before,
-            "coefficients": coefficients, "source": source, "after": after, "packs": packs,
-        }  # fmt: skip
         tile, rows = fitting(count), rows_for(count)
         given = {"before": before, "source": source, "after": after}
+        values = {"params": StepParams.of(count=count, row=row, slabs=slabs),
+                  "coefficients": coefficients, "packs": packs, **given}  # fmt: skip
         if self._has_rows and rows:
             kernel = self._row_kernel(rows, is_added)
             kernel.encode(commands, count, coefficients, row, **given)

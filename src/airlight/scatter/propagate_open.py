@@ -11,10 +11,9 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .coefficients import CHANNELS, StepCoefficients
+from .coefficients import CHANNELS, StepCoefficients, StepParams
 from .hop_wgsl import constants
 
 Count = tuple[int, int, int]
@@ -25,19 +24,11 @@ TILES: tuple[Tile, ...] = ((4, 4), (2, 2))
 """Columns along x and y that an invocation takes, best first."""
 
 
-class OpenParams(Struct):
-    """The lattice's size and which numbers to use."""
-
-    count = vec3u("cells")
-    row = u32("of the coefficients, for channel 0")
-    slabs = u32("slabs of SLAB layers along z")
-
-
 class OpenColumns(ComputePass):
     """after = source + K before, without walls, on lattices that `tile` fills."""
 
     slots = (
-        uniform("params", OpenParams),
+        uniform("params", StepParams),
         storage("coefficients", StepCoefficients),
         storage("before", "vec4f"),
         storage("source", "vec4f"),
@@ -59,7 +50,7 @@ class OpenColumns(ComputePass):
         slabs = -(-nz // SLAB)
         self.dispatch(
             commands, (nx // self.tile[0], ny // self.tile[1], CHANNELS * slabs),
-            params=OpenParams(count=count, row=row, slabs=slabs), coefficients=coefficients,
+            params=StepParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
             before=before, source=source, after=after,
         )  # fmt: skip
 

@@ -14,9 +14,9 @@ from ..gpu.device import Gpu
 from ..gpu.lanes import LANES, Rows
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .coefficients import CHANNELS, StepCoefficients
+from .coefficients import CHANNELS, StepCoefficients, StepParams
 from .hop_wgsl import constants
-from .propagate_open import SLAB, OpenParams, added_wgsl, sums_wgsl
+from .propagate_open import SLAB, added_wgsl, sums_wgsl
 
 Count = tuple[int, int, int]
 _HEIGHTS = {8: 1.0, 4: 1.1, 2: 1.35}
@@ -37,7 +37,7 @@ class OpenRows(ComputePass):
     """after = K before (+ source), without walls, on lattices that `rows` cuts."""
 
     slots = (
-        uniform("params", OpenParams),
+        uniform("params", StepParams),
         storage("coefficients", StepCoefficients),
         storage("before", "vec4<u64>"),
         storage("source", "vec4<u64>"),
@@ -59,7 +59,7 @@ class OpenRows(ComputePass):
         slabs = -(-nz // SLAB)
         self.dispatch(
             commands, (-(-nx // self.rows.width), -(-ny // self.rows.height), CHANNELS * slabs),
-            params=OpenParams(count=count, row=row, slabs=slabs), coefficients=coefficients,
+            params=StepParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
             before=before, source=source, after=after,
         )  # fmt: skip
 

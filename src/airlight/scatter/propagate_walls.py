@@ -11,10 +11,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.lanes import LANES
-from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .coefficients import CHANNELS, StepCoefficients
+from .coefficients import CHANNELS, StepCoefficients, StepParams
 from .hop_wgsl import constants, gathered_blocked, offsets
 
 Count = tuple[int, int, int]
@@ -23,19 +22,11 @@ SLAB, WIDTH = 8, 4
 _COLUMNS = WIDTH + 2
 
 
-class WallParams(Struct):
-    """The lattice's size and which numbers to use."""
-
-    count = vec3u("cells")
-    row = u32("of the coefficients, for channel 0")
-    slabs = u32("slabs of SLAB layers along z")
-
-
 class WallRows(ComputePass):
     """after = source + K before, K by openness packs (see walls), on rows of an even number."""
 
     slots = (
-        uniform("params", WallParams),
+        uniform("params", StepParams),
         storage("coefficients", StepCoefficients),
         storage("before", "vec4<u64>"),
         storage("source", "vec4<u64>"),
@@ -57,7 +48,7 @@ class WallRows(ComputePass):
         slabs = -(-nz // SLAB)
         self.dispatch(
             commands, (-(-nx // WIDTH), ny, CHANNELS * slabs),
-            params=WallParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
+            params=StepParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
             before=before, source=source, after=after, packs=packs,
         )  # fmt: skip
 
