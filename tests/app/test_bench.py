@@ -23,7 +23,7 @@ from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
 from airlight.lpv.lpv import LpvSettings
 from airlight.lpv.propagate import Propagate
-from airlight.scene import DirectionalLight, PointLight
+from airlight.scene import Camera, DirectionalLight, PointLight
 from airlight.scene.builtin import wall_floor
 
 
@@ -83,7 +83,18 @@ def test_lights_move_a_little():
         0.64 + 0.36 * np.cos(np.radians(1.0))
     )
     assert stepped.position == (0.04, 1, 2)
+    flown = bench_frames.flown(Camera(position=(1, 2, 3), target=(1, 2, 0)), 4)
+    assert (flown.position, flown.target) == ((1.04, 2, 3), (1.04, 2, 0))
     assert bench_frames.spread([3.0, 1.0, 2.0]) == {"median": 2.0, "min": 1.0, "runs": 3}
+
+
+def test_the_cases_have_the_settings_that_their_techniques_know():
+    cases = bench.chosen_cases((), {"cascades": "2", "damping": "0.5", "glossy_rays": "no"}, False)
+    *surfaces, foggy = cases
+    assert {case.technique for case in surfaces} == {"lpv"}
+    assert all(case.settings["damping"] == "0.5" for case in surfaces)
+    assert (foggy.technique, foggy.size) == ("lpv-scatter", (1280, 720))
+    assert foggy.settings == {"glossy_rays": "no"}
 
 
 def test_every_axis_varies_what_it_says(monkeypatch):
@@ -93,7 +104,7 @@ def test_every_axis_varies_what_it_says(monkeypatch):
     def measure(varied, case, frames, adapter):
         asked.append((len(varied.lights), len(varied.meshes), case.settings))
         made = {"lattice": [2, 3, 4], "cells": 24, "triangles": 4, "peak_gpu_bytes": 5}
-        return made | {"frame_ms": {"median": 1.0}, "passes": {"propagate": 0.5}}
+        return made | {"flying_ms": {"median": 1.0}, "passes": {"propagate": 0.5}}
 
     monkeypatch.setattr(bench_growth, "measure", measure)
     axes = {axis.name: axis for axis in bench_growth.axes()}
@@ -122,11 +133,11 @@ def test_a_part_of_it_as_json_and_as_a_page(gpu, tmp_path, capsys):
     assert page.startswith("airlight ")
     (case,) = kept["frames"]
     assert case["settings"]["resolution"] == "8"
-    assert case["frame_ms"]["runs"] == 2
+    assert case["frame_ms"]["runs"] == case["flying_ms"]["runs"] == 2
     assert 0.0 < case["python_ms"]["min"] <= case["frame_ms"]["median"]
     assert case["cells"] == np.prod(case["lattice"])
     assert case["peak_gpu_bytes"] > 0
-    assert set(case["passes"]) >= {"inject", "propagate", "lighting"}
+    assert set(case["passes"]) >= {"inject", "propagate", "g-buffer", "lighting"}
     assert f"| {case['name']} | lpv | 96x54 | " in page
     assert "propagation" not in kept and "growth" not in kept
 
@@ -135,9 +146,10 @@ def test_every_table_has_as_many_cells_as_columns():
     times = {"median": 2.0, "min": 1.0, "runs": 3}
     frame = {
         "name": "a", "technique": "lpv", "size": [4, 3], "lattice": [2, 2, 2], "iterations": 8,
-        "frame_ms": times, "python_ms": times, "peak_gpu_bytes": 3_000_000, "passes": {"sky": 1.0},
+        "frame_ms": times, "flying_ms": times, "python_ms": times, "peak_gpu_bytes": 3_000_000,
+        "passes": {"sky": 1.0},
     }  # fmt: skip
-    row = {"value": 1, "cells": 8, "triangles": 2, "frame_ms": times, "passes": {"sky": 1.0}}
+    row = {"value": 1, "cells": 8, "triangles": 2, "flying_ms": times, "passes": {"sky": 1.0}}
     kernel = {"side": 8, "is_blocked": False, "device_ms": times}
     with_c = kernel | {"is_blocked": True, "c_ms": times, "ratio_min": 1.0, "ratio_median": 2.0}
     machine = dict.fromkeys(

@@ -184,6 +184,7 @@ def test_pictures_stay_the_same_as_their_draws_are_recorded(
 
     def pictures():
         for _ in range(4):
+            made.encode(commands, scene, clip @ np.diag([0.5, 0.5, 0.5, 1.0]))  # looked away
             made.encode(commands, scene, clip)
             commands.submit()
             yield np.concatenate([made.albedo.read(), made.depth.read()[..., None]], axis=-1)
@@ -199,3 +200,31 @@ def test_pictures_stay_the_same_as_their_draws_are_recorded(
     fresh = looked_at(gpu, commands, owned, on_device(*moved))
     for picture in pictures():
         np.testing.assert_array_equal(picture[..., :4], fresh.albedo.read())
+
+
+def test_what_is_seen_is_kept_until_something_moves(
+    gpu, commands, owned, on_device, square, monkeypatch
+):
+    mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0, 0, 1)))
+    scene, made = on_device(mesh), owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
+    drawn, render = [], commands.render
+    monkeypatch.setattr(commands, "render", lambda *a, **k: drawn.append(a) or render(*a, **k))
+
+    def passes(scene, clip):
+        drawn.clear()
+        made.encode(commands, scene, clip)
+        commands.submit()
+        return len(drawn)
+
+    turned = clip @ np.diag([0.5, 1.0, 1.0, 1.0])
+    assert [passes(scene, c) > 0 for c in (clip, clip, turned, clip, clip)] == [1, 0, 1, 1, 0]
+    up = np.eye(4)
+    up[1, 3] = 0.5
+    scene.move((dataclasses.replace(mesh, world_from_object=up),))
+    assert passes(scene, clip) > 0
+    assert passes(scene, clip) == 0
+    assert passes(on_device(mesh), clip) > 0
+    made.resize((HEIGHT, WIDTH))
+    assert passes(scene, clip) > 0

@@ -69,7 +69,8 @@ def command(output: Path | None, **options: Any) -> None:
     airlight bench -o bench.json
     airlight bench --scene living_room.obj --only frames
 
-    In steady state, with the work finished on the device. The light moves every frame.
+    In steady state, with the work finished on the device. The light moves every frame; then the
+    camera, too.
     """
     if output is not None:
         check_writable(output)
@@ -128,8 +129,7 @@ def machine(adapter: str) -> dict[str, Any]:
 
 
 def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -> list[Case]:
-    """The frames to draw: `scenes`, or the room and the atrium (with cascades, if there are)."""
-    from ..lpv.lpv import LpvSettings
+    """The frames to draw: `scenes`, or the room and the atrium, also with cascades and in fog."""
     from .bench_frames import PAPER_LATTICE, Case
 
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if quick else {}), **settings}
@@ -138,13 +138,21 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
         cases = [
             Case("room", "builtin:room", ROOM_SIZE, base),
             Case("atrium", "builtin:atrium", ATRIUM_SIZE, base),
-        ]
-        if any(f.name == "cascades" for f in dataclasses.fields(LpvSettings)):
-            three = {**base, "cascades": 3}
-            cases.append(Case("atrium, 3 cascades", "builtin:atrium", ATRIUM_SIZE, three))
+            Case("atrium, 3 cascades", "builtin:atrium", ATRIUM_SIZE, {**base, "cascades": 3}),
+            Case("atrium in fog", "builtin:atrium-fog", ATRIUM_SIZE,
+                 _known_to("lpv-scatter", settings), "lpv-scatter"),
+        ]  # fmt: skip
     if quick:
         cases = [dataclasses.replace(case, size=QUICK_SIZE) for case in cases[:1]]
     return cases
+
+
+def _known_to(technique: str, settings: dict[str, str]) -> dict[str, str]:
+    """Those of `settings` that it has; else its own hold."""
+    from ..techniques import technique_class
+
+    known = technique_class(technique).Settings.__dataclass_fields__
+    return {key: value for key, value in settings.items() if key in known}
 
 
 def _propagation(plan: Plan, adapter: str) -> dict[str, Any]:

@@ -14,12 +14,13 @@ import numpy as np
 from ..scene.lights import DirectionalLight, Light
 
 if TYPE_CHECKING:
+    from ..scene.camera import Camera
     from ..scene.scene import Scene
 
 WARM_UP_FRAMES = 3  # shaders compiled, maps of what does not move drawn
 TIMED_FRAMES = 3  # whose stages are waited for one by one
 TURN_DEG = 0.25  # a sun's turn about +Y from frame to frame
-STEP_M = 0.01  # a lamp's step
+STEP_M = 0.01  # a lamp's step, and the camera's
 PAPER_LATTICE: Mapping[str, Any] = {"resolution": 32, "iterations": 8, "map_resolution": 256}
 """Kaplanyan2010 Table 1: one lattice of 32^3, 8 iterations, a 256^2 reflective shadow map."""
 
@@ -58,11 +59,19 @@ def _moved(light: Light, step: int) -> Light:
     return dataclasses.replace(light, position=(x + STEP_M * step, y, z))
 
 
+def flown(camera: Camera, step: int) -> Camera:
+    """The camera `step` frames on: moved along +x, looking the same way."""
+    by_m = (STEP_M * step, 0.0, 0.0)
+    x, y, z = np.add(camera.position, by_m).tolist()
+    ahead_x, ahead_y, ahead_z = np.add(camera.target, by_m).tolist()
+    return dataclasses.replace(camera, position=(x, y, z), target=(ahead_x, ahead_y, ahead_z))
+
+
 def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, Any]:
     """Milliseconds per frame with the work finished on the device, its stages, and memory.
 
-    {frame_ms, python_ms: spread; passes: {stage: median ms}; peak_gpu_bytes, lattice, cells (of
-    all cascades), ...}.
+    {frame_ms, flying_ms, python_ms: spread; passes: {stage: median ms}; peak_gpu_bytes, lattice,
+    cells (of all cascades), ...}. The light moves; in `flying_ms` and `passes` the camera, too.
     Raises SettingsError, DeviceError.
     """
     from ..rendering import Renderer
@@ -74,12 +83,17 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             renderer.frame(lights=moved(scene.lights, step), read=False)
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
-        for step in range(WARM_UP_FRAMES, WARM_UP_FRAMES + frames):
+        last = WARM_UP_FRAMES + frames
+        for step in range(WARM_UP_FRAMES, last):
             renderer.frame(lights=moved(scene.lights, step), read=False)
+        still_ms, python_ms = list(renderer.frame_ms), list(renderer.python_ms)
+        for step in range(last, last + frames):
+            lights, camera = moved(scene.lights, step), flown(scene.camera, step - last + 1)
+            renderer.frame(lights=lights, camera=camera, read=False)
         timed = []
         for step in range(min(frames, TIMED_FRAMES)):
-            lights = moved(scene.lights, -step)
-            renderer.scene = dataclasses.replace(renderer.scene, lights=lights)
+            lights, camera = moved(scene.lights, -step), flown(scene.camera, -step)
+            renderer.scene = dataclasses.replace(renderer.scene, lights=lights, camera=camera)
             timed.append(renderer.timed_passes())
         stats = renderer.stats()
         lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
@@ -90,8 +104,9 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             "scene": case.scene,
             "technique": case.technique,
             "settings": dict(case.settings),
-            "frame_ms": spread(renderer.frame_ms),
-            "python_ms": spread(renderer.python_ms),
+            "frame_ms": spread(still_ms),
+            "flying_ms": spread(renderer.frame_ms[frames:]),
+            "python_ms": spread(python_ms),
             "passes": {
                 name: float(statistics.median(passes[name] for passes in timed))
                 for name in timed[0]

@@ -81,7 +81,7 @@ def table(
     axis: Axis, scene: Scene, size: tuple[int, int], frames: int, adapter: str,
     base: Mapping[str, Any] = PAPER_LATTICE,
 ) -> dict[str, Any]:  # fmt: skip
-    """{"axis", "scene", "rows": [{value, cells, triangles, frame_ms, passes}]}.
+    """{"axis", "scene", "rows": [{value, cells, triangles, flying_ms, passes}]}.
 
     `base` are the settings that do not vary.
     """
@@ -95,7 +95,7 @@ def table(
                 "value": value,
                 "cells": found["cells"],
                 "triangles": found["triangles"],
-                "frame_ms": found["frame_ms"],
+                "flying_ms": found["flying_ms"],
                 "passes": found["passes"],
                 "peak_gpu_bytes": found["peak_gpu_bytes"],
             }

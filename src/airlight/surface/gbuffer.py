@@ -51,6 +51,7 @@ class GBuffer:
         self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
         self._is_depth_first = False
         self._drawn: tuple[list[Draw], list[Draw]] = ([], [])  # all that is seen, and the opaque
+        self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
@@ -63,11 +64,15 @@ class GBuffer:
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
         self.release()
-        self._drawn = ([], [])
+        self._drawn, self._key = ([], []), None
         self._make_textures(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
-        """Rasterise the scene as seen through `clip_from_world`."""
+        """Rasterise the scene as seen through `clip_from_world`; kept while both stay as they are."""
+        key = (scene, scene.version, clip_from_world.tobytes())
+        if key == self._key:
+            return
+        self._key = key
         draws = scene.visible(clip_from_world)
         if draws is not self._drawn[0]:
             self._drawn = (draws, [draw for draw in draws if draw.material.alpha_cutoff <= 0.0])
