@@ -68,7 +68,7 @@ class GBuffer:
         self._make_textures(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
-        """Rasterise the scene as seen through `clip_from_world`; kept while both stay as they are."""
+        """Rasterise the scene as seen through `clip_from_world`; kept while both stay."""
         key = (scene, scene.version, clip_from_world.tobytes())
         if key == self._key:
             return
