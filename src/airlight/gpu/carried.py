@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 from .layout import Field, Struct
 from .slots import Slot
 
-MOST_WORDS = 64  # WebGPU carries at least 16 vec4s
+MOST_WORDS = 64
+"""WebGPU carries at least 16 vec4s; a device may carry more."""
 _ENTRY = re.compile(
     r"@fragment fn fragment\(@builtin\(position\) position: vec4f\) -> (@location\(0\) )?(\w+) \{"
 )
@@ -64,7 +65,10 @@ class Carried:
     entry: str
 
 
-def carried(slots: tuple[Slot, ...], firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
+def carried(
+    slots: tuple[Slot, ...], firsts: Mapping[str, tuple[str, ...]], text: str,
+    most_words: int = MOST_WORDS,
+) -> Carried:  # fmt: skip
     """The pass `text` with what it reads of its parameters carried, as far as that fits.
 
     Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
@@ -78,7 +82,7 @@ def carried(slots: tuple[Slot, ...], firsts: Mapping[str, tuple[str, ...]], text
     named = {slot.name: slot for slot in slots}
     for slot in (*(s for s in slots if s.is_dynamic), *(named[name] for name in firsts)):
         part = _part(slot, firsts.get(slot.name, ()))
-        if used + len(part.words) > MOST_WORDS:
+        if used + len(part.words) > most_words:
             continue
         used += len(part.words)
         parts.append(part)

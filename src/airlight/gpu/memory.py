@@ -165,3 +165,9 @@ def linear_sampler(gpu: Gpu, label: str = "linear clamp", wrap: str = "clamp-to-
         gpu, label, mag_filter="linear", min_filter="linear", mipmap_filter="linear",
         address_mode_u=wrap, address_mode_v=wrap, address_mode_w=wrap,
     )  # fmt: skip
+
+
+def nearest_sampler(gpu: Gpu) -> Sampler:
+    """No filtering."""
+    return Sampler(gpu, "nearest", mag_filter="nearest", min_filter="nearest",
+                   mipmap_filter="nearest")  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from .bindings import Bindings
-from .carried import Carried, carried, first_elements
+from .carried import MOST_WORDS, Carried, carried, first_elements
 from .commands import Commands
 from .compute import shader_path
 from .device import Gpu
@@ -91,7 +91,8 @@ class RasterPipeline:
 
     def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
         if self.gpu.is_cpu:
-            made = carried(self._slots, firsts, text)
+            most = 4 * self.gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
+            made = carried(self._slots, firsts, text, most)
             if made.entry != "fragment":
                 return made
         return Carried(

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..gpu.memory import Buffer, Texture, linear_sampler, nearest_sampler
 from ..lattice.blockers import Blockers
 from ..lattice.lookup import LatticeTextures
 from ..lattice.placement import LatticeParams, Placement, fitted
@@ -90,7 +90,7 @@ class Direct:
         self.glossy: GlossyPixels | None = None
         self._occlusion: Occlusion | None = None
         self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
-        self.linear = linear_sampler(gpu)
+        self.linear, self.nearest = linear_sampler(gpu), nearest_sampler(gpu)
         self.power_scale = 1.0
         self.is_paper = False
         self.damping = 0.0
@@ -176,7 +176,7 @@ class Direct:
             "params": params, **self.lattice_bound, **self.lights.bound,
             **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
             "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
-            "lit": layers.lit if part == "lattices" else g.albedo,
+            "lit": layers.lit if part == "lattices" else g.albedo, "picture_sampler": self.nearest,
             "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
         }  # fmt: skip
         if self.glossy is None or part == "lights":

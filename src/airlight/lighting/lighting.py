@@ -26,6 +26,18 @@ fn light_passed(index: u32, p: vec3f) -> vec3f {
     return air_light_transmittance(lights[index], index, p);
 }
 """
+# The same in a single box of even air, of which what it takes is at hand.
+_THROUGH_BOX = """
+//! use air_light
+fn light_passed(index: u32, p: vec3f) -> vec3f {
+    let medium = first_air();
+    let way = air_light_way(light_at(index), p);
+    let o = (medium.volume_from_world * vec4f(p, 1.0)).xyz;
+    let d = (medium.volume_from_world * vec4f(way.xyz, 0.0)).xyz;
+    let span = ray_box_interval(o, d, vec3f(0.0), vec3f(1.0));
+    return transmittance(medium.sigma_t, max(min(span.y, way.w) - max(span.x, 0.0), 0.0));
+}
+"""
 
 
 # Glossy pixels are left to `glossy_pixels`, with the rest of their light.
@@ -48,7 +60,10 @@ _LISTS = (
 )  # fmt: skip
 
 
-# What single lights and lattices are read from; nothing here goes from a light's view to the world.
+# What single lights and lattices are read from; nothing here goes from a light's view to the world,
+# and all that is asked of air is what it lets through.
+_AIR_FIRST = {"air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail",
+                      "detail_bias")}  # fmt: skip
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {
     "lights": (), "parallel_views": ("world_from_clip",), "lattices": ()
 }  # fmt: skip
@@ -65,6 +80,10 @@ class LightAir(Protocol):
     @property
     def bound(self) -> dict[str, Any]:
         """The resources, by slot name."""
+
+    @property
+    def is_one_box(self) -> bool:
+        """Whether all there is is one box of even air."""
 
 
 class LightingParams(Struct):
@@ -95,6 +114,7 @@ class Lighting(FullscreenPass):
         texture("normal", "2d", "unfilterable-float"),
         texture("emission", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
+        sampler("picture_sampler", "non-filtering"),
         texture("near_texels", "2d", "uint"),
         texture("environment", "2d"),
         sampler("environment_sampler"),
@@ -131,7 +151,9 @@ class Lighting(FullscreenPass):
         """
         lists = _LISTS if is_listed else ()
         self.slots = (*type(self).slots, *(air.slots if air else ()), *lists)  # type: ignore[misc]
-        through = _THROUGH_AIR if air else _THROUGH_NOTHING
+        is_box = air is not None and air.is_one_box
+        through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
+        firsts = _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
         constants = {"HAS_OCCLUSION": float(is_occluded),
                      "HAS_GLOSS": float(is_glossy and not lists),
                      "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
@@ -139,11 +161,11 @@ class Lighting(FullscreenPass):
                      "HAS_SKY": float(has_sky), "HAS_LIGHTS": float(part != "lattices"),
                      "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
                      "IS_ONE_LATTICE": float(is_one_lattice),
-                     "IS_ONE_SUN": float(is_one_sun)}  # fmt: skip
+                     "IS_ONE_SUN": float(is_one_sun), "IS_SAMPLED": float(gpu.is_cpu)}  # fmt: skip
         generated = (air.wgsl if air else "") + through + (_LISTED if lists else _NOT_LISTED)
         super().__init__(
             gpu, generated=generated, constants=constants,
-            firsts=_LIGHTS_FIRST if part == "lights" else _LATTICES_FIRST,
+            firsts=firsts if part == "lights" else _LATTICES_FIRST | firsts,
             targets=self.targets[:1] if part == "lights" else None,
         )  # fmt: skip
 

@@ -1,4 +1,5 @@
 //! use pixel_point
+//! use picture_texel
 //! use lights
 //! use shadow
 //! use mirrored_light
@@ -115,8 +116,8 @@ fn lattice_light(
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
-    let pixel = vec2i(position.xy);
-    let d = textureLoad(depth, pixel, 0);
+    let pixel = vec2u(position.xy);
+    let d = depth_texel(depth, pixel);
     var out: Lit;
     out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
     let p = pixel_point(position.xy, d);
@@ -125,13 +126,13 @@ fn lattice_light(
         if (HAS_LIGHTS) {
             out.direct = vec4f(background(-v), 0.0);
         } else {
-            out.direct = textureLoad(lit, pixel, 0);
+            out.direct = picture_texel(lit, pixel);
         }
         return out;
     }
-    let base = textureLoad(albedo, pixel, 0);
-    let bent = textureLoad(normal, pixel, 0);
-    let glow = textureLoad(emission, pixel, 0);
+    let base = picture_texel(albedo, pixel);
+    let bent = picture_texel(normal, pixel);
+    let glow = picture_texel(emission, pixel);
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
     var is_listed = false;
@@ -140,7 +141,7 @@ fn lattice_light(
     if (HAS_LIGHTS) {
         direct = glow.rgb + direct_light(r, p, n, v);
     } else {
-        direct = textureLoad(lit, pixel, 0).rgb;
+        direct = picture_texel(lit, pixel).rgb;
     }
     if (HAS_LATTICES && params.has_lattice != 0u) {
         let near = near_surroundings(position.xy, 1.0 / (params.world_from_clip[2].w * d));

@@ -17,9 +17,9 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
-from ..gpu.memory import Texture
+from ..gpu.memory import Texture, nearest_sampler
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import texture, uniform
+from ..gpu.slots import sampler, texture, uniform
 from ..maths.transforms import F64
 
 _CPU_SAMPLES, _GPU_SAMPLES = (2, 4), (3, 6)  # slices, steps on each side of one
@@ -47,6 +47,7 @@ class _Seen(FullscreenPass):
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
+        sampler("picture_sampler", "non-filtering"),
     )
     targets = ("rgba32uint",)
     file = "occlusion_seen.wgsl"
@@ -98,9 +99,10 @@ class Occlusion:
         """
         usual = _CPU_SAMPLES if gpu.is_cpu else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
-        constants = {k: float(v) for k, v in counts.items()} | {"HAS_LIGHT": float(has_light)}
-        self._seen = _Seen(gpu, constants={"HAS_LIGHT": float(has_light)})
-        self._horizons = _Horizons(gpu, constants=constants)
+        kind = {"HAS_LIGHT": float(has_light), "IS_SAMPLED": float(gpu.is_cpu)}
+        self._nearest = nearest_sampler(gpu)
+        self._seen = _Seen(gpu, constants=kind)
+        self._horizons = _Horizons(gpu, constants={k: float(v) for k, v in counts.items()} | kind)
         self._blur = _Blur(gpu)
 
     def encode(
@@ -114,7 +116,8 @@ class Occlusion:
         `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
-        picture = {"params": params, "depth": depth, "normal": normal, "lit": lit or normal}
+        picture = {"params": params, "depth": depth, "normal": normal, "lit": lit or normal,
+                   "picture_sampler": self._nearest}  # fmt: skip
         self._seen.draw(commands, (layers.seen,), **picture)
         self._horizons.draw(commands, (layers.sampled,), seen=layers.seen, **picture)
         self._blur.draw(commands, (layers.near,), params=params, sampled=layers.sampled)

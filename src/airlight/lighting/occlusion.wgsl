@@ -1,6 +1,7 @@
 // Horizons around each texel of the picture as `occlusion_seen` hands it on.
 //! use occlusion
 //! use near_texel
+//! use picture_texel
 
 override SLICES: u32 = 2;
 override STEPS: u32 = 4;
@@ -47,12 +48,12 @@ struct Sample {
 // Beyond the picture's border, the pixel at it.
 fn at_pixel(pixel: vec2i) -> Sample {
     let inside = vec2u(clamp(pixel, vec2i(0), vec2i(params.size) - 1));
-    let inverse = params.depth_scale * textureLoad(depth, inside, 0);
+    let inverse = params.depth_scale * depth_texel(depth, inside);
     var light = vec3f(0.0);
     if (HAS_LIGHT) {
-        light = textureLoad(lit, inside, 0).rgb;
+        light = picture_texel(lit, inside).rgb;
     }
-    return Sample(point(inside, inverse), textureLoad(normal, inside, 0).xyz, light);
+    return Sample(point(inside, inverse), picture_texel(normal, inside).xyz, light);
 }
 
 fn at_texel(texel: vec2i) -> Sample {

@@ -1,13 +1,14 @@
 // The picture as horizons sample it: depth, normal and light of a texel side by side, and on software
 // drivers a quarter of the pixels, which stay in the caches.
 //! use near_texel
+//! use picture_texel
 
 override HAS_LIGHT: bool = false;    // what occludes shows its light in `lit`
 
 const SAME_SURFACE = 0.1;       // depths that differ by less than this share
 
 fn inverse_distance(pixel: vec2u) -> f32 {
-    return params.depth_scale * textureLoad(depth, pixel, 0);
+    return params.depth_scale * depth_texel(depth, pixel);
 }
 
 // The pixel that stands for a texel: where its block has an edge, the near and the far side in
@@ -35,9 +36,9 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let inverse = inverse_distance(pixel);
     var seen = Seen(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
     if (inverse > 0.0) {
-        seen.normal = textureLoad(normal, pixel, 0).xyz;
+        seen.normal = picture_texel(normal, pixel).xyz;
         if (HAS_LIGHT) {
-            seen.light = textureLoad(lit, pixel, 0).rgb;
+            seen.light = picture_texel(lit, pixel).rgb;
         }
     }
     return packed_seen(seen);
