@@ -39,7 +39,7 @@ def depth(gpu: Gpu, look: Any, volume: Volume) -> NDArray[Any]:
     air = Air(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, 1)
-    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in ("L", "T"))
+    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     params = rays.encode(seen.commands, seen.view)
     March(gpu, air).encode(seen.commands, params, rays, scattered=L, transmittance=T)
     return np.asarray(-np.log(seen.read(T)[..., 0]))

@@ -46,7 +46,7 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     forward = ForwardSource(texture, blocks, table, 2, 2, 0.5, 1.0)
     lattice = LatticeSource(placement, bound, 1.0, forward=forward, mean=dark, is_similar=True)
     march = March(gpu, air, has_lattice=True)
-    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in ("L", "T"))
+    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     march.encode(seen.commands, rays.encode(seen.commands, seen.view), rays, lattice=lattice,
                  scattered=L, transmittance=T, cutoff=0.0)  # fmt: skip
     got, through = seen.read(L), seen.read(T)

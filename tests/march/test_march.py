@@ -50,7 +50,7 @@ def marched(
     rays = Rays(gpu, seen.size, scale)
     lattice = options.get("lattice")
     march = March(gpu, air, sources=len(sources), has_lattice=lattice is not None)
-    out = [Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in ("L", "T")]
+    out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
     params = rays.encode(seen.commands, seen.view)
     march.encode(
         seen.commands, params, rays, sources=sources, scattered=out[0], transmittance=out[1],

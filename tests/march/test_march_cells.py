@@ -1,4 +1,4 @@
-"""Packed cells hold what the textures say, to the bit."""
+"""Packed cells hold what the textures say."""
 
 from __future__ import annotations
 
@@ -32,9 +32,14 @@ def test_open_shares_and_walls(gpu: Gpu, commands: Commands) -> None:
         "lattice_open_b": texture("open b", "rgba8unorm", opened[1]), "more": None,
     })  # fmt: skip
     commands.submit()
-    words = packed.read(np.uint8).reshape(z, y, x, 4, 4)
-    np.testing.assert_array_equal(words[..., 0, :], opened[0])
-    np.testing.assert_array_equal(words[..., 1, :], opened[1])
+    words = packed.read().view(np.uint8).reshape(z, y, x, 4, 4)
+    # As far as each face lets neighbours be mixed in: wgsl/lattice.wgsl, open_fraction.
+    t = np.clip((opened / 255.0 - 0.15) / 0.35, 0.0, 1.0)
+    mixed = 255.0 * t * t * (3.0 - 2.0 * t)
+    low = np.stack([mixed[0, ..., 0], mixed[0, ..., 2], mixed[1, ..., 0]], axis=-1)
+    high = np.stack([mixed[0, ..., 1], mixed[0, ..., 3], mixed[1, ..., 1]], axis=-1)
+    np.testing.assert_allclose(words[..., 0, :3], low, atol=0.51)
+    np.testing.assert_allclose(words[..., 1, :3], high, atol=0.51)
     np.testing.assert_array_equal(words[..., 2, :3].view(np.int8), walls[..., :3])
     # The wall on a cell's high face is the next one's low wall; beyond the last there is none.
     for axis in range(3):

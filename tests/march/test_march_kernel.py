@@ -49,7 +49,7 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
     source = lattice(gpu, np.random.default_rng(5))
 
     def drawn(given):
-        out = [Texture(gpu, n, rays.reduced, "rgba32float", written=True) for n in "LT"]
+        out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in "LT"]
         march.encode(seen.commands, params, rays, lattice=given, scattered=out[0],
                      transmittance=out[1])  # fmt: skip
         return seen.read(out[0])
@@ -59,6 +59,34 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
     np.testing.assert_allclose(means, states, rtol=1e-4, atol=1e-6)
     twice = drawn(replace(source, finer=(source.placement,)))
     np.testing.assert_allclose(twice, means, rtol=1e-4, atol=1e-6)
+    march.release()
+
+
+def test_packed_cells_say_what_the_textures_do(gpu, look):
+    """Of walls anywhere and faces open by any share: one lattice, or the same as two."""
+    medium = Medium((0.3, 0.2, 0.4), (0.9, 0.8, 1.0), bounds=BOX)
+    seen = look(Scene(medium=medium, camera=Camera((0.4, 0.3, 4.0), (0.0, 0.0, 0.0), fov_y_deg=40)))
+    air = Air(gpu, seen.scene, light_count=0)
+    air.update(seen.commands, seen.scene, *seen.scene.bounds)
+    rays, march = Rays(gpu, seen.size, 1), March(gpu, air, has_lattice=True)
+    params, rng = rays.encode(seen.commands, seen.view), np.random.default_rng(8)
+    source, shape = lattice(gpu, rng), (CELLS,) * 3 + (4,)
+    told = {"open_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+            "open_b": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+            "walls": ("rgba8snorm", rng.integers(-60, 61, shape, np.int8))}  # fmt: skip
+    told["walls"][1][..., 3] = 0  # no wall with air before it: a hint for surfaces
+    for name, (kind, texels) in told.items():
+        made = Texture(gpu, name, (CELLS,) * 3, kind, dimension="3d")
+        made.write(texels)
+        source.bound[f"lattice_{name}"] = made
+
+    def drawn(given):
+        out = Texture(gpu, "L", rays.reduced, "rgba32float", target=True)
+        march.encode(seen.commands, params, rays, lattice=given, scattered=out, steps_per_cell=3.0)
+        return seen.read(out)[..., :3]
+
+    alone, twice = drawn(source), drawn(replace(source, finer=(source.placement,)))
+    assert np.linalg.norm(alone - twice) < 2e-3 * np.linalg.norm(twice)
     march.release()
 
 

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 from ..gpu.commands import Commands
-from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..gpu.raster import FullscreenPass
 from ..lattice.placement import Placement
 from ..lattice.table import LatticeTable
 from ..maths.transforms import F64
@@ -30,11 +30,21 @@ from .air import Air
 from .far_air import FarSource
 from .forward_source import ForwardSource, fused_rows
 from .march_cells import MarchCells
-from .march_kernel import MAX_LEVELS_AT_ONCE, MarchParams, SourceData, Variant, generated, slots
+from .march_kernel import (
+    MAX_LEVELS_AT_ONCE,
+    MarchParams,
+    SourceData,
+    Variant,
+    firsts,
+    generated,
+    slots,
+    target_names,
+)
 from .rays import RayParams, Rays
 
 ABSOLUTE, ALL_MEDIA = -1, -2
 MAX_SOURCES = 4
+_BYTES = 16  # of a pixel of one target
 _TWO_BANDS = 0.25  # the largest g that two bands are enough for
 
 
@@ -104,15 +114,18 @@ def placed(placement: Placement) -> F64:
     return matrix
 
 
-class _March(ComputePass):
-    """The kernel for one variant."""
+class _March(FullscreenPass):
+    """The kernel for one variant: of pixels, whose triangle carries what all rays ask."""
 
     file = "march.wgsl"
-    workgroup = (8, 8, 1)
 
     def __init__(self, gpu: Gpu, air: Air, variant: Variant) -> None:
         self.slots = slots(air, variant)  # type: ignore[misc]
-        super().__init__(gpu, generated=air.medium_wgsl + generated(variant))
+        names = target_names(variant)
+        self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
+        gpu.require("max-color-attachment-bytes-per-sample", _BYTES * len(names), "marching")
+        super().__init__(gpu, generated=air.medium_wgsl + generated(variant),
+                         firsts=firsts(variant))  # fmt: skip
 
 
 class March:
@@ -138,21 +151,29 @@ class March:
         self, commands: Commands, params: RayParams, rays: Rays, *,
         sources: Sequence[Source] = (), lattice: LatticeSource | None = None,
         sky: LatticeSource | None = None, far: FarSource | None = None,
-        scattered: Texture, transmittance: Texture,
+        scattered: Texture, transmittance: Texture | None = None,
         skylit: Texture | None = None, steps_per_cell: float = 1.0, max_steps: int = 128,
         cutoff: float = 1e-3,
     ) -> None:  # fmt: skip
-        """Fill `scattered`, `transmittance` and, from `sky`, `skylit`: of `rays.reduced` size."""
-        variant = replace(self._chosen(lattice, sky), far_side=far.side if far else 0)
+        """Fill `scattered`, from `sky` `skylit`, and `transmittance` where it is asked for.
+
+        They are targets, of `rays.reduced` size.
+        """
+        variant = replace(
+            self._chosen(lattice, sky),
+            far_side=far.side if far else 0,
+            has_passed=transmittance is not None,
+        )
         if variant not in self._passes:
             self._passes[variant] = _March(self.gpu, self._air, variant)
         cells = [s.cell_m for s in (*sources, lattice, sky) if s is not None]
         forward = lattice.forward if lattice else None
-        bound = self._bound(variant, sources, lattice, sky, skylit)
+        bound = self._bound(variant, sources, lattice, sky)
         one = lattice or sky
         if one is not None:  # nested lattices are read as they are
-            bound["march_cells"] = self._table if variant.levels > 1 else self._cells.encode(
-                commands, one.placement.count, bound)  # fmt: skip
+            bound["march_cells"] = self._cells.texture
+            if variant.levels == 1:
+                bound["march_cells"] = self._cells.encode(commands, one.placement.count, bound)
         self.params = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
             max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
@@ -164,10 +185,11 @@ class March:
             forward_count=forward.count if forward else 0,
             far_top=far.top if far else 0.0, far_sigma=far.sigma_t if far else 1.0,
         )  # fmt: skip
-        self._passes[variant].dispatch(
-            commands, rays.reduced, rays=params, march=self.params, picked=rays.picked,
-            **self._air.medium_bound, **bound, **({"far_light": far.table} if far else {}),
-            scattered=scattered, passed=transmittance,
+        targets = {"scattered": scattered, "skylit": skylit, "passed": transmittance}
+        self._passes[variant].draw(
+            commands, tuple(targets[name] for name in target_names(variant)), rays=params,
+            march=self.params, picked=rays.picked, **self._air.medium_bound, **bound,
+            **({"far_light": far.table} if far else {}),
         )  # fmt: skip
 
     def _chosen(self, lattice: LatticeSource | None, sky: LatticeSource | None) -> Variant:
@@ -187,7 +209,7 @@ class March:
 
     def _bound(
         self, variant: Variant, sources: Sequence[Source], lattice: LatticeSource | None,
-        sky: LatticeSource | None, skylit: Texture | None,
+        sky: LatticeSource | None,
     ) -> dict[str, Any]:  # fmt: skip
         """By slot name, what is marched."""
         values: dict[str, Any] = {}
@@ -202,7 +224,7 @@ class March:
         if sky is not None:
             # wgsl/lattice wants a lattice's textures.
             own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
-            values = {"skylit": skylit, **own, **values}
+            values = {**own, **values}
         forward = lattice.forward if lattice else None
         if forward is not None:
             values |= {"forward_table": forward.table, "forward_lights": forward.texture,

@@ -102,8 +102,8 @@ fn similar_depth_here(t: f32, dt: f32) -> SimilarDepth {
 
 // The mean transmittance along a step of which `left` is let through.
 fn mean_left(depth: vec3f, left: vec3f) -> vec3f {
-    let series = 1.0 - depth / 2.0
-        * (1.0 - depth / 3.0 * (1.0 - depth / 4.0 * (1.0 - depth / 5.0)));
+    let series = 1.0 - depth * 0.5
+        * (1.0 - depth * (1.0 / 3.0) * (1.0 - depth * 0.25 * (1.0 - depth * 0.2)));
     return select((1.0 - left) / depth, series, depth < vec3f(0.1));
 }
 
@@ -122,11 +122,9 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
     return select(surface, sky, ray.distance >= EYE_RAY_FAR) / max(shining_here(), least);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= rays.reduced)) {
-        return;
-    }
-    let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
+@fragment fn fragment(@builtin(position) position: vec4f) -> Marched {
+    let texel = vec2u(position.xy);
+    let ray = picked_ray(rays, texel, textureLoad(picked, vec2i(texel), 0).xy);
     march_begin();
     lattice_begin();
     let eye = rays.eye;
@@ -189,7 +187,5 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
         let all = forwards + behind(eye, ray, t, T, similar);
         L += mix(all, in_bands, select(similar, vec3f(0.0), is_sky));
     }
-    textureStore(scattered, id.xy, vec4f(L, ray.distance));
-    store_skylit(id.xy, sky);
-    textureStore(passed, id.xy, vec4f(T, 1.0));
+    return marched(vec4f(L, ray.distance), sky, T);
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..gpu.layout import Struct, f32, i32, mat4x4f, u32
-from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from .air import Air
 from .far_air import NO_FAR_WGSL, far_slots, far_wgsl
@@ -47,7 +47,8 @@ class Variant:
     """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
     scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
     lattice; how many nested lattices there are at one place; the directions, squared, of
-    endless air beyond them; whether lattices hold light of similar even air.
+    endless air beyond them; whether lattices hold light of similar even air; whether the rays'
+    transmittance is asked for.
     """
 
     sources: int = 0
@@ -60,6 +61,7 @@ class Variant:
     levels: int = 1
     far_side: int = 0
     is_similar: bool = False
+    has_passed: bool = True
 
 
 _NO_LATTICE = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
@@ -80,19 +82,41 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
     names: list[str] = []
     if variant.has_lattice or variant.has_sky:
         made += [storage("lattices", LatticeParams), sampler("linear_clamp"),
-                 storage("march_cells", "vec4u")]  # fmt: skip
+                 texture("march_cells", "3d", "uint")]  # fmt: skip
         colours = ("red", "green", "blue", "open_a", "open_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
-        made += [image("skylit", "rgba32float")]
     has_mean = variant.is_even or variant.is_similar
     names += ["lattice_mean"] * has_mean + ["sky_mean"] * variant.is_sky_even
     names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
     beams += far_slots() if variant.far_side else ()
-    return (*made, *beams, image("scattered", "rgba32float"), image("passed", "rgba32float"))
+    return (*made, *beams)
+
+
+def target_names(variant: Variant) -> list[str]:
+    """What the kernel writes."""
+    return ["scattered", *["skylit"] * variant.has_sky, *["passed"] * variant.has_passed]
+
+
+def firsts(variant: Variant) -> dict[str, tuple[str, ...]]:
+    """Tables of which the first row alone is read, and what is not read of it."""
+    has_table = variant.has_lattice or variant.has_sky
+    return {"lattices": ("power_scale", "lookup_scale", "is_paper")} if has_table else {}
+
+
+def _targets_wgsl(variant: Variant) -> str:
+    """The struct of them, made of radiance (a: how far the ray goes), the sky's, transmittance."""
+    names = target_names(variant)
+    values = {"scattered": "scattered", "skylit": "vec4f(sky, 1.0)", "passed": "vec4f(T, 1.0)"}
+    fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
+    made = ", ".join(values[n] for n in names)
+    return (
+        f"struct Marched {{\n{fields}}}\nfn marched(scattered: vec4f, sky: vec3f, T: vec3f) "
+        f"-> Marched {{ return Marched({made}); }}\n"
+    )
 
 
 def generated(variant: Variant) -> str:
@@ -103,7 +127,15 @@ def generated(variant: Variant) -> str:
     if variant.far_side:
         far = far_wgsl(variant.far_side, has_forward=variant.has_forward)
     similar = f"const IS_SIMILAR = {str(variant.is_similar).lower()};\n"
-    return similar + _sources_wgsl(variant) + lattice + _sky_wgsl(variant) + beams + far
+    return (
+        _targets_wgsl(variant)
+        + similar
+        + _sources_wgsl(variant)
+        + lattice
+        + _sky_wgsl(variant)
+        + beams
+        + far
+    )
 
 
 def _sources_wgsl(variant: Variant) -> str:
@@ -154,7 +186,6 @@ def _sky_wgsl(variant: Variant) -> str:
     if not variant.has_sky:
         return (
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
-            "fn store_skylit(texel: vec2u, radiance: vec3f) {}\n"
             "fn sky_even_at() -> vec3f { return vec3f(0.0); }\n"
         )
     far = " + far_skylit(p, travel)" if variant.far_side else ""
@@ -167,8 +198,6 @@ def _sky_wgsl(variant: Variant) -> str:
         + f"fn sky_even_at() -> vec3f {{ return {even}; }}\n"
         + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         f"    return sky_emission(p, travel){far};\n}}\n"
-        "fn store_skylit(texel: vec2u, radiance: vec3f) {\n"
-        "    textureStore(skylit, texel, vec4f(radiance, 1.0));\n}\n"
     )
 
 

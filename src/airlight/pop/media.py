@@ -177,7 +177,7 @@ class _Picture:
         self.rays = Rays(gpu, size, scale)
         small = self.rays.reduced
         self.reduced_scattered, self.reduced_passed = (
-            Texture(gpu, f"marched {name}", small, "rgba32float", written=True)
+            Texture(gpu, f"marched {name}", small, "rgba32float", target=True)
             for name in ("scattered", "transmittance")
         )
         self.scattered, self.passed = (

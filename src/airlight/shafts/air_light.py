@@ -132,7 +132,8 @@ class AirLight:
             self._shafts_alone = Texture(gpu, "shafts", size, "rgba32float", target=True,
                                          written=True)  # fmt: skip
         self._reduced = {
-            name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", written=True)
+            name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", target=True,
+                          written=True)
             for name, rays in (("single", self.shaft_rays), ("multiple", self.march_rays),
                                ("transmittance", self.march_rays), ("sky", self.march_rays))
         }  # fmt: skip
@@ -246,7 +247,8 @@ class AirLight:
         self.march.encode(
             commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
             far=far if lattice or sky else None,
-            scattered=self._target("multiple"), transmittance=self._target("transmittance"),
+            scattered=self._target("multiple"),
+            transmittance=self._target("transmittance") if self.air.has_grids else None,
             skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
             max_steps=self.settings.march_steps,
         )  # fmt: skip

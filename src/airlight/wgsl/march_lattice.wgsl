@@ -10,44 +10,71 @@ var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;
 // A cell's power over that of the largest lattice, where both hold the same light.
 var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
-// The only lattice, copied: a software driver reads a buffer lane by lane.
-var<private> lattice_alone: LatticeParams;
+// The only lattice, copied: a software driver reads a buffer lane by lane. Divisions are made once.
+struct LatticeAlone {
+    origin: vec3f,          // m
+    per_metre: f32,         // cells
+    count: vec3f,
+    last: vec3f,            // its last cell
+    first: vec3f,           // cells before it in the textures
+    per_texel: vec3f,       // texture coordinates
+    rise: vec3f,            // of its weight, m^-1, from fade_low
+    risen: vec3f,           // at the world's origin
+    fall: vec3f,            // m^-1, to fade_high
+    fallen: vec3f,
+}
+var<private> alone: LatticeAlone;
 
 fn lattice_begin() {
-    if (LATTICES_AT_ONCE == 1u) {
-        lattice_alone = lattices[arrayLength(&lattices) - 1u];
+    if (LATTICES_AT_ONCE > 1u) {
+        return;
     }
+    let lattice = first_lattices();
+    let count = vec3f(lattice.count);
+    let rise = 1.0 / lattice.fade_low_width;
+    let fall = 1.0 / lattice.fade_high_width;
+    alone = LatticeAlone(lattice.origin, 1.0 / lattice.cell, count, count - 1.0,
+        vec3f(0.0, f32(lattice.first_row), 0.0),
+        1.0 / vec3f(textureDimensions(lattice_red)),
+        rise, -lattice.fade_low * rise, fall, lattice.fade_high * fall);
+}
+
+// lattice_weight of the only lattice.
+fn weight_alone(p: vec3f) -> f32 {
+    let inside = min(alone.risen + p * alone.rise, alone.fallen - p * alone.fall);
+    return saturate(min(inside.x, min(inside.y, inside.z)));
+}
+
+// bent_axis on all three, one division each.
+fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
+    let t = place - cell;
+    let is_below = t < low;
+    let is_above = (t > 1.0 + high) & !is_below;
+    let width = select(select(max(1.0 + high - low, vec3f(0.25)), 1.0 - high, is_above),
+        1.0 + low, is_below);
+    return cell + select(vec3f(0.0), vec3f(1.0), is_above)
+        + (t - select(low, 1.0 + high, is_above)) / width;
 }
 
 // lattice_eased(bent_place(p)) of the only lattice, from its packed cells (march/march_cells.py).
-fn cell_index(cell: vec3i) -> u32 {
-    let at = vec3u(cell);
-    return (at.z * lattice_alone.count.y + at.y) * lattice_alone.count.x + at.x;
-}
-
 fn eased_alone(p: vec3f) -> vec3f {
-    let place = (p - lattice_alone.origin) / lattice_alone.cell;
-    let last = vec3i(lattice_alone.count) - 1;
-    let cell = clamp(vec3i(floor(place)), vec3i(0), last);
-    let walls = march_cells[cell_index(cell)].zw;
-    let low = unpack4x8snorm(walls.x);
-    let high = unpack4x8snorm(walls.y);
-    let bent = vec3f(bent_axis(place.x, cell.x, low.x, high.x),
-        bent_axis(place.y, cell.y, low.y, high.y), bent_axis(place.z, cell.z, low.z, high.z));
-    let there = clamp(vec3i(floor(bent)), vec3i(0), last);
-    let faces = march_cells[cell_index(there)].xy;
-    let xy = unpack4x8unorm(faces.x);
-    let z = unpack4x8unorm(faces.y);
-    let t = clamp(bent - vec3f(there), vec3f(0.0), vec3f(1.0)) - 0.5;
-    let eased = vec3f(open_fraction(t.x, xy.x, xy.y, 0.0), open_fraction(t.y, xy.z, xy.w, 0.0),
-        open_fraction(t.z, z.x, z.y, 0.0));
-    return lattice_uvw(lattice_alone, vec3f(there) + 0.5 + eased);
+    let place = (p - alone.origin) * alone.per_metre;
+    let cell = clamp(floor(place), vec3f(0.0), alone.last);
+    let walls = textureLoad(march_cells, vec3i(cell), 0).zw;
+    let bent = bent_alone(place, cell, unpack4x8snorm(walls.x).xyz, unpack4x8snorm(walls.y).xyz);
+    let there = clamp(floor(bent), vec3f(0.0), alone.last);
+    let faces = textureLoad(march_cells, vec3i(there), 0).xy;
+    let t = clamp(bent - there, vec3f(0.0), vec3f(1.0)) - 0.5;
+    let low = unpack4x8unorm(faces.x).xyz;
+    let high = unpack4x8unorm(faces.y).xyz;
+    let inside = there + 0.5 + t * select(low, high, t > vec3f(0.0));
+    return (clamp(inside, vec3f(0.5), alone.count - 0.5) + alone.first) * alone.per_texel;
 }
 
 fn lattice_enter(p: vec3f) {
     if (LATTICES_AT_ONCE == 1u) {
         let uvw = eased_alone(p);
-        lattice_at[0] = vec4f(uvw, lattice_weight(lattice_alone, p));
+        lattice_at[0] = vec4f(uvw, weight_alone(p));
         lattice_gain[0] = 1.0;
         return;
     }

@@ -1,0 +1,1 @@
+//! use march_ray
