@@ -6,7 +6,12 @@ from types import SimpleNamespace
 
 from cffi import FFI
 
-from airlight.gpu.quick_types import declare_only_what_is_named, keep_attachments, keep_labels
+from airlight.gpu.quick_types import (
+    declare_only_what_is_named,
+    dispatch_calls,
+    keep_attachments,
+    keep_labels,
+)
 
 
 def made() -> FFI:
@@ -74,3 +79,15 @@ def test_labels_are_made_once_and_code_is_not_kept() -> None:
 def test_another_wgpu_is_left_alone() -> None:
     assert not keep_attachments(object)
     assert not keep_labels(object())
+
+
+def test_functions_of_another_library_are_not_called() -> None:
+    ffi = FFI()
+    ffi.cdef("int abs(int);")
+    other = SimpleNamespace(
+        wgpuComputePassEncoderSetPipeline=ffi.dlopen(None).abs,
+        wgpuComputePassEncoderSetBindGroup=ffi.dlopen(None).abs,
+        wgpuComputePassEncoderDispatchWorkgroups=ffi.dlopen(None).abs,
+    )
+    assert dispatch_calls(other, ffi) is None
+    assert dispatch_calls(SimpleNamespace(), ffi) is None

@@ -5,6 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from airlight.gpu.commands import Commands
+from airlight.gpu.memory import Buffer
 from airlight.maths import lattice26, lattice26_levels, lattice26_walls
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import Schedule, schedule
@@ -117,3 +119,28 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
     fine = white[..., :3].astype(float)[:, :, :2].reshape(2, 2, 3, 2, 2, 3).mean(axis=(1, 3, 4))
     np.testing.assert_allclose(mean, fine, atol=0.51)
     levels.release()
+
+
+@pytest.mark.parametrize("is_varied", [False, True])
+def test_cycles_replayed_follow_light_and_air(gpu, commands, lattice, owned, is_varied):
+    # Solved again and again by one, and each time by a fresh one.
+    plan = schedule("cycle", 4, COUNT)
+    levels = owned(Levels(gpu, COUNT, 1.0, plan, is_blocked=False, is_varied=is_varied))
+    source = owned(Buffer(gpu, "source", 3 * np.prod(COUNT) * 16))
+    for factor, light in ((1.0, 1.0), (1.0, 3.0), (0.5, 3.0)):
+        sigma_t = factor * SIGMA_T
+        if is_varied:
+            sigma_t = (
+                sigma_t[:, None, None, None] * np.linspace(0.5, 1.5, COUNT[0]) * np.ones(SHAPE)
+            )
+        sigma_s = sigma_t * ALBEDO.reshape(3, *[1] * (sigma_t.ndim - 1))
+        given = light * sparks()
+        source.write(given.astype(np.float32))
+        if is_varied:
+            levels.set_medium(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
+        else:
+            levels.set_air(sigma_s, sigma_t)
+        _, track = levels.encode(commands, source)
+        commands.submit()
+        want = solved(gpu, Commands(gpu), lattice, given, plan, sigma_s, sigma_t)
+        np.testing.assert_array_equal(track.read().reshape(want.shape), want)

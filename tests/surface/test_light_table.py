@@ -8,7 +8,7 @@ import pytest
 
 from airlight.gpu.layout import pack_array
 from airlight.scene import DirectionalLight, PointLight, SpotLight
-from airlight.surface.light_table import LightData, light_rows
+from airlight.surface.light_table import LightData, light_rows, packed_lights
 
 SUN = DirectionalLight((0, -2, 0), (1, 2, 3))
 LAMP = PointLight((1, 2, 3), (4, 5, 6))
@@ -33,3 +33,16 @@ def test_parallel_and_local_views_are_counted_apart():
 
 def test_no_lights_still_make_a_table():
     assert len(pack_array(LightData, light_rows(()))) == 1
+
+
+def test_the_same_lights_are_packed_once():
+    sky = tuple(DirectionalLight((0, -1, 0), (i, 0, 0)) for i in range(1, 30))
+    table = packed_lights(sky)
+    assert table.tobytes() == pack_array(LightData, light_rows(sky)).tobytes()
+    assert not table.flags.writeable
+    for i in range(20):  # a sun that moves beside it
+        sun = (DirectionalLight((0, -1, 0.1 * i), (1, 2, 3)),)
+        assert packed_lights(sun).tobytes() == pack_array(LightData, light_rows(sun)).tobytes()
+        assert packed_lights(tuple(sky)) is table
+    other = (*sky[:-1], LAMP)
+    assert packed_lights(other)["kind"][-1] == 1

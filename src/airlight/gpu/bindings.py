@@ -6,6 +6,7 @@ from typing import Any
 
 from .commands import Commands
 from .device import Gpu
+from .recorded import Changing
 from .slots import Slot, bind_group_layout
 
 
@@ -15,9 +16,10 @@ class Bindings:
     def __init__(self, gpu: Gpu, slots: tuple[Slot, ...], *, compute: bool, label: str) -> None:
         self.slots, self.label, self.device = slots, label, gpu.device
         self.layout: Any = bind_group_layout(gpu.device, slots, compute=compute, label=label)
+        # Parameters, whose place in a buffer each dispatch names, and all else.
         self._names = frozenset(slot.name for slot in slots)
-        self._dynamic = [slot.name for slot in slots if slot.is_dynamic]
-        self._fixed = [slot.name for slot in slots if not slot.is_dynamic]
+        self.dynamic = [slot.name for slot in slots if slot.is_dynamic]
+        self.fixed = [slot.name for slot in slots if not slot.is_dynamic]
         self._groups: dict[tuple[int, ...], tuple[Any, list[Any]]] = {}
 
     def bind(self, commands: Commands, encoder: Any, group: int, values: dict[str, Any]) -> None:
@@ -25,8 +27,8 @@ class Bindings:
         if values.keys() != self._names:
             missing, unknown = self._names - values.keys(), values.keys() - self._names
             raise TypeError(f"{self.label}: missing {sorted(missing)}, unknown {sorted(unknown)}")
-        offsets = [commands.put(values[name]) for name in self._dynamic]
-        resources = [values[name] for name in self._fixed]
+        offsets = [commands.put(values[name]) for name in self.dynamic]
+        resources = [values[name] for name in self.fixed]
         key = (id(commands), *map(id, resources))
         found = self._groups.get(key)
         if found is None:
@@ -37,13 +39,18 @@ class Bindings:
             self._groups[key] = found
         encoder.set_bind_group(group, found[0], offsets)
 
-    def make(self, commands: Commands, values: dict[str, Any]) -> Any:
-        """A bind group of these resources, not cached."""
+    def make(self, commands: Commands, values: dict[str, Any], fixed: Any = None) -> Any:
+        """A bind group of these resources, not cached.
+
+        Parameters that do not change lie in the buffer `fixed`, where there is one.
+        """
         entries = []
         for index, slot in enumerate(self.slots):
             if slot.is_dynamic and slot.struct is not None:
                 size = slot.struct.dtype.itemsize
-                resource: Any = {"buffer": commands.arena, "offset": 0, "size": size}
+                is_fixed = fixed is not None and not isinstance(values[slot.name], Changing)
+                buffer = fixed if is_fixed else commands.arena
+                resource: Any = {"buffer": buffer, "offset": 0, "size": size}
             else:
                 value = values[slot.name]
                 resource = getattr(value, "resource", value)

@@ -16,6 +16,7 @@ import wgpu
 
 from .device import Gpu
 from .layout import Struct
+from .recorded import Changing, Dispatch
 
 _ALIGNMENT = 256  # of dynamic uniform offsets, WebGPU's default limit
 _ARENA_BYTES = 1 << 20
@@ -24,6 +25,9 @@ _MAX_TIMESTAMPS = 512
 
 class Commands:
     """Encodes one frame after the other; reused, so that nothing is allocated per frame."""
+
+    is_recordable = True
+    """Whether dispatches in a row may share a pass, and so be replayed (see recorded)."""
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu = gpu
@@ -36,6 +40,7 @@ class Commands:
         self._used = 0
         self._places: dict[int, tuple[int, Struct]] = {}  # by id, which is theirs while kept here
         self.pipeline: Any = None
+        self.recording: list[Dispatch] | None = None  # what is being recorded
         self._encoder: Any = None
         self._compute: Any = None
         self.stage_ms: dict[str, float] = {}
@@ -46,6 +51,11 @@ class Commands:
     @property
     def encoder(self) -> Any:
         """The command encoder; any open compute pass is closed first."""
+        if self.recording is not None:
+            raise RuntimeError("only dispatches can be recorded")
+        return self._opened()
+
+    def _opened(self) -> Any:
         self._close_compute()
         if self._encoder is None:
             self._encoder = self.gpu.device.create_command_encoder(label="frame")
@@ -55,7 +65,7 @@ class Commands:
     def compute(self) -> Any:
         """The open compute pass; dispatches in a row share one, `pipeline` the last one set."""
         if self._compute is None:
-            encoder = self.encoder
+            encoder = self._opened()
             stamps = self._stamps()
             self.pipeline = None
             self._compute = encoder.begin_compute_pass(
@@ -82,6 +92,8 @@ class Commands:
         found = self._places.get(id(params))
         if found is not None:
             return found[0]
+        if isinstance(params, Changing):
+            return self.put(params.params)
         if not isinstance(params, Struct):
             kind = type(params).__name__
             raise TypeError(f"uniform parameters must be a Struct, not {kind}")
@@ -97,6 +109,8 @@ class Commands:
 
     def submit(self) -> None:
         """Hand everything encoded so far to the device."""
+        if self.recording is not None:
+            raise RuntimeError("only dispatches can be recorded")
         self._close_compute()
         if self._encoder is None:
             return

@@ -14,6 +14,7 @@ from .bindings import Bindings
 from .commands import Commands
 from .device import Gpu
 from .memory import Buffer
+from .recorded import Dispatch
 from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
 
@@ -62,9 +63,13 @@ class ComputePass:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
         groups = self._groups.get(invocations) or self._grouped(invocations)
         self._ready(commands, values).dispatch_workgroups(*groups)
+        if commands.recording is not None:
+            commands.recording.append(Dispatch(self.pipeline, self.bindings, values, groups))
 
     def dispatch_indirect(self, commands: Commands, groups: Buffer, **values: Any) -> None:
         """Run as many groups as the first three numbers of `groups` say, on the device."""
+        if commands.recording is not None:
+            raise RuntimeError(f"{self.label}: what runs by numbers of the device is not recorded")
         self._ready(commands, values).dispatch_workgroups_indirect(groups.handle, 0)
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:

@@ -94,3 +94,33 @@ def keep_labels(api: Any) -> bool:
         quick.is_quick = True  # type: ignore[attr-defined]
         api.to_c_string_view = quick
     return True
+
+
+_DISPATCH_CALLS = {
+    "SetPipeline": ("Encoder", "Pipeline"),
+    "SetBindGroup": ("Encoder", "uint32_t", "Group", "size_t", "uint32_t *"),
+    "DispatchWorkgroups": ("Encoder", "uint32_t", "uint32_t", "uint32_t"),
+}
+
+
+def dispatch_calls(lib: Any, ffi: Any) -> tuple[Any, ...] | None:
+    """The C functions that set a compute pass's pipeline and bind group and dispatch.
+
+    wgpu-py wraps each, to raise what goes wrong in it at once; a pass tells when it ends, too. None
+    where the library has other ones.
+    """
+    found = []
+    for name, wanted in _DISPATCH_CALLS.items():
+        call = getattr(lib, f"wgpuComputePassEncoder{name}", None)
+        try:
+            given = [argument.cname for argument in ffi.typeof(call).args]
+        except (TypeError, AttributeError):
+            return None
+        if len(given) != len(wanted) or not all(map(_is_like, given, wanted)):
+            return None
+        found.append(call)
+    return tuple(found)
+
+
+def _is_like(given: str, wanted: str) -> bool:
+    return given == wanted or (wanted.isalpha() and wanted in given and given.endswith("*"))

@@ -17,6 +17,8 @@ class SlicedCommands(Commands):
     the work off, goes through whatever is encoding, which is then good for nothing but `release`.
     """
 
+    is_recordable = False
+
     def __init__(self, gpu: Gpu, turn: Callable[[], AbstractContextManager[Any]]) -> None:
         super().__init__(gpu)
         self._turn = turn

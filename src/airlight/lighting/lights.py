@@ -8,13 +8,12 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer
 from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light
 from ..surface.geometry import GpuScene
-from ..surface.light_table import LightData, light_rows
+from ..surface.light_table import LightData, packed_lights
 from ..surface.light_views import light_views, view_count, widened
 from ..surface.shadow import ShadowMaps
 from ..surface.sky import EnvironmentTexture
@@ -51,7 +50,7 @@ class Lights:
         """Bring the table, the background and those shadow maps that changed up to date."""
         if lights != self._lights:
             self._lights = lights
-            self.table.write(pack_array(LightData, light_rows(lights)))
+            self.table.write(packed_lights(lights))
         if environment is not self._environment:
             self._environment = environment
             if not self.background.turn(environment):

@@ -20,6 +20,7 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
+from ..gpu.recorded import Recorded
 from ..lattice.placement import Placement
 from ..maths.lattice6 import SPREAD_KEPT, Scheme
 from .step import CHANNELS, Step
@@ -63,6 +64,7 @@ class Propagate:
         self._states = [Buffer(gpu, name, self._values * format.nbytes) for name in names]
         self._total = Buffer(gpu, "propagated light", self._values * 16)
         self._sums = Sums(gpu, placement.cells, format, self._pack.range)
+        self._recorded = Recorded(gpu, "propagation steps")
 
     def encode(
         self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, *,
@@ -72,7 +74,6 @@ class Propagate:
 
         `has_tail`: with what all later steps would add, estimated (from 32 iterations on).
         """
-        block, ping, pong = self._states
         total = self._total
         blocks = 0 if self.scheme == "paper" else iterations // BLOCK
         # One block is the sum, where states are kept as sums are.
@@ -81,6 +82,18 @@ class Propagate:
             commands.encoder.clear_buffer(total.handle)
         if iterations < 1:
             return total
+        return self._recorded.encode(
+            commands, (injected, faces, iterations, has_tail),
+            lambda: self._summed(commands, injected, faces, iterations, blocks,
+                                 is_block=is_block, has_tail=has_tail),
+        )  # fmt: skip
+
+    def _summed(
+        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, blocks: int, *,
+        is_block: bool, has_tail: bool,
+    ) -> Buffer:  # fmt: skip
+        """All steps; where not `is_block` the total is black."""
+        (block, ping, pong), total = self._states, self._total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
         self._first.encode(commands, self._stored(commands, injected), block, faces, kept=0.0)

@@ -15,6 +15,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f, vec3u
 from ..gpu.memory import Buffer
+from ..gpu.recorded import Recorded
 from ..gpu.slots import storage, uniform
 from ..maths.lattice26 import RHO, persistence
 from ..maths.lattice26_levels import mean_track
@@ -130,6 +131,7 @@ class Levels:
         self._restrict_air = _RestrictAir(gpu) if is_varied else None
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
         self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
+        self._recorded = Recorded(gpu, "cycles of a lattice")
         self._source, self._medium = self._zero, self.levels[0].medium
         self._openness = self.levels[0].openness
 
@@ -178,6 +180,10 @@ class Levels:
     def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         self._source = source
+        key = (source, self._medium, self._openness, *self._ways)
+        return self._recorded.encode(commands, key, lambda: self._solved(commands, source))
+
+    def _solved(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         level = self.levels[0]
         if self.schedule.is_empty:
             return source, self._zero

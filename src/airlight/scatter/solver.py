@@ -15,7 +15,6 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
@@ -31,7 +30,7 @@ from ..scene.lights import DirectionalLight, Light
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
-from ..surface.light_table import LightData, light_rows
+from ..surface.light_table import LightData, packed_lights
 from ..surface.light_views import light_views, view_count
 from ..surface.reflective import ReflectiveShadowMaps
 from .air_cells import AirCells
@@ -203,7 +202,7 @@ class ScatterSolver:
 
     def _inject_steady(self, commands: Commands, scale: float, *, is_new: bool) -> None:
         """What changes only with environment, air or geometry: the sky and emissive surfaces."""
-        table = pack_array(LightData, light_rows(tuple(self.sky.lights)))
+        table = packed_lights(tuple(self.sky.lights))
         key = table.tobytes() + np.float64(scale).tobytes()
         if key == self._steady_key and not is_new:
             return

@@ -18,7 +18,7 @@ from typing import Any
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, pack_array, u32
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
@@ -29,7 +29,7 @@ from ..march.march import LatticeSource
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from ..surface.light_table import LightData, light_rows
+from ..surface.light_table import LightData, packed_lights
 from ..surface.light_views import LightViewData
 from ..surface.shadow import comparison_sampler
 
@@ -112,7 +112,7 @@ class SkyAir:
         `levels`: the lattices that share the textures, the finest first; else the one alone.
         """
         self.air.update(commands, _under(scene, self.sky), low, high)
-        table = pack_array(LightData, light_rows(tuple(self.sky.lights)))
+        table = packed_lights(tuple(self.sky.lights))
         written = (table.tobytes(), self.air.version)
         before = () if written != self._written or shadows_changed else self._levels
         self._levels = tuple(replace(x, fade=None) for x in levels or (self.placement,))

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..gpu.layout import Struct, f32, u32, vec2f, vec3f
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.layout import Struct, f32, pack_array, u32, vec2f, vec3f
 from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from .light_views import view_count
 
 DIRECTIONAL, POINT, SPOT = 0, 1, 2
+_MOST_KEPT = 8
 
 
 class LightData(Struct):
@@ -56,3 +60,22 @@ def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:
         rows.append(light_fields(light, used[is_parallel]))
         used[is_parallel] += view_count(light)
     return rows
+
+
+_kept: tuple[tuple[tuple[Light, ...], NDArray[np.void]], ...] = ()
+
+
+def packed_lights(lights: tuple[Light, ...]) -> NDArray[np.void]:
+    """The table of `LightData`, read-only; of the same lights as lately, the same one.
+
+    A sky is a hundred lights, several tables of which are asked for in every frame.
+    """
+    global _kept
+    # Tuples of the very same lights compare without looking into them.
+    table = next((found for given, found in _kept if given == lights), None)
+    if table is None:
+        table = pack_array(LightData, light_rows(lights))
+        table.flags.writeable = False
+    rest = tuple(kept for kept in _kept if kept[1] is not table)
+    _kept = ((lights, table), *rest)[:_MOST_KEPT]
+    return table
