@@ -17,7 +17,7 @@ SIGMA_S, SIGMA_T = (0.05, 0.7, 2.0), (0.05, 0.8, 4.0)
 
 def test_lattices_are_cut_to_whole_rows_where_they_fit():
     assert rows_for((32, 32, 32)) == Rows(4, 8, is_whole=True, is_ragged=False)
-    assert rows_for((30, 18, 5)) == Rows(4, 4, is_whole=True, is_ragged=True)
+    assert rows_for((30, 18, 5)) == Rows(4, 6, is_whole=True, is_ragged=True)
     assert rows_for((64, 64, 64)) == Rows(8, 4, is_whole=True, is_ragged=False)
     assert rows_for((70, 2, 5)) == Rows(4, 2, is_whole=False, is_ragged=True)
     assert rows_for((31, 32, 32)) is None

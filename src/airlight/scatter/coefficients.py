@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..gpu.layout import Struct, u32, vec3u, vec4f
+from ..gpu.layout import Struct, f32, u32, vec3u, vec4f
 from ..maths.lattice26 import RHO, hops, mean_hop_length
 from ..maths.lattice26_levels import coarse_absorption_depth
 from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
@@ -45,6 +45,7 @@ class StepParams(Struct):
     count = vec3u("cells")
     row = u32("of the coefficients, for channel 0")
     slabs = u32("slabs along z, of as many layers as the kernel marches")
+    own = f32("of the state itself, added; by steps over rows alone")
 
 
 def step_rows(

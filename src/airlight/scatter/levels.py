@@ -223,12 +223,13 @@ class Levels:
     def _doubled(self, commands: Commands, states: int) -> Buffer:
         level = self.levels[0]
 
-        def step(before: Buffer, added: Buffer | None, after: Buffer) -> None:
-            self._apply(commands, 0, MOVE, before, added or self._zero, after)
+        def step(before: Buffer, added: Buffer | None, after: Buffer, number: int) -> None:
+            self._apply(commands, 0, MOVE, before, added or self._zero, after, steps=number)
 
         # The track and the answer are free until a correction.
         sums, spare = (level.sum, level.spare), (level.track, level.answer)
-        return summed_states(states, self._source, sums, spare, step)
+        at_once = self._step.at_once(level.count) if isinstance(self._step, Step) else 1
+        return summed_states(states, self._source, sums, spare, step, at_once)
 
     def _corrected(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         level, coarse = self.levels[k], self.levels[k + 1]
@@ -266,7 +267,7 @@ class Levels:
 
     def _apply(
         self, commands: Commands, k: int, row: int, before: Buffer, source: Buffer, after: Buffer,
-        *, is_change: bool = False,
+        *, is_change: bool = False, steps: int = 1,
     ) -> None:  # fmt: skip
         level = self.levels[k]
         keeps_deficits = k == 0 and not is_change
@@ -281,7 +282,7 @@ class Levels:
             first = 2 * CHANNELS * (len(self.levels) if is_change and k == 0 else k) + row
             self._step.encode(
                 commands, level.count, self._coefficients, first, **buffers,
-                is_added=source is not self._zero,
+                is_added=source is not self._zero, steps=steps,
             )  # fmt: skip
 
     def _other(self, k: int, current: Buffer) -> Buffer:

@@ -20,7 +20,8 @@ from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS, StepCoefficients, StepParams
 from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
 from .propagate_open import TILES, OpenColumns, fitting
-from .propagate_rows import OpenRows, rows_for
+from .propagate_pairs import OpenPairs, pairs_for
+from .propagate_rows import OpenRows, RowPass, rows_for
 from .propagate_walls import WallRows
 
 Count = tuple[int, int, int]
@@ -68,7 +69,7 @@ class Step:
         self._gpu, self._is_open = gpu, self.is_marched and not is_blocked
         self._has_rows = self._is_open and has_row_lanes(gpu)
         self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if self._is_open}
-        self._rows: dict[tuple[Rows, bool], OpenRows] = {}
+        self._rows: dict[tuple[Rows, int, bool], RowPass] = {}
         has_walls = self.is_marched and is_blocked and has_row_lanes(gpu)
         self._walls = WallRows(gpu) if has_walls else None
         if self.is_marched:
@@ -77,20 +78,24 @@ class Step:
     def encode(
         self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
         before: Buffer, source: Buffer, after: Buffer, packs: Buffer, is_added: bool = True,
+        steps: int = 1,
     ) -> None:  # fmt: skip
         """after = source + K before, K by the rows `row` .. `row` + 2 of `coefficients`.
 
-        Where not `is_added`, `source` holds zeros, which need not be read.
+        Where not `is_added`, `source` holds zeros, which need not be read. `steps` are as many as
+        `at_once` allows: K K for 2.
         """
         nx, ny, nz = count
         slabs = -(-nz // SLAB)
         tile, rows = fitting(count), rows_for(count)
         given = {"before": before, "source": source, "after": after}
-        values = {"params": StepParams.of(count=count, row=row, slabs=slabs),
+        values = {"params": StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
                   "coefficients": coefficients, "packs": packs, **given}  # fmt: skip
         if self._has_rows and rows:
-            kernel = self._row_kernel(rows, is_added)
-            kernel.encode(commands, count, coefficients, row, **given)
+            # What is read anyway need not be read once more to be added.
+            own = float(is_added and source is before and steps == 1)
+            kernel = self._row_kernel(count, steps, is_added and not own)
+            kernel.encode(commands, count, coefficients, row, **given, own=own)
         elif self._walls and rows:
             self._walls.encode(commands, count, coefficients, row, **given, packs=packs)
         elif tile in self._open:
@@ -105,10 +110,17 @@ class Step:
         """Whether a step without `is_added` is cheaper on such a lattice."""
         return self._has_rows and rows_for(count) is not None
 
-    def _row_kernel(self, rows: Rows, is_added: bool) -> OpenRows:
-        found = self._rows.get((rows, is_added))
+    def at_once(self, count: Count) -> int:
+        """How many steps may be taken at once on such a lattice."""
+        return 2 if self._has_rows and pairs_for(count) else 1
+
+    def _row_kernel(self, count: Count, steps: int, is_added: bool) -> RowPass:
+        kind = OpenRows if steps == 1 else OpenPairs
+        rows = rows_for(count) if steps == 1 else pairs_for(count)
+        assert rows
+        found = self._rows.get((rows, steps, is_added))
         if found is None:
-            found = self._rows[rows, is_added] = OpenRows(self._gpu, rows, is_added=is_added)
+            found = self._rows[rows, steps, is_added] = kind(self._gpu, rows, is_added=is_added)
         return found
 
 

@@ -50,8 +50,8 @@ class OpenColumns(ComputePass):
         slabs = -(-nz // SLAB)
         self.dispatch(
             commands, (nx // self.tile[0], ny // self.tile[1], CHANNELS * slabs),
-            params=StepParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
-            before=before, source=source, after=after,
+            params=StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
+            coefficients=coefficients, before=before, source=source, after=after,
         )  # fmt: skip
 
 

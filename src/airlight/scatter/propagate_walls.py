@@ -48,8 +48,8 @@ class WallRows(ComputePass):
         slabs = -(-nz // SLAB)
         self.dispatch(
             commands, (-(-nx // WIDTH), ny, CHANNELS * slabs),
-            params=StepParams.of(count=count, row=row, slabs=slabs), coefficients=coefficients,
-            before=before, source=source, after=after, packs=packs,
+            params=StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
+            coefficients=coefficients, before=before, source=source, after=after, packs=packs,
         )  # fmt: skip
 
 
