@@ -80,6 +80,8 @@ class Blockers:
 
     count: int
     is_emissive: bool
+    version = 0
+    """Raised whenever faces were made anew."""
     surfels: Buffer
     open_a: Texture
     open_b: Texture
@@ -151,6 +153,7 @@ class Blockers:
 
     def open(self, commands: Commands) -> None:
         """Openness and reflectance of all faces, and their walls, from the sums."""
+        self.version += 1
         self._open.dispatch(
             commands, self.placement.count, params=self._params(), sums=self.sums,
             faces=self.faces, openness=self.openness, open_a=self.open_a, open_b=self.open_b,

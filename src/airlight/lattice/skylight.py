@@ -78,6 +78,8 @@ class Skylight:
         kept = (1, 1, 1) if beside is None else (columns, rows, FACES * self._depth)
         self._before = Texture(gpu, "sky light before", kept, gpu.filtered, dimension="3d")
         self._made: Placement | None = None
+        self.version = 0
+        """Raised whenever cubes were made anew."""
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)
 
@@ -94,6 +96,7 @@ class Skylight:
         if shift is not None:
             self._keep(commands)
         self._made = self.placement
+        self.version += 1
         rows = [
             {"direction": (*light.direction, light.spread), "irradiance": (*light.irradiance, 0.0)}
             for light in lights

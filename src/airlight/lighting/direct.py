@@ -20,9 +20,10 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
-from .lighting import LightAir, Lighting, LightingParams, Part
+from .lighting import PLACES, LightAir, Lighting, LightingParams, Part
 from .lights import Lights
 from .occlusion import Occlusion
+from .places import Places
 from .sky import Sky
 from .view import View
 
@@ -88,6 +89,7 @@ class Direct:
         self.black = Buffer(gpu, "no light", 3 * int(np.prod(cells)) * 16)
         self._passes: dict[Part, Lighting] = {}  # made at the first draw: subclasses bring air
         self.glossy: GlossyPixels | None = None
+        self._places: Places | None = None
         self._occlusion: Occlusion | None = None
         self._is_glossy = settings.glossy_rays and is_any_glossy(m.material for m in scene.meshes)
         self.linear, self.nearest = linear_sampler(gpu), nearest_sampler(gpu)
@@ -171,14 +173,20 @@ class Direct:
             world_from_clip=view.world_from_clip, eye=view.eye, light_count=self.lights.count,
             size=view.size, environment_rotation=self.lights.background.rotation, has_lattice=1,
         )  # fmt: skip
-        lighting = self._lighting_of(view.size, part)
+        self._make_beside(view.size)
         values: dict[str, Any] = {
             "params": params, **self.lattice_bound, **self.lights.bound,
             **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
             "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
             "lit": layers.lit if part == "lattices" else g.albedo, "picture_sampler": self.nearest,
             "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
+            **dict.fromkeys(PLACES, g.albedo),
         }  # fmt: skip
+        if self._places and part == "lattices":
+            key = (g, g.version, view.eye, self.placements, self.sky_version, self.blockers.version)
+            placed = self._places.encode(commands, view.size, key, values)
+            part, values = ("placed", values | placed) if placed else (part, values)
+        lighting = self._lighting_of(part)
         if self.glossy is None or part == "lights":
             targets = (layers.lit,) if part == "lights" else layers.targets
             lighting.draw(commands, targets, **values)
@@ -187,26 +195,40 @@ class Direct:
         lighting.draw(commands, view.layers.targets, **values, **listed)
         self.glossy.encode(commands, view.layers.targets, values)
 
-    def _lighting_of(self, size: tuple[int, int], part: Part) -> Lighting:
-        """The pass for pictures of `size`, pixels, and on software drivers the one for gloss."""
+    @property
+    def _known(self) -> dict[str, bool]:
+        """What all passes for surfaces must know."""
+        return {"is_occluded": self.settings.ambient_occlusion, "has_sky": self._has_sky,
+                "is_one_lattice": self.table.count == 1}  # fmt: skip
+
+    def _make_beside(self, size: tuple[int, int]) -> None:
+        """What software drivers draw apart for pictures of `size`, pixels: gloss, and places."""
         is_listed = self._is_glossy and self.gpu.is_cpu and can_list(self.gpu, size)
-        known = {"is_occluded": self.settings.ambient_occlusion, "has_sky": self._has_sky,
-                 "is_one_lattice": self.table.count == 1}  # fmt: skip
-        if is_listed != (self.glossy is not None):
-            if self.glossy:
-                self.glossy.release()
-            self.glossy = GlossyPixels(self.gpu, **known) if is_listed else None
-            self._passes.clear()
+        if self._passes and is_listed == (self.glossy is not None):
+            return
+        for made in (self.glossy, self._places):
+            if made:
+                made.release()
+        self._passes.clear()
+        self.glossy = GlossyPixels(self.gpu, **self._known) if is_listed else None
+        has_places = self._has_places(is_listed)
+        self._places = Places(self.gpu, **self._known, is_listed=is_listed) if has_places else None
+
+    def _lighting_of(self, part: Part) -> Lighting:
         if part not in self._passes:
             self._passes[part] = Lighting(
                 self.gpu, self.air, is_glossy=self._is_glossy, damping=self.damping,
                 has_surfaces=bool(self.meshes.draws), has_suns=self.lights.parallel.layers > 0,
-                has_lamps=self.lights.local.layers > 0, **known,
+                has_lamps=self.lights.local.layers > 0, **self._known,
                 is_one_sun=self.lights.count == self.lights.parallel.layers == 1,
-                is_listed=is_listed and part != "lights",
+                is_listed=self.glossy is not None and part != "lights",
                 part=part, is_bouncing=self.is_bouncing,
             )  # fmt: skip
         return self._passes[part]
+
+    def _has_places(self, is_listed: bool) -> bool:
+        """Whether places are kept: of one lattice, on software drivers, which read slowly."""
+        return self.gpu.is_cpu and self.table.count == 1 and is_listed == self._is_glossy
 
     @property
     def _has_sky(self) -> bool:
@@ -217,6 +239,11 @@ class Direct:
     def sky_cube(self) -> Texture:
         """The environment's direct light on surfaces; through the air where that is seen."""
         return self.sky.skylight.cube
+
+    @property
+    def sky_version(self) -> int:
+        """Of what `sky_cube` holds."""
+        return self.sky.skylight.version
 
     @property
     def lattice_bound(self) -> dict[str, Any]:
@@ -249,8 +276,9 @@ class Direct:
         parts = (self.lights, self.sky, self.blockers, self.textures, self.table, self.black)
         for part in parts:
             part.release()
-        if self.glossy:
-            self.glossy.release()
+        for made in (self.glossy, self._places):
+            if made:
+                made.release()
 
 
 def scene_placement(scene: Scene, settings: SurfaceSettings) -> Placement:

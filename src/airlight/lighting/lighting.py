@@ -41,10 +41,15 @@ fn light_passed(index: u32, p: vec3f) -> vec3f {
 
 
 # Glossy pixels are left to `glossy_pixels`, with the rest of their light.
-_LISTED = """
+APART = """
 fn is_walked_apart(r: Reflector, n_v: f32) -> bool {
     return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
 }
+"""
+NOT_APART = """
+fn is_walked_apart(r: Reflector, n_v: f32) -> bool { return false; }
+"""
+_LISTED = """
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
     let at = atomicAdd(&found[0], 1u);
     listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
@@ -52,7 +57,6 @@ fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
 }
 """
 _NOT_LISTED = """
-fn is_walked_apart(r: Reflector, n_v: f32) -> bool { return false; }
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
 """
 _LISTS = (
@@ -68,7 +72,9 @@ _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {
     "lights": (), "parallel_views": ("world_from_clip",), "lattices": ()
 }  # fmt: skip
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()} | _LIGHTS_FIRST
-Part = Literal["whole", "lights", "lattices"]
+Part = Literal["whole", "lights", "lattices", "placed"]
+PLACES = ("places", "place_sky", "place_returned")
+"""What `Places` brings, by slot."""
 
 
 class LightAir(Protocol):
@@ -116,6 +122,7 @@ class Lighting(FullscreenPass):
         texture("lit", "2d", "unfilterable-float"),
         sampler("picture_sampler", "non-filtering"),
         texture("near_texels", "2d", "uint"),
+        *(texture(n, "2d", "unfilterable-float") for n in PLACES),
         texture("environment", "2d"),
         sampler("environment_sampler"),
         texture("sky_cube", "3d"),
@@ -143,13 +150,15 @@ class Lighting(FullscreenPass):
         `is_one_lattice`: `lattices` has no other. `is_one_sun`: nor has `lights`, and it is a sun.
         `part`: "lights" draws all but the lattices' light, into one target; "lattices" adds theirs
         to what the slot `lit` has, and what near occluders send. `is_bouncing`: that the lattices'
-        light bounces between near surfaces, too.
+        light bounces between near surfaces, too. "placed" is "lattices" where `Places` brings
+        where the only lattice is looked up, and the sky's light.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
         surfaces follow their mirrored rays into the lattice; where `is_listed` they are listed for
         `GlossyPixels` instead. `damping`: how strongly bounced light that falls off away from a
         surface is taken for a leak.
         """
         lists = _LISTS if is_listed else ()
+        has_places = part == "placed"
         self.slots = (*type(self).slots, *(air.slots if air else ()), *lists)  # type: ignore[misc]
         is_box = air is not None and air.is_one_box
         through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
@@ -158,11 +167,17 @@ class Lighting(FullscreenPass):
                      "HAS_GLOSS": float(is_glossy and not lists),
                      "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
                      "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
-                     "HAS_SKY": float(has_sky), "HAS_LIGHTS": float(part != "lattices"),
+                     "HAS_SKY": float(has_sky and not has_places),
+                     "HAS_PLACES": float(has_places),
+                     "HAS_LIGHTS": float(part in ("whole", "lights")),
                      "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
                      "IS_ONE_LATTICE": float(is_one_lattice),
                      "IS_ONE_SUN": float(is_one_sun), "IS_SAMPLED": float(gpu.is_cpu)}  # fmt: skip
-        generated = (air.wgsl if air else "") + through + (_LISTED if lists else _NOT_LISTED)
+        generated = (
+            (air.wgsl if air else "")
+            + through
+            + (APART + _LISTED if lists else NOT_APART + _NOT_LISTED)
+        )
         super().__init__(
             gpu, generated=generated, constants=constants,
             firsts=firsts if part == "lights" else _LATTICES_FIRST | firsts,

@@ -2,7 +2,7 @@
 //! use picture_texel
 //! use lights
 //! use shadow
-//! use mirrored_light
+//! use sky_reflected
 
 override HAS_SURFACES: bool = true;
 override DAMPING: f32 = 0.0;
@@ -11,6 +11,7 @@ override HAS_LAMPS: bool = true;
 override IS_ONE_SUN: bool = false;      // the only light
 override HAS_LIGHTS: bool = true;       // else `lit` has their light
 override HAS_LATTICES: bool = true;
+override HAS_PLACES: bool = false;      // `places` and the sky's light on them are known
 override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
 
 struct Lit {
@@ -81,17 +82,17 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
 }
 
 struct LatticeLight {
-    sky: vec3f,         // radiance, W m^-2 sr^-1
-    bounced: vec3f,
+    sky: SkyReflected,
+    bounced: vec3f,     // radiance, W m^-2 sr^-1
 }
 
 // What one lattice gives to a surface.
 fn lattice_light(
-    level: u32, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: Near, mirrors: vec3f,
+    level: u32, uvw: vec3f, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: Near,
+    mirrors: vec3f,
 ) -> LatticeLight {
     let lattice = lattice_of(level);
     let mirrored = reflect(-v, n);
-    let uvw = lattice_coordinates(lattice, p, n);
     var e = lattice_irradiance(lattice, uvw, n);
     if (DAMPING > 0.0) {
         e *= lattice_damping(lattice, uvw, n, DAMPING);
@@ -99,20 +100,17 @@ fn lattice_light(
     let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
     let diffuse = (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse;
     let seen = interreflected(near.open, r.diffuse);
-    var sky = sky_at(uvw, n);
+    var sky = sky_reflected(r, n_v, sky_at(uvw, n), mirror.sky, near.open, mirrors);
     if (HAS_LIGHTS) {
-        sky *= seen;
+        sky = SkyReflected(sky.shown + sky.returned, vec3f(0.0));
         e *= seen;
     } else {
         // What the near surroundings hide comes back as their own light.
         let open = 1.0 - near.hidden;
-        let returned = (seen - near.open) * sky
-            + RETURNED * (interreflected(open, r.diffuse) - open) * e;
+        let returned = RETURNED * (interreflected(open, r.diffuse) - open) * e;
         e = replaced(e, from_occluders(lattice, uvw, near), near.light) + returned;
-        sky *= near.open;
     }
-    return LatticeLight((diffuse * sky + mirrors * mirror.sky) / PI,
-        (diffuse * e + mirrors * mirror.bounced) / PI);
+    return LatticeLight(sky, (diffuse * e + mirrors * mirror.bounced) / PI);
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
@@ -138,6 +136,7 @@ fn lattice_light(
     var is_listed = false;
     var open = 1.0;
     var direct = vec3f(0.0);
+    var bounced = vec3f(0.0);
     if (HAS_LIGHTS) {
         direct = glow.rgb + direct_light(r, p, n, v);
     } else {
@@ -149,6 +148,10 @@ fn lattice_light(
         let n_v = max(dot(n, v), 1e-4);
         is_listed = is_walked_apart(r, n_v);
         let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
+        var place = vec4f(0.0);
+        if (HAS_PLACES) {
+            place = picture_texel(places, pixel);
+        }
         // The finest lattice that has the point; towards its border the next larger one.
         let last = last_lattice();
         var left = 1.0;
@@ -156,19 +159,30 @@ fn lattice_light(
         loop {
             k = lattice_from(k, p);
             let weight = left * lattice_weight(lattice_of(k), p);
-            let light = lattice_light(k, p, r, n, v, n_v, near, mirrors);
-            direct += weight * light.sky;
-            out.indirect += vec4f(weight * light.bounced, 0.0);
+            var uvw = place.xyz;
+            if (!HAS_PLACES) {
+                uvw = lattice_coordinates(lattice_of(k), p, n);
+            }
+            let light = lattice_light(k, uvw, p, r, n, v, n_v, near, mirrors);
+            direct += weight * light.sky.shown;
+            bounced += weight * light.bounced;
+            bounced += weight * light.sky.returned;
             left -= weight;
             k++;
             if (k > last || left <= 0.0) {
                 break;
             }
         }
+        if (HAS_PLACES) {
+            let sky = picture_texel(place_sky, pixel);
+            direct += vec3f(place.w, sky.xy);
+            bounced += vec3f(sky.zw, picture_texel(place_returned, pixel).x);
+        }
     }
+    out.indirect = vec4f(bounced, 1.0);
     out.direct = vec4f(direct, 1.0);
     if (is_listed) {
-        list_glossy(vec2u(position.xy), direct, out.indirect.rgb, open);
+        list_glossy(vec2u(position.xy), direct, bounced, open);
     }
     return out;
 }

@@ -102,6 +102,8 @@ class SkyAir:
         self.mean = made("mean", nz)
         self.third = made("third band", 4 * nz)
         self._written = (b"", -1)
+        self.version = 0
+        """Raised whenever cells were made anew."""
 
     def encode(
         self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture,
@@ -120,6 +122,7 @@ class SkyAir:
         if not stale:
             return
         self._written = written
+        self.version += 1
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
         self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
         self._lights.write(table)

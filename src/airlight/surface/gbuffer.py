@@ -52,6 +52,8 @@ class GBuffer:
         self._is_depth_first = False
         self._drawn: tuple[list[Draw], list[Draw]] = ([], [])  # all that is seen, and the opaque
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
+        self.version = 0
+        """Raised whenever they were drawn."""
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
@@ -73,6 +75,7 @@ class GBuffer:
         if key == self._key:
             return
         self._key = key
+        self.version += 1
         draws = scene.visible(clip_from_world)
         if draws is not self._drawn[0]:
             self._drawn = (draws, [draw for draw in draws if draw.material.alpha_cutoff <= 0.0])

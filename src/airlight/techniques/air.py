@@ -147,6 +147,11 @@ class InAir(Direct):
         """The environment's light on surfaces, through the air."""
         return self.sky_air.cube if self.sky_air else self.sky.skylight.cube
 
+    @property
+    def sky_version(self) -> int:
+        """Of what `sky_cube` holds."""
+        return self.sky_air.version if self.sky_air else self.sky.skylight.version
+
     def pictures(self, view: View) -> dict[str, Texture]:
         """Surfaces through the air, the light the air scatters, and what it lets through."""
         return {

@@ -1,0 +1,85 @@
+"""Where surfaces look a lattice up, and the sky's light on them: kept on software drivers.
+
+Both follow from the picture's surfaces, the lattice's walls and the sky alone, and are a third of
+the time of the lattice's light. A second picture with the same of them keeps them; a picture like
+none before looks up as it goes, to the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, ClassVar
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams
+from .lighting import APART, NOT_APART, PLACES, LightingParams
+
+
+class _Places(FullscreenPass):
+    slots: ClassVar[tuple[Slot, ...]] = (
+        uniform("params", LightingParams), storage("lattices", LatticeParams),
+        texture("depth", "2d", "depth"),
+        *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
+        sampler("picture_sampler", "non-filtering"), texture("near_texels", "2d", "uint"),
+        *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
+                                     "lattice_open_a", "lattice_open_b", "lattice_walls")),
+        sampler("linear_clamp"),
+    )  # fmt: skip
+    targets = ("rgba32float", "rgba32float", "r32float")
+    file = "places.wgsl"
+
+
+class Places:
+    """Of one picture and one lattice."""
+
+    def __init__(
+        self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool, is_listed: bool
+    ) -> None:
+        """As for `Lighting`."""
+        self.gpu = gpu
+        self._pass = _Places(
+            gpu, generated=APART if is_listed else NOT_APART, firsts={"lattices": ()},
+            constants={
+                "HAS_OCCLUSION": float(is_occluded), "HAS_SKY": float(has_sky),
+                "IS_ONE_LATTICE": float(is_one_lattice), "IS_SAMPLED": float(gpu.is_cpu),
+            },
+        )  # fmt: skip
+        self._targets: tuple[Texture, ...] = ()
+        self._seen: Hashable = None
+        self._kept: Hashable = None
+
+    def encode(
+        self, commands: Commands, size: tuple[int, int], key: Hashable, values: dict[str, Any]
+    ) -> dict[str, Texture] | None:
+        """What "placed" `Lighting` binds; None for a first picture of that `size` (pixels) and
+        `key`. `values` as `Lighting` draws them.
+        """
+        before, self._seen = self._seen, (size, key)
+        if self._seen != before:
+            return None
+        if self._seen != self._kept:
+            self._fit(size)
+            self._kept = self._seen
+            names = {slot.name for slot in self._pass.slots}
+            bound = {name: value for name, value in values.items() if name in names}
+            self._pass.draw(commands, self._targets, **bound)
+        return dict(zip(PLACES, self._targets, strict=True))
+
+    def _fit(self, size: tuple[int, int]) -> None:
+        if self._targets and self._targets[0].size[:2] == size:
+            return
+        self.release()
+        self._targets = tuple(
+            Texture(self.gpu, label, size, format, target=True)
+            for label, format in zip(PLACES, _Places.targets, strict=True)
+        )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for target in self._targets:
+            target.release()
+        self._targets, self._kept = (), None

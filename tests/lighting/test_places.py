@@ -1,0 +1,91 @@
+"""Places that are kept light a picture as those looked up with the light do."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.gpu.device import Gpu
+from airlight.lighting.direct import Direct
+from airlight.lighting.places import _Places
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene
+
+SIZE = (37, 26)
+SETTINGS = {"resolution": 8, "iterations": 4, "surfels": 5000, "sky_lights": 8,
+            "sky_resolution": 16}  # fmt: skip
+
+
+@pytest.fixture
+def corner(square: Callable[..., Mesh]) -> Scene:
+    """A polished floor before two walls, under a sky, and a lamp."""
+    floor = square((0, 0, 0), (3, 0, 0), (0, 0, -3), Material((0.5, 0.5, 0.5), roughness=0.2))
+    back = square((0, 1, -3), (3, 0, 0), (0, 1, 0), Material((0.8, 0.2, 0.1), roughness=1.0))
+    side = square((-3, 1, 0), (0, 0, 3), (0, 1, 0), Material((0.2, 0.7, 0.3), roughness=0.7))
+    return Scene(
+        meshes=(floor, back, side), lights=(PointLight((0.5, 1.2, -1.0), (8, 8, 8)),),
+        environment=Environment((0.3, 0.4, 0.5)),
+        camera=Camera((0.4, 1.1, 3.0), (-0.2, 0.5, -1.5), fov_y_deg=60),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("is_glossy", [True, False])
+def test_kept_or_looked_up_with_the_light(
+    gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch, is_glossy: bool
+) -> None:
+    settings = {**SETTINGS, "glossy_rays": is_glossy}
+    with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
+        first = renderer.frame().layers
+        kept = renderer.frame().layers
+        assert (renderer.technique._places is not None) == gpu.is_cpu
+    monkeypatch.setattr(Direct, "_has_places", lambda *_: False)
+    with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
+        looked_up = renderer.frame().layers
+        assert renderer.technique._places is None
+    for name in ("direct", "indirect"):
+        np.testing.assert_array_equal(first[name], looked_up[name])
+        np.testing.assert_array_equal(kept[name], looked_up[name])
+
+
+def test_what_they_depend_on_makes_them_anew(
+    gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[int] = []
+    draw = _Places.draw
+
+    def counted(self: Any, *args: Any, **values: Any) -> None:
+        made.append(1)
+        draw(self, *args, **values)
+
+    monkeypatch.setattr(_Places, "draw", counted)
+    camera = dataclasses.replace(corner.camera, position=(0.6, 1.0, 2.8))
+    moved = np.eye(4)
+    moved[:3, 3] = (0.0, -0.2, 0.3)
+    nearer = dataclasses.replace(corner.meshes[1], world_from_object=moved)
+    changes: list[tuple[dict[str, Any], bool]] = [
+        ({}, False),
+        ({"lights": (PointLight((-0.5, 1.3, -0.5), (4, 8, 8)),)}, False),
+        ({"camera": camera}, True),
+        ({"environment": Environment((0.6, 0.2, 0.1))}, True),
+        ({"meshes": (corner.meshes[0], nearer, corner.meshes[2])}, True),
+    ]
+    with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
+        renderer.frame()
+        renderer.frame()
+        for change, is_new in changes:
+            made.clear()
+            seen = renderer.frame(**change)
+            assert not made
+            kept = renderer.frame()
+            assert len(made) == (is_new and gpu.is_cpu)
+            np.testing.assert_array_equal(seen.radiance, kept.radiance)
+        now = renderer.scene
+    with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
+        fresh = renderer.frame(**{n: getattr(now, n) for c, _ in changes for n in c})
+    assert seen is not None and fresh is not None
+    np.testing.assert_array_equal(seen.layers["indirect"], fresh.layers["indirect"])
+    np.testing.assert_array_equal(seen.layers["direct"], fresh.layers["direct"])
