@@ -137,8 +137,11 @@ class FullscreenPass(RasterPipeline):
     vertex_entry = "fullscreen"
 
     def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
-        """Write `targets` (textures, or views); `values` name every slot."""
-        colors = color_attachments(targets, keep=self.blend is not None)
+        """Write `targets` (textures, or views); `values` name every slot.
+
+        Every pixel is written; a software driver would clear them one by one before that.
+        """
+        colors = color_attachments(targets, keep=self.gpu.is_cpu or self.blend is not None)
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)
