@@ -16,6 +16,15 @@ NEAR_M = 0.01
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 
+@pytest.fixture(autouse=True, params=["triangles that pixels see", "surfaces as they come"])
+def way(request, monkeypatch, gpu):
+    """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
+    if request.param == "surfaces as they come":
+        monkeypatch.setattr("airlight.surface.gbuffer.draws_visible", lambda gpu: False)
+    elif not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+
+
 def looked_at(gpu, commands, owned, scene, eye=(0, 0, 2.0), forward=(0, 0, -1)):
     """The G-buffer of a camera of 90 degrees."""
     made = owned(GBuffer(gpu, (WIDTH, HEIGHT)))

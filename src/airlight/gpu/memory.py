@@ -23,7 +23,7 @@ _DTYPES = {
     "rgba8unorm": (np.uint8, 4), "rgba8unorm-srgb": (np.uint8, 4), "r16float": (np.float16, 1),
     "rgba16float": (np.float16, 4), "r32float": (np.float32, 1), "rg32float": (np.float32, 2),
     "rgba32float": (np.float32, 4), "depth32float": (np.float32, 1), "r32uint": (np.uint32, 1),
-    "rgba32uint": (np.uint32, 4),
+    "rgba32uint": (np.uint32, 4), "rg32uint": (np.uint32, 2),
     "rgba8snorm": (np.int8, 4), "rg16float": (np.float16, 2), "r8unorm": (np.uint8, 1),
 }  # fmt: skip
 

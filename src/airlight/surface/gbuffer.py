@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f
@@ -11,9 +13,12 @@ from ..gpu.slots import uniform
 from ..maths.transforms import F64
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
+from .visible import VisibleSurfaces, draws_visible
 
 DEPTH_FIRST_PX = 0.8
-"""Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once."""
+"""Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once.
+
+GPUs alone ask: software drivers draw `surface.visible`."""
 
 
 class CameraParams(Struct):
@@ -49,8 +54,10 @@ class GBuffer:
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
         self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
+        self._visible = VisibleSurfaces(gpu, size) if draws_visible(gpu) else None
         self._is_depth_first = False
-        self._drawn: tuple[list[Draw], list[Draw]] = ([], [])  # all that is seen, and the opaque
+        self._seen: list[Draw] = []  # all that is seen
+        self._parts: tuple[list[Draw], list[Draw]] = ([], [])  # what comes first of it, and then
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
         self.version = 0
         """Raised whenever they were drawn."""
@@ -66,40 +73,64 @@ class GBuffer:
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
         self.release()
-        self._drawn, self._key = ([], []), None
+        self._seen, self._key = [], None
         self._make_textures(size)
+        if self._visible:
+            self._visible = VisibleSurfaces(self.gpu, size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
-        """Rasterise the scene as seen through `clip_from_world`; kept while both stay."""
+        """Rasterise the scene as seen through `clip_from_world`; kept while both stay so."""
         key = (scene, scene.version, clip_from_world.tobytes())
         if key == self._key:
             return
         self._key = key
         self.version += 1
         draws = scene.visible(clip_from_world)
-        if draws is not self._drawn[0]:
-            self._drawn = (draws, [draw for draw in draws if draw.material.alpha_cutoff <= 0.0])
-            triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
-            self._is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
-        params = CameraParams(clip_from_world=clip_from_world)
+        if draws is not self._seen:
+            self._seen, self._parts = draws, self._split(scene, draws)
         depth = {"view": self.depth.resource, "depth_load_op": "clear",
                  "depth_store_op": "store", "depth_clear_value": 0.0}  # fmt: skip
+        first, then = self._parts
+        params = CameraParams(clip_from_world=clip_from_world)
+        if self._visible:
+            targets = (self.albedo, self.normal, self.emission)
+            self._visible.encode(commands, scene, first, clip_from_world, depth, targets)
+            if then:
+                kept = {**depth, "depth_load_op": "load"}
+                self._draw(commands, scene, self._only_pass, then, params, kept, keep=True)
+            return
         used = self._only_pass
         if self._is_depth_first:
             used = self._pass
             with commands.render(
                 "depth", color_attachments=[], depth_stencil_attachment=depth
             ) as encoder:
-                self._depth_pass.draw(commands, encoder, scene, self._drawn[1], params)
+                self._depth_pass.draw(commands, encoder, scene, first, params)
             depth = {**depth, "depth_load_op": "load"}
+        self._draw(commands, scene, used, then, params, depth)
+
+    def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
+        """What is drawn in the first pass, and what in the second."""
+        if self._visible:
+            return self._visible.split(scene, draws)
+        triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
+        self._is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
+        return [draw for draw in draws if draw.material.alpha_cutoff <= 0.0], draws
+
+    def _draw(
+        self, commands: Commands, scene: GpuScene, used: MeshPass, draws: list[Draw],
+        params: CameraParams, depth: dict[str, Any], *, keep: bool = False,
+    ) -> None:  # fmt: skip
+        targets = (self.albedo, self.normal, self.emission)
         with commands.render(
-            "g-buffer",
-            color_attachments=color_attachments((self.albedo, self.normal, self.emission)),
+            "g-buffer", color_attachments=color_attachments(targets, keep=keep),
             depth_stencil_attachment=depth,
-        ) as encoder:
+        ) as encoder:  # fmt: skip
             used.draw(commands, encoder, scene, draws, params)
 
     def release(self) -> None:
         """Give the memory back."""
         for texture in (self.depth, self.albedo, self.normal, self.emission):
             texture.release()
+        if self._visible:
+            self._visible.release()

@@ -17,6 +17,7 @@ from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
+from .seen_triangles import SeenTriangles
 from .textures import TextureStore
 
 F64 = NDArray[np.float64]
@@ -97,6 +98,9 @@ class GpuScene:
         self._uploaded = {offsets[key][1]: g for key, g in geometries.items()}
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
+        self._materials = list(materials.values())
+        self._first_index = {base: start for start, base in offsets.values()}
+        self._seen: SeenTriangles | None = None
         self.materials = buffer_of(
             gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
         )
@@ -179,7 +183,23 @@ class GpuScene:
             self.positions.write(geometry.positions, 12 * first)
             self.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
             self._uploaded[first] = geometry
+            if self._seen:
+                self._seen.deform(first, geometry)
         return bool(changed)
+
+    @property
+    def seen(self) -> SeenTriangles:
+        """Triangles as pixels find them; made when first asked for."""
+        if self._seen is None:
+            self._seen = SeenTriangles(
+                self.gpu,
+                {key: (self._first_index[key], g) for key, g in self._uploaded.items()},
+                self._materials,
+                [(self._first_vertex[i], self._material_index[id(self.current[i].material)])
+                 for i in self.order],
+                self.store,
+            )  # fmt: skip
+        return self._seen
 
     @property
     def bounds(self) -> tuple[F64, F64]:
@@ -223,6 +243,8 @@ class GpuScene:
         for part in (self.positions, self.vertices, self.indices, self.instances, self.materials):
             part.release()
         self.store.release()
+        if self._seen:
+            self._seen.release()
 
     def _upload(self, geometries: list[Geometry]) -> dict[int, tuple[int, int]]:
         offsets, index_count, vertex_count = {}, 0, 0

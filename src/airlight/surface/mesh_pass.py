@@ -40,6 +40,7 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     _of_instances({**_PLACED, "normal_from_object": ("float32x3", 3, 8),
                    "material": ("uint32", 1, 11), "size": ("float32", 1, 12)}),
 )  # fmt: skip
+INSTANCE_PLACES = _of_instances(_PLACED)
 _RECORDED = 64  # views whose draws are kept as they were encoded
 
 
@@ -62,7 +63,7 @@ class MeshPipeline(RasterPipeline):
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
         if self.maps:
             constants["HAS_PLACED_MAPS"] = float(is_placed)
-        if self.fragment_entry:
+        if self.second_slots:
             constants["IS_CUTOUT"] = float(is_cutout)
         super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
         self._groups: dict[int, tuple[Any, Any]] = {}
@@ -70,6 +71,10 @@ class MeshPipeline(RasterPipeline):
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """What `vertex_buffers` are, in their order."""
         return (scene.positions, scene.vertices, scene.instances)
+
+    def indices_of(self, scene: GpuScene) -> Buffer:
+        """What triangles are made of."""
+        return scene.indices
 
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
         """Set the material's bind group; each set of textures has one."""
@@ -86,7 +91,7 @@ class DepthPipeline(MeshPipeline):
     """Depth of opaque materials alone. Subclass it with `slots`, the first called `params`."""
 
     second_slots = ()
-    vertex_buffers = (VERTEX_BUFFERS[0], _of_instances(_PLACED))
+    vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_PLACES)
     fragment_entry = ""
     maps = ()
     file = "shadow_opaque.wgsl"
@@ -148,13 +153,13 @@ class MeshPass:
         shared: dict[str, Any],
     ) -> None:  # fmt: skip
         """Into a render pass, or a bundle to be."""
-        encoder.set_index_buffer(scene.indices.handle, "uint32")
         active: MeshPipeline | None = None
         textures: Any = None
         for draw in draws:
             pipeline = self._pipeline(draw)
             if pipeline is not active:
                 encoder.set_pipeline(pipeline.pipeline)
+                encoder.set_index_buffer(pipeline.indices_of(scene).handle, "uint32")
                 for slot, buffer in enumerate(pipeline.vertices_of(scene)):
                     encoder.set_vertex_buffer(slot, buffer.handle)
                 pipeline.bindings.bind(commands, encoder, 0, shared)

@@ -26,6 +26,7 @@ class TextureStore:
         self.gpu = gpu
         self._textures: dict[int, tuple[SceneTexture, Texture]] = {}
         self._samplers: dict[tuple[Wrap, Wrap], Sampler] = {}
+        self._chains: dict[int, tuple[SceneTexture, list[NDArray[np.uint8]]]] = {}
         self.white = _solid(gpu, "white", (255, 255, 255, 255))
         self.flat_normal = _solid(gpu, "flat normal", (128, 128, 255, 255))
 
@@ -35,9 +36,22 @@ class TextureStore:
             return default
         found = self._textures.get(id(texture))
         if found is None:
-            found = (texture, _uploaded(self.gpu, texture))
+            found = (texture, _uploaded(self.gpu, texture, self.chain(texture)))
             self._textures[id(texture)] = found
         return found[1]
+
+    def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
+        """Its mip chain, kept until `forget_chains` where a software driver has it packed, too."""
+        found = self._chains.get(id(texture))
+        if found is None:
+            found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
+            if self.gpu.is_cpu:
+                self._chains[id(texture)] = found
+        return found[1]
+
+    def forget_chains(self) -> None:
+        """Give their memory back."""
+        self._chains.clear()
 
     def sampler(self, texture: SceneTexture | None) -> Sampler:
         """Trilinear, 8-fold anisotropic where the device is a GPU."""
@@ -64,8 +78,7 @@ def _solid(gpu: Gpu, label: str, rgba: tuple[int, int, int, int]) -> Texture:
     return made
 
 
-def _uploaded(gpu: Gpu, texture: SceneTexture) -> Texture:
-    chain = mip_chain(texture.pixels, is_srgb=texture.is_srgb)
+def _uploaded(gpu: Gpu, texture: SceneTexture, chain: list[NDArray[np.uint8]]) -> Texture:
     height, width = texture.pixels.shape[:2]
     format = "rgba8unorm-srgb" if texture.is_srgb else "rgba8unorm"
     made = Texture(gpu, texture.source or "texture", (width, height), format, mips=len(chain))

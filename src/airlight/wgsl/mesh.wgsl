@@ -1,3 +1,4 @@
+//! use mapped_normal
 //! use mesh_vertex
 
 // Materials of meshes. A pass that uses this binds `materials` and, as group 1, the four maps and
@@ -40,29 +41,6 @@ fn facing_normal(in: VertexOut, is_front: bool) -> vec3f {
     return select(-n, n, is_front);
 }
 
-// The normal map's normal, its frame made of screen derivatives (Schueler 2013): no tangents.
-// The screen's y runs down, so that its frame is left-handed: the second difference is turned over.
-fn mapped_normal(
-    n: vec3f, world: vec3f, uv_dx: vec2f, uv_dy: vec2f, tangent_space: vec3f,
-) -> vec3f {
-    let dp1 = dpdx(world);
-    let dp2 = -dpdy(world);
-    let duv1 = uv_dx;
-    let duv2 = -uv_dy;
-    let p2 = cross(dp2, n);
-    let p1 = cross(n, dp1);
-    let t = p2 * duv1.x + p1 * duv2.x;
-    let b = p2 * duv1.y + p1 * duv2.y;
-    let longest = max(dot(t, t), dot(b, b));
-    if (longest < 1e-20) {
-        return n;
-    }
-    let scale = inverseSqrt(longest);
-    // v runs down the image, a normal map's green up.
-    return normalize(t * scale * tangent_space.x - b * scale * tangent_space.y
-        + n * tangent_space.z);
-}
-
 fn surface_normal(in: VertexOut, m: MaterialData, is_front: bool) -> vec3f {
     let n = facing_normal(in, is_front);
     if (!HAS_NORMAL_MAP) {
@@ -79,7 +57,8 @@ fn surface_normal(in: VertexOut, m: MaterialData, is_front: bool) -> vec3f {
     } else {
         bump = textureSample(normal_map, normal_sampler, in.uv).xyz * 2.0 - 1.0;
     }
-    return mapped_normal(n, in.world, dx, dy, vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
+    return mapped_normal(n, dpdx(in.world), -dpdy(in.world), dx, -dy,
+        vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
 }
 
 fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {

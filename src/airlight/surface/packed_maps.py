@@ -1,0 +1,134 @@
+"""Maps of all materials in one buffer, for shaders that filter them on their own.
+
+Software drivers shade whole blocks of pixels for each triangle; a pass over the picture shades a
+pixel once, but cannot change its textures from pixel to pixel. Here a texel is 8 bytes: base
+colour, normal and roughness, so that one load serves all three maps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.colour import srgb_decode
+from ..scene.material import Material, Texture, Wrap
+
+HAS_NORMAL, HAS_ROUGHNESS, HAS_BASE = 1, 2, 4
+WRAP_BITS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
+WRAP_U_SHIFT, WRAP_V_SHIFT = 4, 6  # wgsl/packed_maps.wgsl knows these bits
+_MOST_SIDE = 65535
+MOST_TEXELS = 1 << 26
+"""Of all maps together: 512 MB."""
+
+
+def is_packable(m: Material) -> bool:
+    """Whether the maps lie alike and have one size, and none is of emission or of varying metal."""
+    maps = _maps(m)
+    alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
+    linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
+    sides = [side for t in maps for side in t.pixels.shape[:2]]
+    return (
+        m.emission_texture is None and len(alike) <= 1 and linear
+        and max(sides, default=0) <= _MOST_SIDE and metallic_factor(m) is not None
+    )  # fmt: skip
+
+
+def metallic_factor(m: Material) -> float | None:
+    """What the maps multiply the material's metallic by; None where that differs in places."""
+    texture = m.metallic_roughness_texture
+    if texture is None or m.metallic == 0.0:
+        return 1.0
+    metallic = texture.pixels[..., 2]
+    return float(metallic.flat[0]) / 255.0 if (metallic == metallic.flat[0]).all() else None
+
+
+def _maps(m: Material) -> list[Texture]:
+    found = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
+    return [t for t in found if t is not None]
+
+
+class PackedMaps:
+    """`texels` (N, 2) uint32; `of` gives a material's place in them."""
+
+    def __init__(self, chain: Callable[[Texture], list[NDArray[np.uint8]]]) -> None:
+        """`chain` gives a texture's mip chain."""
+        self._chain = chain
+        self._parts: list[NDArray[np.uint32]] = []
+        self._length = 0
+        self._kept: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
+        self._places: dict[tuple[int, ...], tuple[int, int, int, int] | None] = {}
+
+    def of(self, m: Material) -> tuple[int, int, int, int] | None:
+        """(first, width | height << 16, flags, levels) of a material; None if it is not packable,
+        or if its maps are too large beside those that are there.
+
+        At `first` stands a table of where each level and the one after it begin.
+        """
+        if not is_packable(m):
+            return None
+        maps = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
+        key = tuple(0 if t is None else id(t) for t in maps)
+        if key not in self._places:
+            self._kept.append(maps)
+            self._places[key] = self._add(*maps)
+        return self._places[key]
+
+    @property
+    def texels(self) -> NDArray[np.uint32]:
+        """All of them; never empty."""
+        return np.concatenate([*self._parts, np.zeros((1, 2), np.uint32)])
+
+    def _add(
+        self, base: Texture | None, rough: Texture | None, normal: Texture | None
+    ) -> tuple[int, int, int, int] | None:
+        some = base or rough or normal
+        if some is None:
+            return (0, 1 | 1 << 16, 0, 1)
+        if self._length + some.pixels.size // 3 > MOST_TEXELS:  # a third more for smaller levels
+            return None
+        chains = [None if t is None else self._chain(t) for t in (base, rough, normal)]
+        levels = next(len(chain) for chain in chains if chain is not None)
+        is_srgb = bool(base and base.is_srgb)
+        packed = [
+            _packed(*(chain[level] if chain else None for chain in chains), is_srgb=is_srgb)
+            for level in range(levels)
+        ]
+        first = self._length
+        begins = first + levels + np.cumsum([0, *(len(p) for p in packed)])[:levels]
+        table = np.stack([begins, np.append(begins[1:], begins[-1])], axis=1).astype(np.uint32)
+        self._parts += [table, *packed]
+        self._length += levels + sum(len(p) for p in packed)
+        flags = HAS_NORMAL * (normal is not None) + HAS_ROUGHNESS * (rough is not None)
+        flags += HAS_BASE * (base is not None)
+        flags |= WRAP_BITS[some.wrap[0]] << WRAP_U_SHIFT | WRAP_BITS[some.wrap[1]] << WRAP_V_SHIFT
+        height, width = some.pixels.shape[:2]
+        return (first, width | height << 16, flags, levels)
+
+
+def _packed(
+    base: NDArray[np.uint8] | None, rough: NDArray[np.uint8] | None,
+    normal: NDArray[np.uint8] | None, *, is_srgb: bool,
+) -> NDArray[np.uint32]:  # fmt: skip
+    """One level (texels, 2): roots of linear light, 10 bits each; the normal's xyz, roughness."""
+    some = next(level for level in (base, rough, normal) if level is not None)
+    texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)
+    if base is not None:
+        codes = _roots(is_srgb)[base.reshape(-1, 4)[:, :3]]
+        texels[:, 0] = codes[:, 0] | codes[:, 1] << 10 | codes[:, 2] << 20
+    surface = texels.view(np.uint8)[:, 4:8]
+    if normal is not None:
+        surface[:, :3] = normal.reshape(-1, 4)[:, :3]
+    if rough is not None:
+        surface[:, 3] = rough.reshape(-1, 4)[:, 1]
+    return texels
+
+
+@cache
+def _roots(is_srgb: bool) -> NDArray[np.uint32]:
+    """Square roots of the linear light of 256 codes, of 1023: a shader decodes them in one step."""
+    codes = np.arange(256) / 255.0
+    light = srgb_decode(codes) if is_srgb else codes
+    return np.round(np.sqrt(light) * 1023.0).astype(np.uint32)

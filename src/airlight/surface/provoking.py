@@ -1,0 +1,40 @@
+"""Triangles that are told apart by their first vertex, which rasterisers pass on unchanged.
+
+A flat varying has the value of a triangle's first vertex: where no two triangles share that, it may
+be the triangle's number, and indexed vertices are still shaded once for many triangles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+U32 = NDArray[np.uint32]
+
+
+def told_apart(indices: U32) -> tuple[U32, U32]:
+    """Vertices anew, so that triangle t's first one is vertex t.
+
+    `indices` (T, 3) -> sources (V',), which vertex each new one is a copy of, and indices (T, 3)
+    into them. Other corners are the copies that are first in a triangle near by, so that few
+    vertices are shaded; vertices that are first nowhere come last.
+    """
+    count = len(indices)
+    first = indices[:, 0].astype(np.int64)
+    # Copies in the order of their vertex, then of their triangle.
+    order = np.lexsort((np.arange(count), first))
+    keys = first[order] * count + order
+    last = np.setdiff1d(indices[:, 1:], first)
+    corners = np.empty((count, 3), np.uint32)
+    corners[:, 0] = np.arange(count)
+    for corner in (1, 2):
+        wanted = indices[:, corner].astype(np.int64)
+        after = np.searchsorted(keys, wanted * count + np.arange(count))
+        before = np.maximum(after - 1, 0)
+        after = np.minimum(after, count - 1)
+        is_before, is_after = first[order[before]] == wanted, first[order[after]] == wanted
+        extra = count + np.searchsorted(last, wanted)
+        corners[:, corner] = np.where(
+            is_before, order[before], np.where(is_after, order[after], extra)
+        )
+    return np.concatenate([first, last]).astype(np.uint32), corners

@@ -1,0 +1,161 @@
+"""What a pixel needs to know of its triangle: corners, normals, uv, material and its maps.
+
+Software drivers alone use it: `surface.visible` draws which triangle each pixel sees.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32
+from ..gpu.memory import buffer_of
+from ..scene.material import Material
+from ..scene.mesh import Geometry
+from .packed_maps import PackedMaps, metallic_factor
+from .provoking import U32, told_apart
+from .textures import TextureStore
+
+WORDS = 20  # of a triangle
+_MOST = 65535  # instances, and materials: a pixel has 16 bits for each
+
+
+class SeenInstance(Struct):
+    """What a vertex adds to its number, and what its pixels are of."""
+
+    first = u32("1 + number of its triangle, less its vertex's")
+    what = u32("instance | material << 16")
+
+
+MATERIAL = np.dtype([
+    ("base_color", np.float16, 3), ("metallic", np.float16), ("emission", np.float16, 3),
+    ("specular", np.float16), ("roughness", np.float16), ("normal_scale", np.float16),
+    ("flags", np.uint16), ("levels", np.uint16), ("texels", np.uint32), ("size", np.uint32),
+])  # fmt: skip
+"""A material as its pixels need it, in 32 bytes: half floats, as in the G-buffer."""
+
+
+class SeenTriangles:
+    """Buffers beside those of a `GpuScene`, of the geometries and materials that can be told apart.
+
+    positions  of the vertices of `told_apart`
+    indices    as in the scene's buffer, into those
+    instances  SeenInstance, in the scene's order
+    triangles  WORDS u32 each, object space: corner and edges, uv and its edges, normals
+    """
+
+    def __init__(
+        self, gpu: Gpu, geometries: dict[int, tuple[int, Geometry]], materials: list[Material],
+        instances: list[tuple[int, int]], store: TextureStore,
+    ) -> None:  # fmt: skip
+        """`geometries` by their first vertex in the scene's buffers, with their first index;
+        `instances` their geometry (its first vertex) and material in the scene's order."""
+        self._sources: dict[int, U32] = {}
+        self.base_vertex: dict[int, int] = {}
+        self._first_triangle = {key: first // 3 for key, (first, _) in geometries.items()}
+        indices, count = [], 0
+        for key, (_, geometry) in geometries.items():
+            self._sources[key], corners = told_apart(geometry.indices)
+            self.base_vertex[key] = count
+            count += len(self._sources[key])
+            indices.append(corners.ravel())
+        parts = [g for _, g in geometries.values()]
+        corners = _joined(indices, np.uint32, ())
+        moved = [g.positions[self._sources[key]] for key, (_, g) in geometries.items()]
+        self.positions = buffer_of(
+            gpu, "seen positions", _joined(moved, np.float32, (3,)), vertex=True
+        )
+        self.indices = buffer_of(gpu, "seen indices", corners, index=True)
+        laid = [_uvs(g)[self._sources[key]] for key, (_, g) in geometries.items()]
+        self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
+        rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
+        self.triangles = buffer_of(gpu, "seen triangles", rows)
+        self._take_materials(gpu, materials, store)
+        self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
+        self._has_colors = {key: g.colors is not None for key, (_, g) in geometries.items()}
+        self._fits = len(instances) <= _MOST and len(materials) <= _MOST
+
+    def shows(self, base_vertex: int, material: Material) -> bool:
+        """Whether instances of that geometry and material can be drawn this way."""
+        return self._fits and not self._has_colors[base_vertex] and self._is_packed[id(material)]
+
+    def deform(self, base_vertex: int, geometry: Geometry) -> None:
+        """Take the vertices of a geometry that moved."""
+        moved = geometry.positions[self._sources[base_vertex]]
+        self.positions.write(moved, 12 * self.base_vertex[base_vertex])
+        self.uvs.write(
+            _uvs(geometry)[self._sources[base_vertex]], 8 * self.base_vertex[base_vertex]
+        )
+        self.triangles.write(_triangles(geometry), 4 * WORDS * self._first_triangle[base_vertex])
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.positions, self.uvs, self.indices, self.instances, self.triangles,
+                     self.materials, self.placements, self.texels):  # fmt: skip
+            part.release()
+
+    def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
+        packed = np.zeros(max(1, len(instances)), SeenInstance.dtype)
+        for index, (key, material) in enumerate(instances):
+            first = 1 + self._first_triangle[key] - self.base_vertex[key]
+            packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
+        return packed
+
+    def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
+        maps = PackedMaps(store.chain)
+        self._is_packed = {id(m): maps.of(m) is not None for m in materials}
+        rows = np.zeros(max(1, len(materials)), MATERIAL)
+        placements = np.tile(np.array(_UNPLACED, np.float32), (len(rows), 1))
+        for index, m in enumerate(materials):
+            rows[index], placements[index] = _fields(m, maps), _placement(m)
+        self.materials = buffer_of(gpu, "seen materials", rows)
+        self.placements = buffer_of(gpu, "placements of maps", placements)
+        self.has_placed_maps = bool((placements != _UNPLACED).any())
+        self.texels = buffer_of(gpu, "packed maps", maps.texels)
+        store.forget_chains()
+
+
+_HALF_MAX = 65504.0
+_UNPLACED = (1.0, 1.0, 0.0, 0.0)
+
+
+def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
+    """The values of `MATERIAL`."""
+    texels, size, flags, levels = maps.of(m) or (0, 1 | 1 << 16, 0, 1)
+    metallic = m.metallic * (metallic_factor(m) or 0.0)
+    emission = np.minimum(m.emission, _HALF_MAX)
+    return (m.base_color, metallic, emission, m.specular, m.roughness, m.normal_scale, flags,
+            levels, texels, size)  # fmt: skip
+
+
+def _placement(m: Material) -> tuple[float, ...]:
+    """Scale and offset of the material's maps."""
+    some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
+    return (*some.scale, *some.offset) if some else _UNPLACED
+
+
+def _uvs(g: Geometry) -> NDArray[np.float32]:
+    return np.zeros((len(g.positions), 2), np.float32) if g.uvs is None else g.uvs
+
+
+def _triangles(g: Geometry) -> U32:
+    """(T, WORDS): the first corner and the two edges from it, uv likewise, three normals."""
+    a, b, c = (g.indices[:, k] for k in range(3))
+    rows = np.zeros((len(g.indices), WORDS), np.uint32)
+    floats = rows.view(np.float32)
+    p = g.positions
+    floats[:, 0:3], floats[:, 3:6], floats[:, 6:9] = p[a], p[b] - p[a], p[c] - p[a]
+    uv = _uvs(g)
+    floats[:, 9:11], floats[:, 11:13], floats[:, 13:15] = uv[a], uv[b] - uv[a], uv[c] - uv[a]
+    if g.normals is not None:
+        # Rounded as the scene's vertices are.
+        normals = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0).astype(np.int16)
+        rows.view(np.int16)[:, 30:39] = normals[g.indices].reshape(-1, 9)
+    return rows
+
+
+def _joined(parts: list[NDArray[Any]], dtype: Any, row: tuple[int, ...]) -> NDArray[Any]:
+    return np.concatenate(parts) if parts else np.zeros((0, *row), dtype)

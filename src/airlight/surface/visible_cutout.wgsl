@@ -1,0 +1,37 @@
+//! use mesh_vertex
+
+// As visible.wgsl, of materials with holes.
+
+override IS_CUTOUT: bool = true;
+override HAS_BASE_COLOR_MAP: bool = true;
+override HAS_PLACED_MAPS: bool = true;
+
+struct Seen {
+    @invariant @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) what: vec2u,
+    @location(1) uv: vec2f,
+}
+
+@vertex fn vertex(
+    @location(0) position: vec3f, @location(1) uv: vec2f, at: Placement,
+    @location(8) first: u32, @location(9) what: u32, @builtin(vertex_index) index: u32,
+) -> Seen {
+    let clip = params.clip_from_world * world_position(at, position);
+    return Seen(clip, vec2u(first + index, what), uv);
+}
+
+@fragment fn fragment(in: Seen) -> @location(0) vec2u {
+    let m = materials[in.what.y >> 16u];
+    var alpha = m.alpha;
+    if (HAS_BASE_COLOR_MAP && HAS_PLACED_MAPS) {
+        alpha *= textureSampleGrad(base_color_map, base_color_sampler,
+            in.uv * m.uv_base_color.xy + m.uv_base_color.zw,
+            dpdx(in.uv) * m.uv_base_color.xy, dpdy(in.uv) * m.uv_base_color.xy).a;
+    } else if (HAS_BASE_COLOR_MAP) {
+        alpha *= textureSample(base_color_map, base_color_sampler, in.uv).a;
+    }
+    if (IS_CUTOUT && alpha < m.alpha_cutoff) {
+        discard;
+    }
+    return in.what;
+}

@@ -1,0 +1,45 @@
+"""Rows of triangles and materials."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from airlight.scene import Material, Scene
+from airlight.surface.geometry import GpuScene
+from airlight.surface.seen_triangles import MATERIAL, WORDS
+
+UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
+
+
+def test_a_triangle_is_its_corner_and_edges(gpu, owned, square):
+    mesh = square((1, 2, 3), (1, 0, 0), (0, 0.5, 0), uvs=UVS)
+    seen = owned(GpuScene(gpu, Scene(meshes=(mesh,)))).seen
+    rows = seen.triangles.read(np.float32).reshape(-1, WORDS)
+    g = mesh.geometry
+    corners = np.stack([rows[:, 0:3], rows[:, 0:3] + rows[:, 3:6], rows[:, 0:3] + rows[:, 6:9]], 1)
+    np.testing.assert_allclose(corners, g.positions[g.indices], rtol=1e-6)
+    uvs = np.stack(
+        [rows[:, 9:11], rows[:, 9:11] + rows[:, 11:13], rows[:, 9:11] + rows[:, 13:15]], 1
+    )
+    np.testing.assert_allclose(uvs, g.uvs[g.indices], atol=1e-6)
+    normals = seen.triangles.read(np.int16).reshape(-1, 2 * WORDS)[:, 30:39] / 32767.0
+    np.testing.assert_allclose(normals.reshape(-1, 3, 3), g.normals[g.indices], atol=2e-5)
+
+
+def test_a_material_is_in_half_floats(gpu, owned, square):
+    painted = Material(base_color=(0.5, 0.25, 1.0), metallic=0.75, roughness=0.5, specular=0.25,
+                       emission=(1e6, 2.0, 0.0))  # fmt: skip
+    scene = owned(GpuScene(gpu, Scene(meshes=(square((0, 0, 0), (1, 0, 0), (0, 1, 0), painted),))))
+    row = scene.seen.materials.read(MATERIAL)[0]
+    assert row["base_color"].tolist() == [0.5, 0.25, 1.0]
+    assert row["emission"].tolist() == [65504.0, 2.0, 0.0]
+    assert (row["metallic"], row["roughness"], row["specular"]) == (0.75, 0.5, 0.25)
+
+
+def test_coloured_vertices_are_not_shown_this_way(gpu, owned, square):
+    colors = np.full((4, 4), 0.5, np.float32)
+    plain = square((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    coloured = square((0, 0, 0), (1, 0, 0), (0, 1, 0), colors=colors)
+    scene = owned(GpuScene(gpu, Scene(meshes=(plain, coloured))))
+    shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in scene.draws]
+    assert sorted(shown) == [False, True]

@@ -1,0 +1,118 @@
+"""Surfaces of the triangles that pixels see, beside the same ones as they are rasterised."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.maths.transforms import clip_from_view_infinite, view_from_world
+from airlight.scene import Material, Mesh, Scene, Texture
+from airlight.surface.gbuffer import GBuffer
+from airlight.surface.geometry import GpuScene
+
+SIZE = (48, 32)
+RNG = np.random.default_rng(11)
+UVS = np.array([[-0.3, 1.4], [1.7, 1.1], [1.3, 0.2], [0.1, -0.6]], np.float32)
+
+
+def _shifted(x, y, z):
+    """World from object of a shift, metres."""
+    made = np.eye(4)
+    made[:3, 3] = (x, y, z)
+    return made
+
+
+def _map(side=16, **how):
+    """A smooth image, so that filters that round differ by little."""
+    x, y = np.meshgrid(*2 * [np.arange(side) * 2 * np.pi / side])
+    waves = [np.sin(x + a) * np.cos(y + b) for a, b in RNG.uniform(0, 6, (4, 2))]
+    pixels = np.round(150 + 80 * np.stack(waves, axis=-1)).astype(np.uint8)
+    pixels[..., 2] = 250 if not how.get("is_srgb", True) else pixels[..., 2]
+    return Texture(pixels, **how)
+
+
+def _painted(wrap="repeat", **how):
+    kinds = {"base_color_texture": _map(wrap=(wrap, wrap)),
+             "normal_texture": _map(wrap=(wrap, wrap), is_srgb=False),
+             "metallic_roughness_texture": _map(wrap=(wrap, wrap), is_srgb=False)}  # fmt: skip
+    return Material(base_color=(0.8, 0.7, 0.6), metallic=0.0, roughness=0.7, **{**kinds, **how})
+
+
+def _placed(**how):
+    maps = _painted()
+    scaled = {
+        f"{n}_texture": replace(getattr(maps, f"{n}_texture"), scale=(0.5, 1.5), offset=(0.1, 0.3))
+        for n in ("base_color", "normal", "metallic_roughness")
+    }
+    return replace(maps, **scaled)
+
+
+CASES = {
+    "plain": [Material(base_color=(0.2, 0.5, 0.7), metallic=0.3, roughness=0.4,
+                       emission=(3.0, 2.0, 1.0))],
+    "maps": [_painted()],
+    "mirrored and clamped": [_painted("mirror"), _painted("clamp")],
+    "placed": [_placed()],
+    "holes": [_painted(alpha_cutoff=0.6), _painted()],
+    "maps of light come after": [_painted(emission=(1.0, 1.0, 1.0), emission_texture=_map()),
+                                 _painted()],
+}  # fmt: skip
+
+
+def _drawn(gpu, commands, scene, meshes, eye):
+    found = {}
+    for is_visible in (True, False):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("airlight.surface.gbuffer.draws_visible", lambda gpu, v=is_visible: v)
+            g = GBuffer(gpu, SIZE)
+        on_device = GpuScene(gpu, scene)
+        clip = clip_from_view_infinite(1.2, SIZE[0] / SIZE[1], 0.01)
+        clip = clip @ view_from_world(eye, -np.asarray(eye), (0, 1, 0))
+        g.encode(commands, on_device, clip)
+        on_device.move(meshes)
+        g.encode(commands, on_device, clip)
+        commands.submit()
+        textures = (g.depth, g.albedo, g.normal, g.emission)
+        found[is_visible] = [t.read().astype(np.float64) for t in textures]
+        g.release()
+        on_device.release()
+    return found[True], found[False]
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
+def test_both_ways_see_the_same(gpu, commands, square, case, eye):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    meshes = [
+        square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
+        for k, m in enumerate(CASES[case])
+    ]
+    flat = np.diag([-0.8, 0.5, 0.7, 1.0])  # mirrored, too
+    meshes += [replace(meshes[0], world_from_object=_shifted(-1, 0.3, 0.2) @ flat)]
+    moved = tuple(
+        replace(m, world_from_object=_shifted(0.1, 0.05, 0.0) @ m.world_from_object) for m in meshes
+    )
+    ours, plain = _drawn(gpu, commands, Scene(meshes=tuple(meshes)), moved, eye)
+    np.testing.assert_array_equal(ours[0] > 0.0, plain[0] > 0.0)
+    np.testing.assert_array_equal(ours[0], plain[0])
+    assert (plain[0] > 0.0).mean() > 0.2
+    # The driver filters in bytes: a normal map's byte is worth 1/127, more where its z is small.
+    for texture, most in ((1, 4e-3), (2, 0.03), (3, 4e-3)):
+        np.testing.assert_allclose(ours[texture], plain[texture], atol=most * 5.0)
+        assert np.sqrt(np.mean((ours[texture] - plain[texture]) ** 2)) < most
+
+
+def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    still = square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
+    g = still.geometry
+    bent = replace(g, positions=g.positions + np.float32([[0.2, 0, 0], [0, 0.3, 0], [0, 0, 0.2],
+                                                          [0, 0, 0]]))  # fmt: skip
+    moved = Mesh(geometry=bent, material=still.material)
+    ours, plain = _drawn(gpu, commands, Scene(meshes=(still,)), (moved,), (0.4, 0.9, 2.2))
+    np.testing.assert_array_equal(ours[0], plain[0])
+    np.testing.assert_allclose(ours[1], plain[1], atol=0.016)
