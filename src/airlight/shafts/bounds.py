@@ -16,6 +16,8 @@ from ..surface.shadow import ShadowMaps
 
 _ROW_TEXELS = 64
 """Of 4 bytes, of which a copied row has a multiple: WebGPU wants 256 bytes."""
+_COARSEST = 3
+"""The logarithm of the coarsest level's squares along a side."""
 
 
 class BoundsParams(Struct):
@@ -30,7 +32,7 @@ class BoundsParams(Struct):
 class _Bounds(ComputePass):
     slots = (
         uniform("params", BoundsParams),
-        storage("bounds", "vec4f", "read_write"),
+        storage("bounds", "vec4u", "read_write"),
     )
     workgroup = (32, 4, 1)
     file = "bounds.wgsl"
@@ -40,9 +42,10 @@ class _Bounds(ComputePass):
 
 
 class DepthBounds:
-    """The maps, and (nearest, farthest) of every square of theirs, levels 1 up to a single one.
+    """The maps, and (nearest, farthest) of every square of theirs, levels 1 up to 8 x 8 squares.
 
-    A buffer of vec2f, side^2 per layer, laid out as in wgsl/shadow_levels.wgsl.
+    A buffer of 2 side^2 words per layer, laid out as in wgsl/shadow_levels.wgsl. Above `top` rays
+    have nothing to gain.
     """
 
     def __init__(self, gpu: Gpu, maps: ShadowMaps) -> None:
@@ -50,7 +53,7 @@ class DepthBounds:
         resolution = maps.depth.size[0]
         # Rows of the copied map are a multiple of 256 bytes.
         self.side = max(_ROW_TEXELS, 1 << (max(2, resolution) - 1).bit_length())
-        self.top = self.side.bit_length() - 1
+        self.top = self.side.bit_length() - 1 - _COARSEST
         layers = max(1, maps.layers)
         self.buffer = Buffer(gpu, "shadow bounds", 8 * layers * self.side * self.side)
         self._first = _Bounds(gpu, is_first=True)
@@ -68,7 +71,7 @@ class DepthBounds:
             )  # fmt: skip
             squares = self.side >> level
             (self._first if level == 1 else self._next).dispatch(
-                commands, (-(-squares // 2), squares, self.maps.layers), params=params,
+                commands, (squares // 4, squares, self.maps.layers), params=params,
                 bounds=self.buffer,
             )  # fmt: skip
 

@@ -30,9 +30,8 @@ from .bounds import DepthBounds
 
 
 class ShaftParams(Struct):
-    """How many lights, the sizes of their maps, and how long a ray may take."""
+    """The sizes of the lights' maps, and how long a ray may take."""
 
-    light_count = u32()
     max_nodes = u32("squares opened or crossed before coarse ones are taken as they are")
     parallel_resolution = u32("texels")
     parallel_side = u32("texels, a power of two")
@@ -48,7 +47,7 @@ def _slots(air: Air, *more: Slot) -> tuple[Slot, ...]:
         uniform("rays", RayParams), uniform("shafts", ShaftParams), *air.slots,
         storage("lights", LightData), storage("parallel_views", LightViewData),
         storage("local_views", LightViewData),
-        storage("parallel_bounds", "vec2f"), storage("local_bounds", "vec2f"), *more,
+        storage("parallel_bounds", "u32"), storage("local_bounds", "u32"), *more,
         image("scattered", "rgba32float"),
     )  # fmt: skip
 
@@ -60,7 +59,8 @@ def run_wgsl(air: Air, lights: Lights, steps: int = 32) -> str:
         run = f"const RUN_STEPS = {steps}.0;\n//! use stepped_run\n"
     known = {"AIR_IS_BOX": air.is_one_box, "HAS_SUNS": lights.parallel.layers > 0,
              "HAS_LAMPS": lights.local.layers > 0}  # fmt: skip
-    return air.wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run
+    wgsl = air.wgsl + f"const LIGHT_COUNT = {lights.count}u;\n"
+    return wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run
 
 
 class _Shafts(ComputePass):
@@ -171,11 +171,11 @@ class Shafts:
     def _bound(self, lights: Lights) -> dict[str, Any]:
         """What both passes bind."""
         shafts = ShaftParams(
-            light_count=lights.count, max_nodes=self.max_nodes,
+            max_nodes=self.max_nodes,
             parallel_resolution=self.parallel.maps.depth.size[0],
-            parallel_side=self.parallel.side, parallel_top=max(0, self.parallel.top - 3),
+            parallel_side=self.parallel.side, parallel_top=self.parallel.top,
             local_resolution=self.local.maps.depth.size[0], local_side=self.local.side,
-            local_top=max(0, self.local.top - 3),
+            local_top=self.local.top,
         )  # fmt: skip
         return {
             "shafts": shafts, **self.air.bound, "lights": lights.table,

@@ -1,9 +1,10 @@
 //! use shaft_rays
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= rays.reduced)) {
-        return;
+    let texel = min(id.xy, rays.reduced - 1u);
+    let ray = picked_ray(rays, texel, textureLoad(picked, vec2i(texel), 0).xy);
+    let drawn = single_scattered(ray.direction, ray.distance);
+    if (all(id.xy < rays.reduced)) {
+        textureStore(scattered, texel, vec4f(drawn, ray.distance));
     }
-    let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
-    textureStore(scattered, id.xy, vec4f(single_scattered(ray.direction, ray.distance), ray.distance));
 }

@@ -10,12 +10,18 @@
 // slope along the ray, per axis; the least one counts.
 var<private> run_exit: vec3f;
 var<private> run_slope: vec3f;
-var<private> run_phase: vec3f;          // of a parallel light
+// Of the one medium, copied: software drivers read buffers lane by lane once anything has branched.
+var<private> run_sigma_t: vec3f;        // m^-1
+var<private> run_sent: vec3f;           // of a parallel light to the eye, m^-1 sr^-1
+var<private> run_has_shafts: bool;
 var<private> run_is_inside: bool;       // whether a lamp is in the one medium itself
 
 // Once per eye ray and light.
 fn run_prepare(light: LightData, origin: vec3f, direction: vec3f) {
-    run_phase = henyey_greenstein_rgb(-dot(light.direction, direction), air[0].g);
+    let phase = henyey_greenstein_rgb(-dot(light.direction, direction), air[0].g);
+    run_sigma_t = air[0].sigma_t;
+    run_sent = air[0].albedo * run_sigma_t * phase;
+    run_has_shafts = air[0].has_shafts != 0u;
     run_is_inside = AIR_COUNT == 1u && air_density(0u, light.position) > 0.0;
     let o = air_place(0u, origin);
     let d = (air[0].volume_from_world * vec4f(direction, 0.0)).xyz;
@@ -46,7 +52,7 @@ fn next_face(t: f32, end: f32) -> f32 {
 // Parallel light in one box of even air, closed form: between changes of face the optical depth
 // along light and eye ray is linear. Source: Billeter2012 eq. 1; NOTES section 2.
 fn parallel_run(t0: f32, t1: f32) -> vec3f {
-    let sigma_t = air[0].sigma_t;
+    let sigma_t = run_sigma_t;
     let entry = air_spans[0].x;
     var sum = vec3f(0.0);
     var t = t0;
@@ -60,7 +66,7 @@ fn parallel_run(t0: f32, t1: f32) -> vec3f {
         piece++;
         if (piece >= 4u || t >= t1) { break; }
     }
-    return sum * air[0].albedo * sigma_t * run_phase;
+    return sum * run_sent;
 }
 
 // What a point of the ray sends to the eye per unit of length and irradiance, of medium m.
@@ -144,6 +150,11 @@ fn parallel_nodes(
 fn lit_run(
     light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
+    if (AIR_IS_BOX && !HAS_LAMPS) {
+        let a = max(t0, air_spans[0].x);
+        let b = min(t1, air_spans[0].y);
+        return select(vec3f(0.0), parallel_run(a, b) * light.color, a < b && run_has_shafts);
+    }
     var sum = vec3f(0.0);
     var m = 0u;
     loop {

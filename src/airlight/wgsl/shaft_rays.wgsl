@@ -1,7 +1,6 @@
 // Single scattering along one eye ray, by lit runs over every shadow map. The including pass binds
 // rays, shafts, the lights, their maps and bounds, and the air.
 //! use eye_ray
-//! use shadow_levels
 //! use shadow_walk
 
 fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
@@ -11,13 +10,11 @@ fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
     return local_views[view].clip_from_world;
 }
 
-// The nearest and farthest shadow depth of a square of 2^level texels.
-fn shadow_bounds(level: u32, square: vec2u) -> vec2f {
-    let entry = level_entry(walk.side, walk.view, level, square);
+fn shadow_word(entry: u32) -> u32 {
     if (HAS_SUNS && (walk.is_parallel || !HAS_LAMPS)) {
-        return level_bounds(parallel_bounds[entry], level, square);
+        return parallel_bounds[entry];
     }
-    return level_bounds(local_bounds[entry], level, square);
+    return local_bounds[entry];
 }
 
 // Narrow `u` to where f + u df >= 0.
@@ -38,16 +35,17 @@ fn cut_sides(u: vec2f, c: vec4f, dc: vec4f) -> vec2f {
 // the eye. Squares of the map that are wholly lit or dark are crossed at once, others are opened,
 // and adjacent lit stretches are integrated as one run.
 fn view_radiance(
-    light: LightData, index: u32, view: u32, direction: vec3f, t0: f32, t1: f32,
+    light: LightData, index: u32, view: u32, to_clip: mat4x4f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
     walk.is_parallel = light.kind == LIGHT_DIRECTIONAL;
-    walk.view = view;
     let resolution = f32(
         select(shafts.local_resolution, shafts.parallel_resolution, walk.is_parallel));
     walk.side = select(shafts.local_side, shafts.parallel_side, walk.is_parallel);
+    walk.area = walk.side * walk.side;
+    walk.first = 2u * view * walk.area;
+    walk.rows = firstTrailingBit(walk.side);
     walk.max_nodes = shafts.max_nodes;
     walk.top = select(shafts.local_top, shafts.parallel_top, walk.is_parallel);
-    let to_clip = clip_from_world(walk.is_parallel, view);
     let clip0 = to_clip * vec4f(rays.eye + t0 * direction, 1.0);
     let step = to_clip * vec4f((t1 - t0) * direction, 0.0);
     // Outside a sun's map, and before a lamp's near plane, nothing shadows; the rest of space is
@@ -65,34 +63,57 @@ fn view_radiance(
     walk.s = select(1.0, 0.0, is_in);
     walk.lit_from = select(0.0, walk.lit_from, is_in);
     loop {
-        let run = next_run();
-        if (run.y > run.x) {
-            sum += lit_run(light, index, rays.eye, direction, run.x, run.y);
+        find_runs();
+        // Density grids are stepped through with the runs: from the nearest on.
+        let is_done = walk.s >= 1.0;
+        let count = walk.count + select(0u, 1u, is_done);
+        var taken = 0u;
+        loop {
+            let found = found_run(max(walk.count, taken + 1u) - taken - 1u);
+            let run = select(found, last_run(), taken == walk.count);
+            if (run.y > run.x) {
+                sum += lit_run(light, index, rays.eye, direction, run.x, run.y);
+            }
+            taken++;
+            if (taken >= count) { break; }
         }
-        if (walk.s >= FINISHED) { break; }
+        if (is_done) { break; }
     }
     return sum;
 }
 
-// Radiance towards the eye from light scattered once before `reach`, m.
+fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -> vec3f {
+    let is_parallel = light.kind == LIGHT_DIRECTIONAL;
+    var to_clip = clip_from_world(is_parallel, light.first_view);
+    run_prepare(light, rays.eye, direction);
+    let span = light_span(light, rays.eye, direction, hull);
+    var sum = vec3f(0.0);
+    if (span.x < span.y && any(light.color > vec3f(0.0))) {
+        var v = 0u;
+        loop {
+            sum += view_radiance(
+                light, index, light.first_view + v, to_clip, direction, span.x, span.y);
+            v++;
+            if (!HAS_LAMPS || v >= light.view_count) { break; }
+            to_clip = clip_from_world(is_parallel, light.first_view + v);
+        }
+    }
+    return sum;
+}
+
+// Radiance towards the eye from light scattered once before `reach`, m. Software drivers read
+// buffers once for all lanes where nothing has branched yet: so a single light is no loop.
 fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
     let hull = visible_hull(air_enter(rays.eye, direction, reach));
+    if (LIGHT_COUNT == 1u) {
+        return light_radiance(lights[0], 0u, direction, hull);
+    }
     var sum = vec3f(0.0);
     var i = 0u;
     loop {
-        let light = lights[i];
-        let span = light_span(light, rays.eye, direction, hull);
-        if (span.x < span.y && any(light.color > vec3f(0.0))) {
-            run_prepare(light, rays.eye, direction);
-            var v = 0u;
-            loop {
-                sum += view_radiance(light, i, light.first_view + v, direction, span.x, span.y);
-                v++;
-                if (!HAS_LAMPS || v >= light.view_count) { break; }
-            }
-        }
+        sum += light_radiance(lights[i], i, direction, hull);
         i++;
-        if (i >= shafts.light_count) { break; }
+        if (i >= LIGHT_COUNT) { break; }
     }
     return sum;
 }
