@@ -35,6 +35,7 @@ struct Slice {
     sideways: vec3f,    // in the surface's plane, 1 along the axis
     size: f32,          // of the normal projected on it
     gamma: f32,         // rad, from v to that
+    facing: vec2f,      // cosine and sine of it
     lowest: vec2f,      // the horizons that the surface's own plane is, cosines
     radius: f32,        // m
 }
@@ -101,11 +102,6 @@ fn way_between(s: Slice, tangent: vec3f, low: f32, high: f32) -> vec3f {
 // Of occluders that show their light, each by the share of what may come in that it hides.
 var<private> near: Near;
 
-fn arcs(s: Slice, cosines: vec2f) -> vec2f {
-    let high = acos(clamp(cosines, vec2f(-1.0), vec2f(1.0)));
-    return vec2f(visible_arc(high.x, s.gamma), visible_arc(-high.y, s.gamma));
-}
-
 // The horizons after a sample on each side. What shows us its back is not taken for black: its light is
 // left to the lattice, or to what is seen beyond.
 fn searched(s: Slice, before: Horizons, right: Sample, left: Sample) -> Horizons {
@@ -115,7 +111,7 @@ fn searched(s: Slice, before: Horizons, right: Sample, left: Sample) -> Horizons
     if (!HAS_LIGHT) {
         return Horizons(all, before.lit, before.arcs);
     }
-    let now = arcs(s, vec2f(plus.y, minus.y));
+    let now = visible_arcs(vec2f(plus.y, minus.y), s.facing);
     let share = s.size * (before.arcs - now);
     near.light += share.x * right.light + share.y * left.light;
     near.way += share.x * way_between(s, s.tangent, before.lit.x, plus.y)
@@ -134,26 +130,32 @@ fn slice_along(across: vec2f, p: vec3f, v: vec3f, n: vec3f) -> Slice {
     let sideways = (axis - n * dot(n, axis)) / max(size * size, 1e-4);
     let cosine = clamp(dot(projected, v) / max(size, 1e-6), -1.0, 1.0);
     let gamma = sign(dot(tangent, projected)) * acos(cosine);
-    let lowest = vec2f(cos(gamma + 0.5 * OCCLUSION_PI), cos(gamma - 0.5 * OCCLUSION_PI));
-    return Slice(p, n, v, axis, normalize(tangent), sideways, size, gamma, lowest, radius_at(p));
+    let facing = vec2f(cosine, sign(gamma) * sqrt(1.0 - cosine * cosine));
+    let lowest = vec2f(-facing.y, facing.y);
+    return Slice(p, n, v, axis, normalize(tangent), sideways, size, gamma, facing, lowest,
+        radius_at(p));
 }
 
 // Openness of a slice, and without occluders. The nearest sample is a pixel, all others are texels.
 fn slice_openness(
     s: Slice, pixel: vec2i, texel: vec2i, across: vec2f, offset: f32, radius_px: f32,
 ) -> vec2f {
-    var found = Horizons(s.lowest, s.lowest, arcs(s, s.lowest));
+    var found = Horizons(s.lowest, s.lowest, visible_arcs(s.lowest, s.facing));
     let nearest = max(pow(offset / f32(STEPS), SPREAD) * radius_px, NEAREST_PX);
     let first = vec2i(round(across * nearest));
     found = searched(s, found, at_pixel(pixel + first), at_pixel(pixel - first));
-    for (var i = 1u; i < STEPS; i++) {
+    var i = 1u;
+    loop {
+        if (STEPS < 2u) { break; }
         let share = pow((f32(i) + offset) / f32(STEPS), SPREAD);
         let away = max(share * radius_px, NEAREST_PX + f32(i)) / f32(params.scale);
         let moved = vec2i(round(across * away));
         found = searched(s, found, at_texel(texel + moved), at_texel(texel - moved));
+        i++;
+        if (i >= STEPS) { break; }
     }
-    let open = arcs(s, found.all);
-    return s.size * vec2f(open.x + open.y, cos(s.gamma) + s.gamma * sin(s.gamma));
+    let open = visible_arcs(found.all, s.facing);
+    return s.size * vec2f(open.x + open.y, s.facing.x + s.gamma * s.facing.y);
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4u {
@@ -179,11 +181,15 @@ fn slice_openness(
     let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
     let offset = 0.25 * f32((texel.y - texel.x) & 3u) + 0.125;
     var open = vec2f(0.0);
-    for (var i = 0u; i < SLICES; i++) {
+    // Loops end with their test, after which software drivers run nothing.
+    var i = 0u;
+    loop {
         let angle = (f32(i) + turn) / f32(SLICES) * OCCLUSION_PI;
         let across = vec2f(cos(angle), sin(angle));
         let s = slice_along(across, p, v, n);
         open += slice_openness(s, vec2i(pixel), vec2i(texel), across, offset, radius_px);
+        i++;
+        if (i >= SLICES) { break; }
     }
     // differs: the paper divides by the number of slices; few of them then shade tilted planes.
     let scale = 1.0 / max(open.y, 1e-6);

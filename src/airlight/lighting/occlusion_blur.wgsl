@@ -11,7 +11,8 @@ const DEPTH_TOLERANCE = 0.05;   // as a share of the depth, per texel of distanc
     var way = vec4f(0.0);
     var open = 0.0;
     var total = 0.0;
-    for (var k = 0; k < 16; k++) {
+    var k = 0;
+    loop {
         let place = clamp(texel + vec2i(k & 3, k >> 2u) - 1, vec2i(0), last);
         let other = textureLoad(sampled, place, 0);
         let near = near_of(other);
@@ -21,6 +22,8 @@ const DEPTH_TOLERANCE = 0.05;   // as a share of the depth, per texel of distanc
         way += weight * vec4f(near.way, near.hidden);
         open += weight * near.open;
         total += weight;
+        k++;
+        if (k > 15) { break; }
     }
     return packed_near(Near(open / total, light / total, way.xyz / total, way.w / total), own);
 }

@@ -18,11 +18,14 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let last = params.size - 1u;
     var nearest = vec3f(-1.0);
     var farthest = vec3f(1e30);
-    for (var k = 0u; k < params.scale * params.scale; k++) {
+    var k = 0u;
+    loop {
         let pixel = min(first + vec2u(k % params.scale, k / params.scale), last);
         let inverse = inverse_distance(pixel);
         if (inverse > nearest.x) { nearest = vec3f(inverse, vec2f(pixel)); }
         if (inverse < farthest.x) { farthest = vec3f(inverse, vec2f(pixel)); }
+        k++;
+        if (k >= params.scale * params.scale) { break; }
     }
     if (nearest.x - farthest.x <= SAME_SURFACE * nearest.x) {
         return min(first + params.scale / 2u, last);

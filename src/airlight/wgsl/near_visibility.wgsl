@@ -23,7 +23,8 @@ fn near_surroundings(position: vec2f, own: f32) -> Near {
     var way = vec4f(0.0);
     var open = 0.0;
     var total = 0.0;
-    for (var k = 0u; k < 4u; k++) {
+    var k = 0u;
+    loop {
         let corner = vec2f(f32(k & 1u), f32(k >> 1u));
         let texel = vec2i(clamp(base + corner, vec2f(0.0), size - 1.0));
         let packed = textureLoad(near_texels, texel, 0);
@@ -35,6 +36,8 @@ fn near_surroundings(position: vec2f, own: f32) -> Near {
         way += weight * vec4f(near.way, near.hidden);
         open += weight * near.open;
         total += weight;
+        k++;
+        if (k > 3u) { break; }
     }
     return Near(open / total, light / total, way.xyz / total, way.w / total);
 }

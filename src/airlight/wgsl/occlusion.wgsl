@@ -1,7 +1,12 @@
 // Ambient occlusion of a slice, and what it means for light; sources in maths/occlusion.py.
 
-fn visible_arc(horizon: f32, normal: f32) -> f32 {
-    return 0.25 * (cos(normal) + 2.0 * horizon * sin(normal) - cos(2.0 * horizon - normal));
+// How open a slice is to its two sides, to horizons of these cosines (the second one's angle is negative):
+// visible_arc of them without its cosine. `facing`: cosine and sine of the normal's angle.
+fn visible_arcs(horizons: vec2f, facing: vec2f) -> vec2f {
+    let c = clamp(horizons, vec2f(-1.0), vec2f(1.0));
+    let sines = 1.0 - c * c;
+    let turned = facing.y * (acos(c) - c * sqrt(sines));
+    return 0.5 * (facing.x * sines + vec2f(turned.x, -turned.y));
 }
 
 fn interreflected(visibility: f32, albedo: vec3f) -> vec3f {
