@@ -43,7 +43,7 @@ def test_it_is_what_the_passes_make(
         values = rng.random((height, width, 4)).astype(np.float32)
         if is_reduced:
             values[..., 3:] = distance
-        made = Texture(gpu, name, (width, height), "rgba32float")
+        made = Texture(gpu, name, (width, height), "rgba32float", target=True)
         made.write(values)
         return made
 
@@ -54,7 +54,7 @@ def test_it_is_what_the_passes_make(
         {name: Texture(gpu, name, SIZE, "rgba32float", target=True) for name in LAYERS}
         for _ in range(2)
     )
-    one, other = Compose(gpu, SIZE), Compose(gpu, SIZE)
+    one, alpha = Compose(gpu, SIZE), direct.read()[..., 3]
     Upsample(gpu).encode(seen.commands, params, rays, depth, reduced, apart["multiple"])
     Transmittance(gpu, air).encode(seen.commands, params, depth, apart["transmittance"])
     if has_sky:
@@ -65,12 +65,12 @@ def test_it_is_what_the_passes_make(
         apart["single"] = at_once["single"] = shafts
     one.encode(seen.commands, **surfaces, transmittance=apart["transmittance"])
     Finish(gpu, air, has_sky=has_sky).encode(
-        seen.commands, params, depth, reduced=reduced, skylit=skylit, shafts=shafts, **surfaces,
-        **at_once, composed=other.layers,
+        seen.commands, params, depth, reduced=reduced, skylit=skylit, shafts=shafts, **at_once,
+        surfaces=(direct, indirect),
     )  # fmt: skip
     # Along the picture, rays are interpolated between vertices: a few units in the last place.
     pairs = [(apart[n], at_once[n]) for n in LAYERS]
-    pairs += list(zip(one.layers, other.layers, strict=True))
+    pairs += list(zip(one.layers, (direct, indirect), strict=True))
     for expected, got in pairs:
         np.testing.assert_allclose(seen.read(got)[..., :3], seen.read(expected)[..., :3], rtol=2e-5)
-    np.testing.assert_array_equal(other.direct.read()[..., 3], direct.read()[..., 3])
+    np.testing.assert_array_equal(direct.read()[..., 3], alpha)

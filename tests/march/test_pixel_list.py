@@ -11,7 +11,6 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Buffer, Texture
 from airlight.march.air import Air
-from airlight.march.compose import Compose
 from airlight.march.finish import Finish
 from airlight.march.pixel_list import PixelList, RedrawParams
 from airlight.march.rays import Rays
@@ -49,11 +48,11 @@ def test_those_between_unlike_texels_and_no_others(
         return made
 
     full = {n: Texture(gpu, n, SIZE, "rgba32float", target=True) for n in "abcde"}
-    listed, composed = PixelList(gpu, SIZE), Compose(gpu, SIZE)
+    listed = PixelList(gpu, SIZE)
     Finish(gpu, air, has_sky=True, lists=True).encode(
         seen.commands, params, seen.view.gbuffer.depth, reduced=texture(sky), skylit=texture(sky),
-        shafts=texture(shaft), direct=full["a"], indirect=full["b"], multiple=full["c"],
-        transmittance=full["d"], single=full["e"], composed=composed.layers, listed=listed,
+        shafts=texture(shaft), surfaces=(full["a"], full["b"]), multiple=full["c"],
+        transmittance=full["d"], single=full["e"], listed=listed,
         redrawn=RedrawParams(contrast=contrast, group=GROUP),
     )  # fmt: skip
     single = seen.read(full["e"])[..., 0]

@@ -35,6 +35,7 @@ class RasterPipeline:
     fragment_entry: ClassVar[str] = "fragment"
     topology: ClassVar[str] = "triangle-list"
     blend: ClassVar[dict[str, Any] | None] = None
+    blended: ClassVar[int | None] = None  # so many of the targets, the first; all if not given
     file: ClassVar[str] = ""
 
     def __init__(
@@ -66,7 +67,7 @@ class RasterPipeline:
         primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
         layouts = [slot.layout for slot in (*self._slots, *self._second)]
         fixed = (self.label, constants, primitive, self._depth_state(), self.targets_used,
-                 self.blend, self.vertex_buffers, self.vertex_entry, self._entry,
+                 self.blend, self.blended, self.vertex_buffers, self.vertex_entry, self._entry,
                  layouts)  # fmt: skip
         self.pipeline: Any = gpu.pipelines.get(
             source.text, fixed, lambda: self._compiled(source, constants or {}, primitive)
@@ -123,12 +124,19 @@ class RasterPipeline:
         if not self.fragment_entry:
             return None
         extra = {"blend": self.blend} if self.blend else {}
+        extras = [extra if i < self._blended else {} for i in range(len(self.targets_used))]
         return {
             "module": module,
             "entry_point": self._entry,
             "constants": constants,
-            "targets": [{"format": f, **extra} for f in self.targets_used],
+            "targets": [{"format": f, **e} for f, e in zip(self.targets_used, extras, strict=True)],
         }
+
+    @property
+    def _blended(self) -> int:
+        """How many targets are blended with."""
+        every = len(self.targets_used) if self.blend else 0
+        return every if self.blended is None else min(self.blended, every)
 
 
 class FullscreenPass(RasterPipeline):
@@ -141,7 +149,8 @@ class FullscreenPass(RasterPipeline):
 
         Every pixel is written; a software driver would clear them one by one before that.
         """
-        colors = color_attachments(targets, keep=self.gpu.is_cpu or self.blend is not None)
+        kept = len(targets) if self.gpu.is_cpu else self._blended
+        colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)

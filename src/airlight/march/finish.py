@@ -1,22 +1,27 @@
 """Reduced pictures of air at full size, its transmittance and what is behind it, in one pass.
 
 The same as `upsample`, `transmittance` and `compose` one after the other, where no density grid
-asks for more: what they read of a pixel is read once, and nothing between them is written.
+asks for more: what they read of a pixel is read once, and surfaces are dimmed where they are.
 """
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Texture
+from ..gpu.memory import Texture, nearest_sampler
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import texture, uniform
+from ..gpu.slots import sampler, texture, uniform
 from .air import Air
 from .pixel_list import PixelList, RedrawParams, pixel_list_slots
 from .rays import RayParams
 
 _TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
+_FEATURE = "float32-blendable"
+_KEPT = {"src_factor": "zero", "dst_factor": "one", "operation": "add"}
+_TIMES = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
 _ONCE = """
 // Light scattered once by lamps and suns: weighed, and between which colours it lies.
 struct Once {
@@ -25,10 +30,10 @@ struct Once {
     most: vec3f,
 }
 """
-_SKY = "return textureLoad(skylit, texel, 0).rgb;"
+_SKY = "return reduced_texel(skylit, texel).rgb;"
 _SHAFTS = "(*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);"
 _ADD_SHAFTS = """
-    let here = textureLoad(shafts, texel, 0).rgb;
+    let here = reduced_texel(shafts, texel).rgb;
     (*once).sum += weight * here;
     let is_same = likeness > SAME_DEPTH;
     (*once).least = select((*once).least, min((*once).least, here), is_same);
@@ -43,12 +48,13 @@ _LIST_SHAFTS = """
 
 
 def can_finish(gpu: Gpu) -> bool:
-    """Whether a pass may have as many targets."""
-    return gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES * (len(_TARGETS) + 1)
+    """Whether a pass may have as many targets, and multiply what is in them."""
+    most = gpu.limits["max-color-attachment-bytes-per-sample"]
+    return most >= _BYTES * (len(_TARGETS) + 1) and _FEATURE in gpu.features
 
 
 class Finish(FullscreenPass):
-    """Layers of surfaces and reduced pictures of air -> composed layers and those of the air.
+    """Reduced pictures of air -> the layers of surfaces, dimmed, and those of the air.
 
     Reduced pictures hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
     scattered once is a reduced picture too, added to the shafts. `lists`: shafts are reduced, too,
@@ -56,20 +62,26 @@ class Finish(FullscreenPass):
     """
 
     vertex_entry = "vertex"
+    blend: ClassVar[dict[str, Any]] = {"color": _TIMES, "alpha": _KEPT}
+    blended = 2
     file = "finish.wgsl"
 
     def __init__(self, gpu: Gpu, air: Air, *, has_sky: bool, lists: bool = False) -> None:
         self._air, self._has_sky, self._has_single = air, has_sky, has_sky or lists
         names = [*_TARGETS, *["single"] * self._has_single]
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
-        read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single, "direct",
-                "indirect"]  # fmt: skip
+        read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single]
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams), texture("depth", "2d", "depth"), *air.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
-            *(pixel_list_slots() if lists else ()),
+            sampler("nearest", "non-filtering"), *(pixel_list_slots() if lists else ()),
         )  # fmt: skip
-        super().__init__(gpu, generated=air.medium_wgsl + self._generated(names, lists=lists))
+        self._nearest = nearest_sampler(gpu)
+        super().__init__(
+            gpu,
+            generated=air.medium_wgsl + self._generated(names, lists=lists),
+            constants={"IS_SAMPLED": float(gpu.is_cpu)},
+        )
 
     def _generated(self, names: list[str], *, lists: bool) -> str:
         """What is read and written of light scattered once."""
@@ -80,8 +92,8 @@ class Finish(FullscreenPass):
             f"{'//! use pixel_list' if lists else ''}\n"
             f"struct Finished {{\n{fields}}}\n{_ONCE}"
             f"const AIR_IS_BOX = {str(self._air.is_one_box).lower()};\n"
-            f"fn skylit_at(texel: vec2i) -> vec3f {{ {sky} }}\n"
-            "fn add_once(once: ptr<function, Once>, texel: vec2i, likeness: f32, weight: f32) {"
+            f"fn skylit_at(texel: vec2f) -> vec3f {{ {sky} }}\n"
+            "fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32) {"
             f"{_ADD_SHAFTS if lists else ''}}}\n"
             "fn set_single(out: ptr<function, Finished>, pixel: vec2i, once: Once, total: f32,"
             f" sky: vec3f) {{{_LIST_SHAFTS if lists else shafts}}}\n"
@@ -89,11 +101,11 @@ class Finish(FullscreenPass):
 
     def encode(
         self, commands: Commands, params: RayParams, depth: Texture, *, reduced: Texture,
-        skylit: Texture, shafts: Texture, direct: Texture, indirect: Texture,
-        composed: tuple[Texture, Texture], multiple: Texture, transmittance: Texture,
-        single: Texture, redrawn: RedrawParams | None = None, listed: PixelList | None = None,
+        skylit: Texture, shafts: Texture, surfaces: tuple[Texture, Texture],
+        multiple: Texture, transmittance: Texture, single: Texture,
+        redrawn: RedrawParams | None = None, listed: PixelList | None = None,
     ) -> None:  # fmt: skip
-        """Fill `composed` (direct, indirect), `multiple`, `transmittance` and, with a sky or
+        """Dim `surfaces` (direct, indirect); fill `multiple`, `transmittance` and, with a sky or
         shafts, `single` from what is read: `reduced`, `skylit` and `shafts`, which is reduced
         where pixels are `listed`, else of full size.
         """
@@ -104,7 +116,7 @@ class Finish(FullscreenPass):
             listed.begin(commands)
             bound = {"redrawn": redrawn, **listed.bound}
         self.draw(
-            commands, (*composed, multiple, transmittance, *[single] * self._has_single),
-            rays=params, depth=depth, reduced=reduced, direct=direct, indirect=indirect,
+            commands, (*surfaces, multiple, transmittance, *[single] * self._has_single),
+            rays=params, depth=depth, reduced=reduced, nearest=self._nearest,
             **self._air.medium_bound, **read, **bound,
         )  # fmt: skip

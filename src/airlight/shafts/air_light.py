@@ -4,7 +4,7 @@ air = AirLight(gpu, scene, size, lights)
 air.solve(commands, scene, low, high)                    # whatever the camera
 air.encode(commands, view, lights, sources=[...])        # every picture
 air.single_scatter, air.multiple_scatter, air.transmittance
-air.compose(commands, view)                              # surfaces behind it: air.composed
+air.compose(commands, view)                              # surfaces behind it: air.surfaces(view)
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ class AirLight:
             self._finisher = Finish(gpu, self.air, has_sky=self.has_sky, lists=self._lists)
         # Of the last picture, where `compose` finishes.
         self._unfinished: tuple[RayParams, Lights] | None = None
-        self.composed = Compose(gpu, size)
+        self._composed = Compose(gpu, size) if self._finisher is None else None
         self._make_pictures(size)
 
     def _make_pictures(self, size: tuple[int, int]) -> None:
@@ -149,7 +149,8 @@ class AirLight:
         for texture in (*self._pictures, *self._reduced.values()):
             texture.release()
         self._make_pictures(size)
-        self.composed.resize(size)
+        if self._composed:
+            self._composed.resize(size)
 
     @property
     def _pictures(self) -> tuple[Texture, ...]:
@@ -267,13 +268,20 @@ class AirLight:
         )  # fmt: skip
 
     def compose(self, commands: Commands, view: View) -> None:
-        """`composed`: the view's layers behind the air, and everything summed."""
-        surfaces = {"direct": view.layers.direct, "indirect": view.layers.indirect}
+        """The view's layers behind the air: `surfaces`."""
         with commands.stage("compose"):
-            if self._unfinished is None or self._finisher is None:
-                self.composed.encode(commands, **surfaces, transmittance=self.transmittance)
+            if self._unfinished is not None:
+                self._finish_all(commands, view, *self._unfinished)
                 return
-            self._finish_all(commands, view, *self._unfinished)
+            self._composed = self._composed or Compose(self.gpu, view.size)
+            self._composed.encode(
+                commands, direct=view.layers.direct, indirect=view.layers.indirect,
+                transmittance=self.transmittance,
+            )  # fmt: skip
+
+    def surfaces(self, view: View) -> tuple[Texture, Texture]:
+        """Direct and indirect light as `compose` left it: in the view's own layers if it could."""
+        return view.layers.targets if self._composed is None else self._composed.layers
 
     def _finish_all(
         self, commands: Commands, view: View, params: RayParams, lights: Lights
@@ -285,9 +293,9 @@ class AirLight:
             redrawn = self.shafts.redrawn(self._contrast(view))
             listing = {"redrawn": redrawn, "listed": self.shafts.listed}
         finisher.encode(
-            commands, params, depth, direct=view.layers.direct, indirect=view.layers.indirect,
+            commands, params, depth, surfaces=view.layers.targets,
             transmittance=self.transmittance, single=self.single_scatter,
-            multiple=self.multiple_scatter, composed=self.composed.layers,
+            multiple=self.multiple_scatter,
             reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
             shafts=self._reduced["single"] if listing else self._shafts_alone, **listing,
         )  # fmt: skip
@@ -326,8 +334,8 @@ class AirLight:
 
     def release(self) -> None:
         """Give the memory back."""
-        parts = [self.air, *self._pictures, self.shaft_rays, self.march, self.composed, self.shafts,
-                 *self._reduced.values()]  # fmt: skip
+        parts = [self.air, *self._pictures, self.shaft_rays, self.march, self._composed,
+                 self.shafts, *self._reduced.values()]  # fmt: skip
         for part in parts:
             if part is not None:
                 part.release()

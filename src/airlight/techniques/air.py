@@ -154,9 +154,10 @@ class InAir(Direct):
 
     def pictures(self, view: View) -> dict[str, Texture]:
         """Surfaces through the air, the light the air scatters, and what it lets through."""
+        direct, indirect = self.air_light.surfaces(view)
         return {
-            "direct": self.air_light.composed.direct,
-            "indirect": self.air_light.composed.indirect,
+            "direct": direct,
+            "indirect": indirect,
             "single_scatter": self.air_light.single_scatter,
             "multiple_scatter": self.air_light.multiple_scatter,
             "transmittance": self.air_light.transmittance,
