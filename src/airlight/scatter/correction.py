@@ -18,7 +18,7 @@ from .coefficients import CHANNELS
 from .propagate import Count
 
 _PARTS = 512  # partial sums of a channel
-_SAFE, _BOLD = 1.8, 4.0  # on the finest lattice, which decides; and on others
+_SAFE, BOLD = 1.8, 4.0  # on the finest lattice, which decides; and on others
 
 
 class SearchParams(Struct):
@@ -96,7 +96,7 @@ class Correction:
             stepped=stepped, sum=current, change=change, answer=answer, parts=self._parts,
         )  # fmt: skip
         self._length.dispatch(
-            commands, (CHANNELS,), params=LengthParams.of(most=_SAFE if is_finest else _BOLD),
+            commands, (CHANNELS,), params=LengthParams.of(most=_SAFE if is_finest else BOLD),
             parts=self._parts, lengths=self._lengths,
         )  # fmt: skip
         self._correct.dispatch(

@@ -28,6 +28,7 @@ from .hop_wgsl import mean_track as mean_track_wgsl
 from .propagate import MOVE, TRACK, Count, Step
 from .propagate_varied import VariedStep
 from .schedule import Schedule
+from .small_levels import Part, SmallLevels, first_small
 from .walls import Walls, new_packs
 
 
@@ -132,6 +133,11 @@ class Levels:
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
         self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
         self._recorded = Recorded(gpu, "cycles of a lattice")
+        counts = schedule.counts(count)
+        small = None if is_varied else first_small(counts)
+        self._small = SmallLevels(
+            gpu, counts, schedule, small, is_blocked=is_blocked
+        ) if small else None  # fmt: skip
         self._source, self._medium = self._zero, self.levels[0].medium
         self._openness = self.levels[0].openness
 
@@ -150,6 +156,8 @@ class Levels:
         )
         self._coefficients.write(pack_array(StepCoefficients, rows))
         self._ways = [tuple(mean_track(sigma_t, level.cell).tolist()) for level in self.levels]
+        if self._small:
+            self._small.set_air(self._ways)
 
     def set_medium(self, commands: Commands, medium: Buffer) -> None:
         """Take on varying air, (sigma_s, sigma_t) m^-1 per channel and cell, and its means."""
@@ -176,6 +184,8 @@ class Levels:
                 )  # fmt: skip
                 openness, white = level.openness, level.reflectance
             self._walls.encode(commands, level.count, openness, white, level.packs)
+            if self._small and k >= self._small.first:
+                self._small.set_walls(commands, k, level.packs, openness)
 
     def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
@@ -235,20 +245,12 @@ class Levels:
         level, coarse = self.levels[k], self.levels[k + 1]
         stepped = self._other(k, current)
         self._apply(commands, k, MOVE, current, self._source_of(k), stepped)
-        nx, ny, nz = coarse.count
-        self._restrict.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), stepped=stepped,
-            sum=current, residual=coarse.source,
-        )  # fmt: skip
-        found = coarse.source
-        for _ in range(self.schedule.visits):
-            found = self._cycle(commands, k + 1, found)
-        self._apply(commands, k + 1, TRACK, found, self._zero, coarse.track)
+        track = self._solved_coarser(commands, k + 1, stepped, current)
         # The track is free until the end.
         change = level.track
         nx, ny, nz = level.count
         self._prolong.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), track=coarse.track,
+            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), track=track,
             medium=self._air(k), openness=self._openness if k == 0 else level.openness,
             sum=current, change=change,
         )  # fmt: skip
@@ -259,6 +261,26 @@ class Levels:
             answer=level.answer, corrected=corrected, is_finest=k == 0,
         )  # fmt: skip
         return corrected
+
+    def _solved_coarser(
+        self, commands: Commands, k: int, stepped: Buffer, current: Buffer
+    ) -> Buffer | Part:
+        """The track of what level k finds for the residual of the finer `current`."""
+        coarse = self.levels[k]
+        small = self._small if self._small and self._small.first == k else None
+        nx, ny, nz = coarse.count
+        self._restrict.dispatch(
+            commands, (nx, ny, CHANNELS * nz), params=self._pair(k), stepped=stepped,
+            sum=current, residual=small.source if small else coarse.source,
+        )  # fmt: skip
+        if small:
+            small.encode(commands, self._coefficients)
+            return small.track
+        found = coarse.source
+        for _ in range(self.schedule.visits):
+            found = self._cycle(commands, k, found)
+        self._apply(commands, k, TRACK, found, self._zero, coarse.track)
+        return coarse.track
 
     def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         target = self._other(k, current)
@@ -307,6 +329,8 @@ class Levels:
         """Give the memory back."""
         for level in self.levels:
             level.release()
+        if self._small:
+            self._small.release()
         self._zero.release()
         self._correction.release()
         self._balance.release()
