@@ -71,7 +71,7 @@ def _between(rows: Rows, y: int) -> list[str]:
     width = rows.width
     lines = [
         *sent(rows, "s", "r", y),
-        f"    let h{y} = is_between && {row_place(rows, y - 1)[0]};",
+        f"    let h{y} = is_between && {row_place(y - 1)[0]};",
     ]
     for x in range(width):
         k, part, there = width * y + x, f"s{y}_{x}", f"h{y}"

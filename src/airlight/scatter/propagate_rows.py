@@ -138,7 +138,7 @@ def held(name: str, number: int) -> list[str]:
 
 def read(rows: Rows, y: int, offset: int, inside: str) -> list[str]:
     """`v{y}_{x}`: a row's columns and the two beside them; `offset` rows from the tile's first."""
-    within, place = row_place(rows, offset)
+    within, place = row_place(offset)
     lines = [
         f"    let g{y} = {inside} && {within};",
         f"    let b{y} = base + {place} * n.x + at.x;",
@@ -167,7 +167,7 @@ def read(rows: Rows, y: int, offset: int, inside: str) -> list[str]:
     ]  # fmt: skip
 
 
-def row_place(rows: Rows, offset: int) -> tuple[str, str]:
+def row_place(offset: int) -> tuple[str, str]:
     """Whether a row `offset` rows from the tile's first is in the lattice, and a row that is."""
     if offset < 0:
         return f"at.y >= {-offset}u", f"(max(at.y, {-offset}u) - {-offset}u)"
@@ -208,7 +208,7 @@ def sent(rows: Rows, name: str, sums: str, y: int) -> list[str]:
 
 def stored(rows: Rows, y: int, values: list[str], condition: str, is_added: bool) -> list[str]:
     """A row of `after`, `index` at the tile's first cell."""
-    lines = [f"    if ({condition} && {row_place(rows, y)[0]}) {{"]
+    lines = [f"    if ({condition} && {row_place(y)[0]}) {{"]
     for k in range(0, rows.width, 2):
         given = values[k : k + 2]
         if is_added:

@@ -4,6 +4,9 @@ A hop runs half in its source and half in its destination cell; what is lost on 
 travelled, is shared between the two linearly (maths.lattice26.half_linear_step is the NumPy truth,
 with maths.lattice26_walls.bounced among walls). Equals `propagate` in constant air.
 differs: Billeter2012 knows homogeneous media only.
+
+The plain kernel works out all 27 cells' air for each cell; on software drivers lanes share rows
+(propagate_varied_rows), and each cell's is worked out where it is read.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
+from ..gpu.lanes import has_row_lanes
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
@@ -29,6 +33,7 @@ from .hop_wgsl import (
     signed_sum,
 )
 from .propagate import Count
+from .propagate_varied_rows import VariedRows, is_whole_row, takes_rows
 
 
 class VariedParams(Struct):
@@ -56,10 +61,12 @@ class _Varied(ComputePass):
 class VariedStep:
     """Runs steps through a buffer of (sigma_s, sigma_t) m^-1 per channel and cell."""
 
-    def __init__(self, gpu: Gpu, *, is_blocked: bool) -> None:
-        texts = {name: f"{constants()}\n{_gathered(name, is_blocked)}" for name in _OUTPUTS}
-        self._move = _Varied(gpu, generated=texts["move"])
-        self._track = _Varied(gpu, generated=texts["track"])
+    def __init__(self, gpu: Gpu, *, is_blocked: bool, has_rows: bool | None = None) -> None:
+        """`has_rows` chooses lanes that share rows; by default where the driver has them."""
+        self._gpu, self._is_blocked = gpu, is_blocked
+        self._has_rows = has_row_lanes(gpu) if has_rows is None else has_rows
+        self._cells: dict[bool, _Varied] = {}
+        self._rows: dict[tuple[bool, bool], VariedRows] = {}
 
     def encode(
         self, commands: Commands, count: Count, cell_size_m: float, medium: Buffer, *,
@@ -71,13 +78,32 @@ class VariedStep:
         `kept` as in step_rows.
         """
         nx, ny, nz = count
-        params = VariedParams(
+        params = VariedParams.of(
             count=count, cell=cell_size_m, straight=kept / RHO, deficit=float(keeps_deficits)
         )
-        (self._track if is_track else self._move).dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=params, medium=medium, before=before,
-            source=source, after=after, packs=packs,
-        )  # fmt: skip
+        values = {"params": params, "medium": medium, "before": before, "source": source,
+                  "after": after, "packs": packs}  # fmt: skip
+        if self._has_rows and takes_rows(count):
+            self._row_kernel(count, is_track).encode(commands, count, **values)
+        else:
+            self._cell_kernel(is_track).dispatch(commands, (nx, ny, CHANNELS * nz), **values)
+
+    def _cell_kernel(self, is_track: bool) -> _Varied:
+        if is_track not in self._cells:
+            rules = _OUTPUTS["track" if is_track else "move"]
+            text = f"{constants()}\n{_gathered(rules, self._is_blocked)}"
+            self._cells[is_track] = _Varied(self._gpu, generated=text)
+        return self._cells[is_track]
+
+    def _row_kernel(self, count: Count, is_track: bool) -> VariedRows:
+        # What takes long rows takes short ones, and is compiled already where those come later.
+        is_whole = is_whole_row(count) and (False, is_track) not in self._rows
+        if (is_whole, is_track) not in self._rows:
+            self._rows[is_whole, is_track] = VariedRows(
+                self._gpu, VariedParams, is_track=is_track, is_blocked=self._is_blocked,
+                is_whole=is_whole,
+            )  # fmt: skip
+        return self._rows[is_whole, is_track]
 
 
 # What one hop of unit power gives, by what is asked: the half hop in the cell the power starts in
@@ -106,7 +132,7 @@ _OUTPUTS = {
 }
 
 
-def _gathered(output: str, is_blocked: bool) -> str:
+def _gathered(rules: dict[str, str], is_blocked: bool) -> str:
     """`gathered(own, at, channel, p)`: the kernel's sum over neighbours, unrolled."""
     lines = [
         "fn gathered(own: Cell, at: vec3i, channel: u32, p: u32) -> vec4f {",
@@ -119,7 +145,7 @@ def _gathered(output: str, is_blocked: bool) -> str:
                   for k, name in enumerate(("in0", "in1", "out0", "out1"))]  # fmt: skip
         lines += ["    let white = unpack4x8unorm(out1.w)[channel];", *leaving_shares()]
     for j in range(COUNT):
-        lines += ["    {", *_visit(j, _OUTPUTS[output], is_blocked), "    }"]
+        lines += ["    {", *_visit(j, rules, is_blocked), "    }"]
     return "\n".join([*lines, "    return vec4f(even, direct);", "}"])
 
 
