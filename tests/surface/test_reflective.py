@@ -15,6 +15,15 @@ ALBEDO = np.array([0.7, 0.4, 0.1])
 RED = Material(base_color=tuple(ALBEDO), specular=0.0)
 
 
+@pytest.fixture(autouse=True, params=["triangles that texels see", "surfaces as they come"])
+def way(request, monkeypatch, gpu):
+    """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
+    if request.param == "surfaces as they come":
+        monkeypatch.setattr("airlight.surface.reflective.draws_visible", lambda gpu: False)
+    elif not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+
+
 def reflected_flux(gpu, commands, owned, scene, light):
     """(3,) W: the sum over texels of flux density times the texel's measure."""
     views = light_views([light], *scene.bounds, SIDE)

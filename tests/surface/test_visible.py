@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from airlight.maths.transforms import clip_from_view_infinite, view_from_world
-from airlight.scene import Material, Mesh, Scene, Texture
+from airlight.scene import DirectionalLight, Material, Mesh, Scene, SpotLight, Texture
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.geometry import GpuScene
+from airlight.surface.light_views import light_views
+from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIZE = (48, 32)
 RNG = np.random.default_rng(11)
@@ -103,6 +105,35 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
     for texture, most in ((1, 4e-3), (2, 0.03), (3, 4e-3)):
         np.testing.assert_allclose(ours[texture], plain[texture], atol=most * 5.0)
         assert np.sqrt(np.mean((ours[texture] - plain[texture]) ** 2)) < most
+
+
+@pytest.mark.parametrize("light", [
+    DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0)),
+    SpotLight((0.2, 0.5, 2.5), (-0.1, -0.2, -1.0), (5.0, 4.0, 3.0), inner_deg=20.0, outer_deg=40.0),
+])  # fmt: skip
+@pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
+def test_lights_see_the_same_both_ways(gpu, commands, owned, square, case, light):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    meshes = tuple(
+        square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
+        for k, m in enumerate(CASES[case])
+    )
+    scene = owned(GpuScene(gpu, Scene(meshes=meshes)))
+    views = light_views([light], *scene.bounds, 64)
+    found = []
+    for is_visible in (True, False):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("airlight.surface.reflective.draws_visible", lambda gpu, v=is_visible: v)
+            maps = owned(ReflectiveShadowMaps(gpu, "maps", 64, len(views)))
+        maps.encode(commands, scene, [light], views)
+        commands.submit()
+        found.append([t.read().astype(np.float64) for t in (maps.depth, maps.normal, maps.flux)])
+    (depth, normal, flux), (depth_0, normal_0, flux_0) = found
+    np.testing.assert_array_equal(depth, depth_0)
+    np.testing.assert_allclose(normal, normal_0, atol=2e-3)
+    assert flux_0.max() > 0.5
+    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())
 
 
 def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):

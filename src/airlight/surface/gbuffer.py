@@ -13,7 +13,7 @@ from ..gpu.slots import uniform
 from ..maths.transforms import F64
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
-from .visible import VisibleSurfaces, draws_visible
+from .visible import SeenParams, VisibleSurfaces, draws_visible
 
 DEPTH_FIRST_PX = 0.8
 """Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once.
@@ -94,7 +94,9 @@ class GBuffer:
         params = CameraParams(clip_from_world=clip_from_world)
         if self._visible:
             targets = (self.albedo, self.normal, self.emission)
-            self._visible.encode(commands, scene, first, clip_from_world, depth, targets)
+            inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
+            seen = SeenParams(clip_from_world=clip_from_world, inv_size=inv_size)
+            self._visible.encode(commands, scene, first, clip_from_world, depth, targets, seen)
             if then:
                 kept = {**depth, "depth_load_op": "load"}
                 self._draw(commands, scene, self._only_pass, then, params, kept, keep=True)

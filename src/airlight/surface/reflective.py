@@ -12,14 +12,16 @@ from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f
+from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture
+from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
-from .geometry import GpuScene
+from .geometry import Draw, GpuScene
 from .light_table import light_fields
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+from .visible import SEEN_SLOTS, VisibleSurfaces, draws_visible
 
 
 class ReflectiveParams(Struct):
@@ -32,6 +34,7 @@ class ReflectiveParams(Struct):
     cos_inner = f32()
     direction = vec3f()
     cos_outer = f32()
+    inv_size = vec2f("of the map, px^-1")
 
 
 class _ReflectivePipeline(MeshPipeline):
@@ -40,6 +43,12 @@ class _ReflectivePipeline(MeshPipeline):
     depth_compare = "less"
     maps = ("base_color",)
     file = "reflective.wgsl"
+
+
+class _SeenFlux(FullscreenPass):
+    slots = (uniform("params", ReflectiveParams), *SEEN_SLOTS)
+    targets = _ReflectivePipeline.targets
+    file = "visible_flux.wgsl"
 
 
 class ReflectiveShadowMaps:
@@ -61,6 +70,12 @@ class ReflectiveShadowMaps:
         self.flux = map_of("flux", "rgba16float")
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
         self._pass = MeshPass(gpu, _ReflectivePipeline)
+        self._visible = (
+            VisibleSurfaces(gpu, (resolution, resolution), _SeenFlux, of_lights=True)
+            if layers and draws_visible(gpu)
+            else None
+        )
+        self._parts: dict[int, tuple[list[Draw], list[Draw], list[Draw]]] = {}  # of each layer
         self._drawn: dict[int, tuple[int, bytes, Light]] = {}
         self.version = 0
         """Raised whenever a map was drawn anew."""
@@ -95,32 +110,51 @@ class ReflectiveShadowMaps:
         ):
             pass
 
-    def _attachments(self, layer: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-        colors = [
-            {"view": t.layer(layer), "load_op": "clear", "store_op": "store",
-             "clear_value": (0, 0, 0, 0)}
-            for t in (self.normal, self.flux)
-        ]  # fmt: skip
-        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
+    def _attachments(
+        self, layer: int, *, keep: bool = False
+    ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+        views = (self.normal.layer(layer), self.flux.layer(layer))
+        depth = {"view": self.depth.layer(layer), "depth_load_op": "load" if keep else "clear",
                  "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
-        return colors, depth
+        return color_attachments(views, keep=keep), depth
 
     def _draw(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
-        colors, depth = self._attachments(layer)
         fields = light_fields(light)
         names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
         params = ReflectiveParams(
-            clip_from_world=view.clip_from_world, **{name: fields[name] for name in names}
-        )
+            clip_from_world=view.clip_from_world, inv_size=2 * (1.0 / self.resolution,),
+            **{name: fields[name] for name in names},
+        )  # fmt: skip
+        draws = scene.visible(view.clip_from_world)
+        if self._visible:
+            draws = self._draw_seen(commands, scene, layer, view, params, draws)
+            if not draws:
+                return
+        colors, depth = self._attachments(layer, keep=self._visible is not None)
         with commands.render(
             "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
         ) as encoder:
-            draws = scene.visible(view.clip_from_world)
             self._pass.draw(commands, encoder, scene, draws, params)
+
+    def _draw_seen(
+        self, commands: Commands, scene: GpuScene, layer: int, view: LightView,
+        params: ReflectiveParams, draws: list[Draw],
+    ) -> list[Draw]:  # fmt: skip
+        """Draw what can be drawn by triangles that texels see; returns the rest."""
+        assert self._visible
+        kept = self._parts.get(layer)
+        if kept is None or kept[0] is not draws:
+            kept = self._parts[layer] = (draws, *self._visible.split(scene, draws))
+        _, depth = self._attachments(layer)
+        targets = (self.normal.layer(layer), self.flux.layer(layer))
+        self._visible.encode(commands, scene, kept[1], view.clip_from_world, depth, targets, params)
+        return kept[2]
 
     def release(self) -> None:
         """Give the memory back."""
         for part in (self.depth, self.normal, self.flux, self.views):
             part.release()
+        if self._visible:
+            self._visible.release()

@@ -1,4 +1,5 @@
 //! use mesh
+//! use reflected_power
 
 override IS_CUTOUT: bool = false;
 
@@ -16,14 +17,8 @@ struct ReflectiveOut {
     if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {
         discard;
     }
-    // Metals count with their whole reflectance: a two-band lattice cannot tell gloss from matt.
-    var power = params.color * base.rgb;
-    if (params.kind == 2u) {
-        let c = dot(normalize(in.world - params.position), params.direction);
-        power *= smoothstep(params.cos_outer, max(params.cos_inner, params.cos_outer + 1e-4), c);
-    }
     var out: ReflectiveOut;
     out.normal = vec4f(facing_normal(in, is_front), in.size);
-    out.flux = vec4f(power, 0.0);
+    out.flux = vec4f(reflected_power(base.rgb, in.world), 0.0);
     return out;
 }

@@ -90,27 +90,42 @@ class _VisibleCutout(_Visible):
         return (*super().vertices_of(scene), scene.seen.uvs)
 
 
-class _Surface(FullscreenPass):
-    slots = (
-        uniform("params", SeenParams), texture("visible", "2d", "uint"),
-        storage("triangles", "vec2<u64>"), storage("instances", "vec2<u64>"),
-        storage("materials", "vec4<u64>"), storage("placements", "vec4f"),
-        storage("texels", "u64"),
-    )  # fmt: skip
+class _VisibleToLight(_Visible):
+    depth_compare = "less"
+
+
+class _CutoutToLight(_VisibleCutout):
+    depth_compare = "less"
+
+
+SEEN_SLOTS = (
+    texture("visible", "2d", "uint"), storage("triangles", "vec2<u64>"),
+    storage("instances", "vec2<u64>"), storage("materials", "vec4<u64>"),
+    storage("placements", "vec4f"), storage("texels", "u64"),
+)  # fmt: skip
+"""What a pass with `//! use seen_surface` binds beside its `params`."""
+
+
+class SeenGBuffer(FullscreenPass):
+    """The G-buffer of what pixels see; its params are SeenParams."""
+
+    slots = (uniform("params", SeenParams), *SEEN_SLOTS)
     targets = ("rgba16float", "rgba16float", "rgba16float")
     file = "visible_surface.wgsl"
 
 
 class VisibleSurfaces:
-    """The two steps for one picture."""
+    """The two steps for pictures of one size, of a camera (depth reversed) or of lights."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.gpu, self.size = gpu, size
-        self._pass = MeshPass(gpu, _VisibleCutout, opaque=_Visible)
-        self._surfaces = {
-            is_placed: _Surface(gpu, constants={"HAS_PLACED_MAPS": float(is_placed)})
-            for is_placed in (False, True)
-        }
+    def __init__(
+        self, gpu: Gpu, size: tuple[int, int], surface: type[FullscreenPass] = SeenGBuffer, *,
+        of_lights: bool = False,
+    ) -> None:  # fmt: skip
+        """`surface` is the second step: a pass with SEEN_SLOTS."""
+        self.gpu, self.size, self._surface = gpu, size, surface
+        kinds = (_CutoutToLight, _VisibleToLight) if of_lights else (_VisibleCutout, _Visible)
+        self._pass = MeshPass(gpu, kinds[0], opaque=kinds[1])
+        self._surfaces: dict[bool, FullscreenPass] = {}
         self.seen = Texture(gpu, "visible", size, "rg32uint", target=True)
 
     @staticmethod
@@ -126,9 +141,12 @@ class VisibleSurfaces:
 
     def encode(
         self, commands: Commands, scene: GpuScene, draws: list[Draw], clip_from_world: F64,
-        depth: dict[str, Any], targets: tuple[Texture, ...],
+        depth: dict[str, Any], targets: tuple[Any, ...], params: Struct,
     ) -> None:  # fmt: skip
-        """Fill all of `targets` and the attachment `depth`; zeros where none of `draws` is."""
+        """Fill all of `targets` and the attachment `depth`; zeros where none of `draws` is.
+
+        `params` are those of the second step.
+        """
         color = {"view": self.seen.resource, "load_op": "clear", "store_op": "store",
                  "clear_value": (0, 0, 0, 0)}  # fmt: skip
         with commands.render(
@@ -137,13 +155,14 @@ class VisibleSurfaces:
             self._pass.draw(
                 commands, encoder, scene, draws, VisibleParams(clip_from_world=clip_from_world)
             )
-        inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
-        seen = scene.seen
-        self._surfaces[seen.has_placed_maps].draw(
-            commands, targets,
-            params=SeenParams(clip_from_world=clip_from_world, inv_size=inv_size),
-            visible=self.seen, triangles=seen.triangles, instances=scene.instances,
-            materials=seen.materials, placements=seen.placements, texels=seen.texels,
+        seen, is_placed = scene.seen, scene.seen.has_placed_maps
+        if is_placed not in self._surfaces:
+            constants = {"HAS_PLACED_MAPS": float(is_placed)}
+            self._surfaces[is_placed] = self._surface(self.gpu, constants=constants)
+        self._surfaces[is_placed].draw(
+            commands, targets, params=params, visible=self.seen, triangles=seen.triangles,
+            instances=scene.instances, materials=seen.materials, placements=seen.placements,
+            texels=seen.texels,
         )  # fmt: skip
 
     def release(self) -> None:

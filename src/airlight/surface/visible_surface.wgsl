@@ -1,10 +1,7 @@
 //! use mapped_normal
-//! use packed_maps
-//! use two_words
+//! use seen_surface
 
 // The surface point of each pixel, from the triangle that it sees: what gbuffer.wgsl makes of varyings.
-
-override HAS_PLACED_MAPS: bool = true;
 
 struct GBufferOut {
     @location(0) albedo: vec4f,
@@ -12,136 +9,19 @@ struct GBufferOut {
     @location(2) emission: vec4f,
 }
 
-struct Corner {
-    world: vec3f,       // the first corner, and the edges from it
-    edge_1: vec3f,
-    edge_2: vec3f,
-    // A pixel (x, y, 1) sees the point at `share_1` and `share_2` of the edges, over `whole`.
-    share_1: vec3f,
-    share_2: vec3f,
-    whole: vec3f,
-}
-
-struct SeenMaterial {
-    color: vec4f,       // base colour, metallic
-    emission: vec4f,    // W m^-2 sr^-1, specular
-    roughness: f32,
-    normal_scale: f32,
-    maps: vec4u,        // as packed_maps_at has them
-}
-
-fn material_of(index: u32) -> SeenMaterial {
-    let bits = materials[index];
-    let color = two_words(bits.x);
-    let emission = two_words(bits.y);
-    let rest = two_words(bits.z);
-    let place = two_words(bits.w);
-    let gloss = unpack2x16float(rest.x);
-    return SeenMaterial(vec4f(unpack2x16float(color.x), unpack2x16float(color.y)),
-        vec4f(unpack2x16float(emission.x), unpack2x16float(emission.y)), gloss.x, gloss.y,
-        vec4u(place, rest.y & 0xffffu, rest.y >> 16u));
-}
-
-fn placement_of(index: u32) -> mat4x4f {
-    let at = 9u * index;       // pairs of words of an InstanceData
-    let x = bitcast<vec4f>(four_words(instances[at]));
-    let y = bitcast<vec4f>(four_words(instances[at + 1u]));
-    let z = bitcast<vec4f>(four_words(instances[at + 2u]));
-    return mat4x4f(x, y, z, bitcast<vec4f>(four_words(instances[at + 3u])));
-}
-
-fn shares(on: Corner, at: vec2f) -> vec2f {
-    let d = vec3f(at, 1.0);
-    return vec2f(dot(d, on.share_1), dot(d, on.share_2)) / dot(d, on.whole);
-}
-
-// x, y and w of the clip space of a world vector (w 0) or point (w 1).
-fn clip_xyw(p: vec4f) -> vec3f {
-    return (params.clip_from_world * p).xyw;
-}
-
-fn corner_of(a: vec4u, b: vec4u, c_x: u32, world_from_object: mat4x4f) -> Corner {
-    let p = bitcast<vec4f>(a);
-    let e = bitcast<vec4f>(b);
-    var made: Corner;
-    made.world = (world_from_object * vec4f(p.xyz, 1.0)).xyz;
-    made.edge_1 = (world_from_object * vec4f(p.w, e.xy, 0.0)).xyz;
-    made.edge_2 = (world_from_object * vec4f(e.zw, bitcast<f32>(c_x), 0.0)).xyz;
-    let corner = clip_xyw(vec4f(made.world, 1.0));
-    let edge_1 = clip_xyw(vec4f(made.edge_1, 0.0));
-    let edge_2 = clip_xyw(vec4f(made.edge_2, 0.0));
-    made.share_1 = cross(corner, edge_2);
-    made.share_2 = cross(edge_1, corner);
-    made.whole = cross(edge_2, edge_1);
-    return made;
-}
-
-fn normals_at(d: vec4u, e: vec4u, at: vec2f) -> vec3f {
-    let p0 = unpack2x16snorm(d.w);
-    let p1 = unpack2x16snorm(e.x);
-    let p2 = unpack2x16snorm(e.y);
-    let p3 = unpack2x16snorm(e.z);
-    let n0 = vec3f(p0, p1.x);
-    let n1 = vec3f(p1.y, p2);
-    let n2 = vec3f(p3, unpack2x16snorm(e.w).x);
-    return n0 + at.x * (n1 - n0) + at.y * (n2 - n0);
-}
-
 @fragment fn fragment(@builtin(position) position: vec4f) -> GBufferOut {
     let seen = textureLoad(visible, vec2i(position.xy), 0).xy;
-    let row = 5u * (max(seen.x, 1u) - 1u);
-    let a = four_words(triangles[row]);
-    let b = four_words(triangles[row + 1u]);
-    let c = four_words(triangles[row + 2u]);
-    let d = four_words(triangles[row + 3u]);
-    let e = four_words(triangles[row + 4u]);
-    let placed = placement_of(seen.y & 0xffffu);
-    let m = material_of(seen.y >> 16u);
-    let on = corner_of(a, b, c.x, placed);
-
-    // Differences over the pixel's quad, as drivers take them.
-    let pace = vec2f(2.0, -2.0) * params.inv_size;
-    let at = shares(on, position.xy * pace + vec2f(-1.0, 1.0));
-    let quad = (floor(position.xy * 0.5) * 2.0 + 0.5) * pace + vec2f(-1.0, 1.0);
-    let at_quad = shares(on, quad);
-    let dx = shares(on, quad + vec2f(pace.x, 0.0)) - at_quad;
-    let dy = shares(on, quad + vec2f(0.0, pace.y)) - at_quad;
-    let inside = clamp(at, vec2f(0.0), vec2f(1.0));
-
-    let uv_0 = bitcast<vec2f>(c.yz);
-    let uv_1 = bitcast<vec2f>(vec2u(c.w, d.x));
-    let uv_2 = bitcast<vec2f>(d.yz);
-    var uv = uv_0 + inside.x * uv_1 + inside.y * uv_2;
-    var uv_dx = dx.x * uv_1 + dx.y * uv_2;
-    var uv_dy = dy.x * uv_1 + dy.y * uv_2;
-    if (HAS_PLACED_MAPS) {
-        let place = placements[seen.y >> 16u];
-        uv = uv * place.xy + place.zw;
-        uv_dx *= place.xy;
-        uv_dy *= place.xy;
-    }
-    let texel = packed_maps_at(m.maps, uv, uv_dx, uv_dy);
-
-    // Cofactors keep normals at right angles to their surface, mirrored ones outside.
-    let columns = mat3x3f(placed[0].xyz, placed[1].xyz, placed[2].xyz);
-    let cofactors = mat3x3f(cross(columns[1], columns[2]), cross(columns[2], columns[0]),
-        cross(columns[0], columns[1]));
-    let mirrored = select(1.0, -1.0, dot(columns[0], cofactors[0]) < 0.0);
-    let is_front = dot(vec3f(position.xy * pace + vec2f(-1.0, 1.0), 1.0), on.whole) * mirrored < 0.0;
-    let turned = select(-mirrored, mirrored, is_front);
-    let n = normalize(cofactors * normals_at(d, e, inside)) * turned;
-    let bump = texel.surface.xyz * 2.0 - 1.0;
-    let bent = mapped_normal(n, dx.x * on.edge_1 + dx.y * on.edge_2,
-        -(dy.x * on.edge_1 + dy.y * on.edge_2), uv_dx, -uv_dy,
+    let point = seen_point(seen, position.xy);
+    let m = point.material;
+    let bump = point.texel.surface.xyz * 2.0 - 1.0;
+    let bent = mapped_normal(point.normal, point.world_dx, -point.world_dy, point.uv_dx, -point.uv_dy,
         vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
-
-    let factor = select(vec3f(1.0), texel.light, (m.maps.z & MAPS_BASE) != 0u);
-    let gloss = select(1.0, texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
+    let normal = select(point.normal, bent, (m.maps.z & MAPS_NORMAL) != 0u);
+    let gloss = select(1.0, point.texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
     let is_seen = seen.x != 0u;
     var out: GBufferOut;
-    out.albedo = select(vec4f(0.0), vec4f(m.color.rgb * factor, m.color.a), is_seen);
-    out.normal = select(vec4f(0.0), vec4f(select(n, bent, (m.maps.z & MAPS_NORMAL) != 0u),
-        saturate(m.roughness * gloss)), is_seen);
+    out.albedo = select(vec4f(0.0), vec4f(m.color.rgb * point.texel.light, m.color.a), is_seen);
+    out.normal = select(vec4f(0.0), vec4f(normal, saturate(m.roughness * gloss)), is_seen);
     out.emission = select(vec4f(0.0), m.emission, is_seen);
     return out;
 }

@@ -1,0 +1,21 @@
+//! use reflected_power
+//! use seen_surface
+
+// What each texel of a reflective shadow map sees: what reflective.wgsl makes of varyings.
+
+struct ReflectiveOut {
+    @location(0) normal: vec4f,
+    @location(1) flux: vec4f,
+}
+
+@fragment fn fragment(@builtin(position) position: vec4f) -> ReflectiveOut {
+    let seen = textureLoad(visible, vec2i(position.xy), 0).xy;
+    let point = seen_point(seen, position.xy);
+    let base = point.material.color.rgb * point.texel.light;
+    let size = bitcast<vec2f>(two_words(instances[9u * (seen.y & 0xffffu) + 8u].x)).y;
+    let is_seen = seen.x != 0u;
+    var out: ReflectiveOut;
+    out.normal = select(vec4f(0.0), vec4f(point.normal, size), is_seen);
+    out.flux = select(vec4f(0.0), vec4f(reflected_power(base, point.world), 0.0), is_seen);
+    return out;
+}
