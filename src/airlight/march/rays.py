@@ -8,11 +8,11 @@ of an edge are there for the upsampling.
 from __future__ import annotations
 
 from ..gpu.commands import Commands
-from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, u32, vec2u, vec3f
-from ..gpu.memory import Texture
-from ..gpu.slots import image, texture, uniform
+from ..gpu.memory import Texture, nearest_sampler
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import sampler, texture, uniform
 from ..lighting.view import View
 
 SCALES = (1, 2, 4)
@@ -30,13 +30,13 @@ class RayParams(Struct):
     frame = u32("number of the picture, for noise")
 
 
-class _Rays(ComputePass):
+class _Rays(FullscreenPass):
     slots = (
         uniform("rays", RayParams),
         texture("depth", "2d", "depth"),
-        image("picked", "rg32float"),
+        sampler("nearest_texel", "non-filtering"),
     )
-    workgroup = (16, 8, 1)
+    targets = ("rg32float",)
 
 
 class Rays:
@@ -45,12 +45,13 @@ class Rays:
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int) -> None:
         self.gpu, self.scale = gpu, scale
         self._set_size(size)
-        self._pass = _Rays(gpu)
+        self._nearest = nearest_sampler(gpu)
+        self._pass = _Rays(gpu, constants={"IS_SAMPLED": float(gpu.is_cpu)})
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.size, scale = size, self.scale
         self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
-        self.picked = Texture(self.gpu, "picked rays", self.reduced, "rg32float", written=True)
+        self.picked = Texture(self.gpu, "picked rays", self.reduced, "rg32float", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
@@ -63,9 +64,10 @@ class Rays:
             world_from_clip=view.world_from_clip, eye=view.eye, scale=self.scale,
             size=self.size, reduced=self.reduced, frame=frame,
         )  # fmt: skip
-        self._pass.dispatch(
-            commands, self.reduced, rays=params, depth=view.gbuffer.depth, picked=self.picked
-        )
+        self._pass.draw(
+            commands, (self.picked,), rays=params, depth=view.gbuffer.depth,
+            nearest_texel=self._nearest,
+        )  # fmt: skip
         return params
 
     def release(self) -> None:

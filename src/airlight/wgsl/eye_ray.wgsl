@@ -22,10 +22,14 @@ fn pixel_distance(world_from_clip: mat4x4f, direction: vec3f, depth: f32) -> f32
     return min(length(direction) / (world_from_clip[2].w * depth), EYE_RAY_FAR);
 }
 
+// The index-th pixel of a texel `scale` pixels wide, 1, 2 or 4: drivers divide integers slowly.
+fn texel_pixel(index: u32, scale: u32) -> vec2u {
+    return vec2u(index & (scale - 1u), index >> (scale >> 1u));
+}
+
 // The ray of a texel of a reduced picture; `picked` as from march/rays.wgsl.
 fn picked_ray(rays: RayParams, texel: vec2u, picked: vec2f) -> EyeRay {
-    let index = u32(picked.y);
-    let inside = vec2u(index % rays.scale, index / rays.scale);
+    let inside = texel_pixel(u32(picked.y), rays.scale);
     let pixel = vec2f(min(texel * rays.scale + inside, rays.size - 1u)) + 0.5;
     let direction = pixel_direction(rays.world_from_clip, pixel, vec2f(rays.size));
     return EyeRay(normalize(direction), picked.x);
