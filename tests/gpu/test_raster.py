@@ -52,6 +52,23 @@ def test_a_blending_pass_keeps_what_was_there(gpu, commands, owned, tmp_path):
     np.testing.assert_array_equal(target.read()[0, 1], [4.0, 2.0, 7.0, 1.0])
 
 
+def test_some_targets_are_blended_with_and_others_replaced(gpu, commands, owned, tmp_path):
+    times = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
+    pair = WGSL.replace("@location(0) vec4f {", "Pair {").replace("return ", "let v = ")
+    pair = "struct Pair { @location(0) a: vec4f, @location(1) b: vec4f }\n" + pair
+    path = tmp_path / "pair.wgsl"
+    path.write_text(pair.replace("params.value;", "params.value; return Pair(v, v);"))
+    made = fullscreen(gpu, tmp_path, file=str(path), blend={"color": times, "alpha": times},
+                      blended=1, targets=("rgba16float", "rgba16float"))  # fmt: skip
+    targets = [owned(Texture(gpu, n, (2, 2), "rgba16float", target=True)) for n in "ab"]
+    for target in targets:
+        target.write(np.full((2, 2, 4), 2.0, np.float16))
+    made.draw(commands, tuple(targets), params=Tint(value=(0, 0, 3, 1)))
+    commands.submit()
+    np.testing.assert_array_equal(targets[0].read()[0, 1], [3.0, 1.0, 6.0, 2.0])
+    np.testing.assert_array_equal(targets[1].read()[0, 1], [1.5, 0.5, 3.0, 1.0])
+
+
 def test_missing_and_unknown_names_are_refused(gpu, commands, owned, tmp_path):
     target = owned(Texture(gpu, "target", (2, 2), "rgba32float", target=True))
     made = fullscreen(gpu, tmp_path)
