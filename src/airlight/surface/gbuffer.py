@@ -76,7 +76,7 @@ class GBuffer:
         self._seen, self._key = [], None
         self._make_textures(size)
         if self._visible:
-            self._visible = VisibleSurfaces(self.gpu, size)
+            self._visible.resize(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         """Rasterise the scene as seen through `clip_from_world`; kept while both stay so."""

@@ -122,11 +122,19 @@ class VisibleSurfaces:
         of_lights: bool = False,
     ) -> None:  # fmt: skip
         """`surface` is the second step: a pass with SEEN_SLOTS."""
-        self.gpu, self.size, self._surface = gpu, size, surface
+        self.gpu, self._surface = gpu, surface
         kinds = (_CutoutToLight, _VisibleToLight) if of_lights else (_VisibleCutout, _Visible)
         self._pass = MeshPass(gpu, kinds[0], opaque=kinds[1])
         self._surfaces: dict[bool, FullscreenPass] = {}
-        self.seen = Texture(gpu, "visible", size, "rg32uint", target=True)
+        self._take(size)
+
+    def _take(self, size: tuple[int, int]) -> None:
+        self.seen = Texture(self.gpu, "visible", size, "rg32uint", target=True)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels."""
+        self.release()
+        self._take(size)
 
     @staticmethod
     def split(scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
