@@ -14,6 +14,8 @@ from ..maths.lattice26_walls import REFLECTED_TRACK, SPLIT_FLOOR, face_numbers, 
 
 COUNT = 26
 CLASSES = 3
+KINDS = (range(6), range(6, 18), range(18, COUNT))
+"""The hops of each kind."""
 _AXES = "yzw"  # of a state vec4f: Bx, By, Bz
 
 
@@ -112,19 +114,63 @@ def gathered_blocked() -> str:
     lines += ["    let white = unpack4x8unorm(out1.w)[channel];"]
     lines += leaving_shares()
     for j in range(COUNT):
-        k = kind(j)
         scale = literal(RHO / float(hops().lengths[j]))
         lines += [
             f"    let q{j} = own.x + {scale} * ({signed_sum('own', j)});",
-            f"    let shut{j} = q{j} * (1.0 - o{j});",
-            f"    let back{j} = shut{j} * select(white, max(white, c.kept_even.w), q{j} < 0.0);",
-            f"    even += c.kept_even[{k}] * q{j} * o{j} + c.stopped_even[{k}] * shut{j}"
-            f" + c.returned_even[{k}] * back{j};",
-            f"    direct += (c.kept_direct[{k}] * q{j} * o{j} + c.stopped_direct[{k}] * shut{j})"
-            f" * {offset_vector(j)} + c.returned_direct[{k}] * back{j} * {normal(j)};",
+            f"    let m{j} = q{j} * o{j};",
+            f"    let t{j} = q{j} - m{j};",
+            f"    let r{j} = t{j} * select(white, max(white, c.kept_even.w), q{j} < 0.0);",
+        ]
+    for k, span in enumerate(KINDS):
+        lines += [
+            f"    even += c.kept_even[{k}] * ({total('m', span)}) + c.stopped_even[{k}] * "
+            f"({total('t', span)}) + c.returned_even[{k}] * ({total('r', span)});",
+            f"    direct += c.kept_direct[{k}] * {along('m', span)} + c.stopped_direct[{k}] * "
+            f"{along('t', span)};",
+            *returned(k, f"c.returned_direct[{k}]"),
         ]
     lines += ["    return vec4f(even, direct);", "}"]
     return "\n".join(lines)
+
+
+def total(name: str, span: range) -> str:
+    """The sum of `{name}{j}`."""
+    return " + ".join(f"{name}{j}" for j in span)
+
+
+def along(name: str, span: range) -> str:
+    """The sum times offsets."""
+    axes = []
+    for axis in range(3):
+        signed = ((offsets()[j][axis], j) for j in span)
+        terms = [f"{'+' if step > 0 else '-'} {name}{j}" for step, j in signed if step]
+        axes.append(" ".join(terms).removeprefix("+ "))
+    return f"vec3f({', '.join(axes)})"
+
+
+def returned(k: int, gain: str) -> list[str]:
+    """`direct` plus what walls send back of hops of kind k, r{j}, times `gain`, along `normal`s.
+
+    By face, so that a hop takes one division.
+    """
+    span = KINDS[k]
+    if k == 0:
+        return [f"    direct -= {gain} * {along('r', span)};"]
+    lines = []
+    faces: dict[int, list[int]] = {}
+    for j in span:
+        numbers = [n for n in face_numbers()[j] if n >= 0]
+        lines.append(f"    let d{j} = r{j} / ({' + '.join(f's{n}' for n in numbers)});")
+        for n in numbers:
+            faces.setdefault(n, []).append(j)
+    axes = []
+    for axis in range(3):
+        terms = [
+            f"{'-' if offsets()[n][axis] > 0 else '+'} s{n} * ({' + '.join(f'd{j}' for j in seen)})"
+            for n, seen in sorted(faces.items()) if offsets()[n][axis]
+        ]  # fmt: skip
+        axes.append(" ".join(terms).removeprefix("+ "))
+    return [*lines, f"    direct += {gain} * vec3f({', '.join(axes)});"]
 
 
 def leaving_shares() -> list[str]:
@@ -154,8 +200,7 @@ def _arriving(*, is_blocked: bool) -> list[str]:
         power = f"n{j}.x + {scale} * ({signed_sum(f'n{j}', j, -1)})"
         share = f"{opened('in', j)} * " if is_blocked else ""
         lines.append(f"    let p{j} = {share}({power});")
-    spans = [range(6), range(6, 18), range(18, COUNT)]
-    for k, span in enumerate(spans):
+    for k, span in enumerate(KINDS):
         lines.append(f"    let even{k} = {' + '.join(f'p{j}' for j in span)};")
         axes = [_signed_terms(span, axis) for axis in range(3)]
         lines.append(f"    let direct{k} = vec3f({', '.join(axes)});")

@@ -41,13 +41,13 @@ def height_for(nx: int, ny: int, costs: Mapping[int, float]) -> int:
     return min(fitting, key=lambda h: fitting[h])
 
 
-def tiles_for(count: Count, rows: Rows, processors: int) -> tuple[int, int, int]:
+def tiles_for(count: Count, width: int, height: int, processors: int) -> tuple[int, int, int]:
     """Tiles along x and y, and slabs along z: as few as leave every processor some of them.
 
     Slabs read the layers beside them, too.
     """
     nx, ny, nz = count
-    x, y = -(-nx // rows.width), -(-ny // rows.height)
+    x, y = -(-nx // width), -(-ny // height)
     groups = CHANNELS * -(-x // LANES) * y
     slabs = min(-(-_GROUPS * processors // groups), max(1, nz // _THINNEST))
     # As many as layers are left for.
@@ -78,7 +78,7 @@ class RowPass(ComputePass):
         before: Buffer, source: Buffer, after: Buffer, own: float = 0.0,
     ) -> None:  # fmt: skip
         """As propagate.Step.encode; adds `own` of `before` to what a single step gives."""
-        x, y, slabs = tiles_for(count, self.rows, os.cpu_count() or 1)
+        x, y, slabs = tiles_for(count, *self.rows[:2], os.cpu_count() or 1)
         self.dispatch(
             commands, (x, y, CHANNELS * slabs),
             params=StepParams.of(count=count, row=row, slabs=slabs, own=own),

@@ -7,9 +7,18 @@ is taken out of the sums. Half hops `q`, `u`, `w` are vectors over the three kin
 from __future__ import annotations
 
 from ..maths.lattice26 import RHO, hops
-from .hop_wgsl import COUNT, kind, leaving_shares, literal, normal, offsets, opened, signed_sum
-
-_SPANS = (range(6), range(6, 18), range(18, COUNT))  # of the three kinds
+from .hop_wgsl import (
+    COUNT,
+    KINDS,
+    along,
+    kind,
+    leaving_shares,
+    literal,
+    opened,
+    returned,
+    signed_sum,
+    total,
+)
 
 
 def gathered_varied(*, is_track: bool, is_blocked: bool) -> str:
@@ -25,7 +34,7 @@ def gathered_varied(*, is_track: bool, is_blocked: bool) -> str:
     for j in range(COUNT):
         lines += _hop(j, is_blocked)
     lines += ["    let a = own.air;", "    var even = 0.0;", "    var direct = vec3f(0.0);"]
-    for k, span in enumerate(_SPANS):
+    for k, span in enumerate(KINDS):
         lines += _kind(k, span, is_track)
         lines += _stopped(k, span, is_track) if is_blocked else []
     return "\n".join([*lines, "    return vec4f(even, direct);", "}"])
@@ -58,19 +67,19 @@ def _kind(k: int, span: range, is_track: bool) -> list[str]:
     ahead = f"(2.0 * a.u[{k}] + a.w[{k}]" + (")" if is_track else f" + a.q[{k}])")
     kept = f"(a.u[{k}] + 2.0 * a.w[{k}])"
     lines = [
-        f"even += WEIGHT_{k} * ({_total('y', span)} + {ahead} * ({_total('x', span)})"
-        f" + {kept} * ({_total('m', span)}) + a.q[{k}] * ({_total('z', span)}));"
+        f"even += WEIGHT_{k} * ({total('y', span)} + {ahead} * ({total('x', span)})"
+        f" + {kept} * ({total('m', span)}) + a.q[{k}] * ({total('z', span)}));"
     ]
     if is_track:
         lines.append(
-            f"direct += WEIGHT_{k} * RHO / LENGTH_{k} * ({kept} * {_along('m', span)}"
-            f" + a.q[{k}] * {_along('z', span)}"
-            f" - {_along('y', span)} - {ahead} * {_along('x', span)});"
+            f"direct += WEIGHT_{k} * RHO / LENGTH_{k} * ({kept} * {along('m', span)}"
+            f" + a.q[{k}] * {along('z', span)}"
+            f" - {along('y', span)} - {ahead} * {along('x', span)});"
         )
     else:
         lines.append(
             f"direct -= WEIGHT_{k} * 3.0 * params.straight / LENGTH_{k} * a.q[{k}]"
-            f" * {_along('x', span)};"
+            f" * {along('x', span)};"
         )
     return [f"    {line}" for line in lines]
 
@@ -79,27 +88,12 @@ def _stopped(k: int, span: range, is_track: bool) -> list[str]:
     """What walls stop of the cell's own hops of kind k, and what they send back."""
     way = f"(2.0 * (a.u[{k}] + a.w[{k}]))"
     back = f"{way}" if is_track else f"({way} + a.q[{k}])"
-    normals = " + ".join(f"r{j} * {normal(j)}" for j in span)
     sharp = f"REFLECTED_TRACK * {way}" if is_track else f"RETURNED * a.q[{k}]"
     lines = [
-        f"even += WEIGHT_{k} * ({way} * ({_total('t', span)})"
-        f" + a.q[{k}] * {back} * ({_total('r', span)}));",
-        f"direct += WEIGHT_{k} * a.q[{k}] * {sharp} * ({normals});",
+        f"even += WEIGHT_{k} * ({way} * ({total('t', span)})"
+        f" + a.q[{k}] * {back} * ({total('r', span)}));",
     ]
     if is_track:
-        lines.append(f"direct += WEIGHT_{k} * RHO / LENGTH_{k} * {way} * {_along('t', span)};")
+        lines.append(f"direct += WEIGHT_{k} * RHO / LENGTH_{k} * {way} * {along('t', span)};")
+    lines += returned(k, f"WEIGHT_{k} * a.q[{k}] * {sharp}")
     return [f"    {line}" for line in lines]
-
-
-def _total(name: str, span: range) -> str:
-    return " + ".join(f"{name}{j}" for j in span)
-
-
-def _along(name: str, span: range) -> str:
-    """The sum times offsets."""
-    axes = []
-    for axis in range(3):
-        signed = ((offsets()[j][axis], j) for j in span)
-        terms = [f"{'+' if step > 0 else '-'} {name}{j}" for step, j in signed if step]
-        axes.append(" ".join(terms).removeprefix("+ "))
-    return f"vec3f({', '.join(axes)})"
