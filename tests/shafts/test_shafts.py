@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from airlight.gpu.device import Gpu
+from airlight.gpu.memory import Texture
 from airlight.lighting.lights import Lights
 from airlight.reference.quadrature import (
     box_path,
@@ -25,6 +27,7 @@ from airlight.scene.mesh import Mesh
 from airlight.scene.scene import Scene
 from airlight.scene.shapes import quad
 from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.shafts import Shafts
 
 SIZE = (27, 18)
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
@@ -152,3 +155,30 @@ def test_the_shadow_of_a_half_plane(gpu: Gpu, look: Any, light: Light, eye: Any)
     image = scattered(gpu, seen, FULL)
     expected = truth(light, seen, visible)
     assert l2(image, expected) < 0.01
+
+
+@pytest.mark.parametrize("size", [(200, 120), (201, 123)])
+def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> None:
+    """One reduced texel in four is drawn first; the others are drawn, or hardly differ from it."""
+    thin = Medium((0.05, 0.05, 0.05), tuple(ALBEDO), (0.0, 0.0, 0.0), BOX)
+    seen = look(replace(fog(EYES["inside"], SUN, sheet=True), medium=thin), size)
+    lights = Lights(gpu, seen.scene.lights, None, 1024, 1024)
+    low, high = (np.array(c) for c in BOX)
+    lights.encode(seen.commands, seen.meshes, seen.scene.lights, None, low, high)
+    air = AirLight(gpu, seen.scene, size, lights, AirSettings())
+    air.solve(seen.commands, seen.scene, low, high)
+    rays, shafts = air.shaft_rays, air.shafts
+    assert isinstance(shafts, Shafts)
+    params = rays.encode(seen.commands, seen.view)
+    target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)
+    pictures = []
+    for contrast in (0.0, 1e-6, 0.2):
+        shafts.encode(seen.commands, params, rays, lights, target, contrast)
+        seen.commands.submit()
+        pictures.append(target.read().copy())
+    drawn, differing, sparse = pictures
+    # Nothing is alike but what has no light at all.
+    np.testing.assert_allclose(differing, drawn, rtol=1e-5)
+    np.testing.assert_array_equal(sparse[..., 3], drawn[..., 3])
+    assert 0.0 < l2(sparse[..., :3], drawn[..., :3]) < 0.005
+    assert 0.3 < np.mean(np.any(sparse != drawn, axis=-1)) < 0.75

@@ -145,7 +145,7 @@ class AirLight:
         if isinstance(self.shafts, (Jitter, Volumes)):
             self.shafts.resize(self.shaft_rays.reduced)
         elif self.shafts:
-            self.shafts.resize(size)
+            self.shafts.resize(self.shaft_rays)
         for texture in (*self._pictures, *self._reduced.values()):
             texture.release()
         self._make_pictures(size)
@@ -166,7 +166,7 @@ class AirLight:
         if scheme == "volumes":
             return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
                            tolerance=s.volume_tolerance)  # fmt: skip
-        return Shafts(gpu, self.air, lights, self.shaft_rays.size, max_nodes=s.shaft_nodes,
+        return Shafts(gpu, self.air, lights, self.shaft_rays, max_nodes=s.shaft_nodes,
                       steps=s.shaft_steps)  # fmt: skip
 
     def solve(
@@ -216,10 +216,13 @@ class AirLight:
         """`is_listed`: what differs is listed, and drawn anew, by `compose`."""
         assert self.shafts
         reduced = self._target("single")
-        self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
+        contrast = self._contrast(view)
+        if isinstance(self.shafts, Shafts):
+            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced, contrast)
+        else:
+            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
         if is_listed:
             return
-        contrast = self._contrast(view)
         if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
             self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
                                self._full("single"), contrast)  # fmt: skip

@@ -28,6 +28,10 @@ from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from .bounds import DepthBounds
 
+SITE_CONTRAST = 0.3
+"""Of the contrast that texels of the reduced picture may have, what those that others are made of
+may have: these are twice as far apart."""
+
 
 class ShaftParams(Struct):
     """The sizes of the lights' maps, and how long a ray may take."""
@@ -95,6 +99,75 @@ class _Refine(ComputePass):
         super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
 
+class _Sites(_Shafts):
+    file = "sites.wgsl"
+
+
+class _Between(ComputePass):
+    slots = (
+        uniform("rays", RayParams), texture("picked", "2d", "unfilterable-float"),
+        texture("sites", "2d", "unfilterable-float"), *pixel_list_slots(),
+        image("scattered", "rgba32float"),
+    )  # fmt: skip
+    workgroup = (8, 8, 1)
+    file = "between.wgsl"
+
+
+class _Differing(ComputePass):
+    workgroup = (64, 1, 1)
+    file = "differing.wgsl"
+
+    def __init__(self, gpu: Gpu, air: Air, lights: Lights, steps: int) -> None:
+        self.slots = _slots(  # type: ignore[misc]
+            air, storage("found", "u32"), storage("chosen", "vec4u"),
+            texture("picked", "2d", "unfilterable-float"),
+        )  # fmt: skip
+        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
+
+
+class _Sparse:
+    """A reduced picture from one texel in four: between those that are alike others are means."""
+
+    def __init__(
+        self, gpu: Gpu, air: Air, lights: Lights, steps: int, reduced: tuple[int, int]
+    ) -> None:
+        self.gpu = gpu
+        self._pass = _Sites(gpu, air, lights, steps)
+        self._between, self._differing = _Between(gpu), _Differing(gpu, air, lights, steps)
+        self.listed = PixelList(gpu, reduced)
+        self._make(reduced)
+
+    def _make(self, reduced: tuple[int, int]) -> None:
+        self.size = ((reduced[0] + 1) // 2, (reduced[1] + 1) // 2)
+        self.sites = Texture(self.gpu, "shafts at sites", self.size, "rgba32float", written=True)
+
+    def resize(self, reduced: tuple[int, int]) -> None:
+        self.sites.release()
+        self.listed.resize(reduced)
+        self._make(reduced)
+
+    def encode(
+        self, commands: Commands, rays: Rays, scattered: Texture, contrast: float,
+        bound: dict[str, Any],
+    ) -> None:  # fmt: skip
+        """`bound`: what all passes along rays bind."""
+        self._pass.dispatch(commands, self.size, scattered=self.sites, picked=rays.picked, **bound)
+        self.listed.begin(commands)
+        self._between.dispatch(
+            commands, rays.reduced, rays=bound["rays"], picked=rays.picked, sites=self.sites,
+            redrawn=RedrawParams.of(contrast=contrast, group=self._differing.workgroup[0]),
+            scattered=scattered, **self.listed.bound,
+        )  # fmt: skip
+        self._differing.dispatch_indirect(
+            commands, self.listed.groups, found=self.listed.found, chosen=self.listed.chosen,
+            picked=rays.picked, scattered=scattered, **bound,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        self.sites.release()
+        self.listed.release()
+
+
 class Shafts:
     """The scheme `minmax`, for any air."""
 
@@ -103,22 +176,27 @@ class Shafts:
         gpu: Gpu,
         air: Air,
         lights: Lights,
-        size: tuple[int, int],
+        rays: Rays,
         *,
         max_nodes: int = 256,
         steps: int = 32,
     ) -> None:
-        """`size` of the picture, pixels; `steps` of a ray where there are density grids."""
+        """`rays` as `encode` will get them; `steps` of a ray where there are density grids."""
         self.air, self.max_nodes = air, max_nodes
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
         self._pass = _Shafts(gpu, air, lights, steps)
         self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights, steps)
-        self.listed = PixelList(gpu, size)
+        self.listed = PixelList(gpu, rays.size)
+        self._sparse = None
+        if rays.scale > 1:
+            self._sparse = _Sparse(gpu, air, lights, steps, rays.reduced)
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
-        self.listed.resize(size)
+    def resize(self, rays: Rays) -> None:
+        """Go on with pictures of the size of `rays`."""
+        self.listed.resize(rays.size)
+        if self._sparse:
+            self._sparse.resize(rays.reduced)
 
     def prepare(self, commands: Commands) -> None:
         """Bring the hierarchies up to date, where shadow maps changed."""
@@ -127,11 +205,18 @@ class Shafts:
 
     def encode(
         self, commands: Commands, params: RayParams, rays: Rays, lights: Lights,
-        scattered: Texture,
+        scattered: Texture, contrast: float = 0.0,
     ) -> None:  # fmt: skip
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1; as its alpha
         how far rays go, m.
+
+        `contrast` that a reduced picture's texels may have (`redrawn`); between neighbours that
+        differ by less than SITE_CONTRAST of it, one texel in four, the others are means.
         """
+        if self._sparse and 0.0 < contrast < 1.0:
+            self._sparse.encode(commands, rays, scattered, SITE_CONTRAST * contrast,
+                                {"rays": params, **self._bound(lights)})  # fmt: skip
+            return
         self._pass.dispatch(
             commands, rays.reduced, rays=params, picked=rays.picked, **self._bound(lights),
             scattered=scattered,
@@ -185,5 +270,6 @@ class Shafts:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.parallel, self.local, self.listed):
-            part.release()
+        for part in (self.parallel, self.local, self.listed, self._sparse):
+            if part is not None:
+                part.release()

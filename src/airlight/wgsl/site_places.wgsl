@@ -1,0 +1,6 @@
+// Which texels of a reduced picture are sites of shafts/between.py: a row of sites begins at an even
+// and an odd texel by turns.
+
+fn texel_of_site(site: vec2u) -> vec2u {
+    return vec2u(2u * site.x + (site.y & 1u), 2u * site.y);
+}
