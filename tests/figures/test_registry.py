@@ -38,7 +38,7 @@ class Renderer:
     def __exit__(self, *_):
         return None
 
-    def frame(self, *, lights=None, samples=1, read=True):
+    def frame(self, *, lights=None, camera=None, samples=1, read=True):
         self.frame_ms.append(10.0 + len(self.frame_ms))
         self.python_ms.append(1.0)
         if not read:

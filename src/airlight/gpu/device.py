@@ -174,7 +174,7 @@ class Gpu:
     def count(self, nbytes: int) -> None:
         """So much more (or less) is allocated; any thread may say so."""
         with self._counting:
-            self.allocated_bytes += nbytes
+            self.allocated_bytes += int(nbytes)  # NumPy integers, too: JSON knows none
             self.peak_bytes = max(self.peak_bytes, self.allocated_bytes)
 
     def wait(self) -> None:
