@@ -129,7 +129,10 @@ def machine(adapter: str) -> dict[str, Any]:
 
 
 def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -> list[Case]:
-    """The frames to draw: `scenes`, or the room and the atrium, also with cascades and in fog."""
+    """The frames to draw: `scenes`, or the room and the atrium, also with cascades and in fog.
+
+    The fog has its technique's own settings and `settings`; without it where it lacks one of them.
+    """
     from .bench_frames import PAPER_LATTICE, Case
 
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if quick else {}), **settings}
@@ -139,20 +142,20 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
             Case("room", "builtin:room", ROOM_SIZE, base),
             Case("atrium", "builtin:atrium", ATRIUM_SIZE, base),
             Case("atrium, 3 cascades", "builtin:atrium", ATRIUM_SIZE, {**base, "cascades": 3}),
-            Case("atrium in fog", "builtin:atrium-fog", ATRIUM_SIZE,
-                 _known_to("lpv-scatter", settings), "lpv-scatter"),
-        ]  # fmt: skip
+        ]
+        if _has_all("lpv-scatter", settings):
+            fog = "builtin:atrium-fog"
+            cases.append(Case("atrium in fog", fog, ATRIUM_SIZE, settings, "lpv-scatter"))
     if quick:
         cases = [dataclasses.replace(case, size=QUICK_SIZE) for case in cases[:1]]
     return cases
 
 
-def _known_to(technique: str, settings: dict[str, str]) -> dict[str, str]:
-    """Those of `settings` that it has; else its own hold."""
+def _has_all(technique: str, settings: dict[str, str]) -> bool:
     from ..techniques import technique_class
 
     known = technique_class(technique).Settings.__dataclass_fields__
-    return {key: value for key, value in settings.items() if key in known}
+    return all(key in known for key in settings)
 
 
 def _propagation(plan: Plan, adapter: str) -> dict[str, Any]:
