@@ -89,3 +89,25 @@ def test_what_they_depend_on_makes_them_anew(
     assert seen is not None and fresh is not None
     np.testing.assert_array_equal(seen.layers["indirect"], fresh.layers["indirect"])
     np.testing.assert_array_equal(seen.layers["direct"], fresh.layers["direct"])
+
+
+def test_a_picture_that_was_not_drawn_is_not_kept(
+    gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not gpu.is_cpu:
+        pytest.skip("places are kept on software drivers")
+
+    def failing(*_: Any, **__: Any) -> None:
+        raise MemoryError
+
+    with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
+        expected = renderer.frame()
+        with monkeypatch.context() as patched:
+            patched.setattr(_Places, "draw", failing)
+            with pytest.raises(MemoryError):
+                renderer.frame()
+        after = renderer.frame()
+        kept = renderer.frame()
+    assert expected and after and kept
+    np.testing.assert_array_equal(after.radiance, expected.radiance)
+    np.testing.assert_array_equal(kept.radiance, expected.radiance)

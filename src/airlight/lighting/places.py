@@ -63,10 +63,10 @@ class Places:
             return None
         if self._seen != self._kept:
             self._fit(size)
-            self._kept = self._seen
             names = {slot.name for slot in self._pass.slots}
             bound = {name: value for name, value in values.items() if name in names}
             self._pass.draw(commands, self._targets, **bound)
+            self._kept = self._seen  # last: what raised before drew nothing
         return dict(zip(PLACES, self._targets, strict=True))
 
     def _fit(self, size: tuple[int, int]) -> None:
