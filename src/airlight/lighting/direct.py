@@ -20,7 +20,7 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
-from .lighting import PLACES, LightAir, Lighting, LightingParams, Part
+from .lighting import LightAir, Lighting, LightingParams, Part
 from .lights import Lights
 from .occlusion import Occlusion
 from .places import Places
@@ -180,7 +180,6 @@ class Direct:
             "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
             "lit": layers.lit if part == "lattices" else g.albedo, "picture_sampler": self.nearest,
             "sky_cube": self.sky_cube, **self.blockers.bound, "linear_clamp": self.linear,
-            **dict.fromkeys(PLACES, g.albedo),
         }  # fmt: skip
         if self._places and part == "lattices":
             key = (g, g.version, view.eye, self.placements, self.sky_version, self.blockers.version)

@@ -75,6 +75,15 @@ _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()} | _LIGHTS_FIRST
 Part = Literal["whole", "lights", "lattices", "placed"]
 PLACES = ("places", "place_sky", "place_returned")
 """What `Places` brings, by slot."""
+_PLACED = tuple(texture(name, "2d", "unfilterable-float") for name in PLACES)
+_FROM_PLACES = "".join(
+    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return picture_texel({name}, pixel); }}\n"
+    for name in PLACES
+)
+# WebGPU grants a stage no more than the 16 textures that the other parts read.
+_NO_PLACES = "".join(
+    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in PLACES
+)
 
 
 class LightAir(Protocol):
@@ -122,7 +131,6 @@ class Lighting(FullscreenPass):
         texture("lit", "2d", "unfilterable-float"),
         sampler("picture_sampler", "non-filtering"),
         texture("near_texels", "2d", "uint"),
-        *(texture(n, "2d", "unfilterable-float") for n in PLACES),
         texture("environment", "2d"),
         sampler("environment_sampler"),
         texture("sky_cube", "3d"),
@@ -159,7 +167,8 @@ class Lighting(FullscreenPass):
         """
         lists = _LISTS if is_listed else ()
         has_places = part == "placed"
-        self.slots = (*type(self).slots, *(air.slots if air else ()), *lists)  # type: ignore[misc]
+        beside = (*(_PLACED if has_places else ()), *(air.slots if air else ()), *lists)
+        self.slots = (*type(self).slots, *beside)  # type: ignore[misc]
         is_box = air is not None and air.is_one_box
         through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
         firsts = _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
@@ -177,6 +186,7 @@ class Lighting(FullscreenPass):
             (air.wgsl if air else "")
             + through
             + (APART + _LISTED if lists else NOT_APART + _NOT_LISTED)
+            + (_FROM_PLACES if has_places else _NO_PLACES)
         )
         super().__init__(
             gpu, generated=generated, constants=constants,

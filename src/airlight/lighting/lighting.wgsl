@@ -150,7 +150,7 @@ fn lattice_light(
         let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
         var place = vec4f(0.0);
         if (HAS_PLACES) {
-            place = picture_texel(places, pixel);
+            place = places_of(pixel);
         }
         // The finest lattice that has the point; towards its border the next larger one.
         let last = last_lattice();
@@ -174,9 +174,9 @@ fn lattice_light(
             }
         }
         if (HAS_PLACES) {
-            let sky = picture_texel(place_sky, pixel);
+            let sky = place_sky_of(pixel);
             direct += vec3f(place.w, sky.xy);
-            bounced += vec3f(sky.zw, picture_texel(place_returned, pixel).x);
+            bounced += vec3f(sky.zw, place_returned_of(pixel).x);
         }
     }
     out.indirect = vec4f(bounced, 1.0);
