@@ -237,3 +237,21 @@ def test_what_is_seen_is_kept_until_something_moves(
     assert passes(on_device(mesh), clip) > 0
     made.resize((HEIGHT, WIDTH))
     assert passes(scene, clip) > 0
+
+
+def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, monkeypatch):
+    scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0, 0, 1))))
+    made = owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
+    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="no more memory"):
+        patch.setattr(scene, "visible", _fails)
+        made.encode(commands, scene, clip)
+    made.encode(commands, scene, clip)
+    commands.submit()
+    assert made.version == 2
+    np.testing.assert_array_equal(made.depth.read() > 0.0, on_square(1.0, 1.0))
+
+
+def _fails(clip_from_world):
+    raise RuntimeError("no more memory")

@@ -102,3 +102,20 @@ def test_only_what_changed_is_drawn_anew(gpu, commands, owned, on_device, square
     scene.version += 1
     assert encode(2.0)
     commands.submit()
+
+
+def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, monkeypatch):
+    scene = on_device(square((0, 0, 0), (2, 0, 0), (0, 0, -2), RED))
+    maps = owned(ReflectiveShadowMaps(gpu, "maps", 16, 1))
+    lights = [DirectionalLight((0, -1, 0), (1, 1, 1))]
+    views = light_views(lights, *scene.bounds, 16)
+    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="no more memory"):
+        patch.setattr(scene, "visible", _fails)
+        maps.encode(commands, scene, lights, views)
+    assert maps.encode(commands, scene, lights, views)
+    commands.submit()
+    assert maps.flux.read(0)[8, 8, 0] > 0.5
+
+
+def _fails(clip_from_world):
+    raise RuntimeError("no more memory")

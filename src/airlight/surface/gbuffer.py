@@ -83,8 +83,12 @@ class GBuffer:
         key = (scene, scene.version, clip_from_world.tobytes())
         if key == self._key:
             return
-        self._key = key
+        self._key = None  # until all is drawn: what raises leaves nothing to be kept
         self.version += 1
+        self._rasterise(commands, scene, clip_from_world)
+        self._key = key
+
+    def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         draws = scene.visible(clip_from_world)
         if draws is not self._seen:
             self._seen, self._parts = draws, self._split(scene, draws)

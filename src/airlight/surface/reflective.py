@@ -76,7 +76,7 @@ class ReflectiveShadowMaps:
             else None
         )
         self._parts: dict[int, tuple[list[Draw], list[Draw], list[Draw]]] = {}  # of each layer
-        self._drawn: dict[int, tuple[int, bytes, Light]] = {}
+        self._drawn: dict[int, tuple[int, bytes, Light] | None] = {}
         self.version = 0
         """Raised whenever a map was drawn anew."""
 
@@ -89,12 +89,13 @@ class ReflectiveShadowMaps:
         for layer, view in enumerate(views):
             key = (scene.version, view.clip_from_world.tobytes(), lights[view.light])
             if self._drawn.get(layer) != key:
-                self._drawn[layer] = key
-                stale.append(layer)
+                stale.append((layer, key))
         if stale:
             self.views.write(pack_array(LightViewData, [view.fields for view in views]))
-        for layer in stale:
+        for layer, key in stale:
+            self._drawn[layer] = None  # until it is drawn: what raises leaves nothing to be kept
             self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
+            self._drawn[layer] = key
         gone = [layer for layer in self._drawn if layer >= len(views)]
         for layer in gone:
             del self._drawn[layer]
