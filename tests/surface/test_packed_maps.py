@@ -9,8 +9,7 @@ import pytest
 
 from airlight.maths.colour import srgb_decode
 from airlight.scene import Material, Texture
-from airlight.surface import packed_maps
-from airlight.surface.packed_maps import PackedMaps, is_packable, metallic_factor
+from airlight.surface.packed_maps import PackedMaps, is_packable, metallic_factor, most_texels
 from airlight.surface.textures import mip_chain
 
 RNG = np.random.default_rng(5)
@@ -49,7 +48,7 @@ def _even(metallic):
 )  # fmt: skip
 def test_maps_are_packed_where_they_lie_alike(maps, expected):
     assert is_packable(Material(**maps)) is expected
-    assert (PackedMaps(_chain).of(Material(**maps)) is not None) is expected
+    assert (PackedMaps(_chain, 1 << 20).of(Material(**maps)) is not None) is expected
 
 
 def test_an_even_map_of_metal_is_a_factor():
@@ -59,7 +58,7 @@ def test_an_even_map_of_metal_is_a_factor():
 def test_a_texel_holds_roots_of_light_and_the_surface():
     base, normal = _image(), _image(is_srgb=False)
     rough = _even(255)
-    maps = PackedMaps(_chain)
+    maps = PackedMaps(_chain, 1 << 20)
     maps.of(Material(base_color_texture=_image(2, 2)))
     m = Material(base_color_texture=base, normal_texture=normal, metallic_roughness_texture=rough)
     first, size, flags, levels = maps.of(m)
@@ -78,9 +77,20 @@ def test_a_texel_holds_roots_of_light_and_the_surface():
     assert maps.of(m) == (first, size, flags, levels)
 
 
-def test_too_many_texels_are_not_packed(monkeypatch):
-    monkeypatch.setattr(packed_maps, "MOST_TEXELS", 100)
-    maps = PackedMaps(_chain)
-    assert maps.of(Material(base_color_texture=_image(8, 8))) is not None
-    assert maps.of(Material(base_color_texture=_image(8, 8))) is None
-    assert maps.of(Material()) is not None
+@pytest.mark.parametrize("side", [(8, 8), (5, 13), (1, 6)])
+def test_no_more_texels_are_packed_than_there_may_be(side):
+    chain = mip_chain(_image(*side).pixels, is_srgb=True)
+    needed = len(chain) + sum(level.shape[0] * level.shape[1] for level in chain) + 1
+    for most in (needed - 1, needed, 2 * needed - 2, 2 * needed - 1):
+        maps = PackedMaps(_chain, most)
+        packed = [maps.of(Material(base_color_texture=_image(*side))) for _ in range(3)]
+        assert sum(place is not None for place in packed) == (most - 1) // (needed - 1)
+        assert len(maps.texels) <= most
+        assert maps.of(Material()) is not None
+
+
+def test_all_maps_fit_what_the_device_binds(gpu, monkeypatch):
+    bound = most_texels(gpu) * 8
+    assert bound == min(1 << 29, gpu.limits["max-storage-buffer-binding-size"])
+    monkeypatch.setitem(gpu.limits, "max-buffer-size", 4096)
+    assert most_texels(gpu) == 512

@@ -12,6 +12,7 @@ from airlight.scene import DirectionalLight, Material, Mesh, Scene, SpotLight, T
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
+from airlight.surface.packed_maps import most_texels
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIZE = (48, 32)
@@ -147,3 +148,36 @@ def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
     ours, plain = _drawn(gpu, commands, Scene(meshes=(still,)), (moved,), (0.4, 0.9, 2.2))
     np.testing.assert_array_equal(ours[0], plain[0])
     np.testing.assert_allclose(ours[1], plain[1], atol=0.016)
+
+
+@pytest.mark.parametrize("fitting", [0, 1])
+def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monkeypatch, fitting):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    texels = 16 * 16 * 4 // 3 + 8  # of a map, its levels and their table
+    limit = "airlight.surface.seen_triangles.most_texels"
+    monkeypatch.setattr(limit, lambda gpu: fitting * texels + 2)
+    materials = [_painted(), _painted(), Material(base_color=(0.2, 0.5, 0.7))]
+    meshes = tuple(
+        square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
+        for k, m in enumerate(materials)
+    )
+    scene = GpuScene(gpu, Scene(meshes=meshes))
+    shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in scene.draws]
+    scene.release()
+    assert sum(shown) == 1 + fitting
+    ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), meshes, (0.4, 0.9, 2.2))
+    np.testing.assert_array_equal(ours[0], plain[0])
+    assert np.sqrt(np.mean((ours[1] - plain[1]) ** 2)) < 4e-3
+
+
+def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", 64 * 64 * 8)
+    assert most_texels(gpu) == 64 * 64
+    large = Material(base_color_texture=Texture(np.full((64, 64, 4), 255, np.uint8)))
+    mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), large, uvs=UVS)
+    ours, plain = _drawn(gpu, commands, Scene(meshes=(mesh,)), (mesh,), (0, 0, 2.0))
+    assert plain[1][..., 0].max() > 0.79
+    np.testing.assert_array_equal(ours[1], plain[1])

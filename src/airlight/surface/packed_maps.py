@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gpu.device import Gpu
 from ..maths.colour import srgb_decode
 from ..scene.material import Material, Texture, Wrap
 
@@ -20,8 +21,14 @@ HAS_NORMAL, HAS_ROUGHNESS, HAS_BASE = 1, 2, 4
 WRAP_BITS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 WRAP_U_SHIFT, WRAP_V_SHIFT = 4, 6  # wgsl/packed_maps.wgsl knows these bits
 _MOST_SIDE = 65535
-MOST_TEXELS = 1 << 26
-"""Of all maps together: 512 MB."""
+_TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
+
+
+def most_texels(gpu: Gpu) -> int:
+    """Of all maps together, in one storage buffer of at most 512 MB: where drivers bind no more than
+    128 MB of one, a single map of 4096 x 4096 texels and its smaller levels do not fit."""
+    limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
+    return min(_MOST_BYTES, *limits) // _TEXEL_BYTES
 
 
 def is_packable(m: Material) -> bool:
@@ -53,9 +60,9 @@ def _maps(m: Material) -> list[Texture]:
 class PackedMaps:
     """`texels` (N, 2) uint32; `of` gives a material's place in them."""
 
-    def __init__(self, chain: Callable[[Texture], list[NDArray[np.uint8]]]) -> None:
-        """`chain` gives a texture's mip chain."""
-        self._chain = chain
+    def __init__(self, chain: Callable[[Texture], list[NDArray[np.uint8]]], most: int) -> None:
+        """`chain` gives a texture's mip chain; there are no more texels than `most`."""
+        self._chain, self._most = chain, most
         self._parts: list[NDArray[np.uint32]] = []
         self._length = 0
         self._kept: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
@@ -78,7 +85,7 @@ class PackedMaps:
 
     @property
     def texels(self) -> NDArray[np.uint32]:
-        """All of them; never empty."""
+        """All of them, and one that is 0: never empty."""
         return np.concatenate([*self._parts, np.zeros((1, 2), np.uint32)])
 
     def _add(
@@ -87,7 +94,7 @@ class PackedMaps:
         some = base or rough or normal
         if some is None:
             return (0, 1 | 1 << 16, 0, 1)
-        if self._length + some.pixels.size // 3 > MOST_TEXELS:  # a third more for smaller levels
+        if self._length + _count(*some.pixels.shape[:2]) >= self._most:  # `texels` has one more
             return None
         chains = [None if t is None else self._chain(t) for t in (base, rough, normal)]
         levels = next(len(chain) for chain in chains if chain is not None)
@@ -106,6 +113,12 @@ class PackedMaps:
         flags |= WRAP_BITS[some.wrap[0]] << WRAP_U_SHIFT | WRAP_BITS[some.wrap[1]] << WRAP_V_SHIFT
         height, width = some.pixels.shape[:2]
         return (first, width | height << 16, flags, levels)
+
+
+def _count(height: int, width: int) -> int:
+    """Texels of a map, its levels and their table."""
+    levels = range(max(height, width).bit_length())
+    return len(levels) + sum(max(height >> k, 1) * max(width >> k, 1) for k in levels)
 
 
 def _packed(

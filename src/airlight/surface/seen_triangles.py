@@ -15,7 +15,7 @@ from ..gpu.layout import Struct, u32
 from ..gpu.memory import buffer_of
 from ..scene.material import Material
 from ..scene.mesh import Geometry
-from .packed_maps import PackedMaps, metallic_factor
+from .packed_maps import PackedMaps, metallic_factor, most_texels
 from .provoking import U32, told_apart
 from .textures import TextureStore
 
@@ -105,7 +105,7 @@ class SeenTriangles:
         return packed
 
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
-        maps = PackedMaps(store.chain)
+        maps = PackedMaps(store.chain, most_texels(gpu))
         self._is_packed = {id(m): maps.of(m) is not None for m in materials}
         rows = np.zeros(max(1, len(materials)), MATERIAL)
         placements = np.tile(np.array(_UNPLACED, np.float32), (len(rows), 1))
