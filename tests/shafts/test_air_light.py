@@ -14,8 +14,11 @@ from airlight.lighting.lights import Lights
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
 from airlight.shafts import air_light
 from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.shafts import Shafts
 
 SIZE = (44, 32)
+SLITS = (44, 240)
+"""Rows at which shafts fit between sites, but not between reduced texels."""
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
 LAMP = PointLight((0.3, 1.2, -0.2), (3.0, 2.0, 1.0))
 SUN = DirectionalLight((0.35, -0.8, -0.3), (3.0, 2.0, 1.0))
@@ -37,7 +40,7 @@ def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], **settings: Any) -> 
     low, high = (np.array(corner) for corner in BOX)
     lights = owned(Lights(gpu, scene.lights, None, 512, 256))
     lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    air: AirLight = owned(AirLight(gpu, scene, SIZE, lights, AirSettings(**settings)))
+    air: AirLight = owned(AirLight(gpu, scene, seen.size, lights, AirSettings(**settings)))
     air.solve(seen.commands, scene, low, high)
     air.encode(seen.commands, seen.view, lights)
     return air
@@ -134,3 +137,42 @@ def test_pixels_are_drawn_anew_where_texels_differ(
     assert off[0] > 2.0 * off[1] > 0.0
     # With no difference allowed every pixel is its own.
     assert off[2] < 1e-6 * exact.sum()
+
+
+@pytest.fixture
+def slits(square: Callable[..., Mesh]) -> Scene:
+    """Sunlight from the side through slits, each a little more than two pixels high."""
+    step, height = 0.31, 0.05
+    boards = tuple(
+        square((-1.9, k * step, 0.0), (0, 0.5 * (step - height), 0), (0, 0, 1.0))
+        for k in range(-7, 8)
+    )
+    thin = Medium((0.05, 0.05, 0.05), bounds=((-2.0, -2.0, -0.1), (2.0, 2.0, 0.1)))
+    return Scene(
+        meshes=boards, lights=(DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0)),), medium=thin,
+        camera=Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y_deg=60),
+    )  # fmt: skip
+
+
+def test_shafts_narrower_than_sites_are_apart(
+    gpu: Gpu, look: Any, owned: Any, slits: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between two dark sites there may be a shaft, as long as these are so coarse."""
+    seen = look(slits, SLITS)
+    exact = full(gpu, seen, owned)
+    off = []
+    for spacing in (air_light.SITE_SPACING, 0):  # 0: as if sites were never too far apart
+        monkeypatch.setattr(air_light, "SITE_SPACING", spacing)
+        drawn_so = seen.read(drawn(gpu, seen, owned).single_scatter)
+        off.append(float(np.linalg.norm(drawn_so - exact) / np.linalg.norm(exact)))
+    assert off[0] < 0.05
+    assert off[1] > 0.1
+
+
+def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any) -> None:
+    scene = Scene(lights=(SUN,), medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
+                  camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=4))  # fmt: skip
+    for contrast, is_used in ((1.0, False), (0.0, False), (0.1, True)):
+        air = drawn(gpu, look(scene, SIZE), owned, shaft_contrast=contrast)
+        assert isinstance(air.shafts, Shafts)
+        assert (air.shafts._sparse is not None) == is_used

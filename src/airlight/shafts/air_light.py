@@ -34,7 +34,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..scene.volume import Volume
 from .jitter import Jitter
-from .shafts import Shafts
+from .shafts import SITE_SPACING, Shafts
 from .volumes import Volumes
 
 COARSE_TEXEL = 1.0 / 80.0
@@ -218,7 +218,9 @@ class AirLight:
         reduced = self._target("single")
         contrast = self._contrast(view)
         if isinstance(self.shafts, Shafts):
-            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced, contrast)
+            # Nor may they fit between sites: else every texel is drawn.
+            sites = contrast if SITE_SPACING * self._texel_side(view) <= COARSE_TEXEL else 0.0
+            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced, sites)
         else:
             self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
         if is_listed:
@@ -308,9 +310,14 @@ class AirLight:
 
     def _contrast(self, view: View) -> float:
         """Of what texels beside each other may differ by; 0 where shafts fit between them."""
-        wanted, rays = self.settings.shaft_contrast, self.shaft_rays
+        wanted = self.settings.shaft_contrast
+        return 0.0 if wanted < 1.0 and self._texel_side(view) > COARSE_TEXEL else wanted
+
+    def _texel_side(self, view: View) -> float:
+        """Of a reduced texel, in units of how far off it is."""
+        rays = self.shaft_rays
         side = 2.0 * float(np.linalg.norm(view.world_from_clip[:3, 1])) / rays.size[1]
-        return 0.0 if wanted < 1.0 and side * rays.scale > COARSE_TEXEL else wanted
+        return side * rays.scale
 
     @property
     def _lists(self) -> bool:

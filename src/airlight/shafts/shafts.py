@@ -30,7 +30,9 @@ from .bounds import DepthBounds
 
 SITE_CONTRAST = 0.3
 """Of the contrast that texels of the reduced picture may have, what those that others are made of
-may have: these are twice as far apart."""
+may have: these are farther apart."""
+SITE_SPACING = 2
+"""Texels of the reduced picture from one of these, a site, to the next in its row."""
 
 
 class ShaftParams(Struct):
@@ -182,15 +184,14 @@ class Shafts:
         steps: int = 32,
     ) -> None:
         """`rays` as `encode` will get them; `steps` of a ray where there are density grids."""
-        self.air, self.max_nodes = air, max_nodes
+        self.gpu, self.air, self.max_nodes = gpu, air, max_nodes
         self.parallel = DepthBounds(gpu, lights.parallel)
         self.local = DepthBounds(gpu, lights.local)
         self._pass = _Shafts(gpu, air, lights, steps)
         self._find, self._refine = _RefineFind(gpu), _Refine(gpu, air, lights, steps)
         self.listed = PixelList(gpu, rays.size)
-        self._sparse = None
-        if rays.scale > 1:
-            self._sparse = _Sparse(gpu, air, lights, steps, rays.reduced)
+        self._steps = steps
+        self._sparse: _Sparse | None = None  # made when it is first asked for
 
     def resize(self, rays: Rays) -> None:
         """Go on with pictures of the size of `rays`."""
@@ -211,9 +212,12 @@ class Shafts:
         how far rays go, m.
 
         `contrast` that a reduced picture's texels may have (`redrawn`); between neighbours that
-        differ by less than SITE_CONTRAST of it, one texel in four, the others are means.
+        differ by less than SITE_CONTRAST of it, one texel in four, the others are means. 0: none
+        are, for shafts may fit between those.
         """
-        if self._sparse and 0.0 < contrast < 1.0:
+        if rays.scale > 1 and 0.0 < contrast < 1.0:
+            if self._sparse is None:
+                self._sparse = _Sparse(self.gpu, self.air, lights, self._steps, rays.reduced)
             self._sparse.encode(commands, rays, scattered, SITE_CONTRAST * contrast,
                                 {"rays": params, **self._bound(lights)})  # fmt: skip
             return
