@@ -14,6 +14,7 @@ from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
 from airlight.surface.packed_maps import most_texels
 from airlight.surface.reflective import ReflectiveShadowMaps
+from airlight.surface.seen_triangles import most_triangles
 
 SIZE = (48, 32)
 RNG = np.random.default_rng(11)
@@ -84,6 +85,23 @@ def _drawn(gpu, commands, scene, meshes, eye):
     return found[True], found[False]
 
 
+def _lit(gpu, commands, scene, light):
+    """Depth, normal and flux of a light's maps, both ways."""
+    found = []
+    on_device = GpuScene(gpu, scene)
+    views = light_views([light], *on_device.bounds, 64)
+    for is_visible in (True, False):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("airlight.surface.reflective.draws_visible", lambda gpu, v=is_visible: v)
+            maps = ReflectiveShadowMaps(gpu, "maps", 64, len(views))
+        maps.encode(commands, on_device, [light], views)
+        commands.submit()
+        found.append([t.read().astype(np.float64) for t in (maps.depth, maps.normal, maps.flux)])
+        maps.release()
+    on_device.release()
+    return found
+
+
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
 def test_both_ways_see_the_same(gpu, commands, square, case, eye):
@@ -113,24 +131,15 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
     SpotLight((0.2, 0.5, 2.5), (-0.1, -0.2, -1.0), (5.0, 4.0, 3.0), inner_deg=20.0, outer_deg=40.0),
 ])  # fmt: skip
 @pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
-def test_lights_see_the_same_both_ways(gpu, commands, owned, square, case, light):
+def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
     if not gpu.is_cpu:
         pytest.skip("software drivers alone draw this way")
     meshes = tuple(
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
         for k, m in enumerate(CASES[case])
     )
-    scene = owned(GpuScene(gpu, Scene(meshes=meshes)))
-    views = light_views([light], *scene.bounds, 64)
-    found = []
-    for is_visible in (True, False):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("airlight.surface.reflective.draws_visible", lambda gpu, v=is_visible: v)
-            maps = owned(ReflectiveShadowMaps(gpu, "maps", 64, len(views)))
-        maps.encode(commands, scene, [light], views)
-        commands.submit()
-        found.append([t.read().astype(np.float64) for t in (maps.depth, maps.normal, maps.flux)])
-    (depth, normal, flux), (depth_0, normal_0, flux_0) = found
+    ours, plain = _lit(gpu, commands, Scene(meshes=meshes), light)
+    (depth, normal, flux), (depth_0, normal_0, flux_0) = ours, plain
     np.testing.assert_array_equal(depth, depth_0)
     np.testing.assert_allclose(normal, normal_0, atol=2e-3)
     assert flux_0.max() > 0.5
@@ -180,4 +189,46 @@ def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, m
     mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), large, uvs=UVS)
     ours, plain = _drawn(gpu, commands, Scene(meshes=(mesh,)), (mesh,), (0, 0, 2.0))
     assert plain[1][..., 0].max() > 0.79
+    np.testing.assert_array_equal(ours[1], plain[1])
+
+
+@pytest.mark.parametrize("triangles", [1, 2, 3, 4])
+def test_triangles_that_do_not_fit_are_drawn_as_they_come(
+    gpu, commands, square, monkeypatch, triangles
+):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    limit = "airlight.surface.seen_triangles.most_triangles"
+    monkeypatch.setattr(limit, lambda gpu: triangles)
+    meshes = tuple(
+        square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
+        for k in range(2)
+    )
+    scene = GpuScene(gpu, Scene(meshes=meshes))
+    assert sum(scene.seen.shows(d.base_vertex, d.material) for d in scene.draws) == triangles // 2
+    assert scene.seen.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
+    scene.release()
+    bent = tuple(
+        replace(m, geometry=replace(m.geometry, positions=m.geometry.positions + np.float32(0.1)))
+        for m in meshes
+    )
+    ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), bent, (0.4, 0.9, 2.2))
+    np.testing.assert_array_equal(ours[0], plain[0])
+    for ours_one, plain_one in zip(ours[1:], plain[1:], strict=True):
+        assert np.sqrt(np.mean((ours_one - plain_one) ** 2)) < 0.03
+    light = DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0))
+    (depth, _, flux), (depth_0, _, flux_0) = _lit(gpu, commands, Scene(meshes=meshes), light)
+    np.testing.assert_array_equal(depth, depth_0)
+    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())
+
+
+def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for k in range(40))
+    bound = 60 * 80 + 8
+    monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", bound)
+    assert most_triangles(gpu) == 60
+    ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), meshes, (0, 0, 20.0))
+    np.testing.assert_array_equal(ours[0], plain[0])
     np.testing.assert_array_equal(ours[1], plain[1])

@@ -100,10 +100,12 @@ class GBuffer:
             targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
             seen = SeenParams(clip_from_world=clip_from_world, inv_size=inv_size)
-            self._visible.encode(commands, scene, first, clip_from_world, depth, targets, seen)
+            if first or not then:
+                self._visible.encode(commands, scene, first, clip_from_world, depth, targets, seen)
+                depth = {**depth, "depth_load_op": "load"}
             if then:
-                kept = {**depth, "depth_load_op": "load"}
-                self._draw(commands, scene, self._only_pass, then, params, kept, keep=True)
+                keep = bool(first)
+                self._draw(commands, scene, self._only_pass, then, params, depth, keep=keep)
             return
         used = self._only_pass
         if self._is_depth_first:

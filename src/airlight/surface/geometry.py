@@ -99,7 +99,6 @@ class GpuScene:
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
         self._materials = list(materials.values())
-        self._first_index = {base: start for start, base in offsets.values()}
         self._seen: SeenTriangles | None = None
         self.materials = buffer_of(
             gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
@@ -193,7 +192,7 @@ class GpuScene:
         if self._seen is None:
             self._seen = SeenTriangles(
                 self.gpu,
-                {key: (self._first_index[key], g) for key, g in self._uploaded.items()},
+                self._uploaded,
                 self._materials,
                 [(self._first_vertex[i], self._material_index[id(self.current[i].material)])
                  for i in self.order],

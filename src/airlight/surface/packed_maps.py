@@ -25,8 +25,8 @@ _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 
 def most_texels(gpu: Gpu) -> int:
-    """Of all maps together, in one storage buffer of at most 512 MB: where drivers bind no more than
-    128 MB of one, a single map of 4096 x 4096 texels and its smaller levels do not fit."""
+    """Of all maps together, in one storage buffer of at most 512 MB: where a driver binds no more
+    than 128 MB, a single map of 4096 x 4096 texels and its smaller levels do not fit."""
     limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
     return min(_MOST_BYTES, *limits) // _TEXEL_BYTES
 

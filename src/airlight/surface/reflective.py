@@ -128,30 +128,39 @@ class ReflectiveShadowMaps:
             clip_from_world=view.clip_from_world, inv_size=2 * (1.0 / self.resolution,),
             **{name: fields[name] for name in names},
         )  # fmt: skip
-        draws = scene.visible(view.clip_from_world)
+        draws, keep = scene.visible(view.clip_from_world), False
         if self._visible:
-            draws = self._draw_seen(commands, scene, layer, view, params, draws)
+            first, draws = self._split(scene, layer, draws)
+            if first or not draws:
+                self._draw_seen(commands, scene, layer, view, params, first)
             if not draws:
                 return
-        colors, depth = self._attachments(layer, keep=self._visible is not None)
+            keep = bool(first)
+        colors, depth = self._attachments(layer, keep=keep)
         with commands.render(
             "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(commands, encoder, scene, draws, params)
 
-    def _draw_seen(
-        self, commands: Commands, scene: GpuScene, layer: int, view: LightView,
-        params: ReflectiveParams, draws: list[Draw],
-    ) -> list[Draw]:  # fmt: skip
-        """Draw what can be drawn by triangles that texels see; returns the rest."""
+    def _split(
+        self, scene: GpuScene, layer: int, draws: list[Draw]
+    ) -> tuple[list[Draw], list[Draw]]:
+        """What can be drawn by triangles that texels see, and the rest."""
         assert self._visible
         kept = self._parts.get(layer)
         if kept is None or kept[0] is not draws:
             kept = self._parts[layer] = (draws, *self._visible.split(scene, draws))
+        return kept[1], kept[2]
+
+    def _draw_seen(
+        self, commands: Commands, scene: GpuScene, layer: int, view: LightView,
+        params: ReflectiveParams, draws: list[Draw],
+    ) -> None:  # fmt: skip
+        """Draw `draws` by triangles that texels see."""
+        assert self._visible
         _, depth = self._attachments(layer)
         targets = (self.normal.layer(layer), self.flux.layer(layer))
-        self._visible.encode(commands, scene, kept[1], view.clip_from_world, depth, targets, params)
-        return kept[2]
+        self._visible.encode(commands, scene, draws, view.clip_from_world, depth, targets, params)
 
     def release(self) -> None:
         """Give the memory back."""

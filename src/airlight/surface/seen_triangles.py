@@ -23,6 +23,12 @@ WORDS = 20  # of a triangle
 _MOST = 65535  # instances, and materials: a pixel has 16 bits for each
 
 
+def most_triangles(gpu: Gpu) -> int:
+    """Of the whole scene: what is beyond is drawn as surfaces come."""
+    limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
+    return min(limits) // (4 * WORDS)
+
+
 class SeenInstance(Struct):
     """What a vertex adds to its number, and what its pixels are of."""
 
@@ -42,48 +48,56 @@ class SeenTriangles:
     """Buffers beside those of a `GpuScene`, of the geometries and materials that can be told apart.
 
     positions  of the vertices of `told_apart`
-    indices    as in the scene's buffer, into those
+    indices    in the scene's order, into those
     instances  SeenInstance, in the scene's order
     triangles  WORDS u32 each, object space: corner and edges, uv and its edges, normals
     """
 
     def __init__(
-        self, gpu: Gpu, geometries: dict[int, tuple[int, Geometry]], materials: list[Material],
+        self, gpu: Gpu, geometries: dict[int, Geometry], materials: list[Material],
         instances: list[tuple[int, int]], store: TextureStore,
     ) -> None:  # fmt: skip
-        """`geometries` by their first vertex in the scene's buffers, with their first index;
-        `instances` their geometry (its first vertex) and material in the scene's order."""
+        """`geometries` by their first vertex in the scene's buffers, `instances` their geometry
+        (its first vertex) and material in the scene's order."""
+        fits = len(instances) <= _MOST and len(materials) <= _MOST
+        geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
         self._sources: dict[int, U32] = {}
         self.base_vertex: dict[int, int] = {}
-        self._first_triangle = {key: first // 3 for key, (first, _) in geometries.items()}
-        indices, count = [], 0
-        for key, (_, geometry) in geometries.items():
+        self._first_triangle: dict[int, int] = {}
+        self.first_index: dict[int, int] = {}
+        indices: list[U32] = []
+        vertex_count = triangle_count = 0
+        for key, geometry in geometries.items():
             self._sources[key], corners = told_apart(geometry.indices)
-            self.base_vertex[key] = count
-            count += len(self._sources[key])
+            self.base_vertex[key], self._first_triangle[key] = vertex_count, triangle_count
+            self.first_index[key] = 3 * triangle_count
+            vertex_count += len(self._sources[key])
+            triangle_count += len(corners)
             indices.append(corners.ravel())
-        parts = [g for _, g in geometries.values()]
+        parts = list(geometries.values())
         corners = _joined(indices, np.uint32, ())
-        moved = [g.positions[self._sources[key]] for key, (_, g) in geometries.items()]
+        moved = [g.positions[self._sources[key]] for key, g in geometries.items()]
         self.positions = buffer_of(
             gpu, "seen positions", _joined(moved, np.float32, (3,)), vertex=True
         )
         self.indices = buffer_of(gpu, "seen indices", corners, index=True)
-        laid = [_uvs(g)[self._sources[key]] for key, (_, g) in geometries.items()]
+        laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
         self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
         rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
         self.triangles = buffer_of(gpu, "seen triangles", rows)
         self._take_materials(gpu, materials, store)
         self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
-        self._has_colors = {key: g.colors is not None for key, (_, g) in geometries.items()}
-        self._fits = len(instances) <= _MOST and len(materials) <= _MOST
+        self._has_colors = {key: g.colors is not None for key, g in geometries.items()}
 
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether instances of that geometry and material can be drawn this way."""
-        return self._fits and not self._has_colors[base_vertex] and self._is_packed[id(material)]
+        is_here = base_vertex in self.base_vertex and not self._has_colors[base_vertex]
+        return is_here and self._is_packed[id(material)]
 
     def deform(self, base_vertex: int, geometry: Geometry) -> None:
         """Take the vertices of a geometry that moved."""
+        if base_vertex not in self.base_vertex:
+            return
         moved = geometry.positions[self._sources[base_vertex]]
         self.positions.write(moved, 12 * self.base_vertex[base_vertex])
         self.uvs.write(
@@ -100,7 +114,7 @@ class SeenTriangles:
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), SeenInstance.dtype)
         for index, (key, material) in enumerate(instances):
-            first = 1 + self._first_triangle[key] - self.base_vertex[key]
+            first = 1 + self._first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
         return packed
 
@@ -116,6 +130,16 @@ class SeenTriangles:
         self.has_placed_maps = bool((placements != _UNPLACED).any())
         self.texels = buffer_of(gpu, "packed maps", maps.texels)
         store.forget_chains()
+
+
+def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
+    """Those that have no more than `most` triangles together, in their order."""
+    kept, count = {}, 0
+    for key, geometry in geometries.items():
+        if count + len(geometry.indices) <= most:
+            kept[key] = geometry
+            count += len(geometry.indices)
+    return kept
 
 
 _HALF_MAX = 65504.0

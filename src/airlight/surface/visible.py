@@ -140,9 +140,10 @@ class VisibleSurfaces:
     def split(scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
         """The draws that can be drawn this way, for `encode`, and the rest."""
         shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in draws]
-        places = scene.seen.base_vertex
+        seen = scene.seen
         return (
-            [replace(draw, base_vertex=places[draw.base_vertex])
+            [replace(draw, base_vertex=seen.base_vertex[draw.base_vertex],
+                     first_index=seen.first_index[draw.base_vertex])
              for draw, is_shown in zip(draws, shown, strict=True) if is_shown],
             [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown],
         )  # fmt: skip
