@@ -8,11 +8,10 @@ from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.march.air import Air
 from airlight.march.march import LatticeSource, March
-from airlight.march.march_kernel import Variant, generated, slots
+from airlight.march.march_kernel import Variant, generated, slots, target_names
 from airlight.march.rays import Rays
-from airlight.scene.camera import Camera
-from airlight.scene.medium import Medium
-from airlight.scene.scene import Scene
+from airlight.rendering import Renderer
+from airlight.scene import Camera, DirectionalLight, Environment, Medium, Scene, Volume
 
 BOX = ((-1.0, -0.8, -1.2), (1.0, 1.1, 1.3))
 CELLS = 8
@@ -100,3 +99,25 @@ def test_a_kernel_binds_what_it_reads(gpu):
     assert "sky_third" in {s.name for s in slots(air, sharp)}
     assert "sky_third" not in {s.name for s in slots(air, Variant(has_sky=True))}
     assert "LATTICES_AT_ONCE = 2u" in generated(Variant(has_sky=True, levels=2))
+
+
+def test_two_kernels_where_targets_are_few(gpu, monkeypatch):
+    """WebGPU grants 32 bytes a sample: light, the sky's and transmittance would take 48."""
+    density = np.random.default_rng(4).random((6, 6, 6)).astype(np.float32)
+    volume = Volume((3.0, 4.0, 5.0), density, bounds=((-1, -1, -1), (1, 1, 1)))
+    scene = Scene(
+        environment=Environment((0.3, 0.4, 0.5)), volumes=(volume,),
+        lights=(DirectionalLight((0.3, -1.0, -0.4), (3.0, 2.0, 1.0)),),
+        camera=Camera((0.3, 0.4, 4.0), (0.0, 0.0, 0.0), fov_y_deg=36),
+    )  # fmt: skip
+    settings = {"resolution": 4, "shadow_resolution": 32, "sky_lights": 4, "sky_resolution": 8}
+    made = []
+    for limit in (80, 32):
+        monkeypatch.setitem(gpu.limits, "max-color-attachment-bytes-per-sample", limit)
+        with Renderer(scene, "single", (24, 20), settings=settings) as renderer:
+            made.append(renderer.frame().layers)
+            kernels = renderer.technique.air_light.march._passes
+            assert [len(target_names(v)) for v in kernels] == ([3] if limit == 80 else [2, 1])
+    for name in ("single_scatter", "transmittance"):
+        assert made[0][name].std() > 0.01
+        np.testing.assert_allclose(made[1][name], made[0][name], rtol=1e-5, atol=1e-7)

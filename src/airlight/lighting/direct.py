@@ -23,7 +23,7 @@ from .glossy_pixels import GlossyPixels, can_list
 from .lighting import LightAir, Lighting, LightingParams, Part
 from .lights import Lights
 from .occlusion import Occlusion
-from .places import Places
+from .places import Places, can_keep
 from .sky import Sky
 from .view import View
 
@@ -226,8 +226,8 @@ class Direct:
         return self._passes[part]
 
     def _has_places(self, is_listed: bool) -> bool:
-        """Whether places are kept: of one lattice, on software drivers, which read slowly."""
-        return self.gpu.is_cpu and self.table.count == 1 and is_listed == self._is_glossy
+        """Whether places are kept: of one lattice."""
+        return can_keep(self.gpu) and self.table.count == 1 and is_listed == self._is_glossy
 
     @property
     def _has_sky(self) -> bool:

@@ -18,6 +18,13 @@ from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from .lighting import APART, NOT_APART, PLACES, LightingParams
 
+_BYTES = 36  # of a pixel of all targets
+
+
+def can_keep(gpu: Gpu) -> bool:
+    """Whether a device keeps places: software drivers read slowly, and one may lack targets."""
+    return gpu.is_cpu and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
+
 
 class _Places(FullscreenPass):
     slots: ClassVar[tuple[Slot, ...]] = (

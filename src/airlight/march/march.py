@@ -35,6 +35,7 @@ from .march_kernel import (
     MarchParams,
     SourceData,
     Variant,
+    at_once,
     firsts,
     generated,
     slots,
@@ -45,6 +46,7 @@ from .rays import RayParams, Rays
 ABSOLUTE, ALL_MEDIA = -1, -2
 MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
+_LIMIT = "max-color-attachment-bytes-per-sample"
 _TWO_BANDS = 0.25  # the largest g that two bands are enough for
 
 
@@ -123,7 +125,7 @@ class _March(FullscreenPass):
         self.slots = slots(air, variant)  # type: ignore[misc]
         names = target_names(variant)
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
-        gpu.require("max-color-attachment-bytes-per-sample", _BYTES * len(names), "marching")
+        gpu.require(_LIMIT, _BYTES * len(names), "marching")
         super().__init__(gpu, generated=air.medium_wgsl + generated(variant),
                          firsts=firsts(variant))  # fmt: skip
 
@@ -164,8 +166,6 @@ class March:
             far_side=far.side if far else 0,
             has_passed=transmittance is not None,
         )
-        if variant not in self._passes:
-            self._passes[variant] = _March(self.gpu, self._air, variant)
         cells = [s.cell_m for s in (*sources, lattice, sky) if s is not None]
         forward = lattice.forward if lattice else None
         bound = self._bound(variant, sources, lattice, sky)
@@ -186,11 +186,17 @@ class March:
             far_top=far.top if far else 0.0, far_sigma=far.sigma_t if far else 1.0,
         )  # fmt: skip
         targets = {"scattered": scattered, "skylit": skylit, "passed": transmittance}
-        self._passes[variant].draw(
-            commands, tuple(targets[name] for name in target_names(variant)), rays=params,
-            march=self.params, picked=rays.picked, **self._air.medium_bound, **bound,
-            **({"far_light": far.table} if far else {}),
-        )  # fmt: skip
+        for part in at_once(variant, self.gpu.limits[_LIMIT] // _BYTES):
+            self._pass(part).draw(
+                commands, tuple(targets[name] for name in target_names(part)), rays=params,
+                march=self.params, picked=rays.picked, **self._air.medium_bound, **bound,
+                **({"far_light": far.table} if far else {}),
+            )  # fmt: skip
+
+    def _pass(self, variant: Variant) -> _March:
+        if variant not in self._passes:
+            self._passes[variant] = _March(self.gpu, self._air, variant)
+        return self._passes[variant]
 
     def _chosen(self, lattice: LatticeSource | None, sky: LatticeSource | None) -> Variant:
         """Loops and reads that a lattice and its air do not need are left out: they would cost."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..gpu.layout import Struct, f32, i32, mat4x4f, u32
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
@@ -47,8 +47,8 @@ class Variant:
     """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
     scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
     lattice; how many nested lattices there are at one place; the directions, squared, of
-    endless air beyond them; whether lattices hold light of similar even air; whether the rays'
-    transmittance is asked for.
+    endless air beyond them; whether lattices hold light of similar even air; what is asked for,
+    the rays' transmittance, their light, or both.
     """
 
     sources: int = 0
@@ -62,6 +62,7 @@ class Variant:
     far_side: int = 0
     is_similar: bool = False
     has_passed: bool = True
+    has_light: bool = True
 
 
 _NO_LATTICE = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
@@ -98,7 +99,15 @@ def slots(air: Air, variant: Variant) -> tuple[Slot, ...]:
 
 def target_names(variant: Variant) -> list[str]:
     """What the kernel writes."""
-    return ["scattered", *["skylit"] * variant.has_sky, *["passed"] * variant.has_passed]
+    light = ["scattered", *["skylit"] * variant.has_sky]
+    return [*light * variant.has_light, *["passed"] * variant.has_passed]
+
+
+def at_once(variant: Variant, most: int) -> tuple[Variant, ...]:
+    """One kernel, or two that share its targets where a pass may have but `most`."""
+    if len(target_names(variant)) <= most or not (variant.has_light and variant.has_passed):
+        return (variant,)
+    return replace(variant, has_passed=False), replace(variant, has_light=False)
 
 
 def firsts(variant: Variant) -> dict[str, tuple[str, ...]]:
@@ -182,7 +191,7 @@ def _lattice_wgsl(variant: Variant) -> str:
 
 
 def _sky_wgsl(variant: Variant) -> str:
-    """`skylit_at`, after `emission_at` of the same place, and `store_skylit`."""
+    """`skylit_at`, after `emission_at` of the same place, and `sky_even_at`, after that."""
     if not variant.has_sky:
         return (
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
