@@ -10,6 +10,7 @@ import pytest
 from airlight.maths.transforms import clip_from_view_infinite, view_from_world
 from airlight.scene import Material, Texture
 from airlight.surface.gbuffer import GBuffer
+from airlight.surface.mesh_pass import MeshPass
 
 WIDTH, HEIGHT = 32, 24
 NEAR_M = 0.01
@@ -251,6 +252,44 @@ def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, mon
     commands.submit()
     assert made.version == 2
     np.testing.assert_array_equal(made.depth.read() > 0.0, on_square(1.0, 1.0))
+
+
+def test_views_by_turns_are_recorded(gpu, commands, owned, on_device, square, monkeypatch):
+    squares = [square((x, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for x in (0.0, 90.0)]
+    glowing = Texture(np.full((2, 2, 4), 255, np.uint8))
+    squares += [
+        dataclasses.replace(m, material=Material(emission_texture=glowing, emission=(1, 1, 1)))
+        for m in squares
+    ]
+    scene, made = on_device(*squares), owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    clips = [clip @ view_from_world((x, 0, 2.0), (0, 0, -1), (0, 1, 0)) for x in (0.0, 0.01)]
+    encoded, encode = [], MeshPass._encode
+    monkeypatch.setattr(MeshPass, "_encode", lambda *a: encoded.append(a) or encode(*a))
+    counts = []
+    for _ in range(4):
+        encoded.clear()
+        for clip in clips:
+            made.encode(commands, scene, clip)
+            commands.submit()
+        counts.append(len(encoded))
+    assert counts[0] == counts[1] >= 2
+    assert counts[2:] == [0, 0]
+
+
+def test_colours_that_come_later_are_seen(gpu, commands, owned, on_device, square):
+    mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0.5, 0.5, 1.0)))
+    scene, made = on_device(mesh), owned(GBuffer(gpu, (WIDTH, HEIGHT)))
+    clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
+    clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
+    for color in (None, 0.5, None):
+        colors = None if color is None else np.full((4, 4), color, np.float32)
+        geometry = dataclasses.replace(mesh.geometry, colors=colors)
+        scene.move((dataclasses.replace(mesh, geometry=geometry),))
+        made.encode(commands, scene, clip)
+        commands.submit()
+        seen = made.albedo.read()[HEIGHT // 2, WIDTH // 2, :3].astype(float)
+        np.testing.assert_allclose(seen, np.array([0.5, 0.5, 1.0]) * (color or 1.0), atol=1e-3)
 
 
 def _fails(clip_from_world):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from airlight.scene import Material, Scene
@@ -43,3 +45,31 @@ def test_coloured_vertices_are_not_shown_this_way(gpu, owned, square):
     scene = owned(GpuScene(gpu, Scene(meshes=(plain, coloured))))
     shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in scene.draws]
     assert sorted(shown) == [False, True]
+
+
+def test_colours_that_come_later_are_not_shown_this_way(gpu, owned, square):
+    plain = square((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    scene = owned(GpuScene(gpu, Scene(meshes=(plain,))))
+    draw = scene.draws[0]
+    assert scene.seen.shows(draw.base_vertex, draw.material)
+    colors = np.full((4, 4), 0.5, np.float32)
+    scene.move((replace(plain, geometry=replace(plain.geometry, colors=colors)),))
+    assert not scene.seen.shows(draw.base_vertex, draw.material)
+    scene.move((plain,))
+    assert scene.seen.shows(draw.base_vertex, draw.material)
+
+
+def test_where_maps_lie_is_uploaded_where_it_changed(gpu, owned, square, monkeypatch):
+    mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), uvs=UVS)
+    scene = owned(GpuScene(gpu, Scene(meshes=(mesh,))))
+    writes, write = [], scene.seen.uvs.write
+    monkeypatch.setattr(scene.seen.uvs, "write", lambda *a: writes.append(a) or write(*a))
+    for shift, uvs in ((0.1, UVS), (0.2, UVS), (0.2, UVS + np.float32(0.5))):
+        positions = mesh.geometry.positions + np.float32(shift)
+        geometry = replace(mesh.geometry, positions=positions, uvs=mesh.geometry.uvs)
+        if uvs is not UVS:
+            geometry = replace(geometry, uvs=uvs)
+        scene.move((replace(mesh, geometry=geometry),))
+        first = scene.seen.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
+        np.testing.assert_array_equal(first, geometry.uvs[geometry.indices[:, 0]])
+    assert len(writes) == 1

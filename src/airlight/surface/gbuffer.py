@@ -11,6 +11,7 @@ from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
+from .draw_parts import DrawParts
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 from .visible import SeenParams, VisibleSurfaces, draws_visible
@@ -55,9 +56,7 @@ class GBuffer:
         self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
         self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
         self._visible = VisibleSurfaces(gpu, size) if draws_visible(gpu) else None
-        self._is_depth_first = False
-        self._seen: list[Draw] = []  # all that is seen
-        self._parts: tuple[list[Draw], list[Draw]] = ([], [])  # what comes first of it, and then
+        self._parts = DrawParts(self._split)
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
         self.version = 0
         """Raised whenever they were drawn."""
@@ -73,7 +72,7 @@ class GBuffer:
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
         self.release()
-        self._seen, self._key = [], None
+        self._parts, self._key = DrawParts(self._split), None
         self._make_textures(size)
         if self._visible:
             self._visible.resize(size)
@@ -90,11 +89,9 @@ class GBuffer:
 
     def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         draws = scene.visible(clip_from_world)
-        if draws is not self._seen:
-            self._seen, self._parts = draws, self._split(scene, draws)
+        first, then, is_depth_first = self._parts.of(scene, draws)
         depth = {"view": self.depth.resource, "depth_load_op": "clear",
                  "depth_store_op": "store", "depth_clear_value": 0.0}  # fmt: skip
-        first, then = self._parts
         params = CameraParams(clip_from_world=clip_from_world)
         if self._visible:
             targets = (self.albedo, self.normal, self.emission)
@@ -108,7 +105,7 @@ class GBuffer:
                 self._draw(commands, scene, self._only_pass, then, params, depth, keep=keep)
             return
         used = self._only_pass
-        if self._is_depth_first:
+        if is_depth_first:
             used = self._pass
             with commands.render(
                 "depth", color_attachments=[], depth_stencil_attachment=depth
@@ -117,13 +114,13 @@ class GBuffer:
             depth = {**depth, "depth_load_op": "load"}
         self._draw(commands, scene, used, then, params, depth)
 
-    def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
-        """What is drawn in the first pass, and what in the second."""
+    def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw], bool]:
+        """What the first pass draws, what the second, and whether the first is of depth."""
         if self._visible:
-            return self._visible.split(scene, draws)
+            return *self._visible.split(scene, draws), False
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
-        self._is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
-        return [draw for draw in draws if draw.material.alpha_cutoff <= 0.0], draws
+        is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
+        return [d for d in draws if d.material.alpha_cutoff <= 0.0], draws, is_depth_first
 
     def _draw(
         self, commands: Commands, scene: GpuScene, used: MeshPass, draws: list[Draw],

@@ -25,7 +25,9 @@ _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np
 
 
 _UNPLACED = (1.0, 1.0, 0.0, 0.0)  # scale and offset of a map
-_VIEWS_KEPT = 256  # whose culling is remembered
+VIEWS_KEPT = 256
+"""Whose culling is remembered."""
+
 MAPS = ("base_color", "metallic_roughness", "normal", "emission")
 
 
@@ -88,6 +90,8 @@ class GpuScene:
         self.gpu = gpu
         self.store = TextureStore(gpu)
         self.version = 0
+        self.color_changes = 0
+        """Counts geometries whose vertices gained or lost their colours."""
         self._texture_sets: dict[tuple[int, ...], dict[str, Texture | Sampler]] = {}
         order = _draw_order(scene.meshes)
         self.order = [index for run in order for index in run]
@@ -181,6 +185,8 @@ class GpuScene:
             _check_same_triangles(self._uploaded[first], geometry)
             self.positions.write(geometry.positions, 12 * first)
             self.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
+            had_colors = self._uploaded[first].colors is not None
+            self.color_changes += had_colors != (geometry.colors is not None)
             self._uploaded[first] = geometry
             if self._seen:
                 self._seen.deform(first, geometry)
@@ -214,7 +220,7 @@ class GpuScene:
         key = clip_from_world.tobytes()
         found = self._visible.get(key)
         if found is None:
-            if len(self._visible) >= _VIEWS_KEPT:
+            if len(self._visible) >= VIEWS_KEPT:
                 self._visible.pop(next(iter(self._visible)))
             found = self._visible[key] = self._culled(clip_from_world)
         return found

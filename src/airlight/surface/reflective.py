@@ -17,6 +17,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
+from .draw_parts import DrawParts
 from .geometry import Draw, GpuScene
 from .light_table import light_fields
 from .light_views import LightView, LightViewData
@@ -75,7 +76,7 @@ class ReflectiveShadowMaps:
             if layers and draws_visible(gpu)
             else None
         )
-        self._parts: dict[int, tuple[list[Draw], list[Draw], list[Draw]]] = {}  # of each layer
+        self._parts = DrawParts(VisibleSurfaces.split)
         self._drawn: dict[int, tuple[int, bytes, Light] | None] = {}
         self.version = 0
         """Raised whenever a map was drawn anew."""
@@ -130,7 +131,7 @@ class ReflectiveShadowMaps:
         )  # fmt: skip
         draws, keep = scene.visible(view.clip_from_world), False
         if self._visible:
-            first, draws = self._split(scene, layer, draws)
+            first, draws = self._parts.of(scene, draws)
             if first or not draws:
                 self._draw_seen(commands, scene, layer, view, params, first)
             if not draws:
@@ -141,16 +142,6 @@ class ReflectiveShadowMaps:
             "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(commands, encoder, scene, draws, params)
-
-    def _split(
-        self, scene: GpuScene, layer: int, draws: list[Draw]
-    ) -> tuple[list[Draw], list[Draw]]:
-        """What can be drawn by triangles that texels see, and the rest."""
-        assert self._visible
-        kept = self._parts.get(layer)
-        if kept is None or kept[0] is not draws:
-            kept = self._parts[layer] = (draws, *self._visible.split(scene, draws))
-        return kept[1], kept[2]
 
     def _draw_seen(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView,

@@ -87,22 +87,23 @@ class SeenTriangles:
         self.triangles = buffer_of(gpu, "seen triangles", rows)
         self._take_materials(gpu, materials, store)
         self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
-        self._has_colors = {key: g.colors is not None for key, g in geometries.items()}
+        self._last = dict(geometries)
 
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether instances of that geometry and material can be drawn this way."""
-        is_here = base_vertex in self.base_vertex and not self._has_colors[base_vertex]
-        return is_here and self._is_packed[id(material)]
+        geometry = self._last.get(base_vertex)
+        is_plain = geometry is not None and geometry.colors is None
+        return is_plain and self._is_packed[id(material)]
 
     def deform(self, base_vertex: int, geometry: Geometry) -> None:
         """Take the vertices of a geometry that moved."""
         if base_vertex not in self.base_vertex:
             return
-        moved = geometry.positions[self._sources[base_vertex]]
-        self.positions.write(moved, 12 * self.base_vertex[base_vertex])
-        self.uvs.write(
-            _uvs(geometry)[self._sources[base_vertex]], 8 * self.base_vertex[base_vertex]
-        )
+        sources, first = self._sources[base_vertex], self.base_vertex[base_vertex]
+        self.positions.write(geometry.positions[sources], 12 * first)
+        if geometry.uvs is not self._last[base_vertex].uvs:
+            self.uvs.write(_uvs(geometry)[sources], 8 * first)
+        self._last[base_vertex] = geometry
         self.triangles.write(_triangles(geometry), 4 * WORDS * self._first_triangle[base_vertex])
 
     def release(self) -> None:

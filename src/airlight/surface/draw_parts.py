@@ -1,0 +1,45 @@
+"""What passes make of a view's draws, made once for each list of them.
+
+Passes know lists of draws by themselves, and replay what they recorded of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from .geometry import VIEWS_KEPT, Draw, GpuScene
+
+Parts = TypeVar("Parts")
+
+
+class DrawParts(Generic[Parts]):
+    """`make` of each list that `GpuScene.visible` gives, kept as long as that gives it again."""
+
+    def __init__(self, make: Callable[[GpuScene, list[Draw]], Parts]) -> None:
+        self._make = make
+        self._scene: GpuScene | None = None
+        self._state = (0, 0)
+        # The lists themselves are kept, too: their ids stay their own.
+        self._kept: dict[int, tuple[list[Draw], Parts]] = {}
+
+    def of(self, scene: GpuScene, draws: list[Draw]) -> Parts:
+        """`make(scene, draws)`."""
+        self._forget(scene)
+        found = self._kept.get(id(draws))
+        if found is None:
+            if len(self._kept) >= VIEWS_KEPT:
+                self._kept.pop(next(iter(self._kept)))
+            found = self._kept[id(draws)] = (draws, self._make(scene, draws))
+        return found[1]
+
+    def _forget(self, scene: GpuScene) -> None:
+        """Lists of another scene, and those that were given before something moved."""
+        state = (scene.version, scene.color_changes)
+        if scene is self._scene and state == self._state:
+            return
+        whole = self._kept.get(id(scene.draws))
+        self._kept.clear()
+        if whole and scene is self._scene and state[1] == self._state[1]:
+            self._kept[id(scene.draws)] = whole
+        self._scene, self._state = scene, state
