@@ -6,7 +6,6 @@ from typing import Any
 
 from .commands import Commands
 from .device import Gpu
-from .recorded import Changing
 from .slots import Slot, bind_group_layout
 
 
@@ -33,24 +32,19 @@ class Bindings:
         found = self._groups.get(key)
         if found is None:
             # The resources are kept beside the group: an id stays theirs while they live.
-            found = (self.make(commands, values), [commands, *resources])
+            found = (self.make(values, commands.arena), [commands, *resources])
             if len(self._groups) >= 256:
                 self._groups.pop(next(iter(self._groups)))
             self._groups[key] = found
         encoder.set_bind_group(group, found[0], offsets)
 
-    def make(self, commands: Commands, values: dict[str, Any], fixed: Any = None) -> Any:
-        """A bind group of these resources, not cached.
-
-        Parameters that do not change lie in the buffer `fixed`, where there is one.
-        """
+    def make(self, values: dict[str, Any], params: Any) -> Any:
+        """A bind group of these resources, not cached; parameters lie in the buffer `params`."""
         entries = []
         for index, slot in enumerate(self.slots):
             if slot.is_dynamic and slot.struct is not None:
                 size = slot.struct.dtype.itemsize
-                is_fixed = fixed is not None and not isinstance(values[slot.name], Changing)
-                buffer = fixed if is_fixed else commands.arena
-                resource: Any = {"buffer": buffer, "offset": 0, "size": size}
+                resource: Any = {"buffer": params, "offset": 0, "size": size}
             else:
                 value = values[slot.name]
                 resource = getattr(value, "resource", value)

@@ -16,7 +16,7 @@ import wgpu
 
 from .device import Gpu
 from .layout import Struct
-from .recorded import Changing, Dispatch
+from .recorded import Dispatch
 
 _ALIGNMENT = 256  # of dynamic uniform offsets, WebGPU's default limit
 _ARENA_BYTES = 1 << 20
@@ -92,8 +92,6 @@ class Commands:
         found = self._places.get(id(params))
         if found is not None:
             return found[0]
-        if isinstance(params, Changing):
-            return self.put(params.params)
         if not isinstance(params, Struct):
             kind = type(params).__name__
             raise TypeError(f"uniform parameters must be a Struct, not {kind}")

@@ -23,15 +23,9 @@ if TYPE_CHECKING:
     from .device import Gpu
 
 _ALIGNMENT = 256  # of dynamic offsets, WebGPU's default limit
+_MOST = 4  # recordings kept; each holds its parameters and bind groups
 _CALLS = dispatch_calls(lib, ffi)
 T = TypeVar("T")
-
-
-class Changing:
-    """Parameters that may be others in every run: a replay reads `params` as they are then."""
-
-    def __init__(self, params: Struct) -> None:
-        self.params = params
 
 
 @dataclass(frozen=True)
@@ -44,117 +38,132 @@ class Dispatch:
     groups: tuple[int, ...]
 
 
-_Row = tuple[Any, Any, Any, tuple[tuple[int, Changing], ...], tuple[int, ...]]
-"""Pipeline and bind group (None: as before), offsets, which of them change, workgroups."""
+_Row = tuple[Any, Any, Any, tuple[int, ...]]
+"""Pipeline and bind group (None: as before), offsets, workgroups."""
 
 
 class Recorded:
-    """A run of dispatches, made anew where the key it is asked for by is another."""
+    """A run of dispatches, recorded once for each of the last few keys it is asked for by."""
 
     def __init__(self, gpu: Gpu, label: str) -> None:
         self._gpu, self.label = gpu, label
-        self._key: tuple[Any, ...] | None = None
-        self._rows: list[_Row] = []
-        self._kept: tuple[Any, ...] = ()  # an id stays a resource's while it lives
-        self._found: Any = None
-        self._last: Any = None
+        self._recordings: dict[tuple[Any, ...], Recording] = {}  # the last used last
 
     def encode(self, commands: Commands, key: tuple[Any, ...], encode: Callable[[], T]) -> T:
         """What `encode()` encodes and returns, replayed as long as `key` is equal.
 
-        `key` names all that the run depends on: resources (which compare by identity), counts,
-        and whatever goes into parameters that are not Changing. Within `encode` there are
-        dispatches only: no copies, draws, submits or writes from the host.
+        `key` names all that the run depends on: resources, which compare by identity and live as
+        long as they are named here, counts, and whatever goes into parameters. Within `encode`
+        there are dispatches only: no copies, draws, submits or writes from the host.
         """
         if not commands.is_recordable or commands.recording is not None:
             return encode()
         whole = (commands, *key)
-        if whole != self._key:
-            self._key, commands.recording = None, []
-            try:
-                self._found = encode()
-                self._seal(commands, commands.recording)
-            finally:
-                commands.recording = None
-            self._key = whole
-        elif self._rows:
-            self._replay(commands)
-        found: T = self._found
+        recording = self._recordings.pop(whole, None)
+        if recording is None:
+            recording = self._record(commands, encode)
+            if len(self._recordings) >= _MOST:
+                self._recordings.pop(next(iter(self._recordings))).release()
+        else:
+            recording.replay(commands)
+        self._recordings[whole] = recording
+        found: T = recording.found
         return found
 
-    def _seal(self, commands: Commands, dispatches: list[Dispatch]) -> None:
-        """Constant parameters go into a buffer of their own, so that their offsets stay."""
-        places, fixed = self._fixed(dispatches)
-        made: dict[tuple[int, ...], Any] = {}
-        self._rows, self._last = [], None
+    def _record(self, commands: Commands, encode: Callable[[], object]) -> Recording:
+        commands.recording = []
+        try:
+            found = encode()
+            return Recording(self._gpu, self.label, commands, commands.recording, found)
+        finally:
+            commands.recording = None
+
+    def release(self) -> None:
+        """Give the memory back, and what recordings name."""
+        for recording in self._recordings.values():
+            recording.release()
+        self._recordings.clear()
+
+
+class Recording:
+    """Dispatches with their pipelines, bind groups and parameters at hand; `found`: what encoding
+    them returned.
+    """
+
+    def __init__(
+        self, gpu: Gpu, label: str, commands: Commands, dispatches: list[Dispatch], found: object
+    ) -> None:
+        self._gpu = gpu
+        self.found: Any = found
+        # Parameters go into a buffer of their own, so that their offsets stay.
+        places, data = _packed(dispatches)
+        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
+        self.nbytes = max(_ALIGNMENT, len(data))
+        params = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
+        gpu.count(self.nbytes)
+        if data:
+            gpu.queue.write_buffer(params, 0, data)
+        made: dict[tuple[int, ...], Any] = {}  # by ids, which are theirs as dispatches live
+        self._rows: list[_Row] = []
+        self._last: Any = None
         last: tuple[Any, ...] = ()
         for d in dispatches:
-            given = [d.values[name] for name in d.bindings.dynamic]
-            changing = tuple((i, v) for i, v in enumerate(given) if isinstance(v, Changing))
-            offsets = [0 if isinstance(v, Changing) else places[v.data] for v in given]
-            key = (id(d.bindings), *(id(d.values[name]) for name in d.bindings.fixed),
-                   *(i for i, _ in changing))  # fmt: skip
+            offsets = [places[d.values[name].data] for name in d.bindings.dynamic]
+            key = (id(d.bindings), *(id(d.values[name]) for name in d.bindings.fixed))
             if key not in made:
-                made[key] = d.bindings.make(commands, d.values, fixed)
-            this = (d.pipeline, made[key], offsets)
-            is_set = not changing and last == this
+                made[key] = d.bindings.make(d.values, params)
+            this = (made[key], offsets)
             pipeline = None if self._last is d.pipeline else d.pipeline
-            self._rows.append(
-                _row(pipeline, None if is_set else made[key], offsets, changing, d.groups)
-            )
-            self._last, last = d.pipeline, () if changing else this
-        self._kept = (fixed, dispatches, list(made.values()))
+            self._rows.append(_row(pipeline, None if last == this else made[key], offsets, d))
+            self._last, last = d.pipeline, this
+        self._kept: tuple[Any, ...] = (params, dispatches, list(made.values()))
 
-    def _fixed(self, dispatches: list[Dispatch]) -> tuple[dict[bytes, int], Any]:
-        """Where each of the constant parameters lies, and the buffer."""
-        places: dict[bytes, int] = {}
-        data = bytearray()
-        for value in (v for d in dispatches for v in d.values.values() if isinstance(v, Struct)):
-            if value.data not in places:
-                places[value.data] = len(data)
-                data += value.data + bytes(-len(value.data) % _ALIGNMENT)
-        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
-        fixed = self._gpu.device.create_buffer(
-            label=self.label, size=max(_ALIGNMENT, len(data)), usage=usage
-        )
-        if data:
-            self._gpu.queue.write_buffer(fixed, 0, data)
-        return places, fixed
-
-    def _replay(self, commands: Commands) -> None:
+    def replay(self, commands: Commands) -> None:
+        """Encode them."""
+        if not self._rows:
+            return
         encoder = commands.compute
         if _CALLS is None:
-            self._replay_slowly(commands, encoder)
+            self._replay_slowly(encoder)
         else:
             set_pipeline, set_group, dispatch = _CALLS
             handle = encoder._internal
-            for pipeline, group, offsets, changing, groups in self._rows:
+            for pipeline, group, offsets, groups in self._rows:
                 if pipeline is not None:
                     set_pipeline(handle, pipeline)
-                for place, params in changing:
-                    offsets[place] = commands.put(params)
                 if group is not None:
                     set_group(handle, 0, group, len(offsets), offsets)
                 dispatch(handle, *groups)
         commands.pipeline = self._last
 
-    def _replay_slowly(self, commands: Commands, encoder: Any) -> None:
+    def _replay_slowly(self, encoder: Any) -> None:
         """By wgpu-py's own methods."""
-        for pipeline, group, offsets, changing, groups in self._rows:
+        for pipeline, group, offsets, groups in self._rows:
             if pipeline is not None:
                 encoder.set_pipeline(pipeline)
-            for place, params in changing:
-                offsets[place] = commands.put(params)
             if group is not None:
                 encoder.set_bind_group(0, group, offsets)
             encoder.dispatch_workgroups(*groups)
 
+    def release(self) -> None:
+        """Let go of it all. What is encoded and not yet submitted keeps what it needs."""
+        self._gpu.count(-self.nbytes)
+        self._rows, self._kept, self._last, self.found = [], (), None, None
 
-def _row(
-    pipeline: Any, group: Any, offsets: list[int], changing: tuple[tuple[int, Changing], ...],
-    groups: tuple[int, ...],
-) -> _Row:  # fmt: skip
+
+def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:
+    """Where each of the parameters lies in a buffer, and what that holds."""
+    places: dict[bytes, int] = {}
+    data = bytearray()
+    for value in (v for d in dispatches for v in d.values.values() if isinstance(v, Struct)):
+        if value.data not in places:
+            places[value.data] = len(data)
+            data += value.data + bytes(-len(value.data) % _ALIGNMENT)
+    return places, bytes(data)
+
+
+def _row(pipeline: Any, group: Any, offsets: list[int], dispatch: Dispatch) -> _Row:
     if _CALLS is None:
-        return pipeline, group, offsets, changing, groups
+        return pipeline, group, offsets, dispatch.groups
     handles = [None if one is None else one._internal for one in (pipeline, group)]
-    return handles[0], handles[1], ffi.new("uint32_t[]", offsets), changing, groups
+    return handles[0], handles[1], ffi.new("uint32_t[]", offsets), dispatch.groups

@@ -159,6 +159,7 @@ class Propagate:
 
     def release(self) -> None:
         """Give the memory back."""
+        self._recorded.release()
         for buffer in (*self._states, self._total):
             buffer.release()
         self._sums.release()

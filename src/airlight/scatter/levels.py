@@ -327,6 +327,7 @@ class Levels:
 
     def release(self) -> None:
         """Give the memory back."""
+        self._recorded.release()
         for level in self.levels:
             level.release()
         if self._small:
