@@ -82,7 +82,7 @@ class MeshPipeline(RasterPipeline):
             return
         found = self._groups.get(id(draw.textures))
         if found is None:
-            group = self.second.make(commands, draw.textures)
+            group = self.second.make(draw.textures, commands.arena)
             found = self._groups[id(draw.textures)] = (group, draw.textures)
         encoder.set_bind_group(1, found[0])
 
