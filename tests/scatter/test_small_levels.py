@@ -99,3 +99,16 @@ def test_which_lattices_are_small():
     assert first_small([(8, 8, 8), (4, 4, 4)]) == 1  # the finest never is
     assert first_small([(8, 8, 8)]) is None
     assert first_small([(64, 64, 64), (32, 32, 32)]) is None
+
+
+def test_small_lattices_have_no_light_twice(gpu, owned):
+    levels = owned(Levels(gpu, COUNT, 0.5, schedule("cycle", 12, COUNT), is_blocked=True,
+                          is_varied=False))  # fmt: skip
+    fine, *small = levels.levels
+    assert [level.count for level in small] == [(8, 5, 5), (4, 3, 3)]
+    assert fine.sum.nbytes == 16 * 3 * fine.cells
+    for level in small:
+        light = (level.sum, level.spare, level.track, level.answer, level.source)
+        assert {buffer.nbytes for buffer in light} == {16}
+        # Their walls are worked out where they are.
+        assert (level.packs.nbytes, level.openness.nbytes) == (64 * level.cells, 8 * level.cells)

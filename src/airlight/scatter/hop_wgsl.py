@@ -13,7 +13,6 @@ from ..maths.lattice26 import RHO, hops
 from ..maths.lattice26_walls import REFLECTED_TRACK, SPLIT_FLOOR, face_numbers, returned_sharpness
 
 COUNT = 26
-CLASSES = 3
 KINDS = (range(6), range(6, 18), range(18, COUNT))
 """The hops of each kind."""
 _AXES = "yzw"  # of a state vec4f: Bx, By, Bz

@@ -79,10 +79,11 @@ class Level:
 
     def __init__(
         self, gpu: Gpu, count: Count, cell_size_m: float, *, is_blocked: bool, is_varied: bool,
-        is_coarse: bool,
+        is_coarse: bool, is_small: bool,
     ) -> None:  # fmt: skip
+        """`is_small`: its light is SmallLevels'."""
         cells = count[0] * count[1] * count[2]
-        nbytes = CHANNELS * cells * 16
+        nbytes = 16 if is_small else CHANNELS * cells * 16
         self.count, self.cell, self.cells = count, cell_size_m, cells
         self.sum, self.spare, self.track, self.answer = (
             Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track", "answer")
@@ -111,10 +112,12 @@ class Levels:
     ) -> None:  # fmt: skip
         self.schedule, self.scheme = schedule, scheme
         self.is_blocked, self.is_varied = is_blocked, is_varied
+        counts = schedule.counts(count)
+        small = None if is_varied else first_small(counts)
         self.levels = [
             Level(gpu, size, cell_size_m * 2**k, is_blocked=is_blocked, is_varied=is_varied,
-                  is_coarse=k > 0)
-            for k, size in enumerate(schedule.counts(count))
+                  is_coarse=k > 0, is_small=small is not None and k >= small)
+            for k, size in enumerate(counts)
         ]  # fmt: skip
         self._kept = persistence(max(count)) if is_straight else RHO**2
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
@@ -133,8 +136,6 @@ class Levels:
         self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
         self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
         self._recorded = Recorded(gpu, "cycles of a lattice")
-        counts = schedule.counts(count)
-        small = None if is_varied else first_small(counts)
         self._small = SmallLevels(
             gpu, counts, schedule, small, is_blocked=is_blocked
         ) if small else None  # fmt: skip

@@ -86,7 +86,6 @@ class Part:
     """A part of a buffer, bound by itself."""
 
     def __init__(self, buffer: Buffer, offset: int, nbytes: int) -> None:
-        self.buffer, self.first = buffer, offset // 16
         self.resource: Any = {"buffer": buffer.handle, "offset": offset, "size": nbytes}
 
 
