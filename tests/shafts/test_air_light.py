@@ -11,7 +11,17 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
-from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, Volume
+from airlight.rendering import Renderer
+from airlight.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    Volume,
+)
 from airlight.shafts import air_light
 from airlight.shafts.air_light import AirLight, AirSettings
 from airlight.shafts.shafts import Shafts
@@ -176,3 +186,42 @@ def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any
         air = drawn(gpu, look(scene, SIZE), owned, shaft_contrast=contrast)
         assert isinstance(air.shafts, Shafts)
         assert (air.shafts._sparse is not None) == is_used
+
+
+def test_surfaces_are_where_the_last_picture_left_them(
+    gpu: Gpu, foggy: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the view's layers where one pass finished, else apart: by turns."""
+    encode = AirLight.encode
+
+    def in_passes(self: AirLight, *args: Any, **given: Any) -> None:
+        encode(self, *args, **{**given, "is_composed": False})
+
+    scene = dataclasses.replace(foggy, environment=Environment((0.3, 0.4, 0.5)))
+    aside = dataclasses.replace(foggy.camera, position=(-1.5, 0.9, 5.0))
+    settings = {"resolution": 4, "shadow_resolution": 64, "lamp_resolution": 32, "sky_lights": 4,
+                "sky_resolution": 8, "surfels": 100}  # fmt: skip
+    with Renderer(scene, "single", SIZE, settings=settings) as renderer:
+        technique, expected = renderer.technique, []
+        for camera in (foggy.camera, aside):
+            expected.append(renderer.frame(camera=camera).layers["direct"])
+            assert technique.pictures(renderer.view)["direct"] is renderer.view.layers.direct
+        with monkeypatch.context() as patched:
+            patched.setattr(AirLight, "encode", in_passes)
+            apart = renderer.frame(camera=foggy.camera).layers["direct"]
+            assert technique.pictures(renderer.view)["direct"] is not renderer.view.layers.direct
+        after = renderer.frame(camera=aside).layers["direct"]
+    np.testing.assert_allclose(apart, expected[0], rtol=2e-5)
+    np.testing.assert_array_equal(after, expected[1])
+
+
+def test_reduced_pictures_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: Scene) -> None:
+    lights = owned(Lights(gpu, foggy.lights, None, 64, 64))
+    cases = (
+        ({"has_lattice": True}, {"single", "multiple"}),
+        ({"has_lattice": True, "has_sky": True}, {"single", "multiple", "sky"}),
+        ({}, {"single"}),
+    )
+    for given, names in cases:
+        air = owned(AirLight(gpu, foggy, SIZE, lights, **given))
+        assert set(air._reduced) == names

@@ -101,7 +101,7 @@ class Finish(FullscreenPass):
 
     def encode(
         self, commands: Commands, params: RayParams, depth: Texture, *, reduced: Texture,
-        skylit: Texture, shafts: Texture, surfaces: tuple[Texture, Texture],
+        skylit: Texture | None, shafts: Texture, surfaces: tuple[Texture, Texture],
         multiple: Texture, transmittance: Texture, single: Texture,
         redrawn: RedrawParams | None = None, listed: PixelList | None = None,
     ) -> None:  # fmt: skip

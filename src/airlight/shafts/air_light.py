@@ -118,25 +118,35 @@ class AirLight:
         # Of the last picture, where `compose` finishes.
         self._unfinished: tuple[RayParams, Lights] | None = None
         self._composed = Compose(gpu, size) if self._finisher is None else None
+        self._is_in_view = self._composed is None  # where `compose` left the surfaces
         self._make_pictures(size)
 
     def _make_pictures(self, size: tuple[int, int]) -> None:
         gpu = self.gpu
-        self.single_scatter, self.multiple_scatter, self.transmittance = (
-            Texture(gpu, name, size, "rgba32float", target=True, written=True)
-            for name in ("single scatter", "multiple scatter", "transmittance")
-        )
+
+        def made(name: str, size: tuple[int, int], *, written: bool = False) -> Texture:
+            return Texture(gpu, name, size, "rgba32float", target=True, written=written)
+
+        # Kernels of shafts write to textures; all else is drawn to targets.
+        self.single_scatter = made("single scatter", size, written=True)
+        self.multiple_scatter = made("multiple scatter", size)
+        self.transmittance = made("transmittance", size)
         # Of lamps and suns alone; the sky's is added to it.
         self._shafts_alone = self.single_scatter
         if self.has_sky:
-            self._shafts_alone = Texture(gpu, "shafts", size, "rgba32float", target=True,
-                                         written=True)  # fmt: skip
+            self._shafts_alone = made("shafts", size, written=True)
+        is_reduced = self.is_marched and self.march_rays.scale > 1
+        wanted = {
+            "single": self.shafts is not None and self.shaft_rays.scale > 1,
+            "multiple": is_reduced,
+            "transmittance": is_reduced and self.air.has_grids,
+            "sky": self.has_sky,
+        }
         self._reduced = {
-            name: Texture(gpu, f"reduced {name}", rays.reduced, "rgba32float", target=True,
-                          written=True)
-            for name, rays in (("single", self.shaft_rays), ("multiple", self.march_rays),
-                               ("transmittance", self.march_rays), ("sky", self.march_rays))
-        }  # fmt: skip
+            name: made(f"reduced {name}", self._rays_of(name).reduced, written=name == "single")
+            for name, is_wanted in wanted.items()
+            if is_wanted
+        }
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels; media, lights and passes stay."""
@@ -255,7 +265,7 @@ class AirLight:
             far=far if lattice or sky else None,
             scattered=self._target("multiple"),
             transmittance=self._target("transmittance") if self.air.has_grids else None,
-            skylit=self._reduced["sky"], steps_per_cell=self.settings.steps_per_cell,
+            skylit=self._reduced.get("sky"), steps_per_cell=self.settings.steps_per_cell,
             max_steps=self.settings.march_steps,
         )  # fmt: skip
 
@@ -275,6 +285,7 @@ class AirLight:
     def compose(self, commands: Commands, view: View) -> None:
         """The view's layers behind the air: `surfaces`."""
         with commands.stage("compose"):
+            self._is_in_view = self._unfinished is not None
             if self._unfinished is not None:
                 self._finish_all(commands, view, *self._unfinished)
                 return
@@ -286,7 +297,9 @@ class AirLight:
 
     def surfaces(self, view: View) -> tuple[Texture, Texture]:
         """Direct and indirect light as `compose` left it: in the view's own layers if it could."""
-        return view.layers.targets if self._composed is None else self._composed.layers
+        if self._is_in_view or self._composed is None:
+            return view.layers.targets
+        return self._composed.layers
 
     def _finish_all(
         self, commands: Commands, view: View, params: RayParams, lights: Lights
@@ -301,7 +314,7 @@ class AirLight:
             commands, params, depth, surfaces=view.layers.targets,
             transmittance=self.transmittance, single=self.single_scatter,
             multiple=self.multiple_scatter,
-            reduced=self._reduced["multiple"], skylit=self._reduced["sky"],
+            reduced=self._reduced["multiple"], skylit=self._reduced.get("sky"),
             shafts=self._reduced["single"] if listing else self._shafts_alone, **listing,
         )  # fmt: skip
         if isinstance(self.shafts, Shafts) and listing:
@@ -331,8 +344,10 @@ class AirLight:
 
     def _target(self, name: str) -> Texture:
         """Where a kernel writes: the reduced texture, or the full one where nothing is reduced."""
-        rays = self.shaft_rays if name == "single" else self.march_rays
-        return self._full(name) if rays.scale == 1 else self._reduced[name]
+        return self._full(name) if self._rays_of(name).scale == 1 else self._reduced[name]
+
+    def _rays_of(self, name: str) -> Rays:
+        return self.shaft_rays if name == "single" else self.march_rays
 
     def _finish(
         self, commands: Commands, params: RayParams, rays: Rays, view: View, name: str
