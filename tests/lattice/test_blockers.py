@@ -175,12 +175,15 @@ def test_blockers_follow_the_geometry_and_are_made_once(gpu, commands, owned, sq
     scene = Scene(meshes=(mesh,))
     on_device = owned(GpuScene(gpu, scene))
     made = owned(Blockers(gpu, scene, on_device, ROOM, COUNT))
+    other = owned(Blockers(gpu, scene, on_device, ROOM, COUNT))
     assert made.encode(commands)
     assert not made.encode(commands)
+    assert (made.version, other.version) == (1, 0)
     moved = np.eye(4)
     moved[0, 3] = -2 * CELL
     on_device.move((dataclasses.replace(mesh, world_from_object=moved),))
     assert made.encode(commands)
+    assert (made.version, other.version) == (2, 0)
     commands.submit()
     assert np.nonzero(closed(made)[0].sum(axis=(0, 1)))[0].tolist() == [1]
 

@@ -33,7 +33,11 @@ def shares(gpu, commands, owned, square):
             views = light_views(seen, low, high, SIDE)
             maps = owned(SurfelViews(gpu, SIDE, len(views), 1))
             maps.encode(commands, meshes, views)
-            volume.encode(commands, meshes, maps, views, is_drawn=True)
+            before = blockers.version
+            assert volume.encode(commands, meshes, maps, views, is_drawn=True)
+            assert blockers.version == before + 1
+            assert not volume.encode(commands, meshes, maps, views, is_drawn=False)
+            assert blockers.version == before + 1
         commands.submit()
         words = blockers.faces.read(np.uint32).reshape(N, N, N, 8)
         leaving = np.moveaxis(words[..., :6], -1, 0)

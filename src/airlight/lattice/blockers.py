@@ -80,8 +80,8 @@ class Blockers:
 
     count: int
     is_emissive: bool
-    version = 0
-    """Raised whenever faces were made anew."""
+    version: int
+    """Raised by `note_change`."""
     surfels: Buffer
     open_a: Texture
     open_b: Texture
@@ -95,6 +95,7 @@ class Blockers:
         own if not given); `beside`: the one of them that owns textures and surfels.
         """
         self.placement, self.meshes, self._is_owner = placement, meshes, beside is None
+        self.version = 0
         if beside is None:
             self._sample(gpu, scene, count)
             self._make_textures(gpu, size or placement.count)
@@ -153,12 +154,16 @@ class Blockers:
 
     def open(self, commands: Commands) -> None:
         """Openness and reflectance of all faces, and their walls, from the sums."""
-        self.version += 1
+        self.note_change()
         self._open.dispatch(
             commands, self.placement.count, params=self._params(), sums=self.sums,
             faces=self.faces, openness=self.openness, open_a=self.open_a, open_b=self.open_b,
             walls=self.walls,
         )  # fmt: skip
+
+    def note_change(self) -> None:
+        """Whoever makes faces anew says so: what others keep of them is out of date."""
+        self.version += 1
 
     def _params(self) -> BlockerParams:
         return BlockerParams(

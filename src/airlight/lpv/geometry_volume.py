@@ -116,7 +116,7 @@ class GeometryVolume:
         for index in range(len(views)):
             self._add_view(commands, maps, index)
         blockers = self.blockers
-        blockers.version += 1
+        blockers.note_change()
         self._faces.dispatch(
             commands, blockers.placement.count, params=self._params(maps, 0),
             volume=self._volume, reflected=self._reflected, faces=blockers.faces,
