@@ -12,8 +12,18 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.lighting.direct import Direct
 from airlight.lighting.places import _Places
+from airlight.lighting.view import View
 from airlight.rendering import Renderer
-from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene
+from airlight.scene import (
+    Camera,
+    Environment,
+    Material,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    Volume,
+)
 
 SIZE = (37, 26)
 SETTINGS = {"resolution": 8, "iterations": 4, "surfels": 5000, "sky_lights": 8,
@@ -111,3 +121,61 @@ def test_a_picture_that_was_not_drawn_is_not_kept(
     assert expected and after and kept
     np.testing.assert_array_equal(after.radiance, expected.radiance)
     np.testing.assert_array_equal(kept.radiance, expected.radiance)
+
+
+@pytest.mark.parametrize("changed", ["medium", "volumes"])
+def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed: str) -> None:
+    """The sky's light comes through the air: the camera stands, the air gets thicker."""
+    rng, bounds = np.random.default_rng(3), ((-2.0, 0.0, -2.5), (2.0, 2.0, 0.5))
+    thin, thick = (rng.random((4, 5, 6)).astype(np.float32) ** power for power in (4.0, 0.3))
+    puff = Volume((0.5, 0.7, 0.9), thin, bounds=bounds)
+    foggy = dataclasses.replace(corner, medium=Medium((0.05, 0.1, 0.1)), volumes=(puff,))
+    after: dict[str, Any] = {
+        "medium": {"medium": Medium((0.4, 0.2, 0.3))},
+        "volumes": {"volumes": (dataclasses.replace(puff, density=thick),)},
+    }[changed]
+
+    def drawn(*, before: int) -> list[Any]:
+        with Renderer(foggy, "lpv-march", SIZE, settings=SETTINGS) as renderer:
+            pictures = [renderer.frame() for _ in range(before)]
+            renderer.scene = dataclasses.replace(renderer.scene, **after)
+            pictures += [renderer.frame() for _ in range(3)]
+            places = renderer.technique._places
+            assert (places is not None and places._kept is not None) == gpu.is_cpu
+        return pictures
+
+    used, fresh = drawn(before=2), drawn(before=0)[0]
+    assert not np.array_equal(used[1].radiance, used[2].radiance)
+    for picture in used[2:]:
+        for name in ("direct", "indirect"):
+            np.testing.assert_array_equal(picture.layers[name], fresh.layers[name])
+
+
+def test_another_size_and_back(corner: Scene) -> None:
+    with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
+        expected = [renderer.frame() for _ in range(2)][-1]
+        renderer.resize((20, 17))
+        for _ in range(2):
+            renderer.frame()
+        renderer.resize(SIZE)
+        got = [renderer.frame() for _ in range(3)]
+    for picture in got:
+        np.testing.assert_array_equal(picture.radiance, expected.radiance)
+
+
+def test_two_views_by_turns(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]) -> None:
+    aside = dataclasses.replace(corner.camera, position=(-0.9, 0.8, 2.5))
+    with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
+        technique, commands = renderer.technique, renderer.commands
+        expected = []
+        for camera in (corner.camera, aside):
+            renderer.frame(camera=camera)
+            expected.append(renderer.frame(camera=camera).layers["direct"])
+        views = [owned(View(gpu, SIZE)) for _ in expected]
+        for turns in ((0, 1), (1, 0), (0, 0), (1, 1), (0, 1)):
+            for turn in turns:
+                views[turn].aim((corner.camera, aside)[turn])
+                technique.draw(commands, views[turn])
+                commands.submit()
+                got = technique.pictures(views[turn])["direct"].read()[..., :3]
+                np.testing.assert_array_equal(got, expected[turn])
