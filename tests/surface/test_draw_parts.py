@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from airlight.scene import Material, Texture
 from airlight.surface import draw_parts
-from airlight.surface.draw_parts import DrawParts
+from airlight.surface.draw_parts import DrawParts, later_last
 
 
 @pytest.fixture
@@ -54,3 +55,22 @@ def test_no_more_are_kept_than_there_are_views(on_device, square, parts, monkeyp
     made = [parts.of(scene, draws) for draws in some]
     assert parts.of(scene, some[2]) is made[2]
     assert parts.of(scene, some[0]) is not made[0]
+
+
+def test_what_is_drawn_in_a_second_step_comes_last(on_device, square):
+    glowing = Material(emission_texture=Texture(np.full((2, 2, 4), 255, np.uint8)))
+    corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    colors = np.full((4, 4), 0.5, np.float32)
+    holed = Material(alpha_cutoff=0.5)
+    scene = on_device(
+        square(*corners, colors=colors), square(*corners, glowing), square(*corners, holed),
+        square(*corners, Material()),
+    )  # fmt: skip
+    found = later_last(scene, scene.draws)
+    late = [scene.comes_later(draw) for draw in found]
+    assert late == [False, False, True, True]
+    for is_late in (False, True):
+        wanted = [draw for draw in scene.draws if scene.comes_later(draw) is is_late]
+        assert [draw for draw in found if scene.comes_later(draw) is is_late] == wanted
+    plain = on_device(square(*corners), square(*corners, holed))
+    assert later_last(plain, plain.draws) is plain.draws

@@ -232,3 +232,54 @@ def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, s
     ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), meshes, (0, 0, 20.0))
     np.testing.assert_array_equal(ours[0], plain[0])
     np.testing.assert_array_equal(ours[1], plain[1])
+
+
+_COLORS = np.full((4, 4), 0.5, np.float32)
+KINDS = {
+    "plain": (Material(base_color=(0.1, 0.2, 0.9)), {}),
+    "other": (Material(base_color=(0.9, 0.2, 0.1)), {}),
+    "glowing": (Material(base_color=(0.1, 0.9, 0.1), emission=(1, 1, 1),
+                         emission_texture=_map()), {}),
+    "coloured": (Material(base_color=(0.9, 0.9, 0.1)), {"colors": _COLORS}),
+    "holed": (_painted(alpha_cutoff=0.6), {}),
+    "one-sided": (Material(base_color=(0.1, 0.9, 0.9), two_sided=False), {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("depth_first_px", [0.0, 1e9])
+@pytest.mark.parametrize(
+    ("kinds", "seen"),
+    [
+        (("plain", "other"), 1), (("other", "plain"), 1),
+        (("plain", "glowing"), 1), (("glowing", "plain"), 0),
+        (("one-sided", "glowing"), 1), (("glowing", "one-sided"), 0),
+        (("plain", "coloured"), 1), (("coloured", "plain"), 0),
+        (("glowing", "coloured", "other"), None), (("plain", "holed"), None),
+        (("holed", "glowing"), None), (("holed", "coloured"), None),
+        (("holed", "coloured", "plain", "glowing"), None),
+    ],
+)  # fmt: skip
+def test_of_surfaces_in_one_place_both_ways_see_the_same(
+    gpu, commands, square, monkeypatch, kinds, seen, depth_first_px
+):
+    if not gpu.is_cpu:
+        pytest.skip("software drivers alone draw this way")
+    monkeypatch.setattr("airlight.surface.gbuffer.DEPTH_FIRST_PX", depth_first_px)
+    paints = [KINDS[kind] for kind in kinds]
+    meshes = tuple(
+        square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), paint, uvs=UVS, **more)
+        for paint, more in paints
+    )
+    scene = Scene(meshes=meshes)
+    ours, plain = _drawn(gpu, commands, scene, meshes, (0.4, 0.9, 2.2))
+    np.testing.assert_array_equal(ours[0], plain[0])
+    np.testing.assert_allclose(ours[1], plain[1], atol=0.02)
+    np.testing.assert_allclose(ours[3], plain[3], atol=0.02)
+    if seen is not None:
+        color = np.array(paints[seen][0].base_color) * (0.5 if "colors" in paints[seen][1] else 1.0)
+        middle = ours[1][SIZE[1] // 2, SIZE[0] // 2, :3]
+        np.testing.assert_allclose(middle, color, atol=1e-3)
+    light = DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0))
+    (depth, _, flux), (depth_0, _, flux_0) = _lit(gpu, commands, scene, light)
+    np.testing.assert_array_equal(depth, depth_0)
+    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())

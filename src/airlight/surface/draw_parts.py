@@ -13,6 +13,19 @@ from .geometry import VIEWS_KEPT, Draw, GpuScene
 Parts = TypeVar("Parts")
 
 
+def later_last(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
+    """`draws` in the order in which they are drawn on every device.
+
+    Of surfaces in one place the last is seen: what software drivers draw in a second step (see
+    `GpuScene.comes_later`) is last on GPUs, too.
+    """
+    is_late = [scene.comes_later(draw) for draw in draws]
+    if not any(is_late) or all(is_late):
+        return draws
+    late = [draw for draw, late in zip(draws, is_late, strict=True) if late]
+    return [draw for draw, late in zip(draws, is_late, strict=True) if not late] + late
+
+
 class DrawParts(Generic[Parts]):
     """`make` of each list that `GpuScene.visible` gives, kept as long as that gives it again."""
 

@@ -11,10 +11,11 @@ from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
-from .draw_parts import DrawParts
+from .draw_parts import DrawParts, later_last
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
-from .visible import SeenParams, VisibleSurfaces, draws_visible
+from .packed_maps import draws_visible
+from .visible import SeenParams, VisibleSurfaces
 
 DEPTH_FIRST_PX = 0.8
 """Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once.
@@ -34,6 +35,7 @@ class _Depth(DepthPipeline):
 
 class _Cutout(MeshPipeline):
     slots = _Depth.slots
+    depth_compare = "greater-equal"  # of two surfaces in one place the later one is seen
     targets = ("rgba16float", "rgba16float", "rgba16float")
     file = "gbuffer.wgsl"
 
@@ -120,7 +122,8 @@ class GBuffer:
             return *self._visible.split(scene, draws), False
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
         is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
-        return [d for d in draws if d.material.alpha_cutoff <= 0.0], draws, is_depth_first
+        opaque = [draw for draw in draws if draw.material.alpha_cutoff <= 0.0]
+        return opaque, later_last(scene, draws), is_depth_first
 
     def _draw(
         self, commands: Commands, scene: GpuScene, used: MeshPass, draws: list[Draw],

@@ -17,6 +17,7 @@ from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
+from .packed_maps import is_packable
 from .seen_triangles import SeenTriangles
 from .textures import TextureStore
 
@@ -103,6 +104,7 @@ class GpuScene:
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
         self._materials = list(materials.values())
+        self._is_packable: dict[int, bool] = {}
         self._seen: SeenTriangles | None = None
         self.materials = buffer_of(
             gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
@@ -191,6 +193,13 @@ class GpuScene:
             if self._seen:
                 self._seen.deform(first, geometry)
         return bool(changed)
+
+    def comes_later(self, draw: Draw) -> bool:
+        """Whether software drivers cannot draw it by triangles that pixels see, however few."""
+        key = id(draw.material)
+        if key not in self._is_packable:
+            self._is_packable[key] = is_packable(draw.material)
+        return not self._is_packable[key] or self._uploaded[draw.base_vertex].colors is not None
 
     @property
     def seen(self) -> SeenTriangles:

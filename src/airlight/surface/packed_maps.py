@@ -24,6 +24,11 @@ _MOST_SIDE = 65535
 _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 
+def draws_visible(gpu: Gpu) -> bool:
+    """Whether it is faster on a device to draw which triangle pixels see, and so to pack maps."""
+    return gpu.is_cpu and "shader-int64" in gpu.features
+
+
 def most_texels(gpu: Gpu) -> int:
     """Of all maps together, in one storage buffer of at most 512 MB: where a driver binds no more
     than 128 MB, a single map of 4096 x 4096 texels and its smaller levels do not fit."""

@@ -17,12 +17,13 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
-from .draw_parts import DrawParts
+from .draw_parts import DrawParts, later_last
 from .geometry import Draw, GpuScene
 from .light_table import light_fields
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
-from .visible import SEEN_SLOTS, VisibleSurfaces, draws_visible
+from .packed_maps import draws_visible
+from .visible import SEEN_SLOTS, VisibleSurfaces
 
 
 class ReflectiveParams(Struct):
@@ -41,7 +42,7 @@ class ReflectiveParams(Struct):
 class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
     targets = ("rgba16float", "rgba16float")
-    depth_compare = "less"
+    depth_compare = "less-equal"  # as cameras see it: of two surfaces in one place the later one
     maps = ("base_color",)
     file = "reflective.wgsl"
 
@@ -76,7 +77,7 @@ class ReflectiveShadowMaps:
             if layers and draws_visible(gpu)
             else None
         )
-        self._parts = DrawParts(VisibleSurfaces.split)
+        self._parts = DrawParts(self._split)
         self._drawn: dict[int, tuple[int, bytes, Light] | None] = {}
         self.version = 0
         """Raised whenever a map was drawn anew."""
@@ -130,8 +131,8 @@ class ReflectiveShadowMaps:
             **{name: fields[name] for name in names},
         )  # fmt: skip
         draws, keep = scene.visible(view.clip_from_world), False
+        first, draws = self._parts.of(scene, draws)
         if self._visible:
-            first, draws = self._parts.of(scene, draws)
             if first or not draws:
                 self._draw_seen(commands, scene, layer, view, params, first)
             if not draws:
@@ -142,6 +143,12 @@ class ReflectiveShadowMaps:
             "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(commands, encoder, scene, draws, params)
+
+    def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
+        """What is drawn by triangles that texels see, and then the rest."""
+        if self._visible:
+            return self._visible.split(scene, draws)
+        return [], later_last(scene, draws)
 
     def _draw_seen(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView,

@@ -13,6 +13,7 @@ from ..gpu.memory import Sampler, Texture
 from ..maths.colour import srgb_decode, srgb_encode
 from ..scene.material import Texture as SceneTexture
 from ..scene.material import Wrap
+from .packed_maps import draws_visible
 
 _WRAPS: dict[Wrap, str] = {
     "repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"
@@ -41,11 +42,11 @@ class TextureStore:
         return found[1]
 
     def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
-        """Its mip chain, kept until `forget_chains` where a software driver has it packed, too."""
+        """Its mip chain, kept until `forget_chains` where it will be packed, too."""
         found = self._chains.get(id(texture))
         if found is None:
             found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
-            if self.gpu.is_cpu:
+            if draws_visible(self.gpu):
                 self._chains[id(texture)] = found
         return found[1]
 

@@ -17,6 +17,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
+from .draw_parts import later_last
 from .geometry import Draw, GpuScene
 from .mesh_pass import (
     INSTANCE_PLACES,
@@ -27,11 +28,6 @@ from .mesh_pass import (
     MeshPipeline,
 )
 from .seen_triangles import SeenInstance
-
-
-def draws_visible(gpu: Gpu) -> bool:
-    """Whether this is the faster way on a device."""
-    return gpu.is_cpu and "shader-int64" in gpu.features
 
 
 class VisibleParams(Struct):
@@ -64,7 +60,7 @@ class _Visible(MeshPipeline):
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = (
         VERTEX_BUFFERS[0], INSTANCE_PLACES, _WHAT
     )  # fmt: skip
-    # Of two surfaces in one place the later one is seen, as where depth is drawn first.
+    # Of two surfaces in one place the later one is seen: see `later_last`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)
     maps: ClassVar[tuple[str, ...]] = ()
@@ -91,11 +87,11 @@ class _VisibleCutout(_Visible):
 
 
 class _VisibleToLight(_Visible):
-    depth_compare = "less"
+    depth_compare = "less-equal"
 
 
 class _CutoutToLight(_VisibleCutout):
-    depth_compare = "less"
+    depth_compare = "less-equal"
 
 
 SEEN_SLOTS = (
@@ -138,14 +134,18 @@ class VisibleSurfaces:
 
     @staticmethod
     def split(scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
-        """The draws that can be drawn this way, for `encode`, and the rest."""
+        """The draws that can be drawn this way, for `encode`, and the rest, to be drawn over them.
+
+        Those alone that did not fit into memory are out of the order of `later_last`.
+        """
         shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in draws]
+        rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
         seen = scene.seen
         return (
             [replace(draw, base_vertex=seen.base_vertex[draw.base_vertex],
                      first_index=seen.first_index[draw.base_vertex])
              for draw, is_shown in zip(draws, shown, strict=True) if is_shown],
-            [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown],
+            later_last(scene, rest),
         )  # fmt: skip
 
     def encode(
