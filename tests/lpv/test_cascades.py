@@ -7,6 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from airlight.lpv import lpv
+from airlight.lpv.cascades import follow
 from airlight.rendering import Renderer, render
 from airlight.scene import Camera, Material, Mesh, PointLight, shapes
 from airlight.scene.builtin import cornell, room
@@ -155,6 +157,35 @@ def test_a_teleport_leaves_nothing_of_where_it_was(gpu):
         back = still.picture(camera=scene.camera)
     # hysteresis may leave a lattice a cell beside where it began
     assert np.abs(back - first).mean() < 0.01 * first.mean()
+
+
+def test_lattices_go_on_to_where_a_camera_that_stands_still_wants_them(gpu, monkeypatch):
+    scene = inside()
+    asked = []
+
+    def counted(*given, **named):
+        asked.append(given)
+        return follow(*given, **named)
+
+    monkeypatch.setattr(lpv, "follow", counted)
+    settings = {"cascades": 4, "cascade_ratio": 1.5, "iterations": 1, "resolution": 8}
+    with Still(scene, **settings) as still:
+        still.picture()
+        assert len(asked) == 1
+        still.picture()
+        assert len(asked) == 1
+        # Far enough for two lattices, not so far that one of them is lost: one after the other.
+        cells = [part.placement.cell for part in still.technique.cascades]
+        aside = moved(scene.camera, (0.0, 0.0, -1.2 * cells[1]))
+        places = []
+        for _ in range(5):
+            still.picture(camera=aside)
+            places.append(tuple(place.origin for place in still.technique.placements))
+        assert len(set(places)) == len(asked) - 1 > 1
+        assert places[-1] == places[-2] == places[-3]
+        wanted = follow(still.technique.nest, still.technique.cascades, aside, is_first=False)
+        assert wanted
+        assert tuple(place.origin for place in still.technique.placements) == places[-1]
 
 
 def test_a_small_object_that_moves_is_left_to_the_finest(gpu):

@@ -62,14 +62,15 @@ def cascade(
     )  # fmt: skip
 
 
-def follow(nest: Nest, cascades: Sequence[Cascade], camera: Camera, *, is_first: bool) -> None:
+def follow(nest: Nest, cascades: Sequence[Cascade], camera: Camera, *, is_first: bool) -> bool:
     """Move the lattices (the finest first) to where the camera wants them.
 
     One of them at most, but for those whose cells would no longer reach what is read of them.
+    Returns whether all are where it wants them: then the same camera moves none.
     """
     eye = np.asarray(camera.position, np.float64)
     look = np.subtract(camera.target, camera.position)
-    may_move = True
+    may_move = is_settled = True
     for level, part in enumerate(cascades):
         if not nest.follows(level):
             continue
@@ -77,6 +78,7 @@ def follow(nest: Nest, cascades: Sequence[Cascade], camera: Camera, *, is_first:
         now = snapped(nest, level, centre, None if is_first else part.placement)
         moves = now.origin != part.placement.origin
         if moves and not (may_move or is_first or is_lost(part.placement, centre)):
-            now, moves = part.placement, False
+            now, moves, is_settled = part.placement, False, False
         may_move = may_move and not moves
         part.place(faded(nest, level, now, centre))
+    return is_settled

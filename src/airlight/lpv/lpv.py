@@ -27,6 +27,7 @@ from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
 from ..lighting.direct import Direct, SurfaceSettings, lattice_box
 from ..maths.lattice6 import Scheme, enough_steps, spread_kept
+from ..scene.camera import Camera
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -126,6 +127,7 @@ class Lpv(Direct):
                 source=settings.surfel_source,
             )  # fmt: skip
         self._is_first = True
+        self._followed: Camera | None = None  # for whom all lattices stand where they should
         self._lit_by: tuple[Any, ...] | None = None
 
     def outermost(self, scene: Scene) -> Placement:
@@ -172,8 +174,10 @@ class Lpv(Direct):
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Shadow maps -> inject -> propagate -> textures."""
-        follow(self.nest, self.cascades, scene.camera, is_first=self._is_first)
-        self._is_first = False
+        if scene.camera != self._followed:
+            is_settled = follow(self.nest, self.cascades, scene.camera, is_first=self._is_first)
+            self._followed = scene.camera if is_settled else None
+            self._is_first = False
         self.placement = self.cascades[-1].placement
         low, high = self._bounds(scene)
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups

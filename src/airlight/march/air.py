@@ -6,6 +6,7 @@ resources `Air.bound`. Extinctions add up; each medium keeps its own albedo and 
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -60,6 +61,9 @@ class Air:
         self._linear = linear_sampler(gpu, "air")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
+        # What the table was made of: media, which are frozen, and what those without bounds fill.
+        self._media: tuple[object, ...] = ()
+        self._box: tuple[float, ...] = ()
         self.version = 0
         self._noise = detail_texture(gpu) if _has_detail(scene) else None
         has_detail = self._noise is not None
@@ -91,6 +95,19 @@ class Air:
         low..high, metres: what a medium without bounds fills, with the camera. Raises SceneError
         where the media are of other kinds than at creation.
         """
+        changed = self._take_media(scene, low, high)
+        self.version += int(changed)
+        if self.columns is not None:
+            self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+
+    def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
+        """Bring the table and the grids up to date; returns whether anything changed."""
+        box = (*map(float, low), *map(float, high), *scene.camera.position)
+        media = (scene.medium, *scene.volumes)
+        if box == self._box and len(media) == len(self._media) and all(
+            map(operator.is_, media, self._media)
+        ):  # fmt: skip
+            return False
         if _kinds(scene) != self._kinds:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         self.rows = self._rows(scene, low, high)
@@ -99,9 +116,8 @@ class Air:
         if packed.tobytes() != self._written:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
-        self.version += int(changed)
-        if self.columns is not None:
-            self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+        self._box, self._media = box, media
+        return changed
 
     def _take_densities(self, scene: Scene) -> bool:
         """Upload the densities that are not the last frame's; returns whether there were any."""
