@@ -80,6 +80,7 @@ def test_what_they_depend_on_makes_them_anew(
         ({}, False),
         ({"lights": (PointLight((-0.5, 1.3, -0.5), (4, 8, 8)),)}, False),
         ({"camera": camera}, True),
+        ({"camera": dataclasses.replace(camera, target=(-0.5, 0.2, -1.0))}, True),
         ({"environment": Environment((0.6, 0.2, 0.1))}, True),
         ({"meshes": (corner.meshes[0], nearer, corner.meshes[2])}, True),
     ]
@@ -151,6 +152,20 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
             np.testing.assert_array_equal(picture.layers[name], fresh.layers[name])
 
 
+def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> None:
+    """With another light other surfels are seen, and walls are bent otherwise."""
+    settings = {**SETTINGS, "surfel_source": "views", "surfel_resolution": 32,
+                "keep_surfels": False}  # fmt: skip
+    away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
+    with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
+        pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
+        assert (renderer.technique._places is not None) == gpu.is_cpu
+    with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
+        fresh = renderer.frame(**away)
+    for picture in pictures[2:]:
+        np.testing.assert_array_equal(picture.radiance, fresh.radiance)
+
+
 def test_another_size_and_back(corner: Scene) -> None:
     with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
         expected = [renderer.frame() for _ in range(2)][-1]
@@ -164,7 +179,7 @@ def test_another_size_and_back(corner: Scene) -> None:
 
 
 def test_two_views_by_turns(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]) -> None:
-    aside = dataclasses.replace(corner.camera, position=(-0.9, 0.8, 2.5))
+    aside = dataclasses.replace(corner.camera, target=(-0.5, 0.2, -1.0))  # from the same eye
     with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
         technique, commands = renderer.technique, renderer.commands
         expected = []

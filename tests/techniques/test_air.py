@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from airlight.rendering import Renderer, render
-from airlight.scene import Medium
+from airlight.scene import Environment, Medium
 
 from .conftest import SIZE, SMALL
 
@@ -86,3 +86,19 @@ def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
             place = renderer.technique.placement
         ends = float(place.bounds[1][1])
         assert top <= ends <= top + 2.6 * place.cell
+
+
+def test_the_sky_s_air_follows_blockers_that_views_see(foggy_box):
+    """Where cells are bent by walls, others seen by a moved camera make them anew."""
+    scene = replace(foggy_box, environment=Environment((0.3, 0.4, 0.5)))
+    scene = replace(scene, medium=Medium((0.2,) * 3, bounds=((-1, 0, -1), (1, 1, 1))))
+    settings = {**SMALL, "sky_lights": 4, "sky_resolution": 8, "surfel_source": "views",
+                "surfel_resolution": 16}  # fmt: skip
+    x, y, z = scene.camera.position
+    with Renderer(scene, "lpv-march", SIZE, settings=settings) as renderer:
+        versions = []
+        for camera in (scene.camera, scene.camera, replace(scene.camera, position=(x, y, z - 0.1))):
+            renderer.frame(camera=camera, read=False)
+            technique = renderer.technique
+            versions.append((technique.blockers.version, technique.sky_air.version))
+    assert versions == [(1, 1), (1, 1), (2, 2)]

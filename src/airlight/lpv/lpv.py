@@ -236,10 +236,11 @@ class Lpv(Direct):
         changed = self.sky.encode(commands, self.meshes, scene.environment, self.blockers.bound)
         for part, has_moved in zip(self.cascades, moved, strict=True):
             part.is_stale = part.is_stale or changed or has_moved or scale != self._steady_scale
-            if (changed or has_moved) and part.skylight is not self.sky.skylight:
-                self.sky.light(
-                    commands, part.skylight, part.blockers.bound, is_same_light=not changed
-                )
+            is_done = changed and part.skylight is self.sky.skylight
+            if (changed or has_moved) and not is_done:
+                # Seen surfels change where no lattice moved.
+                is_same = not changed and self.seen is None
+                self.sky.light(commands, part.skylight, part.blockers.bound, is_same_light=is_same)
         self._steady_scale = scale
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:

@@ -85,7 +85,8 @@ class InAir(Direct):
                 self.texture_size,
                 solved=self.solved(scene),
             )
-        self._shadows, self._sky_meshes = (-1, -1), -1  # versions of what was last drawn
+        # Versions of what shafts and the sky's air were made with.
+        self._shadows, self._sky_seen = (-1, -1), (-1, -1)
         is_endless = scene.medium is not None and scene.medium.endless
         self.far = FarAir(gpu) if is_endless else None
         self._far: FarSource | None = None
@@ -116,8 +117,8 @@ class InAir(Direct):
         self._shadows = versions
         self._take_far(scene)
         if self.sky_air:
-            is_moved = self.meshes.version != self._sky_meshes
-            self._sky_meshes = self.meshes.version
+            seen = (self.meshes.version, self.blockers.version)
+            is_moved, self._sky_seen = seen != self._sky_seen, seen
             with commands.stage("sky"):
                 self.sky_air.encode(commands, scene, *self._bounds(scene), self.blockers.walls,
                                     self.placements, shadows_changed=is_moved)  # fmt: skip
