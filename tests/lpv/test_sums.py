@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lpv.storage import FORMATS
@@ -49,3 +50,17 @@ def test_half_floats_add_up_in_their_own_units(gpu, commands, owned):
     sums.add_to_total(commands, state, total)
     commands.submit()
     assert np.unique(total.read()) == 1.0
+
+
+@pytest.mark.parametrize("format", ["float32", "float16"])
+def test_the_first_state_takes_the_place_of_what_was_there(gpu, commands, owned, format):
+    dtype = np.dtype(format)
+    states = np.full((2, 3, CELLS, 4), 2.0, dtype) * np.array([1, 3], dtype)[:, None, None, None]
+    scale = owned(buffer_of(gpu, "range", np.ones(4, np.float32)))
+    sums = owned(Sums(gpu, CELLS, FORMATS[format], scale))
+    total = owned(buffer_of(gpu, "total", np.full(3 * CELLS * 4, 7.0, np.float32)))
+    for index, state in enumerate(states):
+        block = owned(buffer_of(gpu, "state", state))
+        sums.add_to_total(commands, block, total, is_first=index == 0)
+    commands.submit()
+    np.testing.assert_array_equal(total.read(), np.full(3 * CELLS * 4, 8.0, np.float32))

@@ -22,6 +22,6 @@ fn tail(channel: u32) -> f32 {
         if (params.is_tail != 0u) {
             gain *= tail(at / (params.values / 3u));
         }
-        total[at] += gain * unpacked(state[at]);
+        total[at] = select(total[at], vec4f(0.0), params.is_first != 0u) + gain * unpacked(state[at]);
     }
 }

@@ -76,12 +76,11 @@ class Propagate:
         """
         total = self._total
         blocks = 0 if self.scheme == "paper" else iterations // BLOCK
+        if iterations < 1:
+            commands.encoder.clear_buffer(total.handle)
+            return total
         # One block is the sum, where states are kept as sums are.
         is_block = iterations == BLOCK and blocks == 1 and self._pack.format is FLOAT
-        if not is_block:
-            commands.encoder.clear_buffer(total.handle)
-        if iterations < 1:
-            return total
         return self._recorded.encode(
             commands, (injected, faces, iterations, has_tail),
             lambda: self._summed(commands, injected, faces, iterations, blocks,
@@ -92,13 +91,14 @@ class Propagate:
         self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, blocks: int, *,
         is_block: bool, has_tail: bool,
     ) -> Buffer:  # fmt: skip
-        """All steps; where not `is_block` the total is black."""
+        """All steps; `is_block`: the first block is the sum."""
         (block, ping, pong), total = self._states, self._total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
         self._first.encode(commands, self._stored(commands, injected), block, faces, kept=0.0)
-        for left in range(iterations - BLOCK * blocks, 0, -1):
-            self._sums.add_to_total(commands, block, total)
+        singles = iterations - BLOCK * blocks
+        for left in range(singles, 0, -1):
+            self._sums.add_to_total(commands, block, total, is_first=left == singles)
             if left > 1 or blocks:
                 self._later.encode(commands, block, ping, faces)
                 block, ping = ping, block
@@ -107,7 +107,9 @@ class Propagate:
         block, spare = self._doubled(commands, block, (ping, pong), faces)
         if is_block:
             return block
-        self._sum_blocks(commands, block, total, spare, faces, blocks, has_tail=has_tail)
+        self._sum_blocks(
+            commands, block, total, spare, faces, blocks, has_tail=has_tail, is_first=not singles
+        )
         return total
 
     def _doubled(
@@ -124,10 +126,10 @@ class Propagate:
 
     def _sum_blocks(
         self, commands: Commands, block: Buffer, total: Buffer, spare: tuple[Buffer, Buffer],
-        faces: Buffer, blocks: int, *, has_tail: bool,
+        faces: Buffer, blocks: int, *, has_tail: bool, is_first: bool,
     ) -> None:  # fmt: skip
         """Add `blocks` times BLOCK states to `total`, the sum of the first of them in `block`."""
-        self._sums.add_to_total(commands, block, total)
+        self._sums.add_to_total(commands, block, total, is_first=is_first)
         has_tail = has_tail and blocks >= _TAIL_BLOCKS
         for index in range(1, blocks):
             if has_tail and index == blocks - 1:

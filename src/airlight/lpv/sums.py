@@ -19,6 +19,7 @@ class AccumulateParams(Struct):
 
     values = u32("vec4 values in the lattice")
     is_tail = u32("1: add what the states after this block would add")
+    is_first = u32("1: whatever the total was is forgotten")
 
 
 class PowerParams(Struct):
@@ -39,16 +40,20 @@ class Sums:
         self._accumulate = _accumulate_pass(gpu, format)
 
     def add_to_total(
-        self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False
-    ) -> None:
+        self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False,
+        is_first: bool = False,
+    ) -> None:  # fmt: skip
         """total += state (float32, W sr^-1), or what all blocks after it would be.
+
+        `is_first`: total = state.
 
         The ratio of the two powers that were measured says how blocks shrink.
         """
         values = 3 * self._cells
         self._accumulate.dispatch(
             commands, (-(-values // self._per_lane),),
-            params=AccumulateParams.of(values=values, is_tail=int(is_tail)), state=state,
+            params=AccumulateParams.of(values=values, is_tail=int(is_tail), is_first=int(is_first)),
+            state=state,
             powers=self._powers, range=self._range, total=total,
         )  # fmt: skip
 
