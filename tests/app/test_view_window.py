@@ -203,6 +203,7 @@ def test_a_click_at_rest_opens_the_list_of_techniques(desk):
 @pytest.mark.slow
 def test_ctrl_c_in_the_middle_of_frames_ends_it_quietly(desk):
     # The last test of this desk. Seen before: the window's texture gone when it was submitted.
+    desk.rested()
     desk.do("keydown", "a")
     time.sleep(1.0)
     desk.viewer.send_signal(signal.SIGINT)
