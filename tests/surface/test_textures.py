@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,8 @@ def test_a_texture_is_uploaded_once(gpu, owned):
     np.testing.assert_array_equal(made.read(), pixels)
     assert store.get(Texture(pixels, is_srgb=False), store.white).format == "rgba8unorm"
     assert store.get(None, store.flat_normal) is store.flat_normal
+    placed = dataclasses.replace(texture, scale=(2.0, 2.0))  # another of the same image
+    assert store.get(placed, store.white) is made
 
 
 def test_samplers_are_shared_by_their_wrapping(gpu, owned):

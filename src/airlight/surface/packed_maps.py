@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,11 @@ def _maps(m: Material) -> list[Texture]:
     return [t for t in found if t is not None]
 
 
+def image_of(texture: Texture) -> tuple[int, bool]:
+    """The same for textures that show the same image; its id holds while one of them is kept."""
+    return (id(texture.pixels), texture.is_srgb)
+
+
 class PackedMaps:
     """`texels` (N, 2) uint32; `of` gives a material's place in them."""
 
@@ -71,7 +77,7 @@ class PackedMaps:
         self._parts: list[NDArray[np.uint32]] = []
         self._length = 0
         self._kept: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
-        self._places: dict[tuple[int, ...], tuple[int, int, int, int] | None] = {}
+        self._places: dict[tuple[Any, ...], tuple[int, int, int, int] | None] = {}
 
     def of(self, m: Material) -> tuple[int, int, int, int] | None:
         """(first, width | height << 16, flags, levels) of a material; None if it is not packable,
@@ -82,7 +88,7 @@ class PackedMaps:
         if not is_packable(m):
             return None
         maps = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
-        key = tuple(0 if t is None else id(t) for t in maps)
+        key = tuple(None if t is None else (image_of(t), t.wrap) for t in maps)
         if key not in self._places:
             self._kept.append(maps)
             self._places[key] = self._add(*maps)

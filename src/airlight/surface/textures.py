@@ -13,7 +13,7 @@ from ..gpu.memory import Sampler, Texture
 from ..maths.colour import srgb_decode, srgb_encode
 from ..scene.material import Texture as SceneTexture
 from ..scene.material import Wrap
-from .packed_maps import draws_visible
+from .packed_maps import draws_visible, image_of
 
 _WRAPS: dict[Wrap, str] = {
     "repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"
@@ -21,13 +21,15 @@ _WRAPS: dict[Wrap, str] = {
 
 
 class TextureStore:
-    """Uploads each scene texture once and keeps one sampler per way of wrapping."""
+    """Uploads each image once, however many textures show it, and keeps one sampler per way of
+    wrapping.
+    """
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu = gpu
-        self._textures: dict[int, tuple[SceneTexture, Texture]] = {}
+        self._textures: dict[tuple[int, bool], tuple[SceneTexture, Texture]] = {}
         self._samplers: dict[tuple[Wrap, Wrap], Sampler] = {}
-        self._chains: dict[int, tuple[SceneTexture, list[NDArray[np.uint8]]]] = {}
+        self._chains: dict[tuple[int, bool], tuple[SceneTexture, list[NDArray[np.uint8]]]] = {}
         self.white = _solid(gpu, "white", (255, 255, 255, 255))
         self.flat_normal = _solid(gpu, "flat normal", (128, 128, 255, 255))
 
@@ -35,19 +37,19 @@ class TextureStore:
         """The device's copy of `texture`."""
         if texture is None:
             return default
-        found = self._textures.get(id(texture))
+        found = self._textures.get(image_of(texture))
         if found is None:
             found = (texture, _uploaded(self.gpu, texture, self.chain(texture)))
-            self._textures[id(texture)] = found
+            self._textures[image_of(texture)] = found
         return found[1]
 
     def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
         """Its mip chain, kept until `forget_chains` where it will be packed, too."""
-        found = self._chains.get(id(texture))
+        found = self._chains.get(image_of(texture))
         if found is None:
             found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
             if draws_visible(self.gpu):
-                self._chains[id(texture)] = found
+                self._chains[image_of(texture)] = found
         return found[1]
 
     def forget_chains(self) -> None:
