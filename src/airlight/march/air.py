@@ -44,7 +44,10 @@ class Air:
         self, gpu: Gpu, scene: Scene, *, light_count: int, column_resolution: int = 48,
         solved: Sequence[Volume] = (),
     ) -> None:  # fmt: skip
-        """`solved` volumes bring their single scattering with their source: no shafts in them."""
+        """`light_count`: how many lights' columns through grids are asked for; 0 or all of them.
+
+        `solved` volumes bring their single scattering with their source: no shafts in them.
+        """
         self.gpu = gpu
         # By place: a frame may bring its volumes with other coefficients.
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
@@ -70,9 +73,11 @@ class Air:
         self._repeat = linear_sampler(gpu, "air detail", wrap="repeat")
         self.medium_slots = medium_slots(grids, has_detail=has_detail)
         self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
-        self.slots = self.medium_slots + column_slots(grids)
-        self.wgsl = self.medium_wgsl + column_wgsl(grids, light_count)
-        self.columns = self._columns(scene, light_count, column_resolution) if grids else None
+        # Who asks for no light's column is given none, whatever lights the scene has.
+        columns = grids if light_count else 0
+        self.slots = self.medium_slots + column_slots(columns)
+        self.wgsl = self.medium_wgsl + column_wgsl(columns, light_count)
+        self.columns = self._columns(scene, light_count, column_resolution) if columns else None
 
     @property
     def has_grids(self) -> bool:

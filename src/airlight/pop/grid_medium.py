@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,6 +51,13 @@ class GridMedium:
         self._own_voxels = voxels is None
         self._voxels = density_texture(gpu, volume) if voxels is None else voxels
         self._key: tuple[Any, ...] = ()
+
+    def meet(self, others: Sequence[GridMedium]) -> None:
+        """Know the other media from now on; none of them where it was made without room for any.
+
+        (Light that hops knows of no other medium.)
+        """
+        self.others = () if self.mix.is_alone else tuple(others)
 
     @property
     def volume(self) -> Volume:

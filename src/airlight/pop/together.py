@@ -19,8 +19,7 @@ ROUNDS = 1
 def introduce(solvers: Sequence[PopSolver]) -> None:
     """Tell each of the others; all were made with `others` of their number."""
     for solver in solvers:
-        others = (other.medium for other in solvers if other is not solver)
-        solver.medium.others = tuple(others)
+        solver.medium.meet([other.medium for other in solvers if other is not solver])
 
 
 def encode(
