@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from airlight import env
 from airlight.errors import DeviceError
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
@@ -20,10 +21,18 @@ from airlight.scene import Camera, Geometry, Material, Mesh, Scene
 from airlight.surface.geometry import GpuScene
 
 REPOSITORY = Path(__file__).parents[1]
+# Which adapter the tests run on, and which code paths they take, is the caller's choice.
+_ADAPTER, _PATHS = env.value("AIRLIGHT_ADAPTER"), env.value("AIRLIGHT_PATHS")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the tests that take minutes, too")
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """A test marked `both_paths` runs once on the paths of GPUs and once on those of CPUs."""
+    if metafunc.definition.get_closest_marker("both_paths"):
+        metafunc.parametrize("paths", ("gpu", "cpu"), indirect=True, scope="module")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -44,20 +53,32 @@ def shared_data() -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def paths(request: pytest.FixtureRequest) -> str:
+    """The code paths that a test takes: the caller's, or each in turn where it is `both_paths`."""
+    return str(getattr(request, "param", _PATHS))
+
+
 @pytest.fixture(autouse=True)
-def _no_switches(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory):
-    """No AIRLIGHT_* variable of the caller's reaches a test, and no test writes to his cache."""
+def _no_switches(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory, paths: str
+):
+    """No AIRLIGHT_* variable of the caller's reaches a test, and no test writes to his cache.
+
+    But the adapter and the code paths that he chose do.
+    """
     for name in [name for name in os.environ if name.startswith("AIRLIGHT_")]:
-        if name != "AIRLIGHT_ADAPTER":  # which adapter the tests run on is the caller's choice
-            monkeypatch.delenv(name)
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("AIRLIGHT_ADAPTER", _ADAPTER)
+    monkeypatch.setenv("AIRLIGHT_PATHS", paths)
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path_factory.getbasetemp() / "airlight-cache"))
 
 
-@pytest.fixture(scope="session")
-def gpu() -> Gpu:
-    """The device, opened once, or a skip with the reason."""
+@pytest.fixture(scope="module")
+def gpu(paths: str) -> Gpu:
+    """The device, opened once for each adapter and paths, or a skip with the reason."""
     try:
-        return open_gpu(os.environ.get("AIRLIGHT_ADAPTER", "auto"))
+        return open_gpu(_ADAPTER, paths)
     except DeviceError as error:
         pytest.skip(f"no graphics device: {error}")
 

@@ -142,6 +142,7 @@ class Renderer:
         """
         return {
             "device": self.gpu.info.name, "adapter_type": self.gpu.info.adapter_type,
+            "paths": self.gpu.paths,
             "frame_ms": _median(self.frame_ms[1:]), "python_ms": _median(self.python_ms[1:]),
             "first_image_s": self._first_image_s,
             "peak_gpu_bytes": self.gpu.peak_bytes, "size": list(self.size),

@@ -154,7 +154,8 @@ def test_every_table_has_as_many_cells_as_columns():
     kernel = {"side": 8, "is_blocked": False, "device_ms": times}
     with_c = kernel | {"is_blocked": True, "c_ms": times, "ratio_min": 1.0, "ratio_median": 2.0}
     machine = dict.fromkeys(
-        ("airlight", "device", "adapter_type", "backend", "cpu_cores", "python", "system"), "x"
+        ("airlight", "device", "adapter_type", "backend", "paths", "cpu_cores", "python", "system"),
+        "x",
     )
     results = {
         "machine": machine,

@@ -45,6 +45,32 @@ def test_the_switch_chooses(machine, capsys, monkeypatch):
     assert told["switches"]["AIRLIGHT_ADAPTER"] == "cpu"
 
 
+@pytest.mark.parametrize(("adapter", "switch", "expected"), [
+    (GPU, "", "gpu"), (CPU, "auto", "cpu"), (GPU, "cpu", "cpu"), (CPU, "GPU", "gpu"),
+])  # fmt: skip
+def test_the_code_paths_are_said(machine, capsys, monkeypatch, adapter, switch, expected):
+    machine(adapter)
+    monkeypatch.setenv("AIRLIGHT_PATHS", switch)
+    assert cli.run(["doctor"]) == 0
+    out = capsys.readouterr().out
+    assert f"  code paths: {expected}\n" in out
+    assert f"  AIRLIGHT_PATHS={switch or 'auto'}  " in out
+
+
+def test_code_paths_that_there_are_not_are_exit_2_after_the_whole_report(
+    machine, capsys, monkeypatch
+):
+    machine(CPU)
+    monkeypatch.setenv("AIRLIGHT_PATHS", "both")
+    assert cli.run(["doctor"]) == 2
+    out, err = capsys.readouterr()
+    assert "AIRLIGHT_PATHS=both" in out
+    assert err == (
+        "error: AIRLIGHT_PATHS: there are no paths 'both'. "
+        "Use auto (those made for the adapter), gpu or cpu\n"
+    )
+
+
 def test_no_driver_is_exit_2_with_the_remedy_after_the_whole_report(machine, capsys):
     machine()
     assert cli.run(["doctor"]) == 2

@@ -9,19 +9,10 @@ import pytest
 
 from airlight.app.view_build import Task, Turns, said
 from airlight.display.tone import Tone
-from airlight.errors import DeviceError, SettingsError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SettingsError
 from airlight.gpu.memory import Buffer, Texture
 
 _LONG_S = 20.0
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 class Toning:

@@ -13,8 +13,6 @@ from airlight.app import view_fine
 from airlight.app.view_build import Turns
 from airlight.app.view_fine import Fine, Shot, finer_settings
 from airlight.display.presenter import Look
-from airlight.errors import DeviceError
-from airlight.gpu.device import open_gpu
 from airlight.rendering import Renderer
 from airlight.scene import Medium
 from airlight.scene.io import load
@@ -23,14 +21,6 @@ from airlight.techniques import checked_settings
 SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0,
          "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
 SIZE = (24, 14)
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture

@@ -6,21 +6,12 @@ import pytest
 
 from airlight.app.view_build import Turns
 from airlight.app.view_making import Making
-from airlight.errors import DeviceError, SettingsError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SettingsError
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
 SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
          "ambient_occlusion": False}  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture

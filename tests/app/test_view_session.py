@@ -11,8 +11,7 @@ import pytest
 from airlight.app.view_controls import Turn
 from airlight.app.view_save import Saver
 from airlight.app.view_session import Session
-from airlight.errors import DeviceError, SettingsError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SettingsError
 from airlight.gpu.memory import Texture
 from airlight.maths.tone import display_srgb8
 from airlight.rendering import Renderer
@@ -39,14 +38,6 @@ irradiance = [3, 2.8, 2.5]
 [environment]
 radiance = 0.3
 """
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 class Screen:

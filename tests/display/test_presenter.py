@@ -6,22 +6,13 @@ import numpy as np
 import pytest
 
 from airlight.display.presenter import Look, Presenter, layer_names
-from airlight.errors import DeviceError, SettingsError
+from airlight.errors import SettingsError
 from airlight.gpu.commands import Commands
-from airlight.gpu.device import open_gpu
 from airlight.gpu.memory import Texture
 from airlight.lighting.view import View
 from airlight.maths.tone import TONE_CURVES, auto_exposure, display_srgb8
 
 SIZE = (20, 12)
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 def layer(gpu, pixels: np.ndarray) -> Texture:

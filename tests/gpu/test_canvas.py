@@ -5,18 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.errors import DeviceError
 from airlight.gpu.canvas import CanvasSurface
 from airlight.gpu.commands import Commands
-from airlight.gpu.device import open_gpu
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture

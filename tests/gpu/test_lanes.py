@@ -10,14 +10,14 @@ from airlight.gpu.lanes import has_row_lanes
 
 
 @pytest.mark.parametrize(
-    ("is_cpu", "features"),
+    ("takes_cpu_paths", "features"),
     [(False, ["subgroup", "shader-int64"]), (True, ["subgroup"]), (True, ["shader-int64"])],
 )
-def test_gpus_and_drivers_without_the_features_are_not_asked(is_cpu, features):
+def test_gpus_and_drivers_without_the_features_are_not_asked(takes_cpu_paths, features):
     class Device(SimpleNamespace):
         __hash__ = object.__hash__
 
-    assert not has_row_lanes(Device(is_cpu=is_cpu, features=features))
+    assert not has_row_lanes(Device(takes_cpu_paths=takes_cpu_paths, features=features))
 
 
 def test_mesas_software_driver_has_them(gpu):

@@ -7,23 +7,13 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from airlight.errors import DeviceError
 from airlight.gpu.commands import Commands
-from airlight.gpu.device import open_gpu
 from airlight.gpu.sliced import SlicedCommands
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
 SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 4,
          "surfels": 2000}  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 def drawn(commands: Commands) -> np.ndarray:

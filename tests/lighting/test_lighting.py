@@ -17,7 +17,7 @@ def least(gpu: Gpu) -> Gpu:
     """A device that has no more than those."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setitem(device._LIMITS, "max-sampled-textures-per-shader-stage", GRANTED)
-        return Gpu(gpu.info)
+        return Gpu(gpu.info, gpu.paths)
 
 
 @pytest.mark.parametrize("part", ["whole", "lights", "lattices"])

@@ -51,7 +51,7 @@ def test_kept_or_looked_up_with_the_light(
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         first = renderer.frame().layers
         kept = renderer.frame().layers
-        assert (renderer.technique._places is not None) == gpu.is_cpu
+        assert (renderer.technique._places is not None) == gpu.takes_cpu_paths
     monkeypatch.setattr(Direct, "_has_places", lambda *_: False)
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         looked_up = renderer.frame().layers
@@ -92,7 +92,7 @@ def test_what_they_depend_on_makes_them_anew(
             seen = renderer.frame(**change)
             assert not made
             kept = renderer.frame()
-            assert len(made) == (is_new and gpu.is_cpu)
+            assert len(made) == (is_new and gpu.takes_cpu_paths)
             np.testing.assert_array_equal(seen.radiance, kept.radiance)
         now = renderer.scene
     with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
@@ -105,7 +105,7 @@ def test_what_they_depend_on_makes_them_anew(
 def test_a_picture_that_was_not_drawn_is_not_kept(
     gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("places are kept on software drivers")
 
     def failing(*_: Any, **__: Any) -> None:
@@ -142,7 +142,7 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
             renderer.scene = dataclasses.replace(renderer.scene, **after)
             pictures += [renderer.frame() for _ in range(3)]
             places = renderer.technique._places
-            assert (places is not None and places._kept is not None) == gpu.is_cpu
+            assert (places is not None and places._kept is not None) == gpu.takes_cpu_paths
         return pictures
 
     used, fresh = drawn(before=2), drawn(before=0)[0]
@@ -159,7 +159,7 @@ def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> Non
     away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
-        assert (renderer.technique._places is not None) == gpu.is_cpu
+        assert (renderer.technique._places is not None) == gpu.takes_cpu_paths
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         fresh = renderer.frame(**away)
     for picture in pictures[2:]:

@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from airlight.errors import DeviceError
 from airlight.gpu.commands import Commands
-from airlight.gpu.device import Gpu, open_gpu
-
-
-@pytest.fixture(scope="session")
-def gpu() -> Gpu:
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(f"no graphics device: {error}")
+from airlight.gpu.device import Gpu
 
 
 @pytest.fixture

@@ -7,19 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from airlight.errors import DeviceError
-
-
-@pytest.fixture(scope="session")
-def gpu() -> Any:
-    """The device, or a skip with the reason."""
-    from airlight.gpu.device import open_gpu
-
-    try:
-        return open_gpu()
-    except DeviceError as error:
-        pytest.skip(f"no graphics device: {error}")
-
 
 @pytest.fixture
 def lattice(gpu: Any) -> Any:

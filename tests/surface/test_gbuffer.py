@@ -22,7 +22,7 @@ def way(request, monkeypatch, gpu):
     """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
     if request.param == "surfaces as they come":
         monkeypatch.setattr("airlight.surface.gbuffer.draws_visible", lambda gpu: False)
-    elif not gpu.is_cpu:
+    elif not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
 
 

@@ -20,7 +20,7 @@ def way(request, monkeypatch, gpu):
     """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
     if request.param == "surfaces as they come":
         monkeypatch.setattr("airlight.surface.reflective.draws_visible", lambda gpu: False)
-    elif not gpu.is_cpu:
+    elif not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
 
 

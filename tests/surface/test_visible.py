@@ -107,7 +107,7 @@ def _lit(gpu, commands, scene, light):
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
 def test_both_ways_see_the_same(gpu, commands, square, case, eye):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     meshes = [
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
@@ -134,7 +134,7 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
 ])  # fmt: skip
 @pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
 def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     meshes = tuple(
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
@@ -149,7 +149,7 @@ def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
 
 
 def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     still = square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
     g = still.geometry
@@ -163,7 +163,7 @@ def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
 
 @pytest.mark.parametrize("fitting", [0, 1])
 def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monkeypatch, fitting):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     texels = 16 * 16 * 4 // 3 + 8  # of a map, its levels and their table
     limit = "airlight.surface.seen_triangles.most_texels"
@@ -183,7 +183,7 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
 
 
 def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", 64 * 64 * 8)
     assert most_texels(gpu) == 64 * 64
@@ -198,7 +198,7 @@ def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, m
 def test_triangles_that_do_not_fit_are_drawn_as_they_come(
     gpu, commands, square, monkeypatch, triangles
 ):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     limit = "airlight.surface.seen_triangles.most_triangles"
     monkeypatch.setattr(limit, lambda gpu: triangles)
@@ -225,7 +225,7 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
 
 
 def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for k in range(40))
     bound = 60 * 80 + 8
@@ -264,7 +264,7 @@ KINDS = {
 def test_of_surfaces_in_one_place_both_ways_see_the_same(
     gpu, commands, square, monkeypatch, kinds, seen, depth_first_px
 ):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     monkeypatch.setattr("airlight.surface.gbuffer.DEPTH_FIRST_PX", depth_first_px)
     paints = [KINDS[kind] for kind in kinds]
@@ -330,7 +330,7 @@ def _uv_on_plane(clip, pixels, uv_of):
      ((-2.5, -2.0, 1.6), 6.0)],
 )  # fmt: skip
 def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, eye, repeats):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     noise = RNG.choice(np.array([0, 255], np.uint8), (8, 16, 4))  # as hard as edges come
     noise[..., 3] = 255
@@ -372,7 +372,7 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
 
 
 def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
-    if not gpu.is_cpu:
+    if not gpu.takes_cpu_paths:
         pytest.skip("software drivers alone draw this way")
     checks = (np.indices((16, 16)) // 2).sum(axis=0) % 2 * 255
     pixels = np.stack([checks, 255 - checks, 255 * np.eye(16), np.full((16, 16), 255)], axis=-1)

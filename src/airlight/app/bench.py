@@ -115,11 +115,13 @@ def machine(adapter: str) -> dict[str, Any]:
     """What was measured on. Raises DeviceError where there is no adapter."""
     from ..gpu.device import open_gpu
 
-    info = open_gpu(adapter).info
+    gpu = open_gpu(adapter)
+    info = gpu.info
     return {
         "airlight": __version__,
         "device": info.name,
         "adapter_type": info.adapter_type,
+        "paths": gpu.paths,
         "backend": info.backend,
         "driver": info.driver,
         "cpu_cores": os.cpu_count(),

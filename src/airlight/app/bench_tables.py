@@ -42,7 +42,8 @@ def heading(results: Mapping[str, Any]) -> str:
     """The machine in one line."""
     m = results["machine"]
     return (
-        f"airlight {m['airlight']} on {m['device']} ({m['adapter_type']}, {m['backend']}), "
+        f"airlight {m['airlight']} on {m['device']} ({m['adapter_type']}, {m['backend']}, "
+        f"{m['paths']} paths), "
         f"{m['cpu_cores']} CPU cores, Python {m['python']}, {m['system']}"
     )
 

@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 from .. import __version__, env
-from ..errors import DeviceError
+from ..errors import AirlightError
 from .options import adapter_option
 from .outputs import json_text
 
@@ -53,18 +53,19 @@ def command(adapter: str, as_json: bool) -> None:
         raise problem
 
 
-def graphics_facts(wanted: str) -> tuple[dict[str, Any], DeviceError | None]:
-    """Every adapter, which one `wanted` would use and why; or why none."""
-    from ..gpu import device
+def graphics_facts(wanted: str) -> tuple[dict[str, Any], AirlightError | None]:
+    """Every adapter, which one `wanted` would use, why, and by which code paths; or why none."""
+    from ..gpu import code_paths, device
 
     found = device.adapters()
     listed = [asdict(info) for info in found]
     try:
         chosen = device.choose(found, wanted)
-    except DeviceError as error:
-        return {"adapters": listed, "used": None, "because": str(error)}, error
+        paths = code_paths.chosen_paths(is_cpu=chosen.is_cpu)
+    except AirlightError as error:
+        return {"adapters": listed, "used": None, "because": str(error), "paths": None}, error
     because = device.chosen_reason(found, chosen, wanted)
-    return {"adapters": listed, "used": chosen.name, "because": because}, None
+    return {"adapters": listed, "used": chosen.name, "because": because, "paths": paths}, None
 
 
 def extras() -> dict[str, dict[str, Any]]:
@@ -127,6 +128,7 @@ def _text(facts: Mapping[str, Any]) -> str:
         lines.append("  none")
     if facts["used"] is not None:
         lines.append(f"  used: {facts['used']}; why: {facts['because']}")
+        lines.append(f"  code paths: {facts['paths']}")
     else:
         lines.append(f"  none is used: {facts['because']}")
     lines += ["", "Extras", *(_extra_line(name, e) for name, e in facts["extras"].items())]

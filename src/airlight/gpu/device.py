@@ -18,6 +18,7 @@ import wgpu
 from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
 
 from ..errors import DeviceError
+from .code_paths import Paths, chosen_paths
 from .pipelines import Pipelines
 from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
 
@@ -48,7 +49,7 @@ declare_only_what_is_named(ffi)
 keep_attachments(GPUCommandEncoder)
 keep_labels(_api)
 
-_UNIFORMS_IN_STORAGE = {  # on software drivers, see slots.on_software
+_UNIFORMS_IN_STORAGE = {  # on the CPU paths, see slots.on_software
     "max-storage-buffers-per-shader-stage": 18,
     "max-dynamic-storage-buffers-per-pipeline-layout": 8,
 }
@@ -67,7 +68,7 @@ class AdapterInfo:
 
     @property
     def is_cpu(self) -> bool:
-        """Whether this is a software driver."""
+        """Whether this is a CPU adapter, as lavapipe and SwiftShader are."""
         return self.adapter_type == "CPU"
 
 
@@ -130,13 +131,16 @@ def chosen_reason(found: Sequence[AdapterInfo], chosen: AdapterInfo, wanted: str
 
 
 class Gpu:
-    """An open device, its queue, and what was allocated on it."""
+    """An open device, its queue, and what was allocated on it.
 
-    def __init__(self, info: AdapterInfo) -> None:
+    Its code paths are decided here, once. Raises DeviceError where it cannot be opened.
+    """
+
+    def __init__(self, info: AdapterInfo, paths: Paths) -> None:
         adapter = _enumerate()[info.index]
-        self.info = info
+        self.info, self.paths = info, paths
         self.features = [f for f in _FEATURES if f in adapter.features]
-        wanted = {**_LIMITS, **(_UNIFORMS_IN_STORAGE if info.is_cpu else {})}
+        wanted = {**_LIMITS, **(_UNIFORMS_IN_STORAGE if self.takes_cpu_paths else {})}
         limits = {k: min(v, adapter.limits[k]) for k, v in wanted.items() if k in adapter.limits}
         try:
             self.device: Any = adapter.request_device_sync(
@@ -146,6 +150,14 @@ class Gpu:
             raise DeviceError(f"{info.name} could not be opened: {error}") from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
+        if self.takes_cpu_paths and not info.is_cpu:
+            for limit, value in _UNIFORMS_IN_STORAGE.items():
+                self.require(
+                    limit,
+                    value,
+                    "a device for the CPU paths",
+                    remedy="Leave AIRLIGHT_PATHS at auto",
+                )
         self.pipelines = Pipelines()
         self.allocated_bytes = 0
         self.peak_bytes = 0
@@ -159,16 +171,21 @@ class Gpu:
 
     @property
     def is_cpu(self) -> bool:
-        """Whether this is a software driver: kernels are laid out for lanes, not for threads."""
+        """Whether this is a CPU adapter; which code is run is for `takes_cpu_paths` to say."""
         return self.info.is_cpu
+
+    @property
+    def takes_cpu_paths(self) -> bool:
+        """Whether kernels are laid out for lanes and slow reads, not for threads and caches."""
+        return self.paths == "cpu"
 
     @property
     def filtered(self) -> str:
         """The format of 3D textures of light that shaders filter.
 
-        Half floats; a software driver filters whole ones in two thirds of the time.
+        Half floats; a CPU adapter filters whole ones in two thirds of the time.
         """
-        is_whole = self.is_cpu and "float32-filterable" in self.features
+        is_whole = self.takes_cpu_paths and "float32-filterable" in self.features
         return "rgba32float" if is_whole else "rgba16float"
 
     def count(self, nbytes: int) -> None:
@@ -186,20 +203,25 @@ class Gpu:
         self._fence.map_sync("READ")
         self._fence.unmap()
 
-    def require(self, limit: str, value: int, what: str) -> None:
+    def require(self, limit: str, value: int, what: str, remedy: str = "Make it smaller") -> None:
         """Raise DeviceError where `what` needs more than the device's `limit`."""
         if value > self.limits[limit]:
             raise DeviceError(
                 f"{what} needs {limit} = {value}, {self.info.name} has {self.limits[limit]}",
-                remedy="Make it smaller",
+                remedy=remedy,
             )
 
 
 @functools.cache
-def _open(info: AdapterInfo) -> Gpu:
-    return Gpu(info)
+def _open(info: AdapterInfo, paths: Paths) -> Gpu:
+    return Gpu(info, paths)
 
 
-def open_gpu(wanted: str = "auto") -> Gpu:
-    """The device for `wanted` (see `choose`); opened once per process. Raises DeviceError."""
-    return _open(choose(adapters(), wanted or "auto"))
+def open_gpu(wanted: str = "auto", paths: str | None = None) -> Gpu:
+    """The device for `wanted` (see `choose`), which takes `paths`: auto, gpu or cpu.
+
+    AIRLIGHT_PATHS where `paths` is None. Opened once per process, adapter and paths. Raises
+    DeviceError, and SettingsError for paths that there are not.
+    """
+    info = choose(adapters(), wanted or "auto")
+    return _open(info, chosen_paths(paths, is_cpu=info.is_cpu))

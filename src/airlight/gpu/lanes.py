@@ -54,7 +54,7 @@ def has_row_lanes(gpu: Gpu) -> bool:
 
     Only software drivers are asked: a GPU's threads are served by its caches.
     """
-    if not gpu.is_cpu or any(name not in gpu.features for name in _FEATURES):
+    if not gpu.takes_cpu_paths or any(name not in gpu.features for name in _FEATURES):
         return False
     groups = 2
     found = Buffer(gpu, "lanes", groups * LANES * 8)

@@ -91,7 +91,7 @@ class RasterPipeline:
         )
 
     def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
-        if self.gpu.is_cpu:
+        if self.gpu.takes_cpu_paths:
             most = 4 * self.gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
             made = carried(self._slots, firsts, text, most)
             if made.entry != "fragment":
@@ -149,7 +149,7 @@ class FullscreenPass(RasterPipeline):
 
         Every pixel is written; a software driver would clear them one by one before that.
         """
-        kept = len(targets) if self.gpu.is_cpu else self._blended
+        kept = len(targets) if self.gpu.takes_cpu_paths else self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)

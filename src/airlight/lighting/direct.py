@@ -202,7 +202,7 @@ class Direct:
 
     def _make_beside(self, size: tuple[int, int]) -> None:
         """What software drivers draw apart for pictures of `size`, pixels: gloss, and places."""
-        is_listed = self._is_glossy and self.gpu.is_cpu and can_list(self.gpu, size)
+        is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
         for made in (self.glossy, self._places):

@@ -181,7 +181,8 @@ class Lighting(FullscreenPass):
                      "HAS_LIGHTS": float(part in ("whole", "lights")),
                      "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
                      "IS_ONE_LATTICE": float(is_one_lattice),
-                     "IS_ONE_SUN": float(is_one_sun), "IS_SAMPLED": float(gpu.is_cpu)}  # fmt: skip
+                     "IS_ONE_SUN": float(is_one_sun),
+                     "IS_SAMPLED": float(gpu.takes_cpu_paths)}  # fmt: skip
         generated = (
             (air.wgsl if air else "")
             + through

@@ -73,7 +73,7 @@ class OcclusionLayers:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
         """For a picture of `size`; `scale`: pixels along one side of a texel, if not the usual."""
-        self.size, self.scale = size, scale or (_CPU_SCALE if gpu.is_cpu else _GPU_SCALE)
+        self.size, self.scale = size, scale or (_CPU_SCALE if gpu.takes_cpu_paths else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.seen, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True)
@@ -97,9 +97,9 @@ class Occlusion:
 
         `has_light`: what occludes gives the light that it shows.
         """
-        usual = _CPU_SAMPLES if gpu.is_cpu else _GPU_SAMPLES
+        usual = _CPU_SAMPLES if gpu.takes_cpu_paths else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
-        kind = {"HAS_LIGHT": float(has_light), "IS_SAMPLED": float(gpu.is_cpu)}
+        kind = {"HAS_LIGHT": float(has_light), "IS_SAMPLED": float(gpu.takes_cpu_paths)}
         self._nearest = nearest_sampler(gpu)
         self._seen = _Seen(gpu, constants=kind)
         self._horizons = _Horizons(gpu, constants={k: float(v) for k, v in counts.items()} | kind)

@@ -23,7 +23,7 @@ _BYTES = 36  # of a pixel of all targets
 
 def can_keep(gpu: Gpu) -> bool:
     """Whether a device keeps places: software drivers read slowly, and one may lack targets."""
-    return gpu.is_cpu and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
+    return gpu.takes_cpu_paths and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
 
 
 class _Places(FullscreenPass):
@@ -52,7 +52,7 @@ class Places:
             gpu, generated=APART if is_listed else NOT_APART, firsts={"lattices": ()},
             constants={
                 "HAS_OCCLUSION": float(is_occluded), "HAS_SKY": float(has_sky),
-                "IS_ONE_LATTICE": float(is_one_lattice), "IS_SAMPLED": float(gpu.is_cpu),
+                "IS_ONE_LATTICE": float(is_one_lattice), "IS_SAMPLED": float(gpu.takes_cpu_paths),
             },
         )  # fmt: skip
         self._targets: tuple[Texture, ...] = ()

@@ -89,9 +89,11 @@ def _tiles(
     gpu: Gpu, count: tuple[int, int, int], channels: int, *, is_blocked: bool
 ) -> tuple[str, tuple[int, int, int]]:
     """`main` of columns a lane, and how many there are."""
-    tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
-    width, height = (min(t, n) if gpu.is_cpu else 1 for t, n in zip(tile, count, strict=False))
-    slab = _CPU_SLAB if gpu.is_cpu else 1
+    width, height, slab = 1, 1, 1  # an invocation a cell
+    if gpu.takes_cpu_paths:
+        tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
+        width, height = (min(t, n) for t, n in zip(tile, count, strict=False))
+        slab = _CPU_SLAB
     columns = (-(-count[0] // width), -(-count[1] // height), channels * -(-count[2] // slab))
     return column_march(width, height, slab, channels), columns
 
@@ -122,7 +124,7 @@ def _step_pass(
             storage("added", element),
         )
         # One run of lanes: a software driver runs groups without work, too.
-        workgroup = (LANES, 1, 1) if gpu.is_cpu else (32, 8, 1)
+        workgroup = (LANES, 1, 1) if gpu.takes_cpu_paths else (32, 8, 1)
         file = wgsl
 
     return PropagateStep(gpu, generated=text, constants=constants)

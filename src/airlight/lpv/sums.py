@@ -34,7 +34,7 @@ class Sums:
 
     def __init__(self, gpu: Gpu, cells: int, format: Format, range: Buffer) -> None:
         self._cells, self._range = cells, range
-        self._per_lane = _CPU_PER_LANE if gpu.is_cpu else 1
+        self._per_lane = _CPU_PER_LANE if gpu.takes_cpu_paths else 1
         self._powers = Buffer(gpu, "power of the last blocks", 32)
         self._power = _power_pass(gpu, format)
         self._accumulate = _accumulate_pass(gpu, format)
@@ -96,6 +96,6 @@ def _accumulate_pass(gpu: Gpu, format: Format) -> ComputePass:
         workgroup = (256, 1, 1)
         file = "accumulate.wgsl"
 
-    per_lane = f"const PER_LANE = {_CPU_PER_LANE if gpu.is_cpu else 1}u;\n"
+    per_lane = f"const PER_LANE = {_CPU_PER_LANE if gpu.takes_cpu_paths else 1}u;\n"
     constants = {"IS_SCALED": float(format is not FLOAT)}
     return Accumulate(gpu, constants=constants, generated=per_lane + format.wgsl)

@@ -80,7 +80,7 @@ class Finish(FullscreenPass):
         super().__init__(
             gpu,
             generated=air.medium_wgsl + self._generated(names, lists=lists),
-            constants={"IS_SAMPLED": float(gpu.is_cpu)},
+            constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)},
         )
 
     def _generated(self, names: list[str], *, lists: bool) -> str:

@@ -46,7 +46,7 @@ class Rays:
         self.gpu, self.scale = gpu, scale
         self._set_size(size)
         self._nearest = nearest_sampler(gpu)
-        self._pass = _Rays(gpu, constants={"IS_SAMPLED": float(gpu.is_cpu)})
+        self._pass = _Rays(gpu, constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)})
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.size, scale = size, self.scale

@@ -62,7 +62,7 @@ class Step:
 
     def __init__(self, gpu: Gpu, *, is_blocked: bool, is_marched: bool | None = None) -> None:
         """`is_marched` chooses the kernel; by default columns on software drivers."""
-        self.is_marched = gpu.is_cpu if is_marched is None else is_marched
+        self.is_marched = gpu.takes_cpu_paths if is_marched is None else is_marched
         text = "\n".join([constants(), gathered_blocked() if is_blocked else gathered()])
         self._cells = _Cells(gpu, generated=f"{text}\n{_cell_call(is_blocked)}")
         self._columns: _Columns | None = None

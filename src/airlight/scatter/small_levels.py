@@ -78,7 +78,7 @@ class _Small(ComputePass):
     file = "small_levels.wgsl"
 
     def __init__(self, gpu: Gpu, generated: str) -> None:
-        self.workgroup = (_CPU_THREADS if gpu.is_cpu else _THREADS, 1, 1)  # type: ignore[misc]
+        self.workgroup = (_CPU_THREADS if gpu.takes_cpu_paths else _THREADS, 1, 1)  # type: ignore[misc]
         super().__init__(gpu, generated=generated)
 
 

@@ -27,7 +27,7 @@ _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 def draws_visible(gpu: Gpu) -> bool:
     """Whether it is faster on a device to draw which triangle pixels see, and so to pack maps."""
-    return gpu.is_cpu and "shader-int64" in gpu.features
+    return gpu.takes_cpu_paths and "shader-int64" in gpu.features
 
 
 def most_texels(gpu: Gpu) -> int:

@@ -63,7 +63,7 @@ class TextureStore:
             self._samplers[wrap] = Sampler(
                 self.gpu, f"material {wrap}", mag_filter="linear", min_filter="linear",
                 mipmap_filter="linear", address_mode_u=_WRAPS[wrap[0]],
-                address_mode_v=_WRAPS[wrap[1]], max_anisotropy=1 if self.gpu.is_cpu else 8,
+                address_mode_v=_WRAPS[wrap[1]], max_anisotropy=1 if self.gpu.takes_cpu_paths else 8,
             )  # fmt: skip
         return self._samplers[wrap]
 

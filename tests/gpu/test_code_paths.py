@@ -1,0 +1,59 @@
+"""Which code paths a device takes: a switch of its own, beside the adapter."""
+
+from __future__ import annotations
+
+import pytest
+
+from airlight.errors import DeviceError, SettingsError
+from airlight.gpu import device
+from airlight.gpu.code_paths import chosen_paths
+from airlight.gpu.device import Gpu, open_gpu
+
+
+@pytest.mark.parametrize(
+    ("wanted", "is_cpu", "expected"),
+    [
+        ("auto", True, "cpu"),
+        ("auto", False, "gpu"),
+        ("gpu", True, "gpu"),
+        ("CPU", False, "cpu"),
+    ],
+)
+def test_choice(wanted, is_cpu, expected, monkeypatch):
+    assert chosen_paths(wanted, is_cpu=is_cpu) == expected
+    monkeypatch.setenv("AIRLIGHT_PATHS", wanted)
+    assert chosen_paths(is_cpu=is_cpu) == expected
+
+
+def test_other_words_are_refused(monkeypatch):
+    with pytest.raises(SettingsError, match=r"^paths: there are no paths 'fast'\. Use auto"):
+        chosen_paths("fast", is_cpu=True)
+    monkeypatch.setenv("AIRLIGHT_PATHS", "fast")
+    with pytest.raises(SettingsError, match=r"^AIRLIGHT_PATHS: there are no paths 'fast'"):
+        open_gpu()
+
+
+def test_a_process_has_a_device_for_each(gpu, monkeypatch):
+    both = [open_gpu(gpu.info.name, paths) for paths in ("gpu", "cpu")]
+    assert [made.takes_cpu_paths for made in both] == [False, True]
+    assert both[0] is not both[1]
+    assert both[0].info == both[1].info == gpu.info
+    assert gpu in both
+    monkeypatch.setenv("AIRLIGHT_PATHS", "gpu")
+    assert open_gpu(gpu.info.name) is both[0]
+
+
+@pytest.mark.both_paths
+def test_a_test_of_both_paths_has_each(gpu, paths):
+    assert gpu.paths == paths
+    assert open_gpu(gpu.info.name) is gpu  # what a Renderer of the test opens
+
+
+def test_a_gpu_without_the_limits_of_the_cpu_paths_says_so(gpu, monkeypatch):
+    card = device.AdapterInfo("Card", "DiscreteGPU", "Vulkan", "", "", gpu.info.index)
+    monkeypatch.setattr(
+        device, "_UNIFORMS_IN_STORAGE", {"max-storage-buffers-per-shader-stage": 1 << 30}
+    )
+    with pytest.raises(DeviceError, match=r"CPU paths needs max-storage-.*AIRLIGHT_PATHS"):
+        Gpu(card, "cpu")
+    assert Gpu(card, "gpu").paths == "gpu"
