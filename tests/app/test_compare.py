@@ -212,6 +212,28 @@ def test_a_reference_is_rendered_once_and_refined_with_new_samples(truth):
     assert np.std(z) == pytest.approx(1.0, abs=0.1)
 
 
+def test_without_a_libllvm_the_whole_has_a_reference_and_layers_come_with_one(truth, monkeypatch):
+    scene, all_layers = triangle_scene(medium=Medium((0.1, 0.1, 0.1))), truth.render_layers
+
+    def whole_alone(scene, names, **asked):
+        if names != ("all",):
+            raise mitsuba.NoLayers("no libLLVM 16 is found", remedy="Install it.")
+        return all_layers(scene, names, **asked)
+
+    monkeypatch.setattr(mitsuba, "render_layers", whole_alone)
+    first, again = (reference_for(scene, SIZE, 16) for _ in range(2))
+    assert not first.has_layers and first.image.layers.keys() == {"variance"}
+    assert first.notes == again.notes == (
+        "only the whole picture has a reference: no libLLVM 16 is found. Install it", "a note",
+    )  # fmt: skip
+    assert (again.is_from_cache, truth.asked) == (True, [(16, 0)])
+    # Once one is installed, what was kept without layers does not stand in their way.
+    monkeypatch.setattr(mitsuba, "render_layers", all_layers)
+    later = reference_for(scene, SIZE, 16)
+    assert later.has_layers and later.notes == ("a note",)
+    assert truth.asked == [(16, 0), (16, 0)]
+
+
 def test_noise_asks_for_as_many_samples_as_the_floor_needs(truth):
     reference = reference_for(triangle_scene(), SIZE, 16, noise=2e-4)
     assert reference.floor <= 2e-4

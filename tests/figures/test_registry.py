@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from airlight.figures import registry
+from airlight.app import cli
+from airlight.figures import lpvms_6, registry
 from airlight.figures.panels import Request
 from airlight.figures.registry import FIGURES
 from airlight.reference import mitsuba
@@ -75,6 +76,31 @@ def pretended(monkeypatch, tmp_path):
     monkeypatch.setattr(airlight.rendering, "Renderer", Renderer)
     monkeypatch.setattr(mitsuba, "render_layers", pretended_layers)
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path / "cache"))
+
+
+def test_without_a_libllvm_figures_of_fog_have_a_truth_without_layers(
+    pretended, monkeypatch, tmp_path, capsys
+):
+    def whole_alone(scene, names, **asked):
+        if names != ("all",):
+            raise mitsuba.NoLayers("no libLLVM 16 is found", remedy="Install it.")
+        return pretended_layers(scene, names, **asked)
+
+    monkeypatch.setattr(mitsuba, "render_layers", whole_alone)
+    assert cli.run(["figure", "lpvms-7", "--quick", "-o", str(tmp_path), "-q"]) == 0
+    note = "only the whole picture has a reference: no libLLVM 16 is found. Install it"
+    assert capsys.readouterr().err == f"warning: lpvms-7: {note}\n"
+    (told,) = json.loads((tmp_path / "lpvms-7.json").read_text("utf-8"))["numbers"].values()
+    assert (told["notes"], told["layers"]) == ([note], {})
+    assert told["energy_ratio"] > 0.0
+
+    # Failures of a lattice are scored by layers alone: what is left is the picture.
+    monkeypatch.setattr(lpvms_6, "CASES", dict(list(lpvms_6.CASES.items())[:1]))
+    lacks: list[str] = []
+    (told,) = lpvms_6.draw(Request((48, 28), warn=lacks.append)).numbers.values()
+    assert told["path traced"] == {"spp": 256, "notes": [note]}
+    assert told["ours"].keys() == {"mean_indirect"}
+    assert lacks == [note]
 
 
 @pytest.mark.parametrize("name", PRETENDED)

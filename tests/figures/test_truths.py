@@ -48,11 +48,19 @@ def test_a_picture_is_averaged_over_a_truth_s_pixels():
     assert (image.radiance.shape, image.layers["depth"].shape) == ((2, 3, 3), (2, 3))
 
 
+def layered(variance: float = 0.0) -> Reference:
+    one = np.ones((4, 4, 3), np.float32)
+    layers = {"indirect": 0.5 * one, "multiple_scatter": 0.0 * one}
+    layers |= {f"{name}_variance": variance * one for name in layers}
+    return Reference(Image(one, layers), 16, 1.0, False)
+
+
 def test_a_truth_has_half_the_size_where_that_is_whole(monkeypatch):
     asked = []
 
     def pretended(scene, size, spp, *, report):
         asked.append((size, spp))
+        return layered()
 
     monkeypatch.setattr(truths, "reference_for", pretended)
     truths.traced(Request((64, 36)), None)
@@ -62,8 +70,20 @@ def test_a_truth_has_half_the_size_where_that_is_whole(monkeypatch):
 
 
 def test_noise_is_the_error_of_a_perfect_picture():
-    one = np.ones((4, 4, 3), np.float32)
-    image = Image(one, {"indirect": one, "indirect_variance": 0.04 * one})
-    truth = Reference(image, 16, 1.0, False)
+    truth = layered(variance=0.01)
     assert truths.noise_l2(truth, "indirect") == pytest.approx(0.2)
     assert truths.told_of(truth) == "path traced, 4x4, 16 samples, smoothed"
+
+
+def test_a_truth_without_layers_is_shown_as_it_was_traced_and_said_to_be(monkeypatch):
+    radiance = layered().image.radiance
+    whole = Reference(Image(radiance, {}), 16, 1.0, False, ("no layers: why",))
+    monkeypatch.setattr(truths, "reference_for", lambda *_, **__: whole)
+    lacks: list[str] = []
+    assert truths.traced(Request((8, 8), warn=lacks.append), None) is whole
+    assert lacks == ["no layers: why"]
+    assert truths.told_of(whole) == "path traced, 4x4, 16 samples"
+    guide = Image(radiance, {"normal": radiance, "depth": radiance[..., 0]})
+    assert truths.without_grain(whole, guide) is radiance
+    # With layers, light that is even already stays as it is.
+    np.testing.assert_allclose(truths.without_grain(layered(), guide), radiance, rtol=1e-6)

@@ -483,5 +483,9 @@ def test_running_past_the_time_leaves_nothing_behind(
 
 
 def test_layers_of_media_without_llvm_are_refused() -> None:
-    with pytest.raises(ReferenceFailure, match="need Mitsuba's compiled variant"):
+    with pytest.raises(mitsuba.NoLayers, match="need Mitsuba's compiled variant"):
         mitsuba.render_layers(air_scene(sigma_t=1.0), ("single_scatter",), variant="scalar_rgb")
+    # A medium that neither scatters nor absorbs is none.
+    clear = air_scene(sigma_t=0.0)
+    direct = mitsuba.render_layers(clear, ("direct",), size=(4, 4), spp=4, variant="scalar_rgb")
+    assert direct["direct"].radiance.shape == (4, 4, 3)

@@ -30,6 +30,7 @@ SPP_LIMIT = 1 << 16
 SPP_AT_ONCE = 256  # each such part is kept: an interrupted comparison goes on where it was
 NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
 """Fields of a scene that no reference depends on."""
+NO_LAYERS = "only the whole picture has a reference"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,11 @@ class Reference:
     seconds: float
     is_from_cache: bool
     notes: tuple[str, ...] = ()
+
+    @property
+    def has_layers(self) -> bool:
+        """Whether its layers are known; where not, the first of `notes` says why."""
+        return "indirect" in self.image.layers
 
     @property
     def floor(self) -> float:
@@ -65,15 +71,42 @@ def reference_for(
     """At least `spp` samples a pixel; more, up to 65536, until the floor (relmse) is below `noise`.
 
     Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
-    and else refined with new samples. Raises ReferenceFailure.
+    and else refined with new samples. Where Mitsuba cannot tell layers (`NoLayers`) the reference
+    is of the whole picture alone, and its `notes` say so. Raises ReferenceFailure.
     """
-    path = env.cache_folder() / "references" / f"{scene_hash(scene, size)}.npz"
-    kept = _read(path)
+    from ..reference.mitsuba import LAYERS, NoLayers
+
+    name = scene_hash(scene, size)
+    job = _Job(scene, size, spp, noise, time.monotonic() + timeout_s, report)
+    names = tuple(layer for layer in LAYERS if layer != "transmittance")
+    try:
+        return _kept_or_rendered(job, names, f"{name}.npz")
+    except NoLayers as reason:
+        # A file of its own: with a libLLVM installed later the layers are rendered all the same.
+        whole = _kept_or_rendered(job, names[:1], f"{name}-whole.npz")
+        note = f"{NO_LAYERS}: {str(reason).rstrip('.')}"
+        return dataclasses.replace(whole, notes=(note, *whole.notes))
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What is asked for: the arguments of `reference_for`, its time limit as a point in time."""
+
+    scene: Scene
+    size: tuple[int, int]
+    spp: int
+    noise: float | None
+    deadline_s: float
+    report: Report
+
+
+def _kept_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference:
+    """The reference of the layers `names`, from `file` in the cache as far as it goes."""
+    path = env.cache_folder() / "references" / file
+    kept = _read(path, names)
     have = kept
-    deadline_s = time.monotonic() + timeout_s
-    while (missing := _samples_missing(have, spp, noise)) > 0:
-        left_s = max(deadline_s - time.monotonic(), 1.0)
-        fresh = _render(scene, size, missing, have.spp if have else 0, left_s, report)
+    while (missing := _samples_missing(have, job.spp, job.noise)) > 0:
+        fresh = _render(job, names, missing, have.spp if have else 0)
         have = fresh if have is None else _merged(have, fresh)
         _keep(have, path)
     assert have is not None
@@ -88,24 +121,17 @@ def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> i
     return max(0, min(wanted - done, SPP_LIMIT - done, SPP_AT_ONCE))
 
 
-def _render(
-    scene: Scene, size: tuple[int, int], spp: int, seed: int, timeout_s: float, report: Report
-) -> Reference:
+def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference:
     from ..reference import mitsuba
 
-    notes: tuple[str, ...] = ()
-    names = tuple(name for name in mitsuba.LAYERS if name != "transmittance")
-    if _has_media(scene) and not _compiled():
-        names = ("all",)
-        notes = ("no libLLVM was found: the layers of a scene with media have no reference",)
     pictures = mitsuba.render_layers(
-        scene,
+        job.scene,
         names,
-        size=size,
+        size=job.size,
         spp=max(spp, mitsuba.MIN_SPP),
         seed=seed,
-        timeout_s=timeout_s,
-        progress=lambda done: report("reference", done),
+        timeout_s=max(job.deadline_s - time.monotonic(), 1.0),
+        progress=lambda done: job.report("reference", done),
     )
     whole = pictures["all"]
     layers = {"variance": whole.layers["variance"]}
@@ -118,19 +144,8 @@ def _render(
         spp=int(stats["spp"]),
         seconds=float(stats["seconds"]),
         is_from_cache=False,
-        notes=notes + tuple(stats.get("approximations", ())),
+        notes=tuple(stats.get("approximations", ())),
     )
-
-
-def _has_media(scene: Scene) -> bool:
-    return scene.medium is not None or bool(scene.volumes)
-
-
-def _compiled() -> bool:
-    from ..reference.mitsuba_child import choose_variant
-    from ..reference.mitsuba_process import SCALAR_VARIANT
-
-    return choose_variant() != SCALAR_VARIANT
 
 
 def _merged(a: Reference, b: Reference) -> Reference:
@@ -146,21 +161,21 @@ def _merged(a: Reference, b: Reference) -> Reference:
         if name.endswith("variance")
         else mean(x, b.image.layers[name])
         for name, x in a.image.layers.items()
-        if name in b.image.layers
     }
     image = Image(mean(a.image.radiance, b.image.radiance), layers)
     return Reference(image, total, a.seconds + b.seconds, False, b.notes)
 
 
-def _read(path: Path) -> Reference | None:
-    """What is kept at `path`; None where there is nothing, or something broken."""
+def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
+    """What is kept at `path`; None where that is nothing, broken, or without the layers `names`."""
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         about = json.loads(str(arrays.pop("about")))
         image = Image(arrays.pop("radiance"), arrays)
         kept = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
-        return kept if "variance" in arrays else None
+        wanted = ("variance", *names[1:], *(f"{name}_variance" for name in names[1:]))
+        return kept if all(name in arrays for name in wanted) else None
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
         return None
 

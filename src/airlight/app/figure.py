@@ -84,7 +84,8 @@ def _draw_all(
         def told(stage: str, fraction: float, name: str = name) -> None:
             report(f"{name}: {stage}", fraction)
 
-        request = Request(size, options["quick"], options["adapter"], told)
+        lacks: dict[str, None] = {}  # several panels may lack the same
+        request = Request(size, options["quick"], options["adapter"], told, lacks.setdefault)
         try:
             drawn = figure(name).draw(request)
         except Exception as error:
@@ -98,6 +99,8 @@ def _draw_all(
             "panel_size": list(size),
         }
         click.echo(str(keep(name, drawn, about, folder)))
+        for lack in lacks:
+            click.echo(f"warning: {name}: {lack}", err=True)
     return failed
 
 

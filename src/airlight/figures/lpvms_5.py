@@ -8,9 +8,8 @@ from ..app.compare_pictures import shown
 from ..reference.metrics import compare
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.image import Image
-from .lpvms_6 import without_grain
 from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
-from .truths import as_large_as, told_of, truth_of
+from .truths import as_large_as, told_of, truth_of, without_grain
 
 TECHNIQUES = {
     "a  ours": "lpv-scatter", "b  shadow map": "direct", "c  lattice": "lpv",
@@ -37,6 +36,6 @@ def draw(request: Request) -> Drawn:
     panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)
     rows: list[Any] = [("", panels[:3]), ("", panels[3:])]
     if truth is not None:
-        light = without_grain(truth.image, next(iter(images.values())))
+        light = without_grain(truth, next(iter(images.values())))
         rows.append(("", [(told_of(truth), shown(light, stops))]))
     return Drawn(sheet(request, "Six ways to draw fog", rows), numbers)

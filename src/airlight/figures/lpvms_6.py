@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from ..app.compare_pictures import shown
 from ..scene.builtin import bleeding, one_iteration, pinpoint
-from ..scene.checks import F32
-from ..scene.image import Image
 from ..scene.scene import Scene
 from .clpv_6 import scores
 from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
-from .truths import noise_l2, smoothed, told_of, truth_of
+from .truths import noise_l2, told_of, truth_of, without_grain
 
 PAPER = {"scheme": "paper"}
 RESOLUTION = 32
@@ -55,18 +51,14 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
     for name, image in images.items():
         cells.append((name, shown(image.radiance, stops)))
         told[name] = {"mean_indirect": mean_light(image.layers["indirect"])}
-        if truth is not None:
+        if truth is not None and truth.has_layers:
             found = scores(image.layers["indirect"], truth.image.layers["indirect"])
             # Sparks over all but dark pixels leave no relative error to speak of.
             told[name] |= {key: found[key] for key in ("relative_l2", "energy_ratio")}
     if truth is not None:
-        told["path traced"] = {"spp": truth.spp, "noise_floor_l2": noise_l2(truth, "indirect")}
-        light = without_grain(truth.image, images["ours"])
+        told["path traced"] = {"spp": truth.spp, "notes": list(truth.notes)}
+        if truth.has_layers:
+            told["path traced"]["noise_floor_l2"] = noise_l2(truth, "indirect")
+        light = without_grain(truth, images["ours"])
         cells.append((told_of(truth), shown(light, stops)))
     return cells
-
-
-def without_grain(truth: Image, guide: Image) -> F32:
-    """The truth's radiance; what has no sharp edges in the air, smoothed over surfaces."""
-    grainy = truth.layers["indirect"] + truth.layers["multiple_scatter"]
-    return np.asarray(truth.radiance - grainy + smoothed(grainy, guide), np.float32)

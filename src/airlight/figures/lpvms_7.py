@@ -8,9 +8,8 @@ from ..app.compare_pictures import U8, shown, signed_map
 from ..reference.metrics import Metrics, compare
 from ..scene.builtin import atrium_fog, foggy_room, haze_box
 from ..scene.scene import Scene
-from .lpvms_6 import without_grain
 from .panels import Drawn, Request, exposure_of, rendered, sheet
-from .truths import as_large_as, told_of, traced
+from .truths import as_large_as, told_of, traced, without_grain
 
 SCORES = ("relmse", "relative_l2", "noise_floor_l2", "flip", "hdr_flip", "energy_ratio")
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
@@ -35,13 +34,14 @@ def _beside(request: Request, scene: Scene) -> tuple[Cells, dict[str, Any]]:
     found = compare(small, truth.image)
     stops = exposure_of(scene, truth.image.radiance)
     # Grain would be all that a map of signs shows.
-    light = without_grain(truth.image, image)
+    light = without_grain(truth, image)
     cells: Cells = [
         (told_of(truth), shown(light, stops)),
         ("ours", shown(image.radiance, stops)),
         ("too bright green, too dark red", signed_map(small.radiance, light, stops)),
     ]
     told: dict[str, Any] = {"spp": truth.spp, "seconds": truth.seconds, **_scores(found)}
+    told["notes"] = list(truth.notes)
     told["layers"] = {n: _scores(found.layers[n]) for n in LAYERS if n in found.layers}
     return cells, told
 

@@ -40,13 +40,15 @@ TIMED_FRAMES = 4
 class Request:
     """How a figure is to be made: `size` (width, height) of a panel in pixels.
 
-    `quick` asks for tiny lattices and noisy references: does it work?
+    `quick` asks for tiny lattices and noisy references: does it work? `warn` is told what the
+    figure has to go without on this machine.
     """
 
     size: tuple[int, int] = (640, 360)
     quick: bool = False
     adapter: str = "auto"
     report: Report = lambda stage, fraction: None
+    warn: Callable[[str], None] = lambda text: None
 
     @property
     def samples(self) -> int:

@@ -25,12 +25,15 @@ _SKY_M = 1e4
 def traced(request: Request, scene: Scene) -> Reference:
     """All layers by path tracing, at half the size where that is whole: a quarter of the time.
 
-    Raises ReferenceFailure.
+    A truth without layers is told to `request.warn`. Raises ReferenceFailure.
     """
     width, height = request.size
     halves = width % 2 == 0 and height % 2 == 0
     size = (width // 2, height // 2) if halves else request.size
-    return reference_for(scene, size, request.reference_spp, report=request.report)
+    truth = reference_for(scene, size, request.reference_spp, report=request.report)
+    if not truth.has_layers:
+        request.warn(truth.notes[0])
+    return truth
 
 
 def truth_of(request: Request, scene: Scene) -> Reference | None:
@@ -47,9 +50,10 @@ def noise_l2(truth: Reference, layer: str) -> float:
 
 
 def told_of(truth: Reference) -> str:
-    """A caption: its size and samples, and that grain is gone."""
+    """A caption: its size and samples, and whether grain is gone."""
     height, width = truth.image.radiance.shape[:2]
-    return f"path traced, {width}x{height}, {truth.spp} samples, smoothed"
+    caption = f"path traced, {width}x{height}, {truth.spp} samples"
+    return f"{caption}, smoothed" if truth.has_layers else caption
 
 
 def averaged(pixels: F32, truth: F32) -> F32:
@@ -65,6 +69,18 @@ def as_large_as(image: Image, truth: F32) -> Image:
     """The picture and its layers, averaged alike."""
     layers = {name: averaged(pixels, truth) for name, pixels in image.layers.items()}
     return dataclasses.replace(image, radiance=averaged(image.radiance, truth), layers=layers)
+
+
+def without_grain(truth: Reference, guide: Image) -> F32:
+    """The truth's radiance; what has no sharp edges in the air, smoothed over surfaces.
+
+    As it was traced where the truth has no layers: shafts and shadows must keep their edges.
+    """
+    radiance, layers = truth.image.radiance, truth.image.layers
+    if not truth.has_layers:
+        return radiance
+    grainy = layers["indirect"] + layers["multiple_scatter"]
+    return np.asarray(radiance - grainy + smoothed(grainy, guide), np.float32)
 
 
 def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:

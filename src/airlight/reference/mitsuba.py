@@ -27,6 +27,7 @@ from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
+from .mitsuba_media import has_media
 from .mitsuba_process import SCALAR_VARIANT, Job
 from .mitsuba_scene import (
     VISIBLE_ENVIRONMENT,
@@ -37,12 +38,16 @@ from .mitsuba_scene import (
     write_mitsuba,
 )
 
-__all__ = ["LAYERS", "MIN_SPP", "render", "render_layers", "write_mitsuba"]
+__all__ = ["LAYERS", "MIN_SPP", "NoLayers", "render", "render_layers", "write_mitsuba"]
 
 MEDIA_LAYERS = ("single_scatter", "multiple_scatter", "transmittance")
 LAYERS = ("all", "direct", "one_bounce", "indirect", *MEDIA_LAYERS)
 MIN_SPP = 4  # one sample in each of four batches: fewer give no variance
 MAX_PX = 1 << 26
+
+
+class NoLayers(ReferenceFailure):
+    """Layers of a scene with media are asked for, and no libLLVM is there to tell them by."""
 
 
 def render(
@@ -98,7 +103,8 @@ def render_layers(
 ) -> dict[str, Image]:
     """A picture for each of `names` (of LAYERS), each with its own layers["variance"].
 
-    Parameters and errors as in `render`. Scattering events are reflections (glossy ones too)
+    Parameters and errors as in `render`; `NoLayers` of a scene with media without a libLLVM.
+    Scattering events are reflections (glossy ones too)
     and scatterings in the air; the first is the one nearest the eye:
     direct: none, or one at a surface. one_bounce: two, the first at a surface. indirect: two or
     more, the first at a surface. single_scatter: one, in the air. multiple_scatter: two or
@@ -169,6 +175,12 @@ def _render_channels(scene: Scene, request: _Request, progress: Progress | None)
 
 
 def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> _Part:
+    if request.names != ("all",) and has_media(scene) and request.variant == SCALAR_VARIANT:
+        raise NoLayers(
+            "layers of a scene with media need Mitsuba's compiled variant, and no libLLVM 16 or "
+            "newer is found",
+            remedy="Install libLLVM 19, or name it in DRJIT_LIBLLVM_PATH.",
+        )
     with tempfile.TemporaryDirectory(prefix="airlight-mitsuba-") as name:
         folder = Path(name)
         exported = export(
@@ -197,12 +209,6 @@ def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> J
     glows = any(mesh.material.is_emissive for mesh in scene.meshes)
     wants_layers = request.names != ("all",)
     compiled = request.variant != SCALAR_VARIANT
-    if wants_layers and exported.has_media and not compiled:
-        raise ReferenceFailure(
-            "layers of a scene with media need Mitsuba's compiled variant, and no libLLVM 16 or "
-            "newer is found",
-            remedy="Install libLLVM 19, or name it in DRJIT_LIBLLVM_PATH.",
-        )
     ours = compiled and (wants_layers or (hide and glows))
     names = request.names
     if not ours:

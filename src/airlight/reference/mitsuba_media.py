@@ -50,6 +50,12 @@ class Media:
     is_colored: bool = False  # extinction differs between channels
 
 
+def has_media(scene: Scene) -> bool:
+    """Whether light can be scattered or absorbed between surfaces."""
+    air = () if scene.medium is None else (scene.medium,)
+    return any(max(medium.sigma_t) > 0.0 for medium in (*air, *scene.volumes))
+
+
 def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
     """All media of the scene. Raises ReferenceFailure where two of them cross."""
     media = Media()

@@ -18,7 +18,7 @@ from ..scene.volume import Volume
 from .mitsuba_files import FileStore
 from .mitsuba_lights import environment_emitter, light_emitter, point_emitters
 from .mitsuba_material import is_masked
-from .mitsuba_media import Media, air_bounds, scene_media
+from .mitsuba_media import Media, air_bounds, has_media, scene_media
 from .mitsuba_shapes import mesh_shapes
 from .mitsuba_xml import (
     add_integer,
@@ -119,7 +119,7 @@ def export(
     root.extend(shapes)
     root.extend(emitters)
     _write_xml(root, folder / f"{stem}.xml")
-    return Exported(tuple(dict.fromkeys(notes)), bool(media.mediums), has_masks, integrator)
+    return Exported(tuple(dict.fromkeys(notes)), has_media(scene), has_masks, integrator)
 
 
 def with_grey_g(scene: Scene, channel: int) -> Scene:
