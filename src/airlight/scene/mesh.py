@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from ..maths.chunks import chunks
 from . import checks
 from .checks import F32, F64
 from .material import DEFAULT_MATERIAL, Material
@@ -83,7 +84,9 @@ def _geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
     """The geometry's own box; kept on the (immutable) geometry after the first call."""
     known = geometry.__dict__.get("_bounds")
     if known is None:
-        used = geometry.positions[geometry.indices.ravel()]
+        is_used = np.zeros(len(geometry.positions), dtype=bool)
+        is_used[geometry.indices.ravel()] = True
+        used = geometry.positions if is_used.all() else geometry.positions[is_used]
         known = (used.min(axis=0).astype(np.float64), used.max(axis=0).astype(np.float64))
         object.__setattr__(geometry, "_bounds", known)
     return cast(tuple[F64, F64], known)
@@ -103,13 +106,14 @@ def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[
 
 def smooth_normals(positions: F32, indices: NDArray[np.uint32]) -> F32:
     """Area-weighted vertex normals (V, 3); vertices of no area get +Y."""
-    a, b, c = (positions[indices[:, k]].astype(np.float64) for k in range(3))
-    face = np.cross(b - a, c - a)
-    total = np.zeros((len(positions), 3))
-    for axis in range(3):
-        total[:, axis] = np.bincount(
-            indices.ravel(), weights=np.repeat(face[:, axis], 3), minlength=len(positions)
-        )
+    sums = np.zeros((3, len(positions)))
+    for part in chunks(len(indices)):
+        corners = indices[part]
+        a, b, c = (positions[corners[:, k]].astype(np.float64) for k in range(3))
+        face = np.cross(b - a, c - a)
+        for axis in range(3):
+            np.add.at(sums[axis], corners.ravel(), np.repeat(face[:, axis], 3))
+    total = sums.T
     length = np.linalg.norm(total, axis=1, keepdims=True)
     unit = np.where(length > 0.0, total / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
     return cast(F32, unit.astype(np.float32))

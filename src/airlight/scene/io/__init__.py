@@ -10,6 +10,7 @@ doubts       what is allowed but hardly meant
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -105,10 +106,12 @@ def with_defaults(scene: Scene) -> Scene:
     A camera like Camera() counts as none; lights, an environment or bright surfaces as light.
     """
     from .defaults import with_default_camera, with_default_lights
+    from .probe import Probe
 
-    if scene.camera == Camera():
-        scene = with_default_camera(scene)
-    return with_default_lights(scene)
+    # Both look at the same triangles; of large meshes the largest take a while to find.
+    probe = functools.cache(lambda: Probe.of(scene))
+    framed = with_default_camera(scene, probe) if scene.camera == Camera() else scene
+    return with_default_lights(framed, probe)
 
 
 __all__ = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from ..camera import Camera
@@ -16,22 +17,24 @@ LAMP_RADIANCE = 8.0
 a sky of 1 to 4 they would hardly show."""
 
 
-def with_default_camera(scene: Scene) -> Scene:
+def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) -> Scene:
     """The scene with a camera that shows it well; the one it had is replaced.
 
     It is exposed by the picture: who gave no camera has not said how bright the scene is.
+    `probe` gives the probe of the scene, for those who have it already.
     """
     is_air = scene.volumes and not scene.meshes
-    framed = framing_box(*scene.bounds) if is_air else framing_camera(Probe.of(scene))
+    framed = framing_box(*scene.bounds) if is_air else framing_camera(_probe(scene, probe))
     return replace(scene, camera=replace(framed, exposure_stops=None))
 
 
-def with_default_lights(scene: Scene) -> Scene:
+def with_default_lights(scene: Scene, probe: Callable[[], Probe] | None = None) -> Scene:
     """The scene, with a sun and a sky where nothing in it shines.
 
     Lights, an environment, or a surface that emits at least LAMP_RADIANCE count as shining.
     The sun is placed for the scene's camera (for a framing one where it is the default).
     A closed room, which no sun enters, gets a lamp under its ceiling too.
+    `probe` gives the probe of the scene, for those who have it already.
     """
     if scene.lights or scene.light_groups or scene.environment is not None:
         return scene
@@ -44,14 +47,18 @@ def with_default_lights(scene: Scene) -> Scene:
             f"its emissive surfaces are dim (radiance {brightest:g}): "
             "a default sun and sky were added",
         )
-    probe = Probe.of(scene)
-    camera = framing_camera(probe) if scene.camera == Camera() else scene.camera
-    towards_sun, lit_share = sun_for(probe, camera)
+    probed = _probe(scene, probe)
+    camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
+    towards_sun, lit_share = sun_for(probed, camera)
     sun, sky = sun_and_sky(towards_sun)
-    lamps = _lamp(probe) if lit_share == 0.0 else ()
+    lamps = _lamp(probed) if lit_share == 0.0 else ()
     if lamps:
         warnings += ("no daylight gets into this closed room: a lamp was hung under its ceiling",)
     return replace(scene, lights=(sun, *lamps), environment=sky, warnings=warnings)
+
+
+def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:
+    return known() if known else Probe.of(scene)
 
 
 def _lamp(probe: Probe) -> tuple[PointLight, ...]:

@@ -87,7 +87,7 @@ def _geometry(
     }
     normals = table[rows[:, 1]].astype(np.float32)
     split = Geometry(positions[rows[:, 0]], indices, normals=normals, **others)
-    return Primitive(split, rows[:, 0], is_flat=True)
+    return Primitive(split, rows[:, 0].astype(np.int64), is_flat=True)
 
 
 def _triangles(

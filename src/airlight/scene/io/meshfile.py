@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from ...maths.colour import srgb_decode
+from ...maths.weld import welded
 from ..material import Material
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from .files import read_bytes
-from .normals import compact, creased_normals
+from .normals import Ints, compact, creased_normals
 
 GREY = Material(name="grey", base_color=(0.6, 0.6, 0.6))
 PAINTED = Material(name="vertex colours", base_color=(1.0, 1.0, 1.0))
@@ -27,27 +28,31 @@ def load_mesh_file(path: Path) -> Scene:
     Vertex colours are sRGB in the file. Where there are no normals they are computed over
     vertices at the same place: smooth over gentle bends, sharp at edges. Raises SceneError.
     """
-    raw = read_bytes(path)
-    mesh = _read(raw, path)
+    mesh = _read(path)
     positions, triangles = _shape(mesh, path)
     normals = _file_normals(mesh)
     colors = _colors(mesh)
-    rows, indices = np.arange(len(positions)), triangles.astype(np.uint32)
+    del mesh  # its arrays are as large as the file's
     if normals is None:
         rows, indices, normals = _with_normals(positions, triangles, keep=colors is not None)
+        positions = positions[rows]
+        colors = None if colors is None else colors[rows]
+    else:
+        indices = triangles.astype(np.uint32)
     geometry = Geometry(
-        positions=positions[rows].astype(np.float32),
+        positions=positions.astype(np.float32),
         indices=indices,
         normals=normals.astype(np.float32),
-        colors=None if colors is None else colors[rows],
+        colors=colors,
     )
     material = GREY if colors is None else PAINTED
     return Scene(meshes=(Mesh(geometry, material, name=path.stem),), name=path.stem)
 
 
-def _read(raw: bytes, path: Path) -> Any:
+def _read(path: Path) -> Any:
     import trimesh
 
+    raw = read_bytes(path)
     kind = path.suffix.lower().lstrip(".")
     try:
         loaded = trimesh.load(io.BytesIO(raw), file_type=kind, process=False)
@@ -61,10 +66,10 @@ def _read(raw: bytes, path: Path) -> Any:
     return loaded
 
 
-def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Checked positions (V, 3) and triangles (T, 3)."""
-    positions = np.array(mesh.vertices, dtype=np.float64)
-    triangles = np.array(mesh.faces, dtype=np.int64)
+    positions = np.asarray(mesh.vertices, dtype=np.float64).view(np.ndarray)
+    triangles = np.asarray(mesh.faces).view(np.ndarray)
     if not np.isfinite(positions).all():
         raise SceneError("vertex positions hold NaN or infinite numbers", where=path)
     if triangles.min() < 0 or triangles.max() >= len(positions):
@@ -73,7 +78,7 @@ def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64
             f"the file has {len(positions)} vertices",
             where=path,
         )
-    return positions, triangles
+    return positions, triangles.astype(np.int32)
 
 
 def _file_normals(mesh: Any) -> NDArray[np.float64] | None:
@@ -96,18 +101,18 @@ def _colors(mesh: Any) -> NDArray[np.float32] | None:
 
 
 def _with_normals(
-    positions: NDArray[np.float64], triangles: NDArray[np.int64], *, keep: bool
-) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.float64]]:
+    positions: NDArray[np.float64], triangles: NDArray[np.int32], *, keep: bool
+) -> tuple[Ints, NDArray[np.uint32], NDArray[np.float64]]:
     """The file's vertex of each new one, triangles and normals, split along creases.
 
-    Vertices at one place become one, unless `keep`, where they may differ in colour.
+    Vertices at one position become one, unless `keep`, where they may differ in colour.
     """
-    # STL repeats a vertex for every triangle; only equal places make a surface smooth.
-    ranks = [np.unique(positions[:, k], return_inverse=True)[1] for k in range(3)]
-    place, merged = compact(np.stack(ranks, axis=1)[triangles])
-    sample = np.zeros(len(place), dtype=np.int64)
+    # STL repeats a vertex for every triangle; only equal positions make a surface smooth.
+    numbers = welded(positions).astype(np.int32)
+    merged = numbers[triangles]
+    sample = np.zeros(int(numbers.max()) + 1, dtype=np.int32)
     sample[merged.ravel()] = triangles.ravel()
-    table, index = creased_normals(positions[sample], merged.astype(np.int64))
+    table, index = creased_normals(positions[sample], merged)
     source = triangles if keep else sample[merged]
     rows, indices = compact(np.stack([source, index], axis=-1))
     return rows[:, 0], indices, table[rows[:, 1]]

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...maths.chunks import chunks
 from ..checks import F32, F64
 from ..mesh import Mesh
 from ..scene import Scene
@@ -42,14 +43,11 @@ class Probe:
     @classmethod
     def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
         """The largest opaque triangles of a scene; those without area are left out."""
-        parts = [_world_triangles(mesh) for mesh in scene.meshes]
+        parts = [_largest_triangles(mesh, max_triangles) for mesh in scene.meshes]
         owner = [np.full(len(part), k) for k, part in enumerate(parts)]
         corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
-        a, b, c = corners.transpose(1, 0, 2)
-        cross = np.cross(b - a, c - a)
-        area = np.linalg.norm(cross, axis=1)
+        cross, area = _areas(corners)
         keep = np.argsort(-area, kind="stable")[:max_triangles]
-        keep = keep[area[keep] > 0.0]
         mesh = np.concatenate([np.zeros(0, dtype=np.int64), *owner])[keep]
         return cls(corners[keep], cross[keep] / area[keep, None], mesh)
 
@@ -154,15 +152,31 @@ def _plane(direction: F64) -> F64:
     return np.stack([u, np.cross(direction, u)])
 
 
-def _world_triangles(mesh: Mesh) -> F64:
-    """Corners (T, 3, 3) in world space; none for a mesh that lets light through."""
+def _largest_triangles(mesh: Mesh, count: int) -> F64:
+    """Corners (T, 3, 3) in world space of the `count` largest triangles that have an area, in
+    their order; none of a mesh that lets light through."""
     material = mesh.material
     if material.alpha < material.alpha_cutoff:
         return np.zeros((0, 3, 3))
-    matrix = mesh.world_from_object
+    matrix, indices = mesh.world_from_object, mesh.geometry.indices
     placed = mesh.geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
-    triangles: F64 = placed[mesh.geometry.indices]
-    return triangles
+    area = np.empty(len(indices))
+    for part in chunks(len(indices)):
+        area[part] = _areas(placed[indices[part]])[1]
+    kept = np.flatnonzero(area > 0.0)
+    if len(kept) > count:
+        # Of those as large as the smallest kept one, the first.
+        least = np.partition(area, len(area) - count)[len(area) - count]
+        larger, equal = np.flatnonzero(area > least), np.flatnonzero(area == least)
+        kept = np.sort(np.append(larger, equal[: count - len(larger)]))
+    return np.asarray(placed[indices[kept]])
+
+
+def _areas(corners: F64) -> tuple[F64, F64]:
+    """Cross products (T, 3) of the edges of `corners` (T, 3, 3), and twice the areas (T,)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    cross = np.cross(b - a, c - a)
+    return cross, np.linalg.norm(cross, axis=1)
 
 
 def sphere_directions(count: int) -> F64:

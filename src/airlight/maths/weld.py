@@ -1,0 +1,55 @@
+"""Vertices at one position as one vertex."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
+
+
+def welded(points: NDArray[np.floating[Any]]) -> NDArray[np.int64]:
+    """A number (V,) for each of the `points` (V, 3): equal where all coordinates are.
+
+    Where all points differ, point k has number k. Numbers go from 0 up, each is used. NaN is not
+    allowed.
+    """
+    key = _hashes(points)
+    ordered = np.sort(key)
+    if not (ordered[1:] == ordered[:-1]).any():
+        return np.arange(len(points))
+    del ordered
+    order = np.argsort(key, kind="stable")
+    is_new, is_collision = _changes(points, order, key)
+    if is_collision:
+        order = np.lexsort(tuple(points.T))
+        is_new, _ = _changes(points, order, key)
+    numbers = np.empty(len(points), np.int64)
+    numbers[order] = np.cumsum(is_new) - 1
+    return numbers
+
+
+def _hashes(points: NDArray[np.floating[Any]]) -> NDArray[np.uint64]:
+    """A 64-bit number (V,) of each point; equal points have equal ones."""
+    key = np.zeros(len(points), np.uint64)
+    for column, factor in zip(points.T, _FACTORS, strict=True):
+        bits = (column + 0.0).astype(np.float64).view(np.uint64)  # -0 becomes 0
+        key = (key ^ bits) * factor
+        key ^= key >> np.uint64(29)
+    return key
+
+
+def _changes(
+    points: NDArray[np.floating[Any]], order: NDArray[np.int64], key: NDArray[np.uint64]
+) -> tuple[NDArray[np.bool_], bool]:
+    """Whether each point (V,) differs from the one before it in `order`, and whether any of those
+    that do has its hash."""
+    is_new = np.zeros(len(order), dtype=bool)
+    is_new[0] = True
+    for column in points.T:
+        values = column[order]
+        is_new[1:] |= values[1:] != values[:-1]
+    hashes = key[order]
+    return is_new, bool((is_new[1:] & (hashes[1:] == hashes[:-1])).any())
