@@ -204,6 +204,112 @@ def _is_only_a_docstring(path: Path) -> bool:
     return path.name == "__init__.py" and all(isinstance(n, harmless) for n in tree(path).body)
 
 
+OPENS = "scene/io/files.py"
+"""The one module that opens files of the user's to read."""
+_READS_ITS_OWN = {
+    "gpu/compute.py": "shaders of the package",
+    "gpu/raster.py": "shaders of the package",
+    "gpu/source.py": "shaders of the package",
+    "lpv/step.py": "shaders of the package",
+    "app/bench_child.py": "what the system says of the process",
+    "reference/mitsuba_child.py": "what a child of ours wrote into a folder of ours",
+    "reference/mitsuba_process.py": "what the parent wrote into a folder of ours",
+    "app/sequence_frames.py": "a frame just written into a folder of ours",
+}
+_READERS = frozenset(
+    [
+        "open",
+        "fdopen",
+        "read_bytes",
+        "read_text",
+        "load",
+        "fromfile",
+        "memmap",
+        "genfromtxt",
+        "loadtxt",
+        "File",
+        "ZipFile",
+        "parse",
+        "imread",
+        "mmap",
+    ]
+)
+_READERS_ARE_FROM = frozenset(
+    [
+        "os",
+        "io",
+        "np",
+        "numpy",
+        "PIL",
+        "Image",
+        "OpenEXR",
+        "av",
+        "tinyvdb",
+        "trimesh",
+        "zipfile",
+        "gzip",
+        "ElementTree",
+        "imageio",
+        "path",
+        "file",
+        "source",
+        "mmap",
+    ]
+)
+_OF_A_CHECKED_FILE = frozenset(("BytesIO", "regular_file", "stream"))
+
+
+def opens_for_reading(node: ast.Call) -> bool:
+    """Whether a call opens a file to read, other than by `files`, from memory, or to write."""
+    if isinstance(node.func, ast.Name):
+        name, of = node.func.id, ""
+        is_reader = name == "open"
+    elif isinstance(node.func, ast.Attribute):
+        name, base = node.func.attr, node.func.value
+        of = base.id if isinstance(base, ast.Name) else getattr(base, "attr", "")
+        # Whatever has these methods is a path; the others' names are used for much else.
+        modes = [a.value for a in node.args[:1] if isinstance(a, ast.Constant)]
+        is_reader = name in ("read_bytes", "read_text") or (
+            name in _READERS and (of in _READERS_ARE_FROM or modes in (["r"], ["rb"]))
+        )
+    else:
+        return False
+    texts = [a.value for a in [*node.args, *(k.value for k in node.keywords)]
+             if isinstance(a, ast.Constant) and isinstance(a.value, str)]  # fmt: skip
+    is_written = any(set(text) <= set("wxab+t") and set(text) & set("wxa") for text in texts)
+    made_by = {n.id if isinstance(n, ast.Name) else n.attr for a in node.args for n in ast.walk(a)
+               if isinstance(n, (ast.Name, ast.Attribute))}  # fmt: skip
+    is_made = name == "File" and len(node.args) > 1  # OpenEXR's of a header and channels
+    return is_reader and not is_written and not made_by & _OF_A_CHECKED_FILE and not is_made
+
+
+def test_one_module_opens_files_for_reading():
+    found = [
+        f"{relative(path)}:{node.lineno}: {ast.unparse(node)[:60]}"
+        for path in modules()
+        if path.relative_to(SOURCE).as_posix() not in (OPENS, *_READS_ITS_OWN)
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.Call) and opens_for_reading(node)
+    ]
+    assert not found, f"read these by {OPENS}:\n" + "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "opens"),
+    [
+        ("open(p)", True), ("p.open('rb')", True), ("path.open('rb')", True),
+        ("path.open('wb')", False), ("open(p, mode='w')", False), ("x.read_text()", True),
+        ("np.load(p)", True), ("PIL.Image.open(p)", True), ("zipfile.ZipFile(p)", True),
+        ("PIL.Image.open(io.BytesIO(raw))", False), ("OpenEXR.File(str(path))", True),
+        ("OpenEXR.File(header, channels).write(str(path))", False), ("folder.open(asked)", False),
+        ("tinyvdb.open(str(regular_file(path)))", False), ("os.open(path, 0)", True),
+    ],
+)  # fmt: skip
+def test_the_rule_of_opening_catches_what_it_forbids(text, opens):
+    call = next(n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Call))
+    assert opens_for_reading(call) == opens
+
+
 _CITATION = re.compile(r"\b[A-Z][a-z]+(?:19|20)\d\d[a-z]?\b")
 _NOT_A_CITATION = {"Rec2020"}
 

@@ -78,7 +78,7 @@ def test_files_count_by_what_is_in_them(tmp_path):
     np.save(files[1], np.ones((2, 2, 2)))
     assert fingerprint(FileSequence(files, (2, 2, 2))) != before
     files[0].unlink()
-    with pytest.raises(SceneError, match=r"a\.npy: cannot be read"):
+    with pytest.raises(SceneError, match=r"a\.npy: file not found"):
         fingerprint(FileSequence(files, (2, 2, 2)))
 
 

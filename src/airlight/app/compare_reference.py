@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 import time
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from ..errors import AirlightError
 from ..reference.metrics import noise_floor, scene_epsilon
 from ..scene.checks import F32
 from ..scene.image import Image
+from ..scene.io.numpy_files import opened_npz
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -169,14 +169,14 @@ def _merged(a: Reference, b: Reference) -> Reference:
 def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
     """What is kept at `path`; None where that is nothing, broken, or without the layers `names`."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        about = json.loads(str(arrays.pop("about")))
+        with opened_npz(path) as archive:
+            about = json.loads(str(archive.array("about", kinds="U")))
+            arrays = {name: archive.array(name) for name in archive.names if name != "about"}
         image = Image(arrays.pop("radiance"), arrays)
         kept = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
         wanted = ("variance", *names[1:], *(f"{name}_variance" for name in names[1:]))
         return kept if all(name in arrays for name in wanted) else None
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
+    except (AirlightError, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import OutputError
-from ..scene.io.files import whole_file
+from ..errors import OutputError, SceneError
+from ..scene.io.files import read_text, whole_file
 from .outputs import json_text
 from .sequence_plan import Plan
 
@@ -79,9 +79,9 @@ class FrameFolder:
     def _take_up(self, asked: Mapping[str, Any], count: int, *, resume: bool) -> None:
         path = self.path / MANIFEST
         try:
-            self.manifest = json.loads(path.read_text(encoding="utf-8"))
+            self.manifest = json.loads(read_text(path))
             there = dict(self.manifest["asked"])
-        except (OSError, ValueError, KeyError, TypeError):
+        except (SceneError, ValueError, KeyError, TypeError, RecursionError):
             raise OutputError("is damaged", where=path, remedy=_ENOUGH) from None
         if not resume:
             raise OutputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -12,8 +13,8 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from ..errors import OutputError, SettingsError
-from ..scene.io.files import whole_file
+from ..errors import OutputError, SceneError, SettingsError
+from ..scene.io.files import read_bytes, regular_file, whole_file
 
 VIDEO_SUFFIXES = (".mp4",)
 _QUALITY = {"crf": "16", "preset": "medium"}
@@ -57,9 +58,9 @@ def video_comment(path: Path) -> str:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with av.open(str(regular_file(path))) as container:
             return str(container.metadata.get("comment", ""))
-    except (av.FFmpegError, OSError):
+    except (av.FFmpegError, OSError, SceneError):
         return ""
 
 
@@ -91,11 +92,12 @@ def _encode(
 def _even(file: Path) -> NDArray[np.uint8]:
     """A picture's pixels (H, W, 3), the last row and column doubled where a side is odd."""
     try:
-        with PIL.Image.open(file) as image:
+        with PIL.Image.open(io.BytesIO(read_bytes(file))) as image:
             pixels = np.asarray(image.convert("RGB"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, SceneError) as error:
+        reason = error.problem if isinstance(error, SceneError) else error
         raise OutputError(
-            f"is not a whole picture ({error})", where=file,
+            f"is not a whole picture ({reason})", where=file,
             remedy="Delete it, and make it again by --resume.",
         ) from None  # fmt: skip
     height, width = pixels.shape[:2]

@@ -8,6 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..errors import SceneError
+from ..scene.io.files import read_text
+
 INTERVAL_S = 0.25
 _QUIET_S = 0.1  # an editor may still be writing
 
@@ -56,8 +59,8 @@ def named_files(path: Path) -> set[Path]:
     if path.suffix.lower() != ".toml":
         return files
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        raw = tomllib.loads(read_text(path))
+    except (SceneError, ValueError, RecursionError):
         return files
     tables: list[Any] = [raw.get("environment")]
     for name in ("mesh", "volume"):

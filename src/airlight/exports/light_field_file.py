@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import OutputError, SceneError
-from ..scene.io.files import whole_file
+from ..scene.io.files import inside, read_text, whole_file
+from ..scene.io.numpy_files import opened_npz, read_npy
 from .light_field import LatticeLight, LightField, VolumeLight
 
 FORMAT, VERSION = "airlight light field", 1
@@ -83,9 +83,11 @@ def load_light_field(path: str | Path) -> LightField:
         if header["format"] != FORMAT or header["version"] != VERSION:
             raise SceneError(f"not an {FORMAT} of version {VERSION}", where=source)
         return _field(header, arrays)
-    except FileNotFoundError:
-        raise SceneError("file not found", where=source, remedy="Check the path.") from None
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, EOFError) as error:
+    except SceneError as error:
+        if error.where:
+            raise
+        raise SceneError(f"not a readable light field ({error.problem})", where=source) from None
+    except (LookupError, ValueError, TypeError, AttributeError, RecursionError) as error:
         raise SceneError(f"not a readable light field ({error})", where=source) from None
 
 
@@ -155,14 +157,15 @@ def _make_folder(target: Path) -> None:
 
 
 def _read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    header = json.loads((folder / HEADER_FILE).read_text(encoding="utf-8"))
-    return header, {n: np.load(folder / f"{n}.npy", allow_pickle=False) for n in header["arrays"]}
+    header = json.loads(read_text(folder / HEADER_FILE))
+    files = {name: inside(folder, f"{name}.npy", folder) for name in header["arrays"]}
+    return header, {name: read_npy(file) for name, file in files.items()}
 
 
 def _read_npz(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    with np.load(path, allow_pickle=False) as held:
-        header = json.loads(str(held["header"]))
-        return header, {name: held[name] for name in header["arrays"]}
+    with opened_npz(path) as archive:
+        header = json.loads(str(archive.array("header", kinds="U")))
+        return header, {name: archive.array(name) for name in header["arrays"]}
 
 
 def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:

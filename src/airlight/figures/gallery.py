@@ -17,7 +17,7 @@ import PIL.Image
 
 from ..app.compare_style import CSS
 from ..errors import SceneError
-from ..scene.io.files import whole_file
+from ..scene.io.files import read_bytes, read_text, whole_file
 from .registry import FIGURES, Figure
 
 PAGE = "index.html"
@@ -72,9 +72,9 @@ def _told(folder: Path, name: str) -> dict[str, Any] | None:
     if not path.is_file() or not path.with_suffix(".png").is_file():
         return None
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = json.loads(read_text(path))
         told["numbers"].items()
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (SceneError, ValueError, KeyError, TypeError, AttributeError):
         raise SceneError(
             "not the numbers of a figure", where=path, remedy=f"Draw {name} again."
         ) from None
@@ -139,7 +139,7 @@ def _missing(names: list[str]) -> str:
 def _data_url(path: Path) -> str:
     """The picture as JPEG, no wider than _WIDEST_PX. Raises SceneError."""
     try:
-        with PIL.Image.open(path) as opened:
+        with PIL.Image.open(io.BytesIO(read_bytes(path))) as opened:
             picture = opened.convert("RGB")
     except OSError as error:
         raise SceneError(f"not a readable picture ({error})", where=path) from None

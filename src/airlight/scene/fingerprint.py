@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
-
 _CHUNK_BYTES = 1 << 20
 _UNTOLD = ("warnings", "source")  # what no picture depends on
 
@@ -69,9 +67,8 @@ def _made(value: Any) -> Iterator[bytes | memoryview]:
 
 
 def _file(path: Path) -> Iterator[bytes]:
-    try:
-        with path.open("rb") as file:
-            while chunk := file.read(_CHUNK_BYTES):
-                yield chunk
-    except OSError as error:
-        raise SceneError(f"cannot be read ({error.strerror or error})", where=path) from None
+    from .io.files import opened
+
+    with opened(path) as file:
+        while chunk := file.read(_CHUNK_BYTES):
+            yield chunk

@@ -63,10 +63,7 @@ def _flat(path):
     np.savez(path, positions=np.zeros((2, 2)), intensities=np.ones((2, 3)))
 
 
-NOT_NPZ = (
-    "sparks.npz: is not an .npz file of numbers. "
-    "Write it with numpy.savez(file, positions=..., intensities=...)."
-)
+NOT_NPZ = "sparks.npz: is not a readable .npz: File is not a zip file. Write it with numpy.savez."
 
 
 @pytest.mark.parametrize(
@@ -74,8 +71,8 @@ NOT_NPZ = (
     [
         (lambda path: path.unlink(), "[[light]] 1: file 'sparks.npz' does not exist"),
         (_text, NOT_NPZ),
-        (_pickled, NOT_NPZ),
-        (_one_array, "sparks.npz: holds one array, not the two of an .npz file"),
+        (_pickled, "sparks.npz: holds Python objects, it must hold numbers"),
+        (_one_array, NOT_NPZ),
         (_misnamed, "sparks.npz: has no array 'positions'. Did you mean 'position'?"),
         (_flat, "sparks.npz: positions must be an (N, 3) array, not (2, 2)"),
     ],

@@ -346,7 +346,7 @@ def test_files_outside_are_refused(tmp_path: Path) -> None:
     inner = tmp_path / "inner"
     inner.mkdir()
     (tmp_path / "secret.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    outside = "which is outside its folder. Copy the file beside the scene."
+    outside = "which is outside its folder. Copy the file beside it."
     for name in ("../secret.obj", str(tmp_path / "secret.obj")):
         body = f'<shape type="obj"><string name="filename" value="{name}"/></shape>'
         with pytest.raises(SceneError, match=r"outside its folder"):

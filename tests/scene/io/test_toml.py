@@ -244,7 +244,7 @@ MISTAKES = [
     (BOX + '[environment]\nfile = "sky.exr"\n',
      "[environment]: file 'sky.exr' does not exist. Paths are relative to the scene file."),
     (BOX + '[environment]\nfile = "."\n',
-     "[environment]: file '.' is a folder. Paths are relative to the scene file."),
+     "[environment]: file '.' is a folder, not a file. Paths are relative to the scene file."),
     (BOX + "[environment]\nscale = -1\n", "[environment]: environment scale = -1 is outside "
      "[0, inf]"),
     (BOX + "[environment]\nvisible = 1\n", "[environment]: visible must be true or false, not 1"),

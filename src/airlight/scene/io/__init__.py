@@ -18,6 +18,7 @@ from pathlib import Path
 from ...errors import SceneError, nearest
 from ..camera import Camera
 from ..scene import Scene
+from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
@@ -44,17 +45,21 @@ def load(path: str | Path) -> Scene:
         from .doubts import doubts
         from .toml import load_toml
 
-        scene = load_toml(file)
-        return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
+        with naming(file):
+            scene = load_toml(file)
+            return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        return load_mitsuba(file)
+        with naming(file):
+            return load_mitsuba(file)
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        return with_defaults(load_volume_scene(file))
-    return with_defaults(load_meshes(file))
+        with naming(file):
+            return with_defaults(load_volume_scene(file))
+    with naming(file):
+        return with_defaults(load_meshes(file))
 
 
 def load_meshes(file: Path) -> Scene:
@@ -62,15 +67,8 @@ def load_meshes(file: Path) -> Scene:
 
     Raises SceneError.
     """
-    reader = _mesh_reader(file)
-    try:
-        return reader(file)
-    except SceneError as error:
-        if error.where:
-            raise
-        raise SceneError(error.problem, where=file, remedy=error.remedy) from None
-    except MemoryError:
-        raise SceneError("the scene does not fit into memory", where=file) from None
+    with naming(file):
+        return _mesh_reader(file)(file)
 
 
 def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
@@ -87,12 +85,15 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         from .meshfile import load_mesh_file
 
         return load_mesh_file
-    if not suffix and not file.exists():
-        raise SceneError(
-            "file not found",
-            where=file,
-            remedy="For a scene that ships with airlight, write builtin:NAME.",
-        )
+    if not suffix:
+        try:
+            regular_file(file)
+        except SceneError as error:
+            raise SceneError(
+                error.problem,
+                where=file,
+                remedy="For a scene that ships with airlight, write builtin:NAME.",
+            ) from None
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,

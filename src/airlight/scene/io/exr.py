@@ -8,6 +8,7 @@ Exposure, tone curve and statistics travel in the attributes `airlight_exposure_
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +20,7 @@ import OpenEXR
 from ...errors import SceneError
 from ..checks import F32
 from ..image import Image
+from .files import read_bytes
 
 VECTOR_LAYERS = ("normal",)
 FLOAT_LAYERS = ("depth", "position")
@@ -57,7 +59,7 @@ def _named(pixels: F32, layer: str, half: bool) -> dict[str, Any]:
 
 def read(path: Path) -> Image:
     """A picture with its layers. Raises SceneError."""
-    planes, header = _planes(path)
+    planes, header = _planes(read_bytes(path), path)
     radiance = _stacked(planes, "RGB")
     if radiance is None:
         raise SceneError(f"it has no R, G, B channels, only {_listed(planes)}", where=path)
@@ -85,7 +87,7 @@ def _layer(planes: Mapping[str, F32], name: str) -> F32 | None:
 
 def read_rgb(path: Path) -> F32:
     """The colours of any EXR, (H, W, 3) float32; grey from a lone Y. Raises SceneError."""
-    planes, _ = _planes(path)
+    planes, _ = _planes(read_bytes(path), path)
     rgb = _stacked(planes, "RGB")
     if rgb is not None:
         return rgb
@@ -94,10 +96,10 @@ def read_rgb(path: Path) -> F32:
     raise SceneError(f"it has no R, G, B channels, only {_listed(planes)}", where=path)
 
 
-def _planes(path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
+def _planes(raw: bytes, path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
     """Every channel of the first part as (H, W) float32, and the header."""
     try:
-        with OpenEXR.File(str(path), separate_channels=True) as file:
+        with OpenEXR.File(io.BytesIO(raw), separate_channels=True) as file:
             header = dict(file.header())
             planes = {
                 str(name): np.array(channel.pixels, dtype=np.float32)

@@ -1,26 +1,143 @@
-"""Reading a user's file whole, and writing one whole or not at all."""
+"""Opening a user's file, the one place where that is done, and writing one whole or not at all.
+
+Only regular files are read: a pipe, a socket or a device may block, or never end. What a file
+that came from elsewhere may name lies in its own folder or below it.
+"""
 
 from __future__ import annotations
 
 import os
+import re
+import stat
+import struct
+import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import BinaryIO
 
 from ...errors import AirlightError, OutputError, SceneError
 
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+_WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d|conin\$|conout\$)\s*(\..*)?", re.I)
+_OF_PARSERS = (
+    ValueError, ArithmeticError, LookupError, RecursionError, EOFError, struct.error, zlib.error,
+    zipfile.BadZipFile,
+)  # fmt: skip
+"""What libraries raise for files that they did not expect. Others are mistakes of ours."""
+
+
+def regular_file(path: Path) -> Path:
+    """`path`, for whoever opens files by name. Raises SceneError for all but regular files."""
+    try:
+        _refuse_special(path.stat().st_mode, path)
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error) from None
+    return path
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """A regular file to read from. Raises SceneError for one that cannot be opened or read."""
+    # A device may do something when it is opened, so look first; look again at what was opened.
+    regular_file(path)
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        with os.fdopen(os.open(path, flags), "rb") as stream:
+            _refuse_special(os.fstat(stream.fileno()).st_mode, path)
+            yield stream
+    except OSError as error:
+        raise _unreadable(path, error) from None
+
 
 def read_bytes(path: Path) -> bytes:
-    """All bytes of a file. Raises SceneError for one that is missing, unreadable or a folder."""
+    """All bytes of a regular file. Raises SceneError for one that is missing or unreadable."""
+    with opened(path) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        try:
+            return stream.read(size)
+        except MemoryError:
+            raise SceneError(f"its {size:,} bytes do not fit into memory", where=path) from None
+
+
+def read_text(path: Path) -> str:
+    """The text of a UTF-8 file. Raises SceneError."""
     try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise SceneError("file not found", where=path, remedy="Check the path.") from None
-    except IsADirectoryError:
-        raise SceneError("this is a folder, not a file", where=path) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"cannot be read ({reason})", where=path) from None
+        return read_bytes(path).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise SceneError(f"is not UTF-8 text (byte {error.start})", where=path) from None
+
+
+def inside(root: Path, name: str, where: object) -> Path:
+    """The file called `name` in the folder `root` or below it; backslashes separate as slashes do.
+
+    `name` is what the file `where` says. Raises SceneError for one that leads out of the folder,
+    by links, too, and for names of devices.
+    """
+    plain = PurePosixPath(name.replace("\\", "/"))
+    for part in plain.parts:
+        if _WINDOWS_DEVICE.fullmatch(part):
+            raise SceneError(
+                f"it names '{name}', which is a device under Windows",
+                where=where, remedy="Call the file otherwise.",
+            )  # fmt: skip
+    outside = SceneError(
+        f"it names '{name}', which is outside its folder",
+        where=where, remedy="Copy the file beside it.",
+    )  # fmt: skip
+    if plain.is_absolute() or PureWindowsPath(name).drive:
+        raise outside
+    try:
+        path, folder = (root / plain).resolve(), root.resolve()
+    except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte
+        raise SceneError(f"it names '{name}', which is no file", where=where) from None
+    if not path.is_relative_to(folder):
+        raise outside
+    return path
+
+
+@contextmanager
+def naming(path: object) -> Iterator[None]:
+    """What goes wrong while `path` is read, as one SceneError that names it.
+
+    What parsers raise that nobody foresaw stays its cause: AIRLIGHT_DEBUG=1 shows it.
+    """
+    try:
+        yield
+    except SceneError as error:
+        if error.where:
+            raise
+        raise SceneError(error.problem, where=path, remedy=error.remedy) from error.__cause__
+    except AirlightError:
+        raise
+    except MemoryError:
+        raise SceneError("does not fit into memory", where=path) from None
+    except _OF_PARSERS as error:
+        raise SceneError(
+            f"is damaged, or of a kind that is not read ({type(error).__name__}: {error})",
+            where=path,
+            remedy="If other programs read it, please report it, with what AIRLIGHT_DEBUG=1 shows.",
+        ) from error
+
+
+def _refuse_special(mode: int, path: Path) -> None:
+    if not stat.S_ISREG(mode):
+        kind = next((text for test, text in _KINDS if test(mode)), "something else")
+        raise SceneError(f"this is {kind}, not a file", where=path)
+
+
+def _unreadable(path: Path, error: Exception) -> SceneError:
+    if isinstance(error, FileNotFoundError):
+        return SceneError("file not found", where=path, remedy="Check the path.")
+    reason = getattr(error, "strerror", None) or error
+    return SceneError(f"cannot be read ({reason})", where=path)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+import re
 import struct
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from .files import read_bytes
+from .files import inside, read_bytes
 from .gltf_json import Item
 
 COMPONENTS: dict[int, type[np.generic]] = {
@@ -30,6 +31,7 @@ COMPONENTS: dict[int, type[np.generic]] = {
 }
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _MAX_VALUES = 2**30
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")  # a drive is one letter
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
@@ -91,9 +93,15 @@ def uri_bytes(item: Item, folder: Path) -> bytes:
             return base64.b64decode(body, validate=True)
         except (binascii.Error, ValueError):
             raise item.error("its embedded data is not base64") from None
-    if "://" in uri:
-        raise item.error(f"'{uri}' is not a file beside this one", "Download it first.")
-    return read_bytes(folder / unquote(uri))
+    return read_bytes(uri_file(item, folder))
+
+
+def uri_file(item: Item, folder: Path) -> Path:
+    """The file that the `uri` names. Raises SceneError for one that is not in `folder`."""
+    uri = item.text("uri")
+    if _SCHEME.match(uri):
+        raise item.error(f"'{uri[:200]}' is not a file beside this one", "Download it first.")
+    return inside(folder, unquote(uri), f"{item.file}: {item.place}")
 
 
 class Buffers:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap
-from .gltf_buffers import Buffers, uri_bytes
+from .gltf_buffers import Buffers, uri_bytes, uri_file
 from .gltf_json import Item
 from .images import read_texture
 from .texture_files import missing_texture
@@ -170,6 +170,8 @@ class Materials:
             image = self._images[k]
             name = image.text("uri")[:200] if not image.text("uri").startswith("data:") else ""
             where = f"{image.file}: {image.place}{f' ({name})' if name else ''}"
+            if image.has("uri") and not image.text("uri").startswith("data:"):
+                uri_file(image, self._buffers.folder)  # one of another place is no mere loss
             try:
                 raw = self._image_bytes(image)
                 self._pixels[k, is_srgb] = read_texture(raw, is_srgb=is_srgb, source=where)

@@ -21,7 +21,7 @@ from ..checks import F32
 from ..image import Image
 from ..material import Texture
 from . import exr, rgbe
-from .files import read_bytes, whole_file
+from .files import naming, read_bytes, whole_file
 
 MAX_TEXTURE_PIXELS = 16384 * 16384
 """Larger images are refused: a few kilobytes of PNG can unpack to all memory there is."""
@@ -85,14 +85,14 @@ def read_radiance(path: Path, warnings: list[str] | None = None) -> F32:
     """
     said = warnings if warnings is not None else []
     suffix = path.suffix.lower()
-    raw = read_bytes(path)
     if suffix == ".exr":
         pixels = exr.read_rgb(path)
     elif suffix in (".hdr", ".pic", ".rgbe"):
-        pixels = rgbe.decode(raw, path)
+        pixels = rgbe.decode(read_bytes(path), path)
     else:
+        encoded = _decode(read_bytes(path), str(path))[..., :3]
         said.append(f"{path}: an 8-bit image used as light; it has no highlights")
-        pixels = srgb_decode(_decode(raw, str(path))[..., :3] / 255.0).astype(np.float32)
+        pixels = srgb_decode(encoded / 255.0).astype(np.float32)
     if np.isnan(pixels).any():
         raise SceneError(f"{int(np.isnan(pixels).sum())} values are NaN", where=path)
     if np.isinf(pixels).any():
@@ -142,7 +142,7 @@ def load_image(path: Path) -> Image:
 
     Raises SceneError.
     """
-    if path.suffix.lower() == ".exr":
-        read_bytes(path)
-        return exr.read(path)
-    return Image(radiance=read_radiance(path))
+    with naming(path):
+        if path.suffix.lower() == ".exr":
+            return exr.read(path)
+        return Image(radiance=read_radiance(path))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ...errors import SceneError, nearest
 from ..point_lights import PointLights
+from .files import naming
+from .numpy_files import opened_npz
 from .toml_meshes import existing_file
 from .toml_schema import check_table
 from .toml_tables import LIGHT
@@ -31,24 +29,9 @@ def is_group(table: Any) -> bool:
 
 def read_point_lights(path: Path) -> PointLights:
     """The arrays `positions` and `intensities` of an .npz file. Raises SceneError."""
-    try:
-        arrays = np.load(path, allow_pickle=False)
-        if isinstance(arrays, np.ndarray):
-            raise SceneError("holds one array, not the two of an .npz file", where=path)
-        with arrays:
-            found = {name: arrays[name] for name in arrays.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
-        raise SceneError(
-            "is not an .npz file of numbers", where=path,
-            remedy="Write it with numpy.savez(file, positions=..., intensities=...).",
-        ) from None  # fmt: skip
-    for name in _ARRAYS:
-        if name not in found:
-            raise SceneError(f"has no array '{name}'", where=path, remedy=nearest(name, found))
-    try:
-        return PointLights(found["positions"], found["intensities"], source=path.name)
-    except SceneError as error:
-        raise SceneError(error.problem, where=path, remedy=error.remedy) from None
+    with naming(path), opened_npz(path) as archive:
+        positions, intensities = (archive.array(name) for name in _ARRAYS)
+        return PointLights(positions, intensities, source=path.name)
 
 
 def _group(label: str, table: Any, folder: Path) -> PointLights:

@@ -25,6 +25,7 @@ from ..material import Material
 from ..medium import FILL_MARGIN, medium_box
 from ..mesh import Mesh
 from ..scene import Scene
+from .files import naming
 from .mitsuba_emitters import emitter, with_emission
 from .mitsuba_materials import NoSurface, material
 from .mitsuba_media import Held, air_and_volumes, held_medium
@@ -62,14 +63,13 @@ def load_mitsuba(path: Path) -> Scene:
     """
     path = Path(path)
     try:
-        tree, root = read_tree(path)
-        source = Source(path, root)
-        scene = _scene(tree, source)
-    except SceneError as error:
-        raise SceneError(error.problem, where=error.where or path, remedy=error.remedy) from None
-    except (TypeError, ValueError, AttributeError, np.linalg.LinAlgError) as error:
+        with naming(path):
+            tree, root = read_tree(path)
+            source = Source(path, root)
+            scene = _scene(tree, source)
+    except (TypeError, AttributeError) as error:
         # A value of another kind than its place asks for: a vector as a field of view, say.
-        raise SceneError(f"a value does not fit its place ({error})", where=path) from None
+        raise SceneError(f"a value does not fit its place ({error})", where=path) from error
     return replace(scene, warnings=tuple(source.notes), name=path.stem)
 
 

@@ -16,6 +16,7 @@ from ...errors import SceneError
 from ..checks import F32, F64, Bounds, Rgb
 from ..medium import Medium
 from ..volume import Volume
+from .files import opened
 from .mitsuba_shapes import Placed, shape_geometries, shape_matrix
 from .mitsuba_textures import Source, triple
 from .mitsuba_xml import Node
@@ -234,9 +235,7 @@ def _grid(node: Node, source: Source) -> tuple[F32, Bounds, F64]:
 
 def _channel_count(path: Path) -> int:
     """As a .vol file's header has it; 1 for anything else, which read_volume will judge."""
-    if not path.is_file():
-        raise SceneError("file not found", where=path, remedy="Check the path.")
-    with path.open("rb") as stream:
+    with opened(path) as stream:
         header = stream.read(24)
     return int(struct.unpack("<i", header[20:24])[0]) if len(header) == 24 else 1
 

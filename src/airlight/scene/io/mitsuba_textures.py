@@ -13,9 +13,10 @@ from ...errors import SceneError
 from ...maths.colour import srgb_encode
 from ..checks import F32, Rgb
 from ..material import Texture, Wrap
+from .files import inside
 from .images import read_radiance, read_texture
 from .mitsuba_values import Spectrum
-from .mitsuba_xml import Node, inside
+from .mitsuba_xml import Node
 from .texture_files import missing_texture
 
 CHECKER_PX = 128

@@ -14,7 +14,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...errors import SceneError, nearest
-from .files import read_bytes
+from .files import inside, read_bytes, regular_file
 from .mitsuba_values import VALUE_TAGS, parse_value
 
 MAX_DEPTH = 60
@@ -80,7 +80,7 @@ def read_tree(path: Path) -> tuple[Node, Path]:
 
     Raises SceneError for XML that is broken, dangerous or refers to what is not there.
     """
-    reader = _Reader(root=path.resolve().parent)
+    reader = _Reader(root=regular_file(path).resolve().parent)
     root = _parse(path)
     if root.tag != "scene":
         raise SceneError(f"this is XML, but its root is <{root.tag}>, not <scene>", where=path)
@@ -89,18 +89,6 @@ def read_tree(path: Path) -> tuple[Node, Path]:
     _solve_references(reader)
     _refuse_cycles(scene)
     return scene, reader.root
-
-
-def inside(root: Path, name: str, where: object) -> Path:
-    """The file `name` below `root`. Raises SceneError for one outside."""
-    path = (root / name.replace("\\", "/")).resolve()
-    if not path.is_relative_to(root):
-        raise SceneError(
-            f"it names '{name}', which is outside its folder",
-            where=where,
-            remedy="Copy the file beside the scene.",
-        )
-    return path
 
 
 class _Builder(ElementTree.TreeBuilder):

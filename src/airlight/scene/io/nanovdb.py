@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError, nearest
 from ..checks import F32, F64
+from .files import read_bytes
 
 LARGEST_VOXEL_COUNT = 1 << 30
 
@@ -61,7 +62,7 @@ def read_nanovdb(path: Path, wanted: str) -> SparseGrid:
     Raises SceneError for what is damaged, packed by Blosc where that is not installed, or not of
     32-bit floats.
     """
-    content = path.read_bytes()
+    content = read_bytes(path)
     if len(content) < _FILE.size or content[:8] not in _MAGICS:
         raise SceneError("is not a NanoVDB file")
     _, version, count, _ = _FILE.unpack_from(content)

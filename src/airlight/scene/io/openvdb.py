@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from ..checks import F32, F64
+from .files import regular_file
 from .nanovdb import LARGEST_VOXEL_COUNT, SparseGrid
 
 _FLOAT_TREE = "Tree_float_5_4_3"
@@ -26,9 +27,8 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         raise SceneError(
             ".vdb files need the package tinyvdb", remedy="Run: pip install 'airlight[vdb]'."
         ) from None
-    path.open("rb").close()  # an OSError says more than tinyvdb does
     try:
-        with tinyvdb.open(str(path)) as file:
+        with tinyvdb.open(str(regular_file(path))) as file:
             file.read_grids()
             grids = [file.grid(i) for i in range(file.grid_count)]
             names = [grid.name for grid in grids]
@@ -36,7 +36,7 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
             if chosen < 0:
                 raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
             return _dense(grids[chosen])
-    except tinyvdb.VDBError as error:
+    except (tinyvdb.VDBError, ValueError) as error:  # ValueError: of names that are not UTF-8
         raise SceneError(f"is not a readable .vdb: {error}") from None
 
 

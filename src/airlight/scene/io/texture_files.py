@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ..material import Texture
+from .files import inside, regular_file
 from .images import read_texture
 
 
@@ -40,13 +41,22 @@ class TextureFiles:
         """The file called `name`, whatever its case and slashes, or None.
 
         Materials from other machines name absolute paths; the bare name is then looked for
-        in this folder and in `textures`.
+        in this folder and in `textures`. Files outside the folder are not read.
         """
         plain = PurePosixPath(name.strip().strip('"').replace("\\", "/"))
         if not plain.name:
             return None
         tries = [plain, PurePosixPath(plain.name), PurePosixPath("textures", plain.name)]
-        return next((hit for path in tries if (hit := _cased(self.folder, path))), None)
+        return next((hit for path in tries if (hit := self._found(path))), None)
+
+    def _found(self, name: PurePosixPath) -> Path | None:
+        """The file of that name in the folder or below it."""
+        try:
+            inside(self.folder, str(name), self.folder)
+            hit = _cased(self.folder, name)
+            return None if hit is None else regular_file(hit)
+        except SceneError:
+            return None
 
     def _texture(self, name: str, is_srgb: bool, consequence: str) -> Texture | None:
         key = (name, is_srgb)
@@ -55,6 +65,7 @@ class TextureFiles:
             texture: Texture | None = None
             try:
                 if path is None:
+                    inside(self.folder, name, self.folder)  # says that it lies outside
                     raise SceneError("texture is missing", where=self.folder / name)
                 texture = read_texture(path, is_srgb=is_srgb)
             except SceneError as error:
@@ -77,6 +88,6 @@ def _cased(folder: Path, name: PurePosixPath) -> Path | None:
                     return None
                 exact = alike[0]
             here = exact
+        return here if here.is_file() else None
     except (OSError, ValueError):  # a name no file system takes
         return None
-    return here if here.is_file() else None

@@ -130,11 +130,13 @@ def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Trac
 def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
     path = folder / pattern
-    base = path if path.is_dir() else path.parent
-    name = "*" if path.is_dir() else path.name
-    if "**" in name:
-        raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
-    found = [f for f in base.glob(name) if f.is_file() and not f.name.startswith(".")]
+    try:
+        base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
+        if "**" in name:
+            raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
+        found = [f for f in base.glob(name) if f.is_file() and not f.name.startswith(".")]
+    except (OSError, ValueError):  # a name that no file system takes
+        found = []
     if not found:
         raise SceneError(
             f"{label}: sequence '{pattern}' names no files",

@@ -20,6 +20,7 @@ from ..mesh import Mesh
 from ..placing import moved_camera, moved_light
 from ..scene import Scene
 from ..shapes import box, quad, sphere
+from .files import regular_file
 from .toml_animation import mesh_tracks
 
 _SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
@@ -50,12 +51,15 @@ def placed_mesh(
 
 def existing_file(path: Path, written: str, label: str) -> Path:
     """`path`, or a SceneError that names the file as the scene file wrote it."""
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
+    try:
+        return regular_file(path)
+    except SceneError as error:
+        missing = error.problem == "file not found"
+        what = "does not exist" if missing else error.problem.removeprefix("this ")
         raise SceneError(
-            f"{label}: file '{written}' {what}", remedy="Paths are relative to the scene file."
-        )
-    return path
+            f"{label}: file '{written}' {what}",
+            remedy="Paths are relative to the scene file.",
+        ) from None
 
 
 def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:

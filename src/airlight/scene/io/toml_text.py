@@ -22,6 +22,7 @@ from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+from .files import read_text
 from .light_groups import is_group
 from .toml_text_moving import has_own_camera, moves_light, with_motion
 
@@ -69,7 +70,7 @@ def scene_text(
 def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
     if path.suffix.lower() == ".toml":
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+        raw = tomllib.loads(read_text(path))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
         for table in (*many, raw.get("environment", {})):
             for key in ("file", "sequence"):

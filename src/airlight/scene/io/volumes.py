@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import math
 import struct
-import zipfile
-import zlib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +17,9 @@ from numpy.typing import NDArray
 from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
+from .files import naming, opened
 from .nanovdb import SparseGrid, read_nanovdb
+from .numpy_files import opened_npz, read_npy
 from .openvdb import read_openvdb
 
 LONGEST_SIDE = 2048
@@ -34,7 +34,6 @@ LARGEST_VALUE_COUNT = 1 << 30
 _CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
 _VOL_HEADER = struct.Struct("<3sBiiiii6f")
 _VOL_FLOAT32 = 1
-_DAMAGED_ZIP = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +61,7 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    try:
+    with naming(path):
         if suffix in _SPARSE:
             return _fitting(_from_sparse(_SPARSE[suffix](path, grid)), path)
         if suffix not in _DENSE:
@@ -70,15 +69,9 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
             raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
         values, bounds = _DENSE[suffix](path, grid)
         density = _density(values, channels)
-    except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror or error}", where=path) from None
-    except MemoryError:
-        raise SceneError("does not fit into memory", where=path) from None
-    except SceneError as error:
-        raise SceneError(error.problem, where=path, remedy=error.remedy) from None
-    if bounds is not None:
-        return _fitting(VolumeGrid(density, bounds), path)
-    return _fitting(_in_own_box(density, path), path)
+        if bounds is not None:
+            return _fitting(VolumeGrid(density, bounds), path)
+        return _fitting(_in_own_box(density, path), path)
 
 
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
@@ -158,7 +151,7 @@ def _density(values: NDArray[Any], channels: str) -> F32:
     if wanted >= count:
         raise SceneError(f"has {count} channels, there is no channel '{channels}'")
     if values.dtype.kind not in "fiub":
-        raise SceneError(f"holds {values.dtype} values, a density must be numbers")
+        raise SceneError(f"holds {values.dtype} values, it must hold numbers")
     return cast(F32, np.ascontiguousarray(values[..., wanted], dtype=np.float32))
 
 
@@ -170,66 +163,23 @@ def _in_own_box(density: F32, path: Path) -> VolumeGrid:
     return VolumeGrid(density, ((-x, -y, -z), (x, y, z)), (text + "around the origin",))
 
 
-def _check_count(count: int) -> None:
-    if count > LARGEST_VALUE_COUNT:
-        raise SceneError(
-            f"has {count:,} values, at most {LARGEST_VALUE_COUNT:,} can be used",
-            remedy="Downsample it.",
-        )
-
-
 def _read_npy(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
-    with path.open("rb") as stream:
-        return _array_from_npy(stream, path.stat().st_size), None
-
-
-def _array_from_npy(stream: IO[bytes], size_bytes: int) -> NDArray[Any]:
-    """The array of an .npy stream of `size_bytes`, its header believed only where it fits."""
-    try:
-        version = np.lib.format.read_magic(stream)
-        if version == (1, 0):
-            shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(stream)
-        else:
-            shape, fortran_order, dtype = np.lib.format.read_array_header_2_0(stream)
-    except (ValueError, EOFError):
-        raise SceneError("is not a NumPy array, or its header is damaged") from None
-    if dtype.hasobject:
-        raise SceneError("holds Python objects, a density must be numbers")
-    count = math.prod(shape)
-    _check_count(count)
-    wanted_bytes = count * dtype.itemsize
-    if wanted_bytes > size_bytes:
-        raise SceneError(f"is cut short: {wanted_bytes:,} bytes of values do not fit in it")
-    content = stream.read(wanted_bytes)
-    if len(content) != wanted_bytes:
-        raise SceneError(f"is cut short: {len(content):,} of {wanted_bytes:,} bytes of values")
-    flat = np.frombuffer(content, dtype=dtype)
-    return flat.reshape(shape, order="F" if fortran_order else "C")
+    return read_npy(path, most_values=LARGEST_VALUE_COUNT), None
 
 
 def _read_npz(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            arrays = {name[:-4] for name in archive.namelist() if name.endswith(".npy")}
-            if grid not in arrays:
-                raise SceneError(f"has no array '{grid}'", remedy=nearest(grid, arrays))
-            values = _array_in(archive, grid)
-            if "bounds" not in arrays or grid == "bounds":
-                return values, None
-            return values, checks.bounds(_array_in(archive, "bounds"), "its array 'bounds'")
-    except _DAMAGED_ZIP as error:
-        raise SceneError(f"is not a readable .npz: {error}") from None
-
-
-def _array_in(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    with archive.open(f"{name}.npy") as stream:
-        return _array_from_npy(stream, archive.getinfo(f"{name}.npy").file_size)
+    with opened_npz(path) as archive:
+        # The box first: a grid may be large, and a bad box would make it useless.
+        bounds = None
+        if "bounds" in archive.names and grid != "bounds":
+            bounds = checks.bounds(archive.array("bounds"), "its array 'bounds'")
+        return archive.array(grid, most_values=LARGEST_VALUE_COUNT), bounds
 
 
 def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
     """Mitsuba 3's grid volume: version 3, float32, x fastest, channels interleaved."""
-    size_bytes = path.stat().st_size
-    with path.open("rb") as stream:
+    with opened(path) as stream:
+        size_bytes = path.stat().st_size
         header = stream.read(_VOL_HEADER.size)
         if len(header) < _VOL_HEADER.size or not header.startswith(b"VOL"):
             raise SceneError("is not a Mitsuba volume: it does not start with 'VOL' and a header")
@@ -242,7 +192,11 @@ def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
         if min(nx, ny, nz, channel_count) < 1:
             raise SceneError(f"has an impossible size {nx} x {ny} x {nz} x {channel_count}")
         count = nx * ny * nz * channel_count
-        _check_count(count)
+        if count > LARGEST_VALUE_COUNT:
+            raise SceneError(
+                f"has {count:,} values, at most {LARGEST_VALUE_COUNT:,} can be used",
+                remedy="Downsample it.",
+            )
         if size_bytes != _VOL_HEADER.size + 4 * count:
             raise SceneError(
                 f"has {size_bytes:,} bytes, its header of {nx} x {ny} x {nz} voxels and "
