@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,10 @@ _ADAPTER, _PATHS = env.value("AIRLIGHT_ADAPTER"), env.value("AIRLIGHT_PATHS")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the tests that take minutes, too")
+    parser.addoption(
+        "--shuffle", type=int, metavar="SEED",
+        help="files in another order, and the tests in each, too: none may lean on another",
+    )  # fmt: skip
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -35,13 +40,28 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("paths", ("gpu", "cpu"), indirect=True, scope="module")
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if (seed := config.getoption("--shuffle")) is not None:
+        _shuffle(items, seed)
     if config.getoption("--slow"):
         return
     skip = pytest.mark.skip(reason="takes minutes: run with --slow")
     for item in items:
         if "slow" in item.keywords:
             item.add_marker(skip)
+
+
+def _shuffle(items: list[pytest.Item], seed: int) -> None:
+    """In place. A file's tests stay together: what they share is made once for them."""
+    files: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.nodeid.split("::")[0], []).append(item)
+    order, chance = sorted(files), random.Random(seed)
+    chance.shuffle(order)
+    for name in order:
+        chance.shuffle(files[name])
+    items[:] = [item for name in order for item in files[name]]
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from airlight.reference.mitsuba_llvm import find_llvm
+
 REPOSITORY = Path(__file__).parents[1]
 TOOLS = ("sh", "sed", "dirname", "cksum", "cat", "uname", "mktemp", "tail", "rm", "env")
 
@@ -161,3 +163,39 @@ def test_with_root_it_installs_the_driver_and_says_so(machine):
     ]
     assert "The software Vulkan driver is installed." in done.stderr
     assert "-m airlight render builtin:atrium" in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash: apt install bash")
+@pytest.mark.parametrize(("more", "has_llvm"), [((), False), (("-k", "fog", "--slow"), True)])
+def test_continuous_integration_hides_a_libllvm_from_the_quick_suite(machine, more, has_llvm):
+    machine.folder.joinpath(".ci").mkdir()
+    shutil.copy(REPOSITORY / ".ci" / "run", machine.folder / ".ci" / "run")
+    machine.pretend(
+        "run",
+        'if read -r line; then exit 9; fi\necho "$* CI=$CI LLVM=${DRJIT_LIBLLVM_PATH:-}"',
+        machine.folder,
+    )
+    machine.path.joinpath("bash").symlink_to(str(shutil.which("bash")))
+    own = machine.folder / "libLLVM-19.so"
+    own.touch()
+    done = subprocess.run(
+        [machine.folder / ".ci" / "run", *more],
+        env={"PATH": str(machine.path), "DRJIT_LIBLLVM_PATH": str(own)},
+        input="a terminal's",
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    checked, tested = done.stdout.splitlines()
+    said = tested.rsplit("LLVM=", 1)[1]
+    assert find_llvm({"DRJIT_LIBLLVM_PATH": said}) == (own if has_llvm else None)
+    assert checked == f"check CI=true LLVM={said}"
+    assert tested.startswith(" ".join(["test", *more, "CI=true"]))
+
+
+def test_what_continuous_integration_calls_is_in_the_readme():
+    readme = (REPOSITORY / "README.md").read_text("utf-8")
+    lines = (REPOSITORY / ".ci" / "run").read_text("utf-8").splitlines()
+    calls = [line.removesuffix(' "$@"') for line in lines if line.startswith("./run ")]
+    assert calls == ["./run check", "./run test"]
+    assert all(f"{call} " in readme for call in calls)
