@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+import importlib.util
 import os
 import random
+import re
+import shutil
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,12 +17,14 @@ import numpy as np
 import pytest
 
 from airlight import env
+from airlight.app.doctor import llvm_facts
 from airlight.errors import DeviceError
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.device import Gpu, open_gpu
 from airlight.gpu.slots import Slot
 from airlight.lighting.view import View
+from airlight.reference.mitsuba_llvm import find_llvm
 from airlight.scene import Camera, Geometry, Material, Mesh, Scene
 from airlight.surface.geometry import GpuScene
 
@@ -44,12 +51,45 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if (seed := config.getoption("--shuffle")) is not None:
         _shuffle(items, seed)
-    if config.getoption("--slow"):
-        return
-    skip = pytest.mark.skip(reason="takes minutes: run with --slow")
     for item in items:
-        if "slow" in item.keywords:
-            item.add_marker(skip)
+        if reason := _why_not(item, is_slow_welcome=config.getoption("--slow")):
+            item.add_marker(pytest.mark.skip(reason=reason))
+
+
+def _why_not(item: pytest.Item, *, is_slow_welcome: bool) -> str:
+    """Why a test is skipped, and what to do about it; "" where it runs."""
+    if item.get_closest_marker("slow") and not is_slow_welcome:
+        return "takes minutes: run with --slow"
+    missing = [(n, r) for m in item.iter_markers("needs") for n in m.args if (r := _remedy(n))]
+    names = " and ".join(n if isinstance(n, str) else n[0] for n, _ in missing)
+    return f"needs {names}: {', '.join(dict.fromkeys(r for _, r in missing))}" if missing else ""
+
+
+@functools.cache
+def _remedy(need: str | tuple[str, ...]) -> str:
+    """What brings something that `pytest.mark.needs` names, "" where it is there.
+
+    UsageError for a module that no extra of pyproject.toml brings: it would be skipped for ever.
+    """
+    if need == "libLLVM":
+        return "" if find_llvm() else str(llvm_facts()["get_it"])
+    if isinstance(need, tuple):
+        return "" if any(map(shutil.which, need)) else f"apt install {need[0].lower()}"
+    if need not in _extras():
+        raise pytest.UsageError(f"no extra of pyproject.toml brings '{need}', which a test needs")
+    return "" if importlib.util.find_spec(need) else f'pip install ".[{_extras()[need]}]"'
+
+
+@functools.cache
+def _extras() -> dict[str, str]:
+    """The first extra that brings a module, by the module's name."""
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+    brought: dict[str, str] = {}
+    for extra, requirements in project["optional-dependencies"].items():
+        for requirement in requirements:
+            name = re.split(r"[^\w-]", requirement)[0].replace("-", "_")
+            brought.setdefault(name, extra)
+    return brought
 
 
 def _shuffle(items: list[pytest.Item], seed: int) -> None:

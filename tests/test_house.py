@@ -361,6 +361,18 @@ def test_public_names_say_what_they_mean():
     assert not bare, "\n".join(bare)
 
 
+def test_what_a_test_needs_is_said_by_one_marker():
+    """`needs` names the remedy; `importorskip` says that an import failed."""
+    own = {Path(__file__), Path(__file__).with_name("conftest.py")}
+    skips = re.compile(r"importorskip\(|skipif\([^)]*(find_spec|which|find_llvm)\(")
+    found = [
+        relative(path)
+        for path in sorted(set(Path(__file__).parent.rglob("*.py")) - own)
+        if skips.search(path.read_text(encoding="utf-8"))
+    ]
+    assert not found, found
+
+
 def test_every_switch_is_in_the_table():
     known = {switch.name for switch in env.SWITCHES}
     used = {
@@ -395,9 +407,11 @@ def test_no_file_names_the_machine_it_was_made_on():
     assert not found, "\n".join(found)
 
 
+@pytest.mark.needs("hatchling")
 def test_the_wheel_carries_every_shader_and_the_type_marker(tmp_path):
-    builders = pytest.importorskip("hatchling.builders.wheel", reason="hatchling is not installed")
     import zipfile
+
+    from hatchling.builders import wheel as builders
 
     (wheel,) = builders.WheelBuilder(str(REPOSITORY)).build(
         directory=str(tmp_path), versions=["standard"]

@@ -165,7 +165,7 @@ def test_with_root_it_installs_the_driver_and_says_so(machine):
     assert "-m airlight render builtin:atrium" in done.stderr
 
 
-@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash: apt install bash")
+@pytest.mark.needs(("bash",))
 @pytest.mark.parametrize(("more", "has_llvm"), [((), False), (("-k", "fog", "--slow"), True)])
 def test_continuous_integration_hides_a_libllvm_from_the_quick_suite(machine, more, has_llvm):
     machine.folder.joinpath(".ci").mkdir()

@@ -98,14 +98,12 @@ def _reference(scene: Scene, size: tuple[int, int], spp: int) -> Image:
 @pytest.fixture(
     params=[
         *TECHNIQUES,
-        pytest.param(MITSUBA, marks=(pytest.mark.slow, pytest.mark.reference)),
+        pytest.param(MITSUBA, marks=(pytest.mark.slow, pytest.mark.needs("mitsuba"))),
     ]
 )
 def judged(request: pytest.FixtureRequest) -> Judged:
     """Each technique in turn."""
-    if request.param == MITSUBA:
-        pytest.importorskip("mitsuba", reason="needs the `reference` extra")
-    else:
+    if request.param != MITSUBA:
         request.getfixturevalue("gpu")
     return Judged(request.param)
 

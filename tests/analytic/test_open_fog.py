@@ -35,10 +35,9 @@ def plain(square) -> Scene:
 
 
 @pytest.mark.slow
-@pytest.mark.reference
+@pytest.mark.needs("mitsuba")
 def test_energies_beside_the_path_tracer(gpu, plain):
     """Measured: whole .99, direct 1.005, single 1.00, multiple .94, of which 0.002 noise."""
-    pytest.importorskip("mitsuba", reason="needs the `reference` extra")
     names = ("all", "direct", "single_scatter", "multiple_scatter")
     truth = render_layers(plain, names, size=SIZE, spp=64)
     full = {"shaft_resolution": "full", "march_resolution": "full"}
@@ -53,11 +52,10 @@ def test_energies_beside_the_path_tracer(gpu, plain):
 
 
 @pytest.mark.slow
-@pytest.mark.reference
 @pytest.mark.parametrize(("way", "g"), [(-0.8, 0.7), (0.8, 0.7), (-0.8, 0.9), (0.8, 0.9)])
+@pytest.mark.needs("mitsuba")
 def test_far_air_that_scatters_forwards(gpu, way, g):
     """The sun behind the eye and before it. Measured 1.03, .94, 1.11, .94; noise .03 at most."""
-    pytest.importorskip("mitsuba", reason="needs the `reference` extra")
     black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
     scene = Scene(
         meshes=(Mesh(box(), black),), lights=(DirectionalLight((0.0, -0.6, way), (3.0, 2.0, 1.0)),),

@@ -203,7 +203,6 @@ def test_a_time_is_that_of_the_scenes_animation(scene_file, tmp_path, calls, cap
 
 
 def test_a_picture_at_a_time_is_that_frame_of_a_sequence(tmp_path):
-    pytest.importorskip("wgpu")
     small = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
     moving = tmp_path / "moving.toml"
     moving.write_text(SCENE + "[[light.key]]\ntime_s = 0\nintensity = 1\n[[light.key]]\n"

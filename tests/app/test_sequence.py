@@ -84,8 +84,10 @@ def test_exr_frames_keep_their_layers_and_their_bits(gpu, scene, tmp_path):
     assert exr.read_rgb(tmp_path / "a" / "frame-00001.exr").shape == (16, 24, 3)
 
 
+@pytest.mark.needs("av")
 def test_a_video_resumes_and_is_known_when_it_is_done(gpu, scene, tmp_path, monkeypatch, capsys):
-    av = pytest.importorskip("av", reason="the extra 'video' is not installed")
+    import av
+
     output = tmp_path / "turn.mp4"
     made = []
     save = FrameMaker.save
@@ -197,8 +199,8 @@ def free_port():
         return found.getsockname()[1]
 
 
+@pytest.mark.needs("distributed")
 def test_a_farm_that_does_not_answer(gpu, scene, tmp_path, capsys, monkeypatch):
-    pytest.importorskip("distributed", reason="the extra 'farm' is not installed")
     farm_frames = "airlight.app.sequence_farm.farm_frames"
     from airlight.app import sequence_farm
 
@@ -241,7 +243,6 @@ class Farm:
 
 @pytest.fixture
 def farm(request):
-    pytest.importorskip("distributed", reason="the extra 'farm' is not installed")
     started = Farm(request.param)
     yield started
     started.close()
@@ -253,6 +254,7 @@ def in_background(scene, output, *more):
 
 
 @pytest.mark.slow
+@pytest.mark.needs("distributed")
 @pytest.mark.parametrize("farm", [2], indirect=True)
 def test_a_farm_makes_the_same_bits_and_survives_a_workers_death(gpu, farm, scene, tmp_path):
     output = tmp_path / "farmed"
@@ -269,6 +271,7 @@ def test_a_farm_makes_the_same_bits_and_survives_a_workers_death(gpu, farm, scen
 
 
 @pytest.mark.slow
+@pytest.mark.needs("distributed")
 @pytest.mark.parametrize("farm", [1], indirect=True)
 def test_a_farm_that_goes_away_leaves_its_frames(gpu, farm, scene, tmp_path):
     output = tmp_path / "farmed"
@@ -285,8 +288,8 @@ def test_a_farm_that_goes_away_leaves_its_frames(gpu, farm, scene, tmp_path):
     assert kept.items() <= frames(output).items()
 
 
+@pytest.mark.needs("distributed")
 def test_errors_of_a_frame_come_through_a_farm(scene):
-    pytest.importorskip("distributed", reason="the extra 'farm' is not installed")
     from airlight.app.sequence_farm import _raise_ours
     from airlight.errors import AirlightError, SceneError, SettingsError
 

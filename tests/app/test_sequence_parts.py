@@ -197,8 +197,10 @@ def write_frames(folder, count, size=(31, 18)):
     return files
 
 
+@pytest.mark.needs("av")
 def test_a_video_shows_every_frame_in_its_colours(tmp_path):
-    av = pytest.importorskip("av", reason="the extra 'video' is not installed")
+    import av
+
     from airlight.app.sequence_video import video_comment, write_video
 
     path, shares = tmp_path / "out.mp4", []
@@ -219,8 +221,8 @@ def test_a_video_shows_every_frame_in_its_colours(tmp_path):
         np.testing.assert_allclose(pixels[3, 3], (200, 30, 40), atol=14)
 
 
+@pytest.mark.needs("av")
 def test_a_video_of_broken_frames_is_refused_whole(tmp_path):
-    pytest.importorskip("av", reason="the extra 'video' is not installed")
     from airlight.app.sequence_video import video_comment, write_video
 
     files = write_frames(tmp_path, 3)

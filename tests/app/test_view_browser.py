@@ -71,8 +71,8 @@ def test_the_page_asks_for_nothing_from_elsewhere():
     assert 'src="renderview-client.js"' in PAGE
 
 
+@pytest.mark.needs("uvicorn")
 def test_a_port_in_use_ends_with_2_and_one_line(capsys):
-    pytest.importorskip("uvicorn")
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
@@ -86,7 +86,6 @@ def test_a_port_in_use_ends_with_2_and_one_line(capsys):
 @pytest.fixture(scope="module")
 def server():
     """(link, process) of a viewer served by the real command."""
-    pytest.importorskip("uvicorn")
     process = subprocess.Popen(
         [sys.executable, "-m", "airlight", "view", str(SCENE), "--in", "browser", "--no-open",
          "-t", "direct", *SMALL],
@@ -163,6 +162,7 @@ async def wait_for_change(browser: Browser, before: np.ndarray) -> np.ndarray:
     raise AssertionError("the picture did not change")
 
 
+@pytest.mark.needs("uvicorn", "websockets")
 @pytest.mark.slow
 def test_a_wrong_token_is_refused_by_the_real_server(server):
     import websockets
@@ -181,6 +181,7 @@ def test_a_wrong_token_is_refused_by_the_real_server(server):
         urllib.request.urlopen(link[:-3] + "/")
 
 
+@pytest.mark.needs("uvicorn", "websockets")
 @pytest.mark.slow
 def test_a_drag_changes_the_streamed_picture(server):
     async def look() -> None:
@@ -194,6 +195,7 @@ def test_a_drag_changes_the_streamed_picture(server):
     asyncio.run(look())
 
 
+@pytest.mark.needs("uvicorn", "websockets")
 @pytest.mark.slow
 def test_a_browser_gone_mid_stream_and_nonsense_leave_the_server_well(server):
     link, process = server
@@ -217,6 +219,7 @@ def test_a_browser_gone_mid_stream_and_nonsense_leave_the_server_well(server):
     assert process.poll() is None
 
 
+@pytest.mark.needs("uvicorn", "websockets")
 @pytest.mark.slow
 def test_a_second_viewer_looks_on_and_then_takes_over(server):
     async def together() -> None:

@@ -21,11 +21,13 @@ SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2
          "ambient_occlusion": False}  # fmt: skip
 PANEL_PX = 340
 
+pytestmark = pytest.mark.needs("rendercanvas", "imgui_bundle")
+
 
 @pytest.fixture(scope="module")
 def view():
-    offscreen = pytest.importorskip("rendercanvas.offscreen")
-    pytest.importorskip("imgui_bundle")
+    from rendercanvas import offscreen
+
     try:
         open_gpu()
     except DeviceError as error:

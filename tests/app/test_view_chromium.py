@@ -17,17 +17,17 @@ SCENE = Path(__file__).with_name("view_box.toml")
 SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
                           "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
 PANEL_PX = 340
+CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
+
+pytestmark = pytest.mark.needs("uvicorn", "playwright", CHROMIUMS)
 
 
 @pytest.fixture(scope="module")
 def page():
     """(page, link) with the viewer open in it."""
-    pytest.importorskip("uvicorn")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    found = [shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")]
-    program = next(filter(None, found), None)
-    if program is None:
-        pytest.skip("no Chromium on this machine")
+    from playwright import sync_api
+
+    program = next(filter(None, map(shutil.which, CHROMIUMS)))
     viewer = subprocess.Popen(
         [sys.executable, "-m", "airlight", "view", str(SCENE), "--in", "browser", "--no-open",
          "-t", "direct", *SMALL],

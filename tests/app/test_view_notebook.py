@@ -86,11 +86,11 @@ print(base64.b64encode(after).decode())
 
 
 @pytest.mark.slow
+@pytest.mark.needs("nbformat", "nbclient", "ipykernel", "anywidget")
 def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
-    nbformat = pytest.importorskip("nbformat")
-    nbclient = pytest.importorskip("nbclient")
-    pytest.importorskip("ipykernel")
-    pytest.importorskip("anywidget")
+    import nbclient
+    import nbformat
+
     cells = [nbformat.v4.new_code_cell(text.strip()) for text in (NOTEBOOK, FRONT_END)]
     notebook = nbformat.v4.new_notebook(cells=cells)
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +18,7 @@ SCENE = Path(__file__).with_name("view_box.toml")
 SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
                           "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
 PANEL_PX, SIZE = 340, (640, 320)
+needs_a_desk = pytest.mark.needs("glfw", "imgui_bundle", ("Xvfb",), ("xdotool",))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems have a display")
@@ -94,11 +94,6 @@ class Desk:
 
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
-    pytest.importorskip("glfw")
-    pytest.importorskip("imgui_bundle")
-    missing = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
-    if missing:
-        pytest.skip(f"{' and '.join(missing)} not installed")
     scene = tmp_path_factory.mktemp("desk") / "box.toml"
     scene.write_text(SCENE.read_text())
     made = Desk(scene)
@@ -107,6 +102,7 @@ def desk(tmp_path_factory):
     made.close()
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_a_drag_turns_the_picture(desk):
     before = desk.rested()
@@ -115,6 +111,7 @@ def test_a_drag_turns_the_picture(desk):
     desk.until_changed(before, "the drag is seen")
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_the_wheel_keys_and_sun(desk):
     before = desk.rested()
@@ -128,6 +125,7 @@ def test_the_wheel_keys_and_sun(desk):
     desk.until_changed(before, "the turned sun is seen", least=1.0)
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_the_panel_takes_its_own_clicks_and_tab_hides_it(desk):
     before = desk.rested()
@@ -146,6 +144,7 @@ def test_the_panel_takes_its_own_clicks_and_tab_hides_it(desk):
     desk.do("key", "Tab")
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_a_saved_edit_is_shown_and_a_broken_one_said(desk):
     before = desk.rested()
@@ -157,6 +156,7 @@ def test_a_saved_edit_is_shown_and_a_broken_one_said(desk):
     desk.until_changed(before, "the edit is seen", least=1.0)
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_a_window_that_becomes_tiny_and_large_again(desk):
     desk.rested()
@@ -169,6 +169,7 @@ def test_a_window_that_becomes_tiny_and_large_again(desk):
     assert desk.viewer.poll() is None
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_another_renderer_is_made_while_the_old_picture_stays_live(desk):
     before = desk.rested()
@@ -185,6 +186,7 @@ def test_another_renderer_is_made_while_the_old_picture_stays_live(desk):
     assert not any(blank)
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_a_click_at_rest_opens_the_list_of_techniques(desk):
     desk.rested()
@@ -200,6 +202,7 @@ def test_a_click_at_rest_opens_the_list_of_techniques(desk):
     time.sleep(1.0)
 
 
+@needs_a_desk
 @pytest.mark.slow
 def test_ctrl_c_in_the_middle_of_frames_ends_it_quietly(desk):
     # The last test of this desk. Seen before: the window's texture gone when it was submitted.

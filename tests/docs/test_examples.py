@@ -49,10 +49,11 @@ def test_an_example_makes_what_it_says(gpu, small, name):
 
 
 @pytest.mark.slow
+@pytest.mark.needs("nbformat", "nbclient", "ipykernel")
 def test_the_notebook_runs_to_its_end(gpu, tmp_path):
-    nbformat = pytest.importorskip("nbformat")
-    client = pytest.importorskip("nbclient")
-    pytest.importorskip("ipykernel")
+    import nbclient as client
+    import nbformat
+
     book = nbformat.read(NOTEBOOK, as_version=4)
     first = next(cell for cell in book.cells if "SIZE = (320, 180)" in cell.source)
     first.source = first.source.replace("(320, 180)", "(32, 18)")

@@ -110,9 +110,10 @@ def test_messages_of_the_troubleshooting_page_are_what_is_said(
 
 
 @pytest.mark.slow
+@pytest.mark.needs("sphinx", "furo")
 def test_the_site_is_built_without_a_warning(tmp_path):
-    build = pytest.importorskip("sphinx.cmd.build", reason="the extra `docs` is not installed")
-    pytest.importorskip("furo")
+    from sphinx.cmd import build
+
     code = build.main(["-q", "-W", "--keep-going", "-b", "html", str(DOCS), str(tmp_path / "site")])
     assert code == 0
     page = (tmp_path / "site" / "techniques" / "lpv.html").read_text("utf-8")

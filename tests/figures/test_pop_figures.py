@@ -116,8 +116,8 @@ def test_directions_lie_in_their_bins():
     np.testing.assert_allclose(azimuth, np.pi / 2, atol=np.pi / pop_cube.PHI_BINS)
 
 
+@pytest.mark.needs("numba")
 def test_beams_and_hops_show_what_monte_carlo_shows():
-    pytest.importorskip("numba")
     true = pop_cube.truth(0.7, 100_000)
     beams, hops = pop_cube.by_beams(0.7), pop_cube.by_hops(0.7, 8)
     for mine, off in ((beams, 0.1), (hops, 0.22)):  # eight hops: measured .81

@@ -8,10 +8,13 @@ import pytest
 from airlight.gpu.canvas import CanvasSurface
 from airlight.gpu.commands import Commands
 
+pytestmark = pytest.mark.needs("rendercanvas")
+
 
 @pytest.fixture
 def canvas():
-    offscreen = pytest.importorskip("rendercanvas.offscreen")
+    from rendercanvas import offscreen
+
     made = offscreen.RenderCanvas(size=(40, 30), pixel_ratio=2.0)
     yield made
     made.close()

@@ -63,9 +63,9 @@ def test_scattered_light_leaves_by_the_right_faces():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [8, 16, 32])
+@pytest.mark.needs("numba")
 def test_seven_cubes_have_the_fluence_of_monte_carlo(cells):
     """Relative L2 of scattered fluence: measured .129 at 16^3."""
-    pytest.importorskip("numba")
     from airlight.reference.tracer import Beam, BoxMedium, trace
 
     errors = []

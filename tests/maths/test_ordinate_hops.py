@@ -142,9 +142,9 @@ def test_isotropic_hops_keep_their_power_until_it_leaves():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [8, 16, 32])
+@pytest.mark.needs("numba")
 def test_split_has_the_fluence_of_monte_carlo(cells):
     """Relative L2: measured .128, .125, .135."""
-    pytest.importorskip("numba")
     from airlight.reference.tracer import Beam, BoxMedium, trace
 
     errors = []
@@ -167,12 +167,12 @@ def test_split_has_the_fluence_of_monte_carlo(cells):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [8, 16, 32])
+@pytest.mark.needs("numba")
 def test_split_is_as_good_where_nothing_was_fitted(cells):
     """Fluence: measured .13, .14, .16; brightness, |log|: .17, .19, .21, worst for thick air ahead.
 
     Delta beams have .12 and .10 on the same cubes at 16^3.
     """
-    pytest.importorskip("numba")
     from airlight.reference.tracer import Beam, BoxMedium, trace
 
     errors, logs, means = [], [], []

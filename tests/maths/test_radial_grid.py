@@ -107,9 +107,9 @@ def test_the_ball_of_figure_10_has_the_fluence_of_monte_carlo(g):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("g", "limit"), [(0.0, 0.18), (0.5, 0.14), (0.9, 0.06)])
+@pytest.mark.needs("numba")
 def test_the_ball_of_figure_10_is_close_to_monte_carlo(g, limit):
     """Relative L2 of scattered fluence at 32 shells: measured .167/.140, .121/.129, .046/.047."""
-    pytest.importorskip("numba")
     from airlight.reference.tracer import BoxMedium, PointSource, trace
 
     got, air = lit_ball(g, 32), ball(g)

@@ -50,9 +50,9 @@ def summed(depth: float) -> Volume:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lit", ["sky", "sun"])
+@pytest.mark.needs("mitsuba")
 def test_two_that_overlap_scatter_as_one_of_their_sum(lit: str) -> None:
     """Beside a path tracer's picture of one grid. Energy measured: sun .98."""
-    pytest.importorskip("mitsuba")
     from airlight.reference import mitsuba
 
     light = {"environment": WHITE} if lit == "sky" else {"lights": (SUN,), "environment": None}

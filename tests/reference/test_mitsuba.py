@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import math
 import tempfile
 from pathlib import Path
@@ -13,7 +12,6 @@ import pytest
 
 from airlight.errors import ReferenceFailure, SettingsError
 from airlight.reference import mitsuba, mitsuba_child
-from airlight.reference.mitsuba_llvm import find_llvm
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -30,12 +28,8 @@ from airlight.scene import (
 )
 from airlight.scene.shapes import box
 
-needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None,
-    reason="Mitsuba is not installed: pip install 'airlight[reference]'",
-)
-needs_llvm = pytest.mark.skipif(find_llvm() is None, reason="no libLLVM 16 or newer is found")
-pytestmark = [pytest.mark.reference, needs_mitsuba]
+pytestmark = pytest.mark.needs("mitsuba")
+needs_llvm = pytest.mark.needs("libLLVM")
 
 BLACK = Material(name="black", base_color=(0, 0, 0), specular=0.0)
 LAMBERT = Material(name="lambert", base_color=(0.6, 0.4, 0.2), specular=0.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import pytest
@@ -13,13 +12,7 @@ from airlight.reference.mitsuba_child import LlvmFailure, run_job
 from airlight.reference.mitsuba_process import Job, read_job
 from airlight.scene import Environment, Scene
 
-pytestmark = [
-    pytest.mark.reference,
-    pytest.mark.skipif(
-        importlib.util.find_spec("mitsuba") is None,
-        reason="Mitsuba is not installed: pip install 'airlight[reference]'",
-    ),
-]
+pytestmark = pytest.mark.needs("mitsuba")
 
 
 def job(folder: Path, body: str, **changes) -> Job:

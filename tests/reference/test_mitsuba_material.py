@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 
 import numpy as np
@@ -11,11 +10,6 @@ import pytest
 from airlight.reference import mitsuba
 from airlight.reference.mitsuba_material import is_absent, is_masked, linear_pixels, unfolded
 from airlight.scene import Camera, Environment, Geometry, Material, Mesh, Scene, Texture
-
-needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None,
-    reason="Mitsuba is not installed: pip install 'airlight[reference]'",
-)
 
 
 def reflectance(roughness: float, base: float, cosine: float) -> float:
@@ -37,8 +31,7 @@ def reflectance(roughness: float, base: float, cosine: float) -> float:
     return float((f * mu).mean() * 2 * math.pi)
 
 
-@pytest.mark.reference
-@needs_mitsuba
+@pytest.mark.needs("mitsuba")
 @pytest.mark.parametrize(
     ("roughness", "cosine", "low", "high"),
     [(1.0, 1.0, 1.05, 1.1), (1.0, 0.3, 1.15, 1.25), (0.6, 1.0, 1.02, 1.07), (0.3, 0.3, 1.0, 1.06)],

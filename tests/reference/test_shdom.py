@@ -41,9 +41,9 @@ def test_straight_light_falls_off_as_beer_and_lambert_say():
     assert light[5, 0, 7] == light.min()
 
 
+@pytest.mark.needs("numba")
 def test_a_cube_scatters_what_monte_carlo_says():
     """Fluence in an isotropic cube under an even sky: within 8 %, darker at the walls."""
-    pytest.importorskip("numba")
     from airlight.reference.tracer import BoxMedium, IsotropicEnvironment, trace
 
     outside = environment_series(np.ones((32, 64, 3)), 5)

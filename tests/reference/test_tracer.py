@@ -14,7 +14,7 @@ from airlight.reference.tracer import Beam, BoxMedium, IsotropicEnvironment, Poi
 from airlight.reference.tracer_setup import Slice
 from airlight.scene import Medium, Volume
 
-pytest.importorskip("numba")
+pytestmark = pytest.mark.needs("numba")
 
 # Scattered light out of the unit cube by the face it was lit through, the opposite one and the
 # four sides; sigma_s, sigma_a, g; measured by another program, rounded to .001.

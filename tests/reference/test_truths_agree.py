@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 
 import numpy as np
@@ -22,13 +21,7 @@ from airlight.scene import (
     Scene,
 )
 
-pytestmark = [
-    pytest.mark.reference,
-    pytest.mark.skipif(
-        not (importlib.util.find_spec("mitsuba") and importlib.util.find_spec("numba")),
-        reason="needs the `reference` extra",
-    ),
-]
+pytestmark = pytest.mark.needs("mitsuba", "numba")
 
 CUBE = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 TRAVEL = (0.0, 0.0, 1.0)

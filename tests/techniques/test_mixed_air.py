@@ -22,8 +22,8 @@ SIZE = (96, 64)
 
 
 @pytest.mark.slow
+@pytest.mark.needs("mitsuba")
 def test_fog_a_volume_and_a_floor_have_the_energy_of_a_path_tracer():
-    pytest.importorskip("mitsuba", reason="the extra 'reference' is not installed")
     from airlight import reference
 
     under = np.diag([6.0, 1.0, 6.0, 1.0])

@@ -83,7 +83,8 @@ def test_leaves_tiles_and_background_are_spread(tmp_path, packed):
 
 def blosc_bytes(*, chunk: int, flipped: int | None = None) -> bytes:
     """The same file with its grid in chunks of c-blosc, as nanovdb/io/IO.h writes them."""
-    blosc = pytest.importorskip("blosc", reason="needs the `vdb` extra")
+    import blosc
+
     plain = nvdb_bytes(packed=False)
     start = struct.calcsize("<8sIHH") + struct.calcsize("<4Q2I6d6i3dI4I3I2HI") + len(NAME)
     buffer, body = plain[start:], b""
@@ -99,6 +100,7 @@ def blosc_bytes(*, chunk: int, flipped: int | None = None) -> bytes:
     return bytes(head) + body
 
 
+@pytest.mark.needs("blosc")
 def test_blosc_is_unpacked_chunk_by_chunk(tmp_path):
     (tmp_path / "a.nvdb").write_bytes(blosc_bytes(chunk=100_000))
     (tmp_path / "b.nvdb").write_bytes(nvdb_bytes())
@@ -107,6 +109,7 @@ def test_blosc_is_unpacked_chunk_by_chunk(tmp_path):
 
 
 @pytest.mark.parametrize("byte", [0, 12, 13, 20, 24])
+@pytest.mark.needs("blosc")
 def test_damaged_blosc_says_so(tmp_path, byte):
     """A length, the unpacked size, the packed size, and where blocks start."""
     (tmp_path / "a.nvdb").write_bytes(blosc_bytes(chunk=1 << 30, flipped=byte))

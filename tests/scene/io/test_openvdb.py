@@ -11,7 +11,7 @@ import pytest
 from airlight.errors import SceneError
 from airlight.scene.io.volumes import read_volume
 
-pytest.importorskip("tinyvdb", reason="the extra vdb is not installed")
+pytestmark = pytest.mark.needs("tinyvdb")
 
 SCALE_TRANSLATE = ("ScaleTranslateMap", (1.0, 2.0, 3.0))
 TURNED = np.array([[0, 2, 0, 0], [-2, 0, 0, 0], [0, 0, 2, 0], [10, 20, 30, 1.0]])
