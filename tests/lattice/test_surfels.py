@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.lattice.surfels import surfels
-from airlight.scene import Material, Mesh, Texture, shapes
+from airlight.lattice.surfels import _unmatched_edges, outer_side, surfels
+from airlight.scene import Geometry, Material, Mesh, Texture, shapes
 
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
@@ -101,3 +101,28 @@ def test_colour_is_linear_and_takes_the_factor():
 
 def test_no_meshes_still_make_a_buffer():
     assert len(surfels((), [], 10)) == 1
+
+
+@pytest.mark.parametrize("kind", ["closed", "without a cap", "tangle"])
+def test_edges_without_a_partner_are_counted(kind):
+    rng = np.random.default_rng(0)
+    box = np.unique(shapes.box().positions, axis=0, return_inverse=True)[1].reshape(-1)
+    triangles = {
+        "closed": box[shapes.box().indices],
+        "without a cap": box[shapes.box().indices[2:]],
+        "tangle": rng.integers(0, 30, (400, 3)),
+    }[kind]
+    edges = [
+        (a, b) for row in triangles.tolist() for a, b in zip(row, row[1:] + row[:1], strict=True)
+    ]
+    known = set(edges)
+    expected = sum(a != b and (b, a) not in known for a, b in edges)
+    assert _unmatched_edges(triangles.astype(np.int64)) == expected
+    assert (expected == 0) == (kind == "closed")
+
+
+def test_a_closed_body_has_an_outer_side():
+    box = shapes.box()
+    turned = Geometry(box.positions, np.ascontiguousarray(box.indices[:, ::-1]))
+    open_box = Geometry(box.positions, np.ascontiguousarray(box.indices[2:]))
+    assert [outer_side(g) for g in (box, turned, open_box)] == [1, -1, 0]

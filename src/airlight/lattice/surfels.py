@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, u32, vec3f
+from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
+from ..maths.weld import welded
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 
@@ -43,27 +45,40 @@ def surfels(
     `inside` (n, 3), metres: the eye and the lamps; a closed body around one of them is a room, and
     blocks from both sides.
     """
-    areas = np.array([triangle_areas(m).sum() for m in meshes])
-    outer = {id(m.geometry): outer_side(m.geometry) for m in meshes}
+    areas_of: dict[tuple[int, bytes], F64] = {}
+    for mesh in meshes:
+        if _area_key(mesh) not in areas_of:
+            areas_of[_area_key(mesh)] = triangle_areas(mesh)
+    areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
+    outer = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
     points = np.zeros((0, 3)) if inside is None else inside
     total = max(float(areas.sum()), 1e-30)
     parts = []
     for instance, index in enumerate(order):
         share = max(1, round(count * float(areas[index]) / total))
         side = _side(meshes[index], outer, points)
-        parts.append(_mesh_surfels(meshes[index], instance, share, side))
+        mesh = meshes[index]
+        parts.append(_mesh_surfels(mesh, areas_of[_area_key(mesh)], instance, share, side))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
 
 
 def triangle_areas(mesh: Mesh) -> F64:
     """Area (T,), m^2, of each placed triangle."""
     linear = mesh.world_from_object[:3, :3]
-    a, b, c = (mesh.geometry.positions[mesh.geometry.indices[:, k]] @ linear.T for k in range(3))
-    return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    positions, indices = mesh.geometry.positions, mesh.geometry.indices
+    areas = np.empty(len(indices))
+    for part in chunks(len(indices)):
+        a, b, c = (positions[indices[part, k]] @ linear.T for k in range(3))
+        areas[part] = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return areas
 
 
-def _mesh_surfels(mesh: Mesh, instance: int, count: int, side: int) -> NDArray[np.void]:
-    areas = triangle_areas(mesh)
+def _area_key(mesh: Mesh) -> tuple[int, bytes]:
+    """What `triangle_areas` depends on: many instances share theirs."""
+    return id(mesh.geometry), mesh.world_from_object[:3, :3].tobytes()
+
+
+def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) -> NDArray[np.void]:
     made = np.zeros(count, SurfelData.dtype)
     made["instance"] = instance
     if areas.sum() <= 0.0:
@@ -142,28 +157,48 @@ def winding_number(mesh: Mesh, point: F64) -> float:
     """
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
     corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
-    a, b, c = (corners[mesh.geometry.indices[:, k]] for k in range(3))
-    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-    volume = np.einsum("nk,nk->n", a, np.cross(b, c))
-    below = la * lb * lc + lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
-    return abs(float(2.0 * np.arctan2(volume, below).sum())) / (4.0 * np.pi)
+    angle, indices = 0.0, mesh.geometry.indices
+    for part in chunks(len(indices)):
+        a, b, c = (corners[indices[part, k]] for k in range(3))
+        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+        volume = np.einsum("nk,nk->n", a, np.cross(b, c))
+        dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
+        angle += float(2.0 * np.arctan2(volume, la * lb * lc + dots).sum())
+    return abs(angle) / (4.0 * np.pi)
 
 
 def outer_side(geometry: Geometry) -> int:
     """1 or -1 where the triangles close a body and face out or in; 0 for open sheets."""
-    _, welded = np.unique(geometry.positions, axis=0, return_inverse=True)
-    corners = welded.reshape(-1)[geometry.indices]
-    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    edges = edges[edges[:, 0] != edges[:, 1]].astype(np.int64)
-    n = np.int64(len(geometry.positions))
-    forward, backward = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
-    unmatched = len(edges) - np.isin(forward, backward).sum()
-    if len(edges) == 0 or unmatched > _OPEN_EDGES * len(edges):
+    corners = welded(geometry.positions)[geometry.indices]
+    edges = int((corners != np.roll(corners, -1, axis=1)).sum())
+    if edges == 0 or _unmatched_edges(corners) > _OPEN_EDGES * edges:
         return 0
-    a, b, c = (geometry.positions[geometry.indices[:, k]].astype(np.float64) for k in range(3))
     centre = geometry.positions.mean(axis=0)
-    volume = np.einsum("nk,nk->", a - centre, np.cross(b - centre, c - centre))
+    volume = 0.0
+    for part in chunks(len(geometry.indices)):
+        rows = geometry.indices[part]
+        a, b, c = (geometry.positions[rows[:, k]].astype(np.float64) - centre for k in range(3))
+        volume += float(np.einsum("nk,nk->", a, np.cross(b, c)))
     return 1 if volume > 0.0 else -1
+
+
+def _unmatched_edges(corners: NDArray[np.int64]) -> int:
+    """How many edges of the triangles `corners` (T, 3) no other runs along the other way."""
+    # Each vertex adds up random numbers of those that edges lead to, less of those that they come
+    # from: where that is zero, the same ones stand on both lists. Numbers of 40 bits add up
+    # exactly.
+    mark = np.random.default_rng(0).integers(1, 2**40, int(corners.max()) + 1).astype(np.float64)
+    balance = np.zeros(len(mark))
+    for part in chunks(len(corners)):
+        marks = mark[corners[part]]
+        change = np.roll(marks, -1, axis=1) - np.roll(marks, 1, axis=1)
+        np.add.at(balance, corners[part].ravel(), change.ravel())
+    # Both ends of an edge without a partner are out of balance.
+    is_open = balance != 0.0
+    ahead = np.roll(corners, -1, axis=1)
+    doubtful = is_open[corners] & is_open[ahead] & (corners != ahead)
+    a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(mark))
+    return len(a) - int(np.isin(a * n + b, b * n + a, kind="sort").sum())
 
 
 def _triangle_points(count: int) -> tuple[F64, F64]:

@@ -372,4 +372,6 @@ def _size(mesh: Mesh, first: Mesh) -> float:
 
 
 def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    if len(parts) == 1:
+        return np.ascontiguousarray(parts[0], dtype)
     return np.concatenate(parts) if parts else np.zeros(empty, dtype)

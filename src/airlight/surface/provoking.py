@@ -24,7 +24,13 @@ def told_apart(indices: U32) -> tuple[U32, U32]:
     # Copies in the order of their vertex, then of their triangle.
     order = np.lexsort((np.arange(count), first))
     keys = first[order] * count + order
-    last = np.setdiff1d(indices[:, 1:], first)
+    is_first = np.zeros(int(indices.max(initial=0)) + 1, dtype=bool)
+    is_last = is_first.copy()
+    is_first[first] = True
+    is_last[indices[:, 1:]] = True
+    is_last &= ~is_first
+    last = np.flatnonzero(is_last)
+    number_of_last = np.cumsum(is_last) - 1
     corners = np.empty((count, 3), np.uint32)
     corners[:, 0] = np.arange(count)
     for corner in (1, 2):
@@ -33,7 +39,7 @@ def told_apart(indices: U32) -> tuple[U32, U32]:
         before = np.maximum(after - 1, 0)
         after = np.minimum(after, count - 1)
         is_before, is_after = first[order[before]] == wanted, first[order[after]] == wanted
-        extra = count + np.searchsorted(last, wanted)
+        extra = count + number_of_last[wanted]
         corners[:, corner] = np.where(
             is_before, order[before], np.where(is_after, order[after], extra)
         )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import buffer_of
+from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
 from .packed_maps import PackedMaps, metallic_factor, most_texels
@@ -168,19 +169,23 @@ def _uvs(g: Geometry) -> NDArray[np.float32]:
 
 def _triangles(g: Geometry) -> U32:
     """(T, WORDS): the first corner and the two edges from it, uv likewise, three normals."""
-    a, b, c = (g.indices[:, k] for k in range(3))
     rows = np.zeros((len(g.indices), WORDS), np.uint32)
-    floats = rows.view(np.float32)
-    p = g.positions
-    floats[:, 0:3], floats[:, 3:6], floats[:, 6:9] = p[a], p[b] - p[a], p[c] - p[a]
-    uv = _uvs(g)
-    floats[:, 9:11], floats[:, 11:13], floats[:, 13:15] = uv[a], uv[b] - uv[a], uv[c] - uv[a]
+    floats, halves = rows.view(np.float32), rows.view(np.int16)
+    p, uv = g.positions, _uvs(g)
+    normals = None
     if g.normals is not None:
         # Rounded as the scene's vertices are.
         normals = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0).astype(np.int16)
-        rows.view(np.int16)[:, 30:39] = normals[g.indices].reshape(-1, 9)
+    for part in chunks(len(rows)):
+        a, b, c = (g.indices[part, k] for k in range(3))
+        values = (p[a], p[b] - p[a], p[c] - p[a], uv[a], uv[b] - uv[a], uv[c] - uv[a])
+        np.concatenate(values, axis=1, out=floats[part, :15])
+        if normals is not None:
+            halves[part, 30:39] = normals[g.indices[part]].reshape(-1, 9)
     return rows
 
 
 def _joined(parts: list[NDArray[Any]], dtype: Any, row: tuple[int, ...]) -> NDArray[Any]:
+    if len(parts) == 1:
+        return np.ascontiguousarray(parts[0], dtype)
     return np.concatenate(parts) if parts else np.zeros((0, *row), dtype)
