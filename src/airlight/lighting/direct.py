@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture, linear_sampler, nearest_sampler
@@ -20,6 +19,7 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
+from .lattice_box import lattice_box
 from .lighting import LightAir, Lighting, LightingParams, Part
 from .lights import Lights
 from .occlusion import Occlusion
@@ -34,7 +34,7 @@ class SurfaceSettings:
 
     resolution: int = setting(32, "cells along the lattice's longest side", low=4, high=256)
     bounds: tuple[float, ...] = setting(
-        (), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene", unit="m"
+        (), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene and the medium in it", unit="m"
     )
     shadow_resolution: int = setting(
         2048, "side of a sun's shadow map", unit="px", low=16, high=8192
@@ -64,6 +64,7 @@ class Direct:
     """The technique `direct`: lights with shadows, emission, sky; no bounced light."""
 
     Settings: ClassVar[type[SurfaceSettings]] = SurfaceSettings
+    is_in_air: ClassVar[bool] = False  # whether its lattices hold the light in the medium
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: SurfaceSettings,
@@ -102,7 +103,11 @@ class Direct:
 
     def outermost(self, scene: Scene) -> Placement:
         """The largest lattice, or the only one."""
-        return scene_placement(scene, self.settings)
+        return fitted(*self.box(scene), self.settings.resolution)
+
+    def box(self, scene: Scene) -> tuple[Any, Any]:
+        """What its lattices cover, metres."""
+        return lattice_box(scene, self.settings.bounds, in_air=self.is_in_air)
 
     @property
     def texture_size(self) -> tuple[int, int, int]:
@@ -278,22 +283,3 @@ class Direct:
         for made in (self.glossy, self._places):
             if made:
                 made.release()
-
-
-def scene_placement(scene: Scene, settings: SurfaceSettings) -> Placement:
-    """The lattice over the scene, or over the box that the settings give."""
-    return fitted(*lattice_box(scene, settings), settings.resolution)
-
-
-def lattice_box(scene: Scene, settings: SurfaceSettings) -> tuple[Any, Any]:
-    """Lower and upper corner, metres, of what lattices cover. Raises SettingsError."""
-    if not settings.bounds:
-        return scene.whole_bounds
-    if len(settings.bounds) != 6:
-        raise SettingsError(
-            f"setting bounds has {len(settings.bounds)} numbers", remedy="Give x0,y0,z0,x1,y1,z1"
-        )
-    low, high = settings.bounds[:3], settings.bounds[3:]
-    if any(a >= b for a, b in zip(low, high, strict=True)):
-        raise SettingsError(f"setting bounds is empty: {list(low)} to {list(high)}")
-    return low, high

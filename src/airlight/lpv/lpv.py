@@ -25,7 +25,8 @@ from ..lattice.nested import nested
 from ..lattice.placement import EVERYWHERE, Placement, triple
 from ..lattice.point_lights import InjectPoints
 from ..lattice.skylight import Skylight
-from ..lighting.direct import Direct, SurfaceSettings, lattice_box
+from ..lighting.direct import Direct, SurfaceSettings
+from ..lighting.lattice_box import lattice_box
 from ..maths.lattice6 import Scheme, enough_steps, spread_kept
 from ..scene.camera import Camera
 from ..scene.lights import DirectionalLight, Light
@@ -95,8 +96,8 @@ class Lpv(Direct):
         size: tuple[int, int],
     ) -> None:  # fmt: skip
         self.nest = nested(
-            *lattice_box(scene, settings), settings.resolution, count=settings.cascades,
-            ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
+            *lattice_box(scene, settings.bounds, in_air=self.is_in_air), settings.resolution,
+            count=settings.cascades, ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
         )  # fmt: skip
         steps = settings.iterations or max(enough_steps(p.count) for p in self.nest.levels)
         self.lpv = replace(settings, iterations=steps)

@@ -49,8 +49,9 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
     medium = scene.medium
     if medium is not None and (medium.bounds is not None or medium.endless):
         low, high = medium_box(medium, *scene.bounds, scene.camera.position)
-        # The lattice reaches a cell further than the surfaces; that far a medium may end.
-        inner = placement.cell * 1.001
+        # A lattice reaches up to two cells further than what it is fitted to (`fitted`); that far
+        # inside it a medium may end, as one without bounds does.
+        inner = placement.cell * 2.0
         inside = np.subtract(placement.bounds[0], low) >= -inner
         above = np.subtract(high, placement.bounds[1]) >= -inner
         varies = varies or not bool(inside.all() and above.all())

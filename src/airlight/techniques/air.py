@@ -5,19 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..lattice.placement import Placement, fitted
-from ..lighting.direct import Direct, SurfaceSettings, lattice_box
+from ..lighting.direct import Direct, SurfaceSettings
 from ..lighting.view import View
 from ..lpv.lpv import Lpv, LpvSettings
 from ..march.far_air import FarAir, FarSource
 from ..march.march import LatticeSource, Source
 from ..maths.lattice6 import LOOKUP_SCALE
-from ..maths.transforms import F64
 from ..scatter.map_blockers import MapBlockers
 from ..scatter.settings import ScatterSettings
 from ..scatter.solver import ScatterSolver
@@ -28,8 +24,6 @@ from ..scene.volume import Volume
 from ..shafts.air_light import AirLight, AirSettings
 from ..shafts.sky_air import SkyAir
 from ..surface.geometry import GpuScene
-
-_AIR_BEYOND = 0.5  # of the surfaces' longest side: how far a lattice reaches for air alone
 
 
 @dataclass(frozen=True)
@@ -57,6 +51,7 @@ class LpvScatterSettings(SurfaceSettings, ScatterSettings, AirSettings):
 class InAir(Direct):
     """Mixed into a technique for surfaces, draws them through air with the light it scatters."""
 
+    is_in_air = True
     has_single = True
     source_count = 0
     has_lattice = False
@@ -224,13 +219,6 @@ class LpvScatter(InAir, Direct):
             self.sky, self.blockers,
         )  # fmt: skip
 
-    def outermost(self, scene: Scene) -> Placement:
-        """Over surfaces and the air that has bounds, as far as that is no waste of cells."""
-        box = lattice_box(scene, self.settings)
-        if scene.medium and scene.medium.bounds and not self.settings.bounds:
-            box = _around(*box, *scene.medium.bounds)
-        return fitted(*box, self.settings.resolution)
-
     def lattice_scene(self, scene: Scene) -> Scene:
         """The scene as the lattice sees it."""
         return scene
@@ -267,14 +255,6 @@ def bounced_light(technique: Lpv) -> LatticeSource:
     bound = {**technique.textures.bound, **technique.blockers.bound}
     finer = tuple(part.placement for part in technique.cascades[:-1])
     return LatticeSource(technique.placement, bound, scale, finer=finer)
-
-
-def _around(low: F64, high: F64, air_low: Any, air_high: Any) -> tuple[F64, F64]:
-    """Surfaces and air, the air at most half the surfaces' longest side beyond them; metres."""
-    reach = _AIR_BEYOND * float(np.subtract(high, low).max())
-    air_low = np.maximum(air_low, np.subtract(low, reach))
-    air_high = np.minimum(air_high, np.add(high, reach))
-    return np.minimum(low, air_low), np.maximum(high, air_high)
 
 
 def _air_settings(settings: Any, *, has_single: bool) -> AirSettings:

@@ -95,3 +95,14 @@ class Animation:
             np.min([low for low, _ in corners], axis=0),
             np.max([high for _, high in corners], axis=0),
         )
+
+    def eyes(self, scene: Scene) -> list[tuple[float, float, float]]:
+        """Where the scene's camera is in the span, metres; sampled at as many times."""
+        tracks = [getattr(track, "camera_alone", None) for track in self.tracks]
+        moving: list[Track] = [track for track in tracks if track is not None]
+        found = [scene.camera.position]
+        for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
+            for track in moving:
+                scene = track.apply(scene, float(time))
+            found.append(scene.camera.position)
+        return found

@@ -124,6 +124,11 @@ class Rig:
             return float("inf")
         return max(placed, self.start_s + self.clips[self.clip].end_s / self.speed)
 
+    @property
+    def camera_alone(self) -> Rig | None:
+        """What it does to the camera; None where it leaves that alone."""
+        return replace(self, parts=(), lights=()) if self.camera is not None else None
+
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the file's meshes, lights and camera as they are."""
         return self._posed(scene, self.clips[self.clip] if self.clips else None, time_s)

@@ -43,6 +43,11 @@ class CameraTrack:
         """When it comes to rest, seconds."""
         return _last(self.curves)
 
+    @property
+    def camera_alone(self) -> CameraTrack:
+        """What it does to the camera."""
+        return self
+
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene seen from where the camera is."""
         return replace(scene, camera=replace(scene.camera, **_values(self.curves, time_s)))
