@@ -8,6 +8,9 @@ import os
 import random
 import re
 import shutil
+import subprocess
+import sys
+import textwrap
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -161,6 +164,38 @@ def owned() -> Iterator[Callable[[Any], Any]]:
     yield keep
     for thing in reversed(things):
         thing.release()
+
+
+_CHILD = """
+import faulthandler, numpy as np, airlight as al
+faulthandler.enable()
+corners = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], np.float32)
+quad = al.Geometry(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
+small = {"resolution": 4, "shadow_resolution": 16, "lamp_resolution": 16, "surfels": 100}
+scene = al.Scene((al.Mesh(quad),), (al.PointLight((0, 2, 0), (5, 5, 5)),),
+                 camera=al.Camera((0, 2, 3), (0, 0, 0)))
+def made():
+    return al.Renderer(scene, "direct", (16, 16), settings=small)
+"""
+
+
+@pytest.fixture
+def child(gpu: Gpu) -> Callable[[str], list[str]]:
+    """child(code) -> what it prints, line by line, in a process of its own that may crash or hang.
+
+    It has `al`, `np`, a `scene` of a quad and a light, and `made()`, a Renderer of that; its lines
+    on stderr, and how it ended where that was not well, come last.
+    """
+
+    def run(code: str) -> list[str]:
+        done = subprocess.run(
+            [sys.executable, "-c", _CHILD + textwrap.dedent(code)],
+            capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
+        ended = [f"exit code {done.returncode}"] if done.returncode else []
+        return done.stdout.splitlines() + done.stderr.splitlines() + ended
+
+    return run
 
 
 @pytest.fixture

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
@@ -12,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from .errors import SettingsError
+from .errors import DeviceError, SettingsError
 from .gpu.commands import Commands
 from .gpu.device import open_gpu
+from .gpu.one_thread import OneThread
+from .gpu.process import enter_driver, is_forked
 from .lighting.accumulate import Accumulator
 from .lighting.view import View
 from .maths.sampling import pixel_jitter
@@ -49,6 +52,10 @@ class Renderer:
     everything that `frame` takes may change from call to call. A picture depends on the scene that
     the renderer was made with and on the scene it shows, not on the pictures before it. A path or
     builtin:NAME is loaded. Raises SceneError, SettingsError, DeviceError.
+
+    Each thread may have renderers of its own; one renderer serves one thread at a time, any
+    thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C breaks off
+    changes nothing: the next one makes anew what it needs.
     """
 
     def __init__(
@@ -58,24 +65,36 @@ class Renderer:
     ) -> None:  # fmt: skip
         self._began_s = perf_counter()
         self.size = checked_size(size)
-        self.scene = scene = scene if isinstance(scene, Scene) else load(scene)
-        self.gpu = open_gpu(adapter)
-        self.gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
-        self.gpu.peak_bytes = self.gpu.allocated_bytes
-        self.commands = Commands(self.gpu)
-        self.meshes = GpuScene(self.gpu, scene)
-        try:
-            self.technique = make_technique(
-                self.gpu, scene, self.meshes, technique, settings or {}, self.size
-            )
-        except BaseException:
-            self.meshes.release()
-            raise
-        self.view = View(self.gpu, self.size)
-        self._accumulator: Accumulator | None = None
+        self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
+        self._wanted = (technique, dict(settings or {}), adapter)
+        self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []
         self.python_ms: list[float] = []
         self._first_image_s: float | None = None
+        self._make()
+
+    def _make(self) -> None:
+        """All that is on the device, for the scene that it shows."""
+        technique, settings, adapter = self._wanted
+        self._is_torn = True
+        self._accumulator: Accumulator | None = None
+        self.gpu = gpu = open_gpu(adapter)
+        gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
+        gpu.peak_bytes = gpu.allocated_bytes
+        with gpu.guarded(), ExitStack() as made:
+            self.commands = Commands(gpu)
+            self.meshes = GpuScene(gpu, self._first)
+            made.callback(self.meshes.release)
+            self.technique = make_technique(
+                gpu, self._first, self.meshes, technique, settings, self.size
+            )
+            made.callback(self.technique.release)
+            self.view = View(gpu, self.size)
+            made.callback(self.view.release)
+            if self.scene.meshes is not self._first.meshes:
+                self.meshes.move(self.scene.meshes)
+            self._made = made.pop_all()
+        self._is_torn = False
 
     def frame(
         self, *, time: float | None = None, camera: Camera | None = None,
@@ -88,13 +107,28 @@ class Renderer:
 
         `time`, seconds, moves what the scene's animation moves; what else is given holds over it.
         `samples` jittered pictures are averaged. Without `read` nothing comes back to the host,
-        as in a viewer; the call then returns when the device is done.
+        as in a viewer; the call then returns when the device is done. Raises SceneError,
+        SettingsError, DeviceError.
         """
         begin = perf_counter()
-        scene = self.scene if time is None else self.scene.at(time)
-        self._take(scene, camera=camera, lights=lights, environment=environment, meshes=meshes,
-                   volumes=volumes, light_groups=light_groups)  # fmt: skip
-        self.technique.solve(self.commands, self.scene)
+        with self.used():
+            scene = self._asked(
+                self.scene if time is None else self.scene.at(time), camera=camera, lights=lights,
+                environment=environment, meshes=meshes, volumes=volumes, light_groups=light_groups,
+            )  # fmt: skip
+            with self.whole():
+                self._draw(scene, samples, progress)
+                encoded = perf_counter()
+                self.gpu.wait()
+                self._count(begin, encoded, perf_counter())
+                return self._image(samples) if read else None
+
+    def _draw(self, scene: Scene, samples: int, progress: Progress | None) -> None:
+        """Hand over all that the picture of `scene` takes."""
+        if scene.meshes is not self.scene.meshes:
+            self.meshes.move(scene.meshes)
+        self.scene = scene
+        self.technique.solve(self.commands, scene)
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)
@@ -106,40 +140,47 @@ class Renderer:
                     self.gpu.wait()
                     progress("render", (index + 1) / samples)
         self.commands.submit()
-        encoded = perf_counter()
-        self.gpu.wait()
-        self._count(begin, encoded, perf_counter())
-        return self._image(samples) if read else None
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; what was solved stays. Raises SettingsError."""
+        """Go on with pictures of `size`, pixels; what was solved stays.
+
+        Raises SettingsError, DeviceError.
+        """
         size = checked_size(size)
-        if size == self.size:
-            return
-        self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
-        if self._accumulator:
-            self._accumulator.release()
-        self.size, self._accumulator = size, None
-        self.technique.resize(size)
-        self.view.resize(size)
+        with self.used():
+            if size == self.size:
+                return
+            self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
+            with self.whole():
+                if self._accumulator:
+                    self._accumulator.release()
+                self.size, self._accumulator = size, None
+                self.technique.resize(size)
+                self.view.resize(size)
 
     def timed_passes(self) -> dict[str, float]:
-        """Milliseconds per stage of one more frame, each stage waited for."""
-        self.commands.is_timed, self.commands.stage_ms = True, {}
-        self.frame(read=False)
-        self.frame_ms.pop()
-        self.python_ms.pop()
-        if not self.gpu.is_cpu:
-            self.commands.collect_timestamps()
-        self.commands.is_timed = False
-        return dict(self.commands.stage_ms)
+        """Milliseconds per stage of one more frame, each stage waited for. Raises DeviceError."""
+        with self.used():
+            commands = self.commands
+            commands.is_timed, commands.stage_ms = True, {}
+            try:
+                self.frame(read=False)
+                self.frame_ms.pop()
+                self.python_ms.pop()
+                if not self.gpu.is_cpu:
+                    commands.collect_timestamps()
+            finally:
+                commands.is_timed = False
+            return dict(commands.stage_ms)
 
     def stats(self) -> dict[str, Any]:
         """What --stats writes, as far as the renderer knows it.
 
         `frame_ms` and `python_ms` are medians of the frames after the first, which compiles
         shaders; None before there is a second. `first_image_s` counts from the renderer's making.
+        Raises DeviceError where it is closed.
         """
+        self._check_open()
         return {
             "device": self.gpu.info.name, "adapter_type": self.gpu.info.adapter_type,
             "paths": self.gpu.paths,
@@ -150,12 +191,17 @@ class Renderer:
         }  # fmt: skip
 
     def close(self) -> None:
-        """Give the device's memory back."""
-        self.technique.release()
-        self.view.release()
-        self.meshes.release()
-        if self._accumulator:
-            self._accumulator.release()
+        """Give the device's memory back; once more it does nothing.
+
+        Raises DeviceError while another thread uses it.
+        """
+        if is_forked():  # the memory is the parent's
+            self._is_closed = True
+        if self._is_closed:
+            return
+        with self._one_thread:
+            self._is_closed = True
+            self._release()
 
     def __enter__(self) -> Renderer:
         return self
@@ -166,8 +212,45 @@ class Renderer:
     ) -> None:  # fmt: skip
         self.close()
 
-    def _take(self, scene: Scene, **changes: Any) -> None:
-        """Go on with `scene`, and what of `changes` is not None put into it."""
+    @contextmanager
+    def used(self) -> Iterator[None]:
+        """The device as this thread's own, made anew what was broken off; `frame` enters it itself.
+
+        Raises DeviceError: another thread is in it, this process was forked, the renderer is
+        closed, the device was lost or has no memory left.
+        """
+        enter_driver()
+        with self._one_thread:
+            self._check_open()
+            if self._is_torn:
+                self._release()
+                self._make()
+            with self.gpu.guarded():
+                yield
+
+    @contextmanager
+    def whole(self) -> Iterator[None]:
+        """What is broken off in here never was: `used` makes all of it anew when next entered."""
+        scene, size = self.scene, self.size
+        try:
+            yield
+        except BaseException:
+            self.scene, self.size, self._is_torn = scene, size, True
+            raise
+
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise DeviceError("this Renderer is closed", remedy="Make a new one")
+
+    def _release(self) -> None:
+        """Give back all that is on the device."""
+        with self._made:
+            if self._accumulator:
+                self._accumulator.release()
+        self._accumulator = None
+
+    def _asked(self, scene: Scene, **changes: Any) -> Scene:
+        """`scene`, and what of `changes` is not None put into it. Raises SettingsError."""
         given: dict[str, Any] = {
             name: tuple(value) if name in _MANY else value
             for name, value in changes.items()
@@ -178,9 +261,7 @@ class Renderer:
             raise SettingsError(
                 "frame() got lights of other kinds than the scene's", remedy="Make a new Renderer"
             )
-        if scene.meshes is not self.scene.meshes:
-            self.meshes.move(scene.meshes)
-        self.scene = scene
+        return scene
 
     def _count(self, begin: float, encoded: float, done: float) -> None:
         """Keep a frame's times, seconds; of a long animation the first and the latest."""

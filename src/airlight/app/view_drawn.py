@@ -104,7 +104,8 @@ def solved_by(r: Renderer) -> tuple[Any, ...]:
         place = None if np.all(place >= low) and np.all(place <= high) else place
     # Nested lattices follow the camera.
     nested = scene.camera if "cascades" in r.technique.stats else None
-    return (*parts, place, nested)
+    # What an error broke off is made anew by the renderer, with nothing solved.
+    return (r.technique, *parts, place, nested)
 
 
 def is_same(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:

@@ -314,8 +314,15 @@ class Session:
     def _draw(self, plan: Plan) -> None:
         drawn = self._drawn
         assert drawn and plan.sample is not None
-        r, commands = drawn.renderer, drawn.renderer.commands
+        r = drawn.renderer
         r.resize(plan.size)
+        with r.used(), r.whole():
+            self._draw_all(drawn, plan)
+
+    def _draw_all(self, drawn: Drawn, plan: Plan) -> None:
+        """The layers of one sample, and the picture that they are part of."""
+        assert plan.sample is not None
+        r, commands = drawn.renderer, drawn.renderer.commands
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
         if self._made == structure(self.state):
             drawn.give(self.scene_now())

@@ -31,11 +31,11 @@ class Commands:
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu = gpu
-        self.arena: Any = gpu.device.create_buffer(
-            label="uniforms",
-            size=_ARENA_BYTES,
-            usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST,
-        )
+        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
+        with gpu.guarded():
+            self.arena: Any = gpu.device.create_buffer(
+                label="uniforms", size=_ARENA_BYTES, usage=usage
+            )
         self._staging = bytearray(_ARENA_BYTES)
         self._used = 0
         self._places: dict[int, tuple[int, Struct]] = {}  # by id, which is theirs while kept here
@@ -114,9 +114,10 @@ class Commands:
             return
         if self._clock and self._clock.count:
             self._clock.resolve(self._encoder)
-        if self._used:
-            self.gpu.queue.write_buffer(self.arena, 0, self._staging, 0, self._used)
-        self.gpu.queue.submit([self._encoder.finish(label="frame")])
+        with self.gpu.guarded():
+            if self._used:
+                self.gpu.queue.write_buffer(self.arena, 0, self._staging, 0, self._used)
+            self.gpu.queue.submit([self._encoder.finish(label="frame")])
         self._encoder, self._used = None, 0
         self._places.clear()
 

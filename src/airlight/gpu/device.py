@@ -6,7 +6,6 @@ falls back to OpenGL silently where Vulkan is missing and then lacks what we nee
 
 from __future__ import annotations
 
-import functools
 import os
 import tempfile
 import threading
@@ -19,7 +18,9 @@ from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
 
 from ..errors import DeviceError
 from .code_paths import Paths, chosen_paths
+from .failures import Guarded, is_alive, lost
 from .pipelines import Pipelines
+from .process import enter_driver
 from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
 
 NO_DRIVER_REMEDY = (
@@ -72,14 +73,26 @@ class AdapterInfo:
         return self.adapter_type == "CPU"
 
 
+_OPENING = threading.RLock()  # drivers are asked what there is, and for it, by a thread at a time
+_found: list[Any] = []
+_opened: dict[tuple[AdapterInfo, Paths], Gpu] = {}
+
+
 def _enumerate() -> list[Any]:
-    if not os.environ.get("XDG_RUNTIME_DIR") and os.name == "posix":
-        os.environ["XDG_RUNTIME_DIR"] = tempfile.gettempdir()
-    try:
-        found = wgpu.gpu.enumerate_adapters_sync()
-    except RuntimeError:
-        return []
-    return [a for a in found if a.info["backend_type"] != "OpenGL"]
+    """What adapters there are, asked for once: they are let go by any thread, which not all bear.
+
+    OpenGL's end the process so, where two threads ask at once.
+    """
+    enter_driver()
+    with _OPENING:
+        if not _found:
+            if not os.environ.get("XDG_RUNTIME_DIR") and os.name == "posix":
+                os.environ["XDG_RUNTIME_DIR"] = tempfile.gettempdir()
+            try:
+                _found.extend(wgpu.gpu.enumerate_adapters_sync())
+            except RuntimeError:
+                return []
+        return [a for a in _found if a.info["backend_type"] != "OpenGL"]
 
 
 def adapters() -> list[AdapterInfo]:
@@ -146,8 +159,9 @@ class Gpu:
             self.device: Any = adapter.request_device_sync(
                 label="airlight", required_features=self.features, required_limits=limits
             )
-        except RuntimeError as error:
-            raise DeviceError(f"{info.name} could not be opened: {error}") from None
+        except (RuntimeError, wgpu.GPUError) as error:
+            reason = " ".join(str(error).split())
+            raise DeviceError(f"{info.name} could not be opened: {reason}") from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
         if self.takes_cpu_paths and not info.is_cpu:
@@ -161,10 +175,8 @@ class Gpu:
         self.pipelines = Pipelines()
         self.allocated_bytes = 0
         self.peak_bytes = 0
-        self._counting = threading.Lock()
-        self._fence = self.device.create_buffer(
-            label="fence", size=4, usage=wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.MAP_READ
-        )
+        self._counting = threading.RLock()  # a destructor may count in the midst of it
+        self._fences: list[Any] = []  # that nobody waits for
         self._fence_source = self.device.create_buffer(
             label="fence source", size=4, usage=wgpu.BufferUsage.COPY_SRC
         )
@@ -194,14 +206,37 @@ class Gpu:
             self.allocated_bytes += int(nbytes)  # NumPy integers, too: JSON knows none
             self.peak_bytes = max(self.peak_bytes, self.allocated_bytes)
 
+    def guarded(self) -> Guarded:
+        """A context in which lost devices, memory that ran out and forks are DeviceErrors."""
+        return Guarded(self)
+
+    def check_alive(self) -> None:
+        """Raise DeviceError where the device was lost."""
+        enter_driver()
+        if not is_alive(self):
+            raise lost(self)
+
     def wait(self) -> None:
-        """Return once everything submitted so far is done."""
-        # A mapping waits only for the last submit that touched the buffer, so it has to be ours.
-        encoder = self.device.create_command_encoder(label="fence")
-        encoder.copy_buffer_to_buffer(self._fence_source, 0, self._fence, 0, 4)
-        self.queue.submit([encoder.finish()])
-        self._fence.map_sync("READ")
-        self._fence.unmap()
+        """Return once everything submitted so far is done; each thread waits by a fence of its own.
+
+        Raises DeviceError.
+        """
+        with self.guarded():
+            try:
+                fence = self._fences.pop()
+            except IndexError:
+                fence = self._fence()
+            # A mapping waits only for the last submit that touched the buffer: it has to be ours.
+            encoder = self.device.create_command_encoder(label="fence")
+            encoder.copy_buffer_to_buffer(self._fence_source, 0, fence, 0, 4)
+            self.queue.submit([encoder.finish()])
+            fence.map_sync("READ")
+            fence.unmap()
+            self._fences.append(fence)  # not where that was broken off: it is being mapped still
+
+    def _fence(self) -> Any:
+        usage = wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.MAP_READ
+        return self.device.create_buffer(label="fence", size=4, usage=usage)
 
     def require(self, limit: str, value: int, what: str, remedy: str = "Make it smaller") -> None:
         """Raise DeviceError where `what` needs more than the device's `limit`."""
@@ -212,16 +247,20 @@ class Gpu:
             )
 
 
-@functools.cache
-def _open(info: AdapterInfo, paths: Paths) -> Gpu:
-    return Gpu(info, paths)
-
-
 def open_gpu(wanted: str = "auto", paths: str | None = None) -> Gpu:
     """The device for `wanted` (see `choose`), which takes `paths`: auto, gpu or cpu.
 
-    AIRLIGHT_PATHS where `paths` is None. Opened once per process, adapter and paths. Raises
-    DeviceError, and SettingsError for paths that there are not.
+    AIRLIGHT_PATHS where `paths` is None. Opened once per process, adapter and paths, and again
+    where the device was lost. Any thread may ask. Raises DeviceError, also in a process that was
+    forked from one that had used the driver, and SettingsError for paths that there are not.
     """
-    info = choose(adapters(), wanted or "auto")
-    return _open(info, chosen_paths(paths, is_cpu=info.is_cpu))
+    enter_driver()
+    with _OPENING:
+        for dead in [key for key, gpu in _opened.items() if not is_alive(gpu)]:
+            del _opened[dead]
+            _found.clear()  # a driver that was reset may have others
+        info = choose(adapters(), wanted or "auto")
+        key = (info, chosen_paths(paths, is_cpu=info.is_cpu))
+        if key not in _opened:
+            _opened[key] = Gpu(*key)
+        return _opened[key]

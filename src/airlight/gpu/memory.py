@@ -9,6 +9,7 @@ import wgpu
 from numpy.typing import NDArray
 
 from .device import Gpu
+from .process import is_forked
 
 _TEXTURE_USAGE = (
     wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
@@ -28,7 +29,28 @@ _DTYPES = {
 }  # fmt: skip
 
 
-class Texture:
+class _Counted:
+    """What takes the device's memory, counted for as long as it does."""
+
+    gpu: Gpu
+    handle: Any = None
+    nbytes: int
+
+    def release(self) -> None:
+        """Give the memory back."""
+        handle, self.handle = self.handle, None
+        if handle is not None:
+            self.gpu.count(-self.nbytes)
+            if not is_forked():
+                handle.destroy()
+
+    def __del__(self) -> None:
+        # Where an error came before a release. What is encoded still may need it: not destroyed.
+        if self.handle is not None:
+            self.gpu.count(-self.nbytes)
+
+
+class Texture(_Counted):
     """A texture and its views. `size` is (width, height, depth or layers)."""
 
     def __init__(
@@ -46,17 +68,19 @@ class Texture:
         usage |= wgpu.TextureUsage.STORAGE_BINDING if written else 0
         self.gpu, self.label, self.size, self.format = gpu, label, (width, height, depth), format
         self.mips = mips
-        self.handle: Any = gpu.device.create_texture(
-            label=label,
-            size=self.size,
-            format=format,
-            usage=usage,
-            dimension="3d" if is_3d else "2d",
-            mip_level_count=mips,
-        )
-        self.resource: Any = self.handle.create_view(label=label, dimension=dimension)
+        with gpu.guarded():
+            made = gpu.device.create_texture(
+                label=label,
+                size=self.size,
+                format=format,
+                usage=usage,
+                dimension="3d" if is_3d else "2d",
+                mip_level_count=mips,
+            )
+            self.resource: Any = made.create_view(label=label, dimension=dimension)
         self._layers: dict[int, Any] = {}
         self.nbytes = width * height * depth * _BYTES[format] * (4 if mips > 1 else 3) // 3
+        self.handle = made
         gpu.count(self.nbytes)
 
     def layer(self, index: int) -> Any:
@@ -78,12 +102,13 @@ class Texture:
         if data.dtype != dtype:
             raise TypeError(f"{self.label}: {self.format} takes {dtype.__name__}, not {data.dtype}")
         depth, height, width = (1, *data.shape)[-4:-1] if channels > 1 else (1, *data.shape)[-3:]
-        self.gpu.queue.write_texture(
-            {"texture": self.handle, "mip_level": mip, "origin": (0, 0, layer)},
-            data,
-            {"bytes_per_row": data.itemsize * channels * width, "rows_per_image": height},
-            (width, height, depth),
-        )
+        with self.gpu.guarded():
+            self.gpu.queue.write_texture(
+                {"texture": self.handle, "mip_level": mip, "origin": (0, 0, layer)},
+                data,
+                {"bytes_per_row": data.itemsize * channels * width, "rows_per_image": height},
+                (width, height, depth),
+            )
 
     def read(self, layer: int | None = None) -> NDArray[Any]:
         """The texels: (H, W, C), or (D, H, W, C) for 3D and arrays; C dropped where it is 1."""
@@ -91,24 +116,18 @@ class Texture:
         dtype, channels = _DTYPES[self.format]
         layers = depth if layer is None else 1
         row = width * channels * np.dtype(dtype).itemsize
-        raw = self.gpu.queue.read_texture(
-            {"texture": self.handle, "mip_level": 0, "origin": (0, 0, layer or 0)},
-            {"bytes_per_row": row, "rows_per_image": height},
-            (width, height, layers),
-        )
+        with self.gpu.guarded():
+            raw = self.gpu.queue.read_texture(
+                {"texture": self.handle, "mip_level": 0, "origin": (0, 0, layer or 0)},
+                {"bytes_per_row": row, "rows_per_image": height},
+                (width, height, layers),
+            )
         texels = np.frombuffer(raw, dtype).reshape(layers, height, width, channels)
         texels = texels[0] if layers == 1 else texels
         return texels[..., 0] if channels == 1 else texels
 
-    def release(self) -> None:
-        """Give the memory back."""
-        if self.handle is not None:
-            self.gpu.count(-self.nbytes)
-            self.handle.destroy()
-            self.handle = None
 
-
-class Buffer:
+class Buffer(_Counted):
     """A buffer for storage, vertices, indices or uniforms."""
 
     def __init__(
@@ -124,25 +143,21 @@ class Buffer:
         usage |= wgpu.BufferUsage.INDIRECT if indirect else 0
         self.gpu, self.label = gpu, label
         self.nbytes = max(16, -(-nbytes // 4) * 4)
-        self.handle: Any = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
+        with gpu.guarded():
+            self.handle = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
         self.resource: Any = {"buffer": self.handle, "offset": 0, "size": self.nbytes}
         gpu.count(self.nbytes)
 
     def write(self, data: NDArray[Any], offset: int = 0) -> None:
         """Upload; happens before anything submitted later, after anything submitted before."""
         if data.nbytes:
-            self.gpu.queue.write_buffer(self.handle, offset, np.ascontiguousarray(data))
+            with self.gpu.guarded():
+                self.gpu.queue.write_buffer(self.handle, offset, np.ascontiguousarray(data))
 
     def read(self, dtype: Any = np.float32) -> NDArray[Any]:
         """The contents, once everything submitted is done."""
-        return np.frombuffer(self.gpu.queue.read_buffer(self.handle), dtype)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        if self.handle is not None:
-            self.gpu.count(-self.nbytes)
-            self.handle.destroy()
-            self.handle = None
+        with self.gpu.guarded():
+            return np.frombuffer(self.gpu.queue.read_buffer(self.handle), dtype)
 
 
 def buffer_of(gpu: Gpu, label: str, data: NDArray[Any], **usage: bool) -> Buffer:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import Any
@@ -15,6 +16,7 @@ class Pipelines:
 
     def __init__(self, most: int = MOST_KEPT) -> None:
         self._most = most
+        self._changing = threading.Lock()
         self._kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
 
     def get(self, text: str, parts: Any, make: Callable[[], Any]) -> Any:
@@ -24,12 +26,15 @@ class Pipelines:
         Two threads may make the same one at once; either serves.
         """
         key = (text, repr(parts))
-        found = self._kept.pop(key, None)
+        with self._changing:
+            found = self._kept.get(key)
         if found is None:
             found = make()
-        self._kept[key] = found
-        while len(self._kept) > self._most:
-            self._kept.popitem(last=False)
+        with self._changing:
+            self._kept[key] = found
+            self._kept.move_to_end(key)
+            while len(self._kept) > self._most:
+                self._kept.popitem(last=False)
         return found
 
     def __len__(self) -> int:

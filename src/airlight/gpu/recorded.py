@@ -90,6 +90,8 @@ class Recording:
     them returned.
     """
 
+    nbytes = 0
+
     def __init__(
         self, gpu: Gpu, label: str, commands: Commands, dispatches: list[Dispatch], found: object
     ) -> None:
@@ -98,9 +100,11 @@ class Recording:
         # Parameters go into a buffer of their own, so that their offsets stay.
         places, data = _packed(dispatches)
         usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
-        self.nbytes = max(_ALIGNMENT, len(data))
-        params = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
-        gpu.count(self.nbytes)
+        nbytes = max(_ALIGNMENT, len(data))
+        with gpu.guarded():
+            params = gpu.device.create_buffer(label=label, size=nbytes, usage=usage)
+        self.nbytes = nbytes
+        gpu.count(nbytes)
         if data:
             gpu.queue.write_buffer(params, 0, data)
         made: dict[tuple[int, ...], Any] = {}  # by ids, which are theirs as dispatches live
@@ -147,8 +151,13 @@ class Recording:
 
     def release(self) -> None:
         """Let go of it all. What is encoded and not yet submitted keeps what it needs."""
-        self._gpu.count(-self.nbytes)
+        nbytes, self.nbytes = self.nbytes, 0
+        self._gpu.count(-nbytes)
         self._rows, self._kept, self._last, self.found = [], (), None, None
+
+    def __del__(self) -> None:
+        if self.nbytes:  # an error came before its release
+            self._gpu.count(-self.nbytes)
 
 
 def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:

@@ -144,6 +144,7 @@ class MeshPass:
                 depth_stencil_format=self.kind.depth,
             )  # fmt: skip
             self._encode(commands, recorder, scene, draws, shared)
+            self.gpu.check_alive()  # wgpu-native ends the process where a lost device finishes one
             bundle = recorder.finish(label=self.kind.__name__)
             self._recorded[key] = (bundle, kept)
         encoder.execute_bundles([bundle])

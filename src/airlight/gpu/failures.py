@@ -1,0 +1,86 @@
+"""What the device refuses, said as DeviceError: lost devices and memory that has run out.
+
+The one place that knows how wgpu says so.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import wgpu
+
+from ..errors import AirlightError, DeviceError
+from .process import enter_driver
+
+if TYPE_CHECKING:
+    from .device import Gpu
+
+MEMORY_REMEDY = (
+    "Lower the image's size or the technique's resolution, or close other Renderers and programs"
+)
+LOST_REMEDY = "Make a new Renderer; if it is lost again, take another adapter ('cpu' needs no GPU)"
+_NO_MEMORY = re.compile(r"not enough memory|out of memory|OutOfMemory", re.IGNORECASE)
+_LABEL = re.compile(r"label = '([^']*)'")
+_LOGGED = ("DEVICE LOST!", "The WGPU device was lost")  # by wgpu-py, beside our own message
+
+
+class Guarded:
+    """A context for whatever asks `gpu` for something: what it refuses becomes DeviceError.
+
+    Raises that, too, in a process that was forked from the device's.
+    """
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._gpu = gpu
+
+    def __enter__(self) -> None:
+        enter_driver()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        if isinstance(error, Exception) and not isinstance(error, AirlightError):
+            refusal = refused(self._gpu, error)
+            if refusal is not None:
+                raise refusal from error
+
+
+def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
+    """What `error` says about the device; None where it is about something else."""
+    if isinstance(error, MemoryError):
+        return DeviceError(f"no memory is left: {error or 'of any size'}", remedy=MEMORY_REMEDY)
+    is_memory = isinstance(error, (wgpu.GPUError, RuntimeError)) and _NO_MEMORY.search(str(error))
+    if is_memory or isinstance(error, wgpu.GPUOutOfMemoryError):
+        label = _LABEL.search(str(error))
+        what = f" for '{label[1]}'" if label and label[1] else ""
+        held = gpu.allocated_bytes >> 20
+        return DeviceError(
+            f"{gpu.info.name} has no memory left{what}, beside {held} MiB that airlight holds",
+            remedy=MEMORY_REMEDY,
+        )
+    return None if is_alive(gpu) else lost(gpu)
+
+
+def lost(gpu: Gpu) -> DeviceError:
+    """That the device is gone, and what to do."""
+    return DeviceError(f"the device was lost: {gpu.info.name}", remedy=LOST_REMEDY)
+
+
+def is_alive(gpu: Gpu) -> bool:
+    """Whether the device still takes commands."""
+    try:
+        gpu.device.create_command_encoder(label="alive").finish()
+    except Exception:
+        return False
+    return True
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    return not str(record.msg).startswith(_LOGGED)
+
+
+logging.getLogger("wgpu").addFilter(_is_news)

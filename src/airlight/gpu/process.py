@@ -1,0 +1,54 @@
+"""The one process that may use the graphics driver: a fork of it has none of the driver's threads.
+
+Whatever a forked child asks of the driver waits for ever, its very exit included.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+
+from wgpu.backends.wgpu_native import _api
+
+from ..errors import DeviceError
+
+FORK_REMEDY = 'Start such processes afresh: multiprocessing.get_context("spawn")'
+_user: int | None = None  # the process that uses the driver, by its number
+
+
+def enter_driver() -> None:
+    """To be called before the driver is. Raises DeviceError in a child forked since the first time.
+
+    Parents that never called it may be forked: the driver is not there yet.
+    """
+    global _user
+    if _user is None:
+        _user = os.getpid()
+    elif is_forked():
+        raise DeviceError(
+            "this process was forked from one that had used the graphics driver, "
+            "and a fork has none of its threads",
+            remedy=FORK_REMEDY,
+        )
+
+
+def is_forked() -> bool:
+    """Whether this process has its parent's devices, which it can neither use nor give back."""
+    return _user is not None and _user != os.getpid()
+
+
+def _leave_driver() -> None:
+    """In a forked child: what it has of its parent's is let go without the driver being told."""
+    if _user is None:
+        return
+    _api.libf = None  # wgpu-py then releases nothing when objects go
+    try:
+        # The driver's and LLVM's own farewells, which come with exit(), join threads.
+        c = ctypes.CDLL(None)
+        c.on_exit(c._exit, None)
+    except (OSError, AttributeError):  # a C library without on_exit
+        return
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_driver)
