@@ -9,7 +9,8 @@ import pytest
 
 from airlight.scene.camera import Camera
 from airlight.scene.environment import Environment
-from airlight.scene.io.defaults import with_default_camera, with_default_lights
+from airlight.scene.io import load
+from airlight.scene.io.defaults import LAMP_RADIANCE, with_default_camera, with_default_lights
 from airlight.scene.lights import DirectionalLight, PointLight
 from airlight.scene.material import Material
 from airlight.scene.mesh import Geometry, Mesh
@@ -36,11 +37,74 @@ def test_a_dark_scene_gets_a_sun_and_a_sky():
 
 def test_a_scene_that_shines_is_left_alone():
     for scene in (
-        shining(17.0),
         replace(shining(0), lights=(PointLight((0, 1, 0), (1, 1, 1)),)),
         replace(shining(0), environment=Environment()),
     ):
         assert with_default_lights(scene) is scene
+
+
+def glowing_room() -> Scene:
+    panel = Mesh(GROUND, Material(emission=(17, 17, 17)), place((2, 2.9, 3), 0.1))
+    return Scene((*closed_room().meshes, panel))
+
+
+def test_a_room_that_its_own_lamp_lights_is_left_alone():
+    assert with_default_lights(scene := glowing_room()) is scene
+
+
+def test_a_bare_model_with_a_glowing_part_is_seen_by_daylight():
+    """As a lamp in the open: a person expects to see more than its bulb."""
+    scene = with_default_lights(shining(17.0))
+    assert len(scene.lights) == 1
+    assert scene.warnings == (
+        "its emissive surfaces light no room: a default sun and sky were added",
+    )
+
+
+@pytest.mark.parametrize("radiance", [0.01, 1.6, 17.0])
+def test_whatever_emits_is_the_light_of_a_scene_file(radiance):
+    scene = shining(radiance)
+    kept = with_default_lights(scene, is_scene_file=True)
+    assert kept.lights == ()
+    assert kept.environment is None
+    assert [w for w in kept.warnings if "dim" in w] == list(kept.warnings)
+    assert bool(kept.warnings) == (radiance < LAMP_RADIANCE)
+
+
+def test_a_scene_file_that_glows_gets_no_sun(tmp_path):
+    file = tmp_path / "glow.toml"
+    file.write_text('[[mesh]]\nshape = "sphere"\nemission = 0.5\n', encoding="utf-8")
+    scene = load(file)
+    assert scene.lights == ()
+    assert scene.environment is None
+
+
+def test_a_camera_of_a_model_without_light_is_metered(tmp_path):
+    """Its exposure of 0 was for no light at all: under an added sun it burns out."""
+    camera = Camera((1, 1, 1), (0, 0, 0))
+    assert with_default_lights(Scene((Mesh(GROUND),), camera=camera)).camera.exposure_stops is None
+    chosen = replace(camera, exposure_stops=-2.0)
+    bare = Scene((Mesh(GROUND),), camera=chosen)
+    assert with_default_lights(bare).camera.exposure_stops == -2.0
+    for line, stops in (("", None), ("exposure_stops = 0", 0.0), ("exposure_stops = 1", 1.0)):
+        file = tmp_path / "dark.toml"
+        file.write_text(
+            f"[camera]\nposition = [1, 1, 1]\ntarget = [0, 0, 0]\n{line}\n"
+            '[[mesh]]\nshape = "box"\n',
+            encoding="utf-8",
+        )
+        assert load(file).camera.exposure_stops == stops
+
+
+def test_a_camera_of_a_lit_model_keeps_its_exposure():
+    lit = Scene((Mesh(GROUND),), lights=(PointLight((0, 1, 0), (1, 1, 1)),))
+    assert with_default_lights(lit).camera.exposure_stops == 0.0
+
+
+def place(at: tuple[float, float, float], size: float) -> np.ndarray:
+    matrix = np.diag([size, size, size, 1.0])
+    matrix[:3, 3] = at
+    return matrix
 
 
 def test_a_dim_screen_is_no_lamp_and_that_is_said():
@@ -66,6 +130,11 @@ def test_a_closed_room_gets_a_lamp():
     below = lamp.intensity[0] / lamp.position[1] ** 2
     assert below == pytest.approx(10, rel=0.01)
     assert "a lamp was hung" in scene.warnings[0]
+
+
+def test_a_camera_outside_a_closed_room_gets_no_lamp_in_it():
+    scene = replace(closed_room(), camera=Camera((2, 1.5, 30), (2, 1.5, 3)))
+    assert not any(isinstance(light, PointLight) for light in with_default_lights(scene).lights)
 
 
 def test_the_camera_is_replaced():

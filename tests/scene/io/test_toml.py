@@ -322,11 +322,11 @@ def test_exposure_may_come_from_the_picture(tmp_path):
         load_toml(file)
 
 
-def test_dim_screens_are_no_daylight(tmp_path):
+def test_emission_is_a_scene_file_s_only_light_and_dim_emission_is_said(tmp_path):
     file = tmp_path / "s.toml"
     file.write_text('[[mesh]]\nshape = "box"\nemission = 0.5\n')
     scene = load_toml(file)
-    assert scene.lights
-    assert any("are dim" in w for w in scene.warnings)
+    assert not scene.lights
+    assert any("dim (radiance 0.5)" in w for w in scene.warnings)
     file.write_text('[[mesh]]\nshape = "box"\nemission = 50.0\n')
     assert not load_toml(file).lights

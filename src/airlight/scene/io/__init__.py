@@ -104,7 +104,8 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 def with_defaults(scene: Scene) -> Scene:
     """The scene with a framing camera, and a sun and a sky, where it has none.
 
-    A camera like Camera() counts as none; lights, an environment or bright surfaces as light.
+    A camera like Camera() counts as none; lights, an environment, or bright surfaces in a room
+    as light. An added sun is exposed by the image where the camera's exposure is 0.
     """
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from ..camera import Camera
 from ..lights import PointLight
 from ..scene import Scene
 from .daylight import sun_and_sky, sun_for
-from .framing import find_room, framing_box, framing_camera
+from .framing import Room, find_room, framing_box, framing_camera
 from .probe import Probe
 
 LAMP_RADIANCE = 8.0
@@ -28,43 +30,67 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
     return replace(scene, camera=replace(framed, exposure_stops=None))
 
 
-def with_default_lights(scene: Scene, probe: Callable[[], Probe] | None = None) -> Scene:
-    """The scene, with a sun and a sky where nothing in it shines.
+def with_default_lights(
+    scene: Scene, probe: Callable[[], Probe] | None = None, *,
+    is_scene_file: bool = False, is_exposed: bool = False,
+) -> Scene:  # fmt: skip
+    """The scene, with a sun and a sky where it has no light of its own.
 
-    Lights, an environment, or a surface that emits at least LAMP_RADIANCE count as shining.
-    The sun is placed for the scene's camera (for a framing one where it is the default).
-    A closed room, which no sun enters, gets a lamp under its ceiling too.
-    `probe` gives the probe of the scene, for those who have it already.
+    Lights and an environment are light; what emits is, too, in a scene file (`is_scene_file`),
+    whose author says what he wants. Of a bare model it is where it lights a room with at least
+    LAMP_RADIANCE: a glowing part of something that stands in the open is seen by daylight.
+
+    The sun is placed for the scene's camera (for a framing one where it is the default), and
+    what it sees is exposed by the image, unless `is_exposed` says that somebody chose an exposure.
+    A closed room, which no sun enters, gets a lamp under its ceiling too. `probe` gives the probe
+    of the scene, for those who have it already. What was added is in the scene's warnings where
+    something might have been meant to be the light.
     """
     if scene.lights or scene.light_groups or scene.environment is not None:
         return scene
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
-    if brightest >= LAMP_RADIANCE:
-        return scene
-    warnings = scene.warnings
-    if brightest > 0.0:
-        warnings += (
-            f"its emissive surfaces are dim (radiance {brightest:g}): "
-            "a default sun and sky were added",
-        )
+    if is_scene_file and brightest > 0.0:
+        if brightest >= LAMP_RADIANCE:
+            return scene
+        line = f"emissive surfaces are its only light, and dim (radiance {brightest:g}): add a "
+        return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
     probed = _probe(scene, probe)
+    room = find_room(probed)
+    if brightest >= LAMP_RADIANCE and room is not None:
+        return scene
     camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
     sun, sky = sun_and_sky(towards_sun)
-    lamps = _lamp(probed) if lit_share == 0.0 else ()
+    lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
+    warnings = [*scene.warnings, *_said(brightest, has_room=room is not None)]
     if lamps:
-        warnings += ("no daylight gets into this closed room: a lamp was hung under its ceiling",)
-    return replace(scene, lights=(sun, *lamps), environment=sky, warnings=warnings)
+        warnings.append("no daylight gets into this closed room: a lamp was hung under its ceiling")
+    seen = scene.camera
+    if seen.exposure_stops == 0.0 and not is_exposed:
+        seen = replace(seen, exposure_stops=None)
+    return replace(
+        scene, lights=(sun, *lamps), environment=sky, warnings=tuple(warnings), camera=seen
+    )
+
+
+def _said(brightest: float, *, has_room: bool) -> tuple[str, ...]:
+    """Why surfaces that emit, at most `brightest`, were not taken for the scene's light."""
+    if brightest <= 0.0:
+        return ()
+    why = "light no room"
+    if has_room or brightest < LAMP_RADIANCE:
+        why = f"are dim (radiance {brightest:g})"
+    return (f"its emissive surfaces {why}: a default sun and sky were added",)
 
 
 def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:
     return known() if known else Probe.of(scene)
 
 
-def _lamp(probe: Probe) -> tuple[PointLight, ...]:
-    """A lamp that gives the floor of the room about 10 W m^-2, or none outside a room."""
-    room = find_room(probe)
-    if room is None:
+def _lamp(room: Room, camera: Camera) -> tuple[PointLight, ...]:
+    """A lamp that gives the floor of the room about 10 W m^-2; none for a camera outside of it."""
+    eye = np.array(camera.position)
+    if not ((room.low <= eye) & (eye <= room.high)).all():
         return ()
     x, _, z = (float(v) for v in (room.low + room.high) / 2.0)
     height = float(room.size[1])

@@ -22,6 +22,9 @@ EYE_HEIGHT_M = 1.6
 _RAYS = 96
 _ROOM_TRIANGLES = 3000
 _CONE_COSINE = 0.77
+_STANDING_M = 1.5
+_WALLS = 12
+"""Directions that walls of one room face."""
 _VIEW_FROM = (0.55, 0.35, 1.0)
 
 
@@ -57,11 +60,15 @@ def framing_box(low: F64, high: F64) -> Camera:
 
 
 def find_room(probe: Probe) -> Room | None:
-    """The room that the middle of the scene lies in, if it lies in one."""
+    """The room that the middle of the scene lies in, if it lies in one.
+
+    Free space that is walled in, not the inside of a solid; see `_is_for_people`.
+    """
     points = probe.corners.reshape(-1, 3)
     if len(points) == 0:
         return None
     low, high = points.min(axis=0), points.max(axis=0)
+    rounds_of = probe.winding
     probe = probe.largest(_ROOM_TRIANGLES)
     offsets = np.array([(0, 0, 0), (1, 0, 1), (-1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1, 0)])
     directions = sphere_directions(_RAYS)
@@ -70,10 +77,29 @@ def find_room(probe: Probe) -> Room | None:
         hits = probe.cast(np.repeat(place[None], _RAYS, axis=0), directions)
         struck = np.isfinite(hits.distance)
         typical = float(np.median(np.where(struck, hits.distance, 0.0)))
-        is_enclosed = struck.mean() > 0.72 and _are_walls(probe, hits)
-        if is_enclosed and typical > best_distance:
-            best, best_distance = _room_around(probe, place, directions, hits.distance), typical
+        if struck.mean() <= 0.72 or typical <= best_distance or not _are_walls(probe, hits):
+            continue
+        rounds = float(rounds_of(place[None])[0])
+        room = _room_around(probe, place, directions, hits.distance)
+        if rounds < 0.5 and (not struck.all() or _is_for_people(probe, hits, room, rounds)):
+            best, best_distance = room, typical
     return best
+
+
+def _is_for_people(probe: Probe, hits: Hits, room: Room, rounds: float) -> bool:
+    """Whether walls without an opening make a room.
+
+    A sheet whose front is inside is made to be seen from there, unless it is round: then it is
+    more likely a solid turned inside out. The cavity of a closed solid, as of a hollow cake, is a
+    room where somebody could stand in it.
+    """
+    if rounds > -0.5:
+        return float(room.size[1]) >= _STANDING_M
+    normals = probe.normals[hits.triangle]
+    upright = normals[np.abs(normals[:, 1]) < 0.1]
+    _, counts = np.unique(np.round(10.0 * upright), axis=0, return_counts=True)
+    most = np.sort(counts)[::-1][:_WALLS].sum()
+    return bool(most >= 0.8 * len(upright))
 
 
 def _are_walls(probe: Probe, hits: Hits) -> bool:

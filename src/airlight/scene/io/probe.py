@@ -100,6 +100,22 @@ class Probe:
         nearest = t.argmin(axis=1)
         return t[np.arange(len(t)), nearest].astype(np.float64), nearest
 
+    def winding(self, points: F64) -> F64:
+        """How often the surfaces go round each point (P, 3): about 1 in a solid, 0 in the open or
+        in a solid's cavity, -1 in a sheet whose front is inside.
+
+        Source: VanOosterom1983, the solid angle of a triangle; summed, over 4 pi.
+        """
+        rounds = np.empty(len(points))
+        for row, point in enumerate(points):
+            a, b, c = (self.corners - point).transpose(1, 0, 2)
+            la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+            volume = np.einsum("tk,tk->t", a, np.cross(b, c))
+            dots = [np.einsum("tk,tk->t", v, w) for v, w in ((a, b), (b, c), (c, a))]
+            beside = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+            rounds[row] = np.arctan2(volume, beside).sum() / (2.0 * np.pi)
+        return rounds
+
     def sees_sky(self, points: F64, towards: F64) -> NDArray[np.bool_]:
         """Whether parallel rays from points (P, 3) towards a unit direction leave the scene."""
         clear = np.ones(len(points), dtype=bool)
@@ -169,7 +185,9 @@ def _largest_triangles(mesh: Mesh, count: int) -> F64:
         least = np.partition(area, len(area) - count)[len(area) - count]
         larger, equal = np.flatnonzero(area > least), np.flatnonzero(area == least)
         kept = np.sort(np.append(larger, equal[: count - len(larger)]))
-    return np.asarray(placed[indices[kept]])
+    corners = np.asarray(placed[indices[kept]])
+    # Mirrored, a triangle's corners go round the other way; its front stays what it was.
+    return corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
 
 
 def _areas(corners: F64) -> tuple[F64, F64]:

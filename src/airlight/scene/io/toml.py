@@ -123,7 +123,9 @@ def _scene(raw: Raw, path: Path) -> Scene:
     )
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
-    return with_default_lights(_with_camera(scene, camera, parts))
+    is_exposed = "exposure_stops" in raw.get("camera", ())
+    framed = _with_camera(scene, camera, parts)
+    return with_default_lights(framed, is_scene_file=True, is_exposed=is_exposed)
 
 
 def _part(raw: Any, label: str, folder: Path) -> Scene:

@@ -36,7 +36,8 @@ CAMERA = Table(
             "exposure_stops",
             checks.stops,
             'number or "auto"',
-            'display exposure: 2^stops; "auto": from the picture itself',
+            'display exposure: 2^stops; "auto": from the image itself, as without it where a '
+            "default sun is added",
             "stops",
             "0",
         ),

@@ -100,7 +100,12 @@ def _brought(raw: Mapping[str, Any], original: Scene) -> int:
 
 
 def _is_default_light(raw: Mapping[str, Any], scene: Scene, original: Scene) -> bool:
-    """Whether nothing shines of itself, and the loader's sun and sky are as it made them."""
+    """Whether nothing shines of itself, and the loader's sun and sky are as it made them.
+
+    Not beside surfaces that emit: a scene file's loader adds nothing to them.
+    """
+    if any(mesh.material.is_emissive for mesh in original.meshes):
+        return False
     now, before = scene.environment, original.environment
     if any(name in raw for name in ("light", "environment")) or moves_light(scene):
         return False
