@@ -67,7 +67,7 @@ class ReferenceFailure(AirlightError):
 def memory_wanted(error: MemoryError) -> str:
     """ " (... were wanted)" of an error in which NumPy says how much it asked for, and else ""."""
     found = _WANTED.match(str(error))
-    return f" ({found[1]} were wanted at once)" if found else ""
+    return f" ({found[1].replace('. ', ' ')} were wanted at once)" if found else ""
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import DeviceError, SettingsError, within_memory
+from .errors import DeviceError, SettingsError
 from .gpu.commands import Commands
 from .gpu.device import open_gpu
 from .gpu.one_thread import OneThread
@@ -39,10 +39,6 @@ MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
 _KEPT_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
-_in_memory = within_memory(
-    "the scene with what is rendered of it", kind=DeviceError,
-    remedy="Use smaller meshes, grids, maps or images, or free some memory",
-)  # fmt: skip
 NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
 
@@ -62,7 +58,6 @@ class Renderer:
     changes nothing: the next one makes anew what it needs.
     """
 
-    @_in_memory
     def __init__(
         self, scene: Scene | str | Path, technique: str = "auto",
         size: tuple[int, int] = (1280, 720), *, settings: Mapping[str, Any] | None = None,
@@ -101,7 +96,6 @@ class Renderer:
             self._made = made.pop_all()
         self._is_torn = False
 
-    @_in_memory
     def frame(
         self, *, time: float | None = None, camera: Camera | None = None,
         lights: Sequence[Light] | None = None, environment: Environment | None = None,
@@ -147,7 +141,6 @@ class Renderer:
                     progress("render", (index + 1) / samples)
         self.commands.submit()
 
-    @_in_memory
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels; what was solved stays.
 

@@ -95,9 +95,7 @@ class Texture(_Counted):
             )
         return self._layers[index]
 
-    def write(
-        self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0, row: int = 0
-    ) -> None:
+    def write(self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0, row: int = 0) -> None:
         """Upload one whole mip level (of one layer, or of a whole 3D texture), or the rows of it
         from `row` on."""
         data = np.ascontiguousarray(pixels)
