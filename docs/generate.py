@@ -23,10 +23,10 @@ from airlight import env
 from airlight.app.cli import airlight as command_line
 from airlight.app.scenes import descriptions
 from airlight.figures.registry import FIGURES
-from airlight.lighting.direct import SurfaceSettings
+from airlight.lighting.kit import SurfaceSettings
 from airlight.scene.io.toml_tables import schema_markdown
 from airlight.shafts.air_light import AirSettings
-from airlight.techniques import TECHNIQUES, technique_class
+from airlight.techniques import TECHNIQUES, technique_settings
 
 DOCS = Path(__file__).parent
 _PART = re.compile(
@@ -74,7 +74,7 @@ def settings_table(name: str) -> str:
     """Settings of a technique that are its own, or of a shared class (surfaces, air)."""
     if name in _SHARED:
         return _settings_rows(dataclasses.fields(_SHARED[name]))
-    cls = technique_class(name).Settings
+    cls = technique_settings(name)
     shared = {
         field.name: field.default for base in _SHARED.values() for field in dataclasses.fields(base)
     }

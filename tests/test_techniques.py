@@ -8,12 +8,12 @@ import pytest
 
 from airlight.errors import SettingsError, nearest
 from airlight.scene import Scene
-from airlight.techniques import TECHNIQUES, make_technique, technique_class
+from airlight.techniques import TECHNIQUES, make_technique, technique_settings
 
 
 @pytest.mark.parametrize("name", sorted(TECHNIQUES))
 def test_every_technique_has_settings_with_defaults_and_help(name):
-    settings = technique_class(name).Settings
+    settings = technique_settings(name)
     settings()
     for field in dataclasses.fields(settings):
         assert field.metadata["help"], field.name
@@ -34,7 +34,7 @@ def test_the_promised_names_are_there():
 )
 def test_an_unknown_technique_is_refused(name, remedy):
     with pytest.raises(SettingsError) as caught:
-        technique_class(name)
+        technique_settings(name)
     assert str(caught.value) == f"unknown technique '{name}'. {remedy}"
 
 

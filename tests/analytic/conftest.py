@@ -17,7 +17,7 @@ import pytest
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Scene
 from airlight.scene.image import Image
-from airlight.techniques import TECHNIQUES, technique_class
+from airlight.techniques import TECHNIQUES, technique_settings
 
 SMALL = {
     "resolution": 16, "shadow_resolution": 1024, "lamp_resolution": 256, "map_resolution": 128,
@@ -44,7 +44,7 @@ class Judged:
         """Whether air is drawn in every pixel; `auto` takes its half resolution for granted."""
         if self.name == MITSUBA:
             return True
-        fields = {f.name for f in dataclasses.fields(technique_class(self.name).Settings)}
+        fields = {f.name for f in dataclasses.fields(technique_settings(self.name))}
         return "shaft_resolution" in fields
 
     def picture(
@@ -60,7 +60,7 @@ class Judged:
         """The scene solved once and seen by each camera."""
         if self.name == MITSUBA:
             return [_reference(dataclasses.replace(scene, camera=c), size, spp) for c in cameras]
-        known = {f.name for f in dataclasses.fields(technique_class(self.name).Settings)}
+        known = {f.name for f in dataclasses.fields(technique_settings(self.name))}
         own = {k: v for k, v in {**SMALL, **settings}.items() if k in known}
         with Renderer(scene, self.name, size, settings=own) as renderer:
             return [renderer.frame(camera=camera) for camera in cameras]

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from airlight.lpv.lpv import LpvSettings
 
 from airlight.app import (
     bench,
@@ -21,7 +22,6 @@ from airlight.app import (
 from airlight.errors import AirlightError
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
-from airlight.lpv.lpv import LpvSettings
 from airlight.lpv.propagate import Propagate
 from airlight.scene import Camera, DirectionalLight, PointLight
 from airlight.scene.builtin import wall_floor

@@ -9,7 +9,7 @@ import pytest
 from airlight.app.view_panel import checked, controls, shown_value
 from airlight.errors import SettingsError
 from airlight.scene.settings import setting
-from airlight.techniques import TECHNIQUES, technique_class
+from airlight.techniques import TECHNIQUES, technique_settings
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ def test_values_from_the_command_line_are_shown_as_what_they_mean():
 
 @pytest.mark.parametrize("name", list(TECHNIQUES))
 def test_every_technique_has_a_panel(name):
-    made = controls(technique_class(name).Settings)
-    assert len(made) == len(fields(technique_class(name).Settings))
+    made = controls(technique_settings(name))
+    assert len(made) == len(fields(technique_settings(name)))
     for control in made:
         assert control.help, control.name
         if control.kind == "number":

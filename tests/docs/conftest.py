@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from airlight import rendering
-from airlight.techniques import technique_class
+from airlight.techniques import technique_settings
 
 REPOSITORY = Path(__file__).parents[2]
 LARGEST_PX = (48, 27)
@@ -28,7 +28,7 @@ def small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
     def init(self: Any, scene: Any, technique: str = "auto", size: Any = LARGEST_PX,
              **options: Any) -> None:  # fmt: skip
-        known = {field.name for field in dataclasses.fields(technique_class(technique).Settings)}
+        known = {field.name for field in dataclasses.fields(technique_settings(technique))}
         least = {name: value for name, value in LEAST.items() if name in known}
         asked = options.pop("settings", None) or {}
         size = (min(size[0], LARGEST_PX[0]), min(size[1], LARGEST_PX[1]))

@@ -13,7 +13,7 @@ import pytest
 
 from airlight.app import cli
 from airlight.maths import lattice6, lattice26
-from airlight.techniques import TECHNIQUES, technique_class
+from airlight.techniques import TECHNIQUES, technique_settings
 
 DOCS = Path(__file__).parents[2] / "docs"
 SECTIONS = ("## Idea", "## Settings", "## How far off", "## Limits", "## When to use it")
@@ -48,7 +48,7 @@ def test_a_technique_has_a_page_with_all_that_one_asks(name):
 
 @pytest.mark.parametrize("name", list(TECHNIQUES))
 def test_every_setting_says_what_it_means(name):
-    for field in dataclasses.fields(technique_class(name).Settings):
+    for field in dataclasses.fields(technique_settings(name)):
         assert field.metadata.get("help"), field.name
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from airlight.lpv.lpv import LpvSettings
 
 from airlight.figures import (
     clpv_1,
@@ -16,7 +17,6 @@ from airlight.figures import (
     clpv_table1,
     panels,
 )
-from airlight.lpv.lpv import LpvSettings
 from airlight.reference import flatland
 from airlight.scene import Geometry, Material, Mesh, Scene, Texture
 from airlight.scene.builtin import atrium_fog, wall_floor

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from airlight.lighting.direct import Direct
 
 from airlight.gpu.device import Gpu
-from airlight.lighting.direct import Direct
 from airlight.lighting.places import _Places
 from airlight.lighting.view import View
 from airlight.rendering import Renderer

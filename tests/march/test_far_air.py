@@ -136,7 +136,7 @@ def test_a_sky_scatters_all_its_light_whatever_g_is():
 def _known(technique: str) -> dict[str, object]:
     from dataclasses import fields
 
-    from airlight.techniques import technique_class
+    from airlight.techniques import technique_settings
 
-    names = {field.name for field in fields(technique_class(technique).Settings)}
+    names = {field.name for field in fields(technique_settings(technique))}
     return {key: value for key, value in FULL.items() if key in names}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from airlight.lighting.direct import Direct, SurfaceSettings
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
-from airlight.lighting.direct import Direct, SurfaceSettings
 from airlight.march.air import Air
 from airlight.pop.reflected_maps import reflected_maps
 from airlight.pop.settings import PopSettings

@@ -154,9 +154,9 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
 
 
 def _has_all(technique: str, settings: dict[str, str]) -> bool:
-    from ..techniques import technique_class
+    from ..techniques import technique_settings
 
-    known = technique_class(technique).Settings.__dataclass_fields__
+    known = technique_settings(technique).__dataclass_fields__
     return all(key in known for key in settings)
 
 

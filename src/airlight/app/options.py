@@ -49,9 +49,9 @@ def settings_option(help: str = "A setting of the technique; may be repeated.") 
 def check_settings(technique: str, settings: Mapping[str, str]) -> None:
     """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
     from ..scene.scene import Scene
-    from ..techniques import checked_settings, technique_class
+    from ..techniques import checked_settings
 
-    if not hasattr(technique_class(technique), "settings_for"):
+    if technique != "auto":  # its settings depend on the scene
         checked_settings(technique, Scene(), settings)
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..gpu.commands import Commands
+from ..lpv.solver import LpvSolver
 from ..rendering import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -74,21 +74,17 @@ class Drawn:
 @contextmanager
 def _quickly(r: Renderer) -> Iterator[None]:
     """Coarser shadows of suns; light propagation volumes make no more than QUICK_STEPS steps."""
-    technique: Any = getattr(r.technique, "chosen", r.technique)
-    lights = getattr(technique, "lights", None)
-    settings = getattr(technique, "lpv", None)
-    if lights is not None:
-        lights.coarseness = QUICK_COARSENESS
-    if settings is not None:
-        steps = min(settings.iterations, QUICK_STEPS)
-        technique.lpv = replace(settings, iterations=steps)
+    lights, lattice = r.technique.kit.lights, r.technique.find(LpvSolver)
+    steps = lattice.steps if lattice else 0
+    lights.coarseness = QUICK_COARSENESS
+    if lattice:
+        lattice.steps = min(steps, QUICK_STEPS)
     try:
         yield
     finally:
-        if lights is not None:
-            lights.coarseness = 1.0
-        if settings is not None:
-            technique.lpv = settings
+        lights.coarseness = 1.0
+        if lattice:
+            lattice.steps = steps
 
 
 def solved_by(r: Renderer) -> tuple[Any, ...]:

@@ -10,12 +10,13 @@ from typing import Any, cast
 import numpy as np
 
 from ..errors import SettingsError
+from ..fields import Fields
 from ..gpu.memory import Texture
 from ..lattice.placement import LatticeParams
-from ..lpv.lpv import Lpv
+from ..pop.media import PopMedia
 from ..rendering import Renderer
 from ..scene.scene import Scene
-from ..techniques.air import InAir, LpvScatter
+from ..techniques.technique import Technique
 from .light_field import F32, LatticeLight, LightField, VolumeLight
 
 SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
@@ -43,14 +44,12 @@ def export_lattice(
 
 def light_field(renderer: Renderer, technique: str = "") -> LightField:
     """What `renderer` solved for its last frame. Raises SettingsError where it keeps no light."""
-    used: Any = renderer.technique
-    used = getattr(used, "chosen", used)  # auto chooses
+    used = renderer.technique
     volumes = _volume_lights(used, renderer)
-    is_lattice = isinstance(used, (Lpv, LpvScatter))
-    if not is_lattice and not volumes:
-        raise _no_light(technique or type(used).__name__)
-    lattices = _lattices(used) if is_lattice else ()
-    return LightField(technique or type(used).__name__, renderer.scene.name, lattices, volumes)
+    lattices = _lattices(used)
+    if not lattices and not volumes:
+        raise _no_light(technique or used.name)
+    return LightField(technique or used.name, renderer.scene.name, lattices, volumes)
 
 
 def _no_light(technique: str) -> SettingsError:
@@ -60,9 +59,11 @@ def _no_light(technique: str) -> SettingsError:
     )
 
 
-def _lattices(used: Any) -> tuple[LatticeLight, ...]:
-    """All that surfaces read, the finest first; air is on the last."""
-    blockers, bound = used.blockers, used.lattice_bound
+def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
+    """All that surfaces read, the finest first; what media scatter is on the last."""
+    if used.fields is None or used.fields.irradiance is None:
+        return ()
+    blockers, bound = used.kit.blockers, used.fields.irradiance.bound
     held = {
         "states": _bands(bound),
         "open": np.concatenate([blockers.open_a.read(), blockers.open_b.read()[..., :2]], axis=-1),
@@ -70,7 +71,7 @@ def _lattices(used: Any) -> tuple[LatticeLight, ...]:
     }
     rows = bound["lattices"].read(LatticeParams.dtype)
     made = [_lattice_light(row, held) for row in rows]
-    return (*made[:-1], replace(made[-1], air=_air(used)))
+    return (*made[:-1], replace(made[-1], air=_air(used.fields)))
 
 
 def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
@@ -96,9 +97,9 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
     )  # fmt: skip
 
 
-def _air(used: Any) -> F32 | None:
-    """Radiance that the air scatters, where the technique marches a lattice."""
-    source = used.lattice_source() if isinstance(used, InAir) and used.has_lattice else None
+def _air(fields: Fields) -> F32 | None:
+    """Radiance that media scatter, where the technique marches a lattice."""
+    source = fields.scattered
     if source is None:
         return None
     weights = source.scale * np.array([1.0, *[source.direct] * 3])
@@ -111,14 +112,14 @@ def _bands(bound: Mapping[str, Texture]) -> np.ndarray[Any, np.dtype[np.float32]
     return np.stack(channels, axis=-2).astype(np.float32)
 
 
-def _volume_lights(used: Any, renderer: Renderer) -> tuple[VolumeLight, ...]:
-    media = getattr(used, "media", used)
-    solvers = getattr(media, "solvers", ())
+def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ...]:
+    media = used.find(PopMedia)
+    solvers = media.solvers if media else ()
     eye = _three(renderer.scene.camera.position)
     return tuple(
         VolumeLight(
             (solver.emission.texture.read()[..., :3] * solver.beams.table.scale).astype(np.float32),
-            np.linalg.inv(solver.medium.placement.uvw_from_world), eye,
+            np.asarray(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64), eye,
         )
         for solver in solvers
     )  # fmt: skip

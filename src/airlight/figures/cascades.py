@@ -30,8 +30,7 @@ def cascades_coloured(
     seen = scene or atrium()
     with renderer(request, seen, {"cascades": count}) as made:
         image = made.frame(samples=1)
-        technique: Any = made.technique
-        levels = technique.placements
+        levels = made.technique.kit.lattices.placements
     assert image is not None
     given = shares(levels, surface_points(seen.camera, image.layers["depth"]))
     stops = exposure_of(seen, image.radiance)

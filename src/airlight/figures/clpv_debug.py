@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..app.compare_pictures import U8
+from ..lpv.solver import LpvSolver
 from ..maths.colour import luminance
 from ..scene.builtin import room
+from ..techniques.technique import Technique
 from .cascades import cascades_coloured
 from .panels import Drawn, Request, renderer, sheet
 from .slices import SolvedLattice, from_texels, slice_picture
@@ -49,9 +51,11 @@ def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
         return read_lattice(made.technique)
 
 
-def read_lattice(technique: Any) -> SolvedLattice:
-    """What a technique of the lattice family has solved, from the device."""
-    textures, blockers, place = technique.textures, technique.blockers, technique.placement
+def read_lattice(technique: Technique) -> SolvedLattice:
+    """What a technique with a lattice of bounced light has solved, from the device."""
+    solver = technique.find(LpvSolver)
+    assert solver is not None
+    textures, blockers, place = solver.textures, technique.kit.blockers, technique.kit.placement
     columns, rows, layers = place.count
 
     def own(texels: Any) -> Any:
@@ -61,7 +65,7 @@ def read_lattice(technique: Any) -> SolvedLattice:
     return from_texels(
         own(textures.red.read()), own(textures.green.read()), own(textures.blue.read()),
         own(blockers.open_a.read()), own(blockers.open_b.read()),
-        power_scale=technique.power_scale, cell_m=place.cell,
+        power_scale=solver.power_scale, cell_m=place.cell,
     )  # fmt: skip
 
 

@@ -104,9 +104,9 @@ def renderer(
 
 def known(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Those of `settings` that the technique has."""
-    from ..techniques import technique_class
+    from ..techniques import technique_settings
 
-    names = {f.name for f in dataclasses.fields(technique_class(technique).Settings)}
+    names = {f.name for f in dataclasses.fields(technique_settings(technique))}
     return {name: value for name, value in settings.items() if name in names}
 
 

@@ -1,4 +1,4 @@
-"""The environment's light: its occluded direct part on a lattice, and maps for its bounce."""
+"""The environment as directional lights: what they see, and what they light in cells."""
 
 from __future__ import annotations
 
@@ -20,30 +20,30 @@ from ..surface.sky import SkyLight, sky_lights
 
 
 class Sky:
-    """Directional lights that stand for the environment, what they see, and what they light.
+    """Directional lights that stand for the environment, and their reflective shadow maps.
 
-    `maps` are their reflective shadow maps, whose texels are the sky's first bounce.
+    `maps` say what of each light arrives; their texels are the sky's first bounce. `version` is
+    raised whenever they were drawn.
     """
 
     def __init__(
-        self, gpu: Gpu, environment: Environment | None, placement: Placement, count: int,
-        resolution: int, size: tuple[int, int, int] | None = None,
-    ) -> None:  # fmt: skip
-        """`count` lights, maps of `resolution` px; `size` as `Skylight` has it."""
-        self.placement, self._count = placement, count
+        self, gpu: Gpu, environment: Environment | None, count: int, resolution: int
+    ) -> None:
+        """At most `count` lights, maps of `resolution` px."""
+        self._count = count
         self.lights: list[SkyLight] = sky_lights(environment, count)
         self._environment = environment
         self._drawn_version = -1
+        self.version = 0
         layers = count if self.lights else 0
         self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
-        self.skylight = Skylight(gpu, placement, count, size=size)
         self._compare = comparison_sampler(gpu)
 
     def encode(
         self, commands: Commands, meshes: GpuScene, environment: Environment | None,
-        blockers: Mapping[str, Texture],
+        placement: Placement,
     ) -> bool:  # fmt: skip
-        """Bring maps and cubes up to date; returns whether anything changed."""
+        """Bring the maps up to date for the lattice at `placement`; whether anything changed."""
         if environment is not self._environment:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)
@@ -51,13 +51,13 @@ class Sky:
         if meshes.version == self._drawn_version or not self.maps.layers:
             return False
         self._drawn_version = meshes.version
-        low, high = self.placement.bounds
+        self.version += 1
+        low, high = placement.bounds
         # What stands beyond the lattice still casts its shadow into it.
         if meshes.draws:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
         self.maps.encode(commands, meshes, self.lights, views)
-        self.light(commands, self.skylight, blockers)
         return True
 
     def light(
@@ -77,4 +77,3 @@ class Sky:
     def release(self) -> None:
         """Give the memory back."""
         self.maps.release()
-        self.skylight.release()

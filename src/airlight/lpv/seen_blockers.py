@@ -2,59 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..lattice.blockers import Blockers
 from ..lattice.view_surfels import ViewSurfels
-from ..maths.transforms import F64
+from ..lighting.kit import Kit
 from ..scene.scene import Scene
-from ..surface.geometry import GpuScene
 from ..surface.light_views import light_views, view_count
 from ..surface.surfel_views import SurfelViews, camera_view
 from .geometry_volume import GeometryVolume
-
-SOURCES = ("meshes", "views", "both")
-"""Where surfels come from."""
+from .settings import LpvSettings
 
 
 class SeenBlockers:
-    """A volume for each lattice, all filled from the same views."""
+    """A volume for each lattice of a kit, all filled from the same views."""
 
-    def __init__(
-        self, gpu: Gpu, scene: Scene, blockers: Sequence[Blockers], *, resolution: int,
-        peels: int, keeps: bool, aspect: float, is_paper: bool, source: str,
-    ) -> None:  # fmt: skip
-        """Maps of `resolution` texels, `peels` layers each; `aspect` of the picture.
-
-        `is_paper`: as spherical harmonics; else with the surfels of the meshes if `source` is
-        "both".
-        """
-        self._aspect = aspect
-        count = 1 + sum(view_count(light) for light in scene.lights)
-        self.maps = SurfelViews(gpu, resolution, count, peels)
+    def __init__(self, kit: Kit, settings: LpvSettings) -> None:
+        """In scheme paper as spherical harmonics; else surfels, with the meshes' own if asked."""
+        self._kit = kit
+        width, height = kit.context.size
+        self._aspect = width / height
+        count = 1 + sum(view_count(light) for light in kit.context.scene.lights)
+        resolution, peels = settings.surfel_resolution, settings.peel_layers
+        self.maps = SurfelViews(kit.gpu, resolution, count, peels)
+        keeps, source = settings.keep_surfels, settings.surfel_source
         volume: Callable[[Gpu, Blockers], GeometryVolume | ViewSurfels] = (
-            partial(GeometryVolume, keeps=keeps) if is_paper
+            partial(GeometryVolume, keeps=keeps) if settings.scheme == "paper"
             else partial(ViewSurfels, keeps=keeps, has_meshes=source == "both")
         )  # fmt: skip
-        self.volumes = [volume(gpu, of) for of in blockers]
+        self.volumes = [volume(kit.gpu, level.blockers) for level in kit.lattices.levels]
 
-    def encode(
-        self, commands: Commands, meshes: GpuScene, scene: Scene, low: F64, high: F64
-    ) -> list[bool]:
-        """Bring the blockers of all lattices up to date; returns which of them changed."""
+    def encode(self, commands: Commands, scene: Scene) -> None:
+        """Bring the blockers of all lattices up to date."""
+        low, high = self._kit.bounds(scene)
         side = self.maps.resolution
         views = [camera_view(scene.camera, self._aspect, low, high, side)]
         views += light_views(scene.lights, low, high, side)
-        is_drawn = self.maps.encode(commands, meshes, views)
+        is_drawn = self.maps.encode(commands, self._kit.meshes, views)
         for volume in self.volumes:
             volume.blockers.follow_vertices()  # what glows is sampled from the meshes
-        return [
-            volume.encode(commands, meshes, self.maps, views, is_drawn=is_drawn)
-            for volume in self.volumes
-        ]
+            volume.encode(commands, self._kit.meshes, self.maps, views, is_drawn=is_drawn)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -8,16 +8,13 @@ lights the medium by virtual point lights, of which one needs hundreds; differs:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
+from ..fields import ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
-from ..march.march import LatticeSource
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
 from .grid_medium import GridMedium
@@ -27,18 +24,6 @@ from .schemes import Beams
 from .settings import PopSettings
 
 _WHITE = 0.999
-
-
-@dataclass(frozen=True, eq=False)
-class Bounced:
-    """A lattice of reflected light, and what tells its versions apart.
-
-    `knows_media`: it was solved with the media in it, and holds what there is of its light in them.
-    """
-
-    source: LatticeSource
-    version: tuple[Any, ...]
-    knows_media: bool = False
 
 
 class BounceParams(Struct):
@@ -80,7 +65,9 @@ class Bounce:
         self._even = Beams(medium, settings, settings.ordinates, medium.mix)
         self._pass, self._linear = _Bounce(medium.gpu), linear_sampler(medium.gpu)
 
-    def encode_medium(self, commands: Commands, params: MediumParams, bounced: Bounced) -> None:
+    def encode_medium(
+        self, commands: Commands, params: MediumParams, bounced: ReflectedLight
+    ) -> None:
         """Take a changed medium; `params` count the even sky's ordinates."""
         self._even.write(self._sky, (), 1.0)
         self._even.encode_medium(commands, params)
@@ -88,8 +75,8 @@ class Bounce:
             self._even.encode(commands, params)
 
     def encode(
-        self, commands: Commands, params: MediumParams, eye: F64, bounced: Bounced, scale: float,
-        target: Buffer,
+        self, commands: Commands, params: MediumParams, eye: F64, bounced: ReflectedLight,
+        scale: float, target: Buffer,
     ) -> None:  # fmt: skip
         """For an eye at `eye` (3,), m in the medium's frame; `scale`: radiance per unit of
         `target`.

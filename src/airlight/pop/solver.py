@@ -2,7 +2,7 @@
 
 Light is cut into ordinates, a beam each; every cell marches towards all of them, what leaves the
 beams spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing
-is precomputed; what did not change since the last frame is not done again.
+is precomputed; what did not change since the last lit is not done again.
 
 Several media of a scene have a solver each, which shade and light one another; see `together`.
 """
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..fields import ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -23,7 +24,7 @@ from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import Light, PointLight
 from ..scene.volume import Volume
-from .bounce import Bounce, Bounced
+from .bounce import Bounce
 from .emission import Emission
 from .grid_medium import GridMedium
 from .importance import Look, ViewImportance
@@ -39,14 +40,14 @@ _WHITE = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Illumination:
     """What media are lit by and seen from; see `PopSolver.encode`."""
 
     lights: tuple[Light, ...]
     environment: Environment | None
     eye: F64
     surfaces: Surfaces | None = None
-    bounced: Bounced | None = None
+    bounced: ReflectedLight | None = None
     look: Look | None = None
 
 
@@ -87,7 +88,7 @@ class PopSolver:
     def encode(
         self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
         eye: F64, volume: Volume | None = None, surfaces: Surfaces | None = None,
-        bounced: Bounced | None = None, look: Look | None = None,
+        bounced: ReflectedLight | None = None, look: Look | None = None,
     ) -> Texture:  # fmt: skip
         """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
 
@@ -95,51 +96,53 @@ class PopSolver:
         `surfaces`: what shades it; `bounced`: what light they reflect into it. `look`: the view,
         where importance asks for it. Of one medium alone; see `together.encode`.
         """
-        frame = Frame(lights, environment, np.asarray(eye, np.float64), surfaces, bounced, look)
-        new_medium = self.begin(commands, frame, volume)
+        lit = Illumination(
+            lights, environment, np.asarray(eye, np.float64), surfaces, bounced, look
+        )
+        new_medium = self.begin(commands, lit, volume)
         if new_medium:
-            self.encode_medium(commands, frame)
-        new_light = self.is_new_light(frame) or new_medium
+            self.encode_medium(commands, lit)
+        new_light = self.is_new_light(lit) or new_medium
         if new_light:
-            self.encode_light(commands, frame)
-        self.encode_view(commands, frame, new_medium=new_medium, new_light=new_light)
+            self.encode_light(commands, lit)
+        self.encode_view(commands, lit, new_medium=new_medium, new_light=new_light)
         return self.emission.texture
 
-    def begin(self, commands: Commands, frame: Frame, volume: Volume | None) -> bool:
-        """Take the frame's light and medium; whether the medium changed."""
+    def begin(self, commands: Commands, lit: Illumination, volume: Volume | None) -> bool:
+        """Take the light and medium; whether the medium changed."""
         if volume is not None and volume is not self.medium.volume:
             self.medium.take(volume)
         with commands.stage("pop ordinates"):
-            seen = self._seen(frame.environment, frame.look)
-            self._ordinates = self._scene_ordinates.of(frame.lights, frame.environment, seen)
-        self._lamps = lamps_of(frame.lights)
+            seen = self._seen(lit.environment, lit.look)
+            self._ordinates = self._scene_ordinates.of(lit.lights, lit.environment, seen)
+        self._lamps = lamps_of(lit.lights)
         # Virtual lights' rows are written on the device.
-        self._virtual = frame.surfaces.virtual_lights if frame.surfaces else 0
+        self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._lamps += [_DARK] * self._virtual
         count = self._ordinates.count + len(self._lamps) + self.beams.blocks
         self.medium.params = self.medium.params_of(count)
         return self.medium.encode(commands)
 
-    def is_new_light(self, frame: Frame) -> bool:
-        """Whether the light is not the last frame's."""
-        versions = () if frame.surfaces is None else frame.surfaces.version
-        versions += () if frame.bounced is None else frame.bounced.version
+    def is_new_light(self, lit: Illumination) -> bool:
+        """Whether the light is not the last lit's."""
+        versions = () if lit.surfaces is None else lit.surfaces.version
+        versions += () if lit.bounced is None else lit.bounced.version
         directions, power = self._ordinates.direction, self._ordinates.irradiance
         key = (directions.tobytes(), power.tobytes(), *self._lamps, *versions)
         is_new, self._light_key = key != self._light_key, key
         return is_new
 
-    def encode_light(self, commands: Commands, frame: Frame) -> None:
+    def encode_light(self, commands: Commands, lit: Illumination) -> None:
         """Beams and what leaves them; other media dark."""
         # Where surfaces are all the light there is, the lattice's unit is the scale.
-        is_dark = frame.bounced is not None and not self._ordinates.count and not self._lamps
-        scale = frame.bounced.source.scale if frame.bounced and is_dark else 0.0
+        is_dark = lit.bounced is not None and not self._ordinates.count and not self._lamps
+        scale = lit.bounced.source.scale if lit.bounced and is_dark else 0.0
         self.beams.write(self._ordinates, self._lamps, scale, virtual=self._virtual)
         self._write_gain(self.beams, self._scene_ordinates.sky)
-        if frame.surfaces is not None:
-            self.beams.write_surfaces(self._ordinates, frame.lights, frame.surfaces)
+        if lit.surfaces is not None:
+            self.beams.write_surfaces(self._ordinates, lit.lights, lit.surfaces)
         medium = self.medium
-        self.beams.encode(commands, medium.params, medium.placement.point(frame.eye))
+        self.beams.encode(commands, medium.params, medium.placement.point(lit.eye))
 
     def source(self, medium: int) -> Source:
         """The last emission for `march`; `medium` is the volume's row in `march.air`."""
@@ -167,7 +170,7 @@ class PopSolver:
         medium = self.medium
         return self._importance.of(medium.volume, medium.placement, look, environment.rotation_deg)
 
-    def encode_medium(self, commands: Commands, frame: Frame) -> None:
+    def encode_medium(self, commands: Commands, lit: Illumination) -> None:
         """What a changed medium needs, or a change of one that it is mixed with."""
         medium = self.medium
         medium.encode_mix(commands)
@@ -180,21 +183,21 @@ class PopSolver:
             self._write_gain(self.furnace, even_light(self._even))
             self.furnace.encode_medium(commands, white)
             self.furnace.encode(commands, white)
-        if frame.bounced is not None:
+        if lit.bounced is not None:
             self._bounce = self._bounce or Bounce(medium, self.settings)
             even = medium.params_of(self._bounce.count)
-            self._bounce.encode_medium(commands, even, frame.bounced)
+            self._bounce.encode_medium(commands, even, lit.bounced)
 
     def encode_view(
-        self, commands: Commands, frame: Frame, *, new_medium: bool, new_light: bool
+        self, commands: Commands, lit: Illumination, *, new_medium: bool, new_light: bool
     ) -> None:
         """What the eye sees of it, where that changed."""
-        new_view = new_medium or frame.eye.tobytes() != self._view_key
+        new_view = new_medium or lit.eye.tobytes() != self._view_key
         if not (new_view or new_light):
             return
-        self._view_key = frame.eye.tobytes()
-        medium, bounced = self.medium, frame.bounced
-        local = medium.placement.point(frame.eye)
+        self._view_key = lit.eye.tobytes()
+        medium, bounced = self.medium, lit.bounced
+        local = medium.placement.point(lit.eye)
         if new_view and self.furnace is not None:
             with commands.stage("pop emission"):
                 white = medium.params_of(self.furnace.table.count, _WHITE)

@@ -60,10 +60,10 @@ class MapBlockers(Blockers):
 
     def __init__(
         self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
-        resolution: int,
+        resolution: int, size: tuple[int, int, int] | None = None,
     ) -> None:  # fmt: skip
         """`resolution`: texels along a map's side."""
-        super().__init__(gpu, scene, meshes, placement, count)
+        super().__init__(gpu, scene, meshes, placement, count, size=size)
         self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, len(VIEWS))
         self._texels = _SumTexels(gpu)
 

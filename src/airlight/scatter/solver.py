@@ -1,9 +1,6 @@
 """Light scattered many times, solved on one lattice (Billeter2012), top to bottom.
 
-solver = ScatterSolver(gpu, scene, meshes, placement, settings, lights, sky, blockers)
-solver.encode(commands, scene, low, high)     # after shadow maps, blockers and sky are drawn
-solver.marched()                              # for marching
-solver.surfaces.params(), solver.surfaces.bound   # for lighting surfaces
+reflective shadow maps, first-scattered light, the sky -> cells -> 26 neighbours -> fields
 """
 
 from __future__ import annotations
@@ -13,26 +10,22 @@ from typing import Any
 
 import numpy as np
 
+from ..fields import Fields, Frame, ReflectedLight
 from ..gpu.commands import Commands
-from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, buffer_of
-from ..lattice.blockers import Blockers
 from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import Resolve, flux_bound, new_sums
-from ..lattice.placement import Placement
+from ..lattice.irradiance import Irradiance
 from ..lattice.point_lights import InjectPoints
-from ..lighting.lights import Lights
-from ..lighting.sky import Sky
+from ..lighting.kit import Kit
+from ..lighting.view import View
 from ..march.air import Air
 from ..march.march import LatticeSource
 from ..maths.transforms import F64
-from ..scene.lights import DirectionalLight, Light
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
-from ..surface.geometry import GpuScene
+from ..surface.light_maps import LightMaps
 from ..surface.light_table import LightData, packed_lights
-from ..surface.light_views import light_views, view_count
-from ..surface.reflective import ReflectiveShadowMaps
 from .air_cells import AirCells
 from .emission import Emission
 from .forward import ForwardLight
@@ -50,38 +43,38 @@ _SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky ligh
 
 
 class ScatterSolver:
-    """Reflected and first-scattered light -> cells -> 26 neighbours -> emission and irradiance."""
+    """Yields the irradiance of surfaces and the mean radiance that media scatter."""
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement,
-        settings: ScatterSettings, lights: Lights, sky: Sky, blockers: Blockers,
+        self, kit: Kit, settings: ScatterSettings, *, has_volumes: bool = True
     ) -> None:  # fmt: skip
-        """Raises SettingsError where the scheme cannot do the scene's air."""
-        self.gpu, self.meshes, self.placement, self.settings = gpu, meshes, placement, settings
-        self.lights, self.sky, self.blockers = lights, sky, blockers
-        self.is_varied = is_varied(scene, placement, settings)
+        """`has_volumes`: whether the scene's volumes are part of the lattice's medium.
+
+        Raises SettingsError where the scheme cannot do the scene's media.
+        """
+        self.kit, self.settings, self.has_volumes = kit, settings, has_volumes
+        self.gpu, self.meshes, self.placement = kit.gpu, kit.meshes, kit.placement
+        self.lights, self.sky, self.blockers = kit.lights, kit.sky, kit.blockers
+        scene = self._seen(kit.context.scene)
+        self.is_varied = is_varied(scene, self.placement, settings)
         even = similar_scene(scene)
-        self.air = Air(gpu, even, light_count=lights.count)
-        sky_scene = dataclasses.replace(even, lights=tuple(sky.lights))
-        most = max(len(sky.lights), sky.maps.layers)  # a turning sky may bring more of them
-        self.sky_air = Air(gpu, sky_scene, light_count=most,
+        self.air = Air(self.gpu, even, light_count=self.lights.count)
+        sky_scene = dataclasses.replace(even, lights=tuple(self.sky.lights))
+        # A turning sky may bring more lights.
+        most = max(len(self.sky.lights), self.sky.maps.layers)
+        self.sky_air = Air(self.gpu, sky_scene, light_count=most,
                            column_resolution=_SKY_COLUMNS)  # fmt: skip
-        self._make_maps(scene)
+        self.maps = LightMaps(self.gpu, scene.lights, settings.map_resolution)
+        self._owners = [
+            buffer_of(self.gpu, "map owners", owner_rows(owners)) for owners in self.maps.owners
+        ]
+        self._sky_owners = buffer_of(self.gpu, "sky owners", owner_rows([*range(max(1, most))]))
+        self._sky_table = Buffer(self.gpu, "sky lights", LightData.dtype.itemsize * max(1, most))
         self._make_passes(scene)
 
-    def _make_maps(self, scene: Scene) -> None:
-        gpu, side = self.gpu, self.settings.map_resolution
-        suns, lamps = _by_kind(scene.lights)
-        layers = sum(view_count(lamp) for _, lamp in lamps)
-        self.maps = [
-            ReflectiveShadowMaps(gpu, "suns", side, len(suns)),
-            ReflectiveShadowMaps(gpu, "lamps", max(8, side // 2), layers),
-        ]
-        owners = [[i for i, x in group for _ in range(view_count(x))] for group in (suns, lamps)]
-        self._owners = [buffer_of(gpu, "map owners", owner_rows(o)) for o in owners]
-        sky_count = max(1, len(self.sky.lights), self.sky.maps.layers)
-        self._sky_owners = buffer_of(gpu, "sky owners", owner_rows([*range(sky_count)]))
-        self._sky_table = Buffer(gpu, "sky lights", LightData.dtype.itemsize * sky_count)
+    def _seen(self, scene: Scene) -> Scene:
+        """The scene as the lattice sees it."""
+        return scene if self.has_volumes else dataclasses.replace(scene, volumes=())
 
     def _make_passes(self, scene: Scene) -> None:
         gpu, cells = self.gpu, self.placement.cells
@@ -120,12 +113,12 @@ class ScatterSolver:
         self._air_version = -1
         self._walls_key = self._steady_key = b""
 
-    def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
-        """Solve for `scene`, whose surfaces lie in low..high (metres).
+    def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        """Inject what surfaces reflect and media scatter once, propagate, make textures of it.
 
-        Shadow maps, blockers and the sky's maps have been brought up to date. Raises SettingsError
-        (scheme paper in dense air).
+        Raises SettingsError (scheme paper in a dense medium).
         """
+        scene, (low, high) = self._seen(frame.scene), frame.bounds
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         flux += self.points.take(scene.light_groups)
         scale = fixed_point_scale(flux)
@@ -134,7 +127,7 @@ class ScatterSolver:
         with commands.stage("prepare blockers"):
             is_new = self._take_walls(commands) or is_new
         with commands.stage("reflective shadow maps"):
-            self._draw_maps(commands, scene.lights, low, high)
+            self.maps.encode(commands, self.meshes, scene.lights, low, high)
         with commands.stage("sky"):
             self._inject_steady(commands, scale, is_new=is_new)
         with commands.stage("reflected"):
@@ -155,6 +148,21 @@ class ScatterSolver:
                 sigma_s=self._sigma_s, sigma_t=self._sigma_t,
                 forward=forward.all if forward else self._surface_beams,
             )  # fmt: skip
+        return self._added(frame.scene, fields)
+
+    def _added(self, scene: Scene, fields: Fields) -> Fields:
+        """The fields, with what was solved."""
+        table = self.kit.lattices.table.filled([self.surfaces.params()])
+        irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_bounced=True)
+        light = self.marched()
+        version = (scene.lights, scene.environment, scene.medium, self.meshes.version)
+        return dataclasses.replace(
+            fields, irradiance=irradiance, scattered=light, reflected=ReflectedLight(light, version)
+        )
+
+    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """The lattice does not depend on the eye."""
+        return fields
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
         even, self._is_forward = similar_scene(scene), is_forward(scene)
@@ -191,15 +199,6 @@ class ScatterSolver:
             self.levels.set_walls(commands, self.blockers.openness, self.reflectance)
         return True
 
-    def _draw_maps(
-        self, commands: Commands, lights: tuple[Light, ...], low: F64, high: F64
-    ) -> None:
-        for group, maps in zip(_by_kind(lights), self.maps, strict=True):
-            if group:
-                own = [light for _, light in group]
-                views = light_views(own, np.asarray(low), np.asarray(high), maps.resolution)
-                maps.encode(commands, self.meshes, own, views)
-
     def _inject_steady(self, commands: Commands, scale: float, *, is_new: bool) -> None:
         """What changes only with environment, air or geometry: the sky and emissive surfaces."""
         table = packed_lights(tuple(self.sky.lights))
@@ -231,7 +230,7 @@ class ScatterSolver:
     def _inject_reflected(self, commands: Commands, scale: float) -> None:
         place, walls = self.placement, self.blockers.walls
         self.points.encode(commands, place, walls, self.sums, scale)
-        for maps, owners in zip(self.maps, self._owners, strict=True):
+        for maps, owners in zip(self.maps.groups, self._owners, strict=True):
             if not maps.layers:
                 continue
             given = (commands, maps, self.lights.table, owners, place, walls, self.sums, scale)
@@ -328,17 +327,7 @@ class ScatterSolver:
         buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
                    self.steady, self.reflected, self.source, self.medium,
                    self.reflectance, self.forward]  # fmt: skip
-        parts: list[Any] = [self.air, self.sky_air, *self.maps, *buffers, self.levels,
+        parts: list[Any] = [self.air, self.sky_air, self.maps, *buffers, self.levels,
                             self.emission, self.surfaces]  # fmt: skip
         for part in parts:
             part.release()
-
-
-_Rows = list[tuple[int, Light]]
-
-
-def _by_kind(lights: tuple[Light, ...]) -> tuple[_Rows, _Rows]:
-    """(row of the light table, light) of directional lights, and of all others."""
-    rows = list(enumerate(lights))
-    suns: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
-    return suns, [row for row in rows if not isinstance(row[1], DirectionalLight)]

@@ -8,89 +8,87 @@ lpv-sum      the sum of lpv-march and single
 lpv-scatter  multiple scattering on a lattice (Billeter2012)
 pop          principal-ordinates propagation for every medium (Elek2014)
 auto         what suits the scene, together in one frame
+
+`recipes` says what each is made of, `technique` how a frame runs through it.
 """
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Mapping
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 from ..errors import SettingsError, nearest
-from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Texture
-from ..lighting.view import View
+from ..lighting.kit import Context, SurfaceSettings
+from ..lpv.settings import LpvSettings
 from ..scene.scene import Scene
 from ..scene.settings import make_settings
 from ..surface.geometry import GpuScene
+from . import recipes, settings
+from .auto import recipe_for
+from .technique import Technique
 
 
-class Technique(Protocol):
-    """A solver of the whole picture; made once, then used for any number of frames."""
+@dataclass(frozen=True)
+class Recipe:
+    """How a technique is made, and what it can be told."""
 
-    def solve(self, commands: Commands, scene: Scene) -> None:
-        """Everything that does not depend on the camera."""
-
-    def draw(self, commands: Commands, view: View) -> None:
-        """Write `view.layers`."""
-
-    def pictures(self, view: View) -> dict[str, Texture]:
-        """The radiance layers that `draw` writes, by name; they add up to the picture."""
-
-    def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; what was solved stays."""
-
-    @property
-    def stats(self) -> dict[str, Any]:
-        """What was solved."""
-
-    def release(self) -> None:
-        """Give the memory back."""
+    make: Callable[[Context, Any], Technique]
+    settings: type[SurfaceSettings]
 
 
-# Imported when asked for: a picture without air needs no code about air.
-TECHNIQUES: dict[str, tuple[str, str]] = {
-    "direct": ("airlight.lighting.direct", "Direct"),
-    "single": ("airlight.techniques.air", "Single"),
-    "lpv": ("airlight.lpv.lpv", "Lpv"),
-    "lpv-march": ("airlight.techniques.air", "LpvMarch"),
-    "lpv-sum": ("airlight.techniques.air", "LpvSum"),
-    "lpv-scatter": ("airlight.techniques.air", "LpvScatter"),
-    "pop": ("airlight.techniques.pop", "Pop"),
-    "auto": ("airlight.techniques.composed", "Auto"),
+RECIPES: dict[str, Recipe] = {
+    "direct": Recipe(recipes.direct, SurfaceSettings),
+    "single": Recipe(recipes.single, settings.SingleSettings),
+    "lpv": Recipe(recipes.lpv, LpvSettings),
+    "lpv-march": Recipe(recipes.lpv_march, settings.LpvMarchSettings),
+    "lpv-sum": Recipe(recipes.lpv_sum, settings.LpvMarchSettings),
+    "lpv-scatter": Recipe(recipes.lpv_scatter, settings.LpvScatterSettings),
+    "pop": Recipe(recipes.pop, settings.PopTechniqueSettings),
+    "lpv with pop": Recipe(recipes.lpv_with_pop, settings.LpvWithPopSettings),
+    "lpv-scatter with pop": Recipe(
+        recipes.lpv_scatter_with_pop, settings.LpvScatterWithPopSettings
+    ),
 }
+TECHNIQUES: dict[str, type[SurfaceSettings]] = {
+    **{name: recipe.settings for name, recipe in RECIPES.items() if " " not in name},
+    "auto": settings.AutoSettings,
+}
+"""Name -> settings of every technique that can be asked for."""
 
 
-def technique_class(name: str) -> Any:
-    """The class of a technique. Raises SettingsError naming the nearest."""
+def technique_settings(name: str) -> type[SurfaceSettings]:
+    """What a technique can be told in every scene. Raises SettingsError naming the nearest."""
     if name not in TECHNIQUES:
         raise SettingsError(f"unknown technique '{name}'", remedy=nearest(name, TECHNIQUES))
-    module, attribute = TECHNIQUES[name]
-    return getattr(importlib.import_module(module), attribute)
+    return TECHNIQUES[name]
 
 
-def settings_class(name: str, scene: Scene) -> Any:
+def chosen_recipe(name: str, scene: Scene) -> str:
+    """The recipe that makes a technique; that of `auto` depends on the scene."""
+    technique_settings(name)
+    return recipe_for(scene) if name == "auto" else name
+
+
+def settings_class(name: str, scene: Scene) -> type[SurfaceSettings]:
     """What the technique can be told; of `auto` what the one that it takes for `scene` can be."""
-    cls = technique_class(name)
-    return cls.settings_for(scene)[1] if hasattr(cls, "settings_for") else cls.Settings
+    return RECIPES[chosen_recipe(name, scene)].settings
 
 
-def checked_settings(name: str, scene: Scene, settings: Mapping[str, Any]) -> Any:
-    """The technique's settings for `scene`: the scene file's, then `settings` over them.
+def checked_settings(name: str, scene: Scene, given: Mapping[str, Any]) -> Any:
+    """The technique's settings for `scene`: the scene file's, then those `given` over them.
 
     Raises SettingsError for an unknown technique, or for a setting that it does not have, naming
     those that have it.
     """
-    cls, merged = technique_class(name), {**scene.settings.get(name, {}), **settings}
-    where, known = f"technique {name}", cls.Settings
-    if hasattr(cls, "settings_for"):
-        chosen, known = cls.settings_for(scene)
-        where = f"technique {name}, here {chosen}"
+    chosen = chosen_recipe(name, scene)
+    merged, known = {**scene.settings.get(name, {}), **given}, RECIPES[chosen].settings
+    where = f"technique {name}" if chosen == name else f"technique {name}, here {chosen}"
     for key in merged:
         if key in known.__dataclass_fields__:
             continue
-        having = [other for other in TECHNIQUES if key in _fields(other)]
+        having = [other for other, kind in TECHNIQUES.items() if key in kind.__dataclass_fields__]
         if having:
             raise SettingsError(
                 f"there is no setting '{key}'", where=where,
@@ -99,19 +97,13 @@ def checked_settings(name: str, scene: Scene, settings: Mapping[str, Any]) -> An
     return make_settings(known, merged, where=where)
 
 
-def _fields(name: str) -> Mapping[str, Any]:
-    fields: Mapping[str, Any] = technique_class(name).Settings.__dataclass_fields__
-    return fields
-
-
 def make_technique(
-    gpu: Gpu, scene: Scene, meshes: GpuScene, name: str, settings: Mapping[str, Any],
+    gpu: Gpu, scene: Scene, meshes: GpuScene, name: str, given: Mapping[str, Any],
     size: tuple[int, int],
 ) -> Technique:  # fmt: skip
-    """The technique `name` for `scene`: the scene file's settings, then `settings` over them.
+    """The technique `name` for `scene`: the scene file's settings, then those `given` over them.
 
-    `size` of the picture in pixels. Raises SettingsError for an unknown technique or setting.
+    `size` of the image in pixels. Raises SettingsError for an unknown technique or setting.
     """
-    made = checked_settings(name, scene, settings)
-    technique: Technique = technique_class(name)(gpu, scene, meshes, made, size)
-    return technique
+    made = checked_settings(name, scene, given)
+    return RECIPES[chosen_recipe(name, scene)].make(Context(gpu, scene, meshes, size), made)

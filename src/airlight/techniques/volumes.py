@@ -1,9 +1,9 @@
-"""Bounced light on a lattice among volumes that solvers of their own draw.
+"""Volumes in a lattice of reflected light, where solvers of their own draw them.
 
-The lattice carries what surfaces reflect. Volumes dim the lights that it starts from, stop and
-turn back what it carries (`march.faced_air`), and send their own first-scattered light to the
-surfaces: a second propagation, from the same light and theirs. Volumes take their bounced light
-from the first: what they scatter themselves their solvers know.
+Volumes attenuate the lights that the lattice starts from, stop and turn back what it carries
+(`march.faced_air`), and send their own first-scattered light to the surfaces: a second propagation,
+from the same light and theirs. Volumes take reflected light from the first: what they scatter
+themselves their solvers know.
 """
 
 from __future__ import annotations
@@ -12,184 +12,118 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from ..fields import Frame
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..lattice.inject import Resolve, new_sums
 from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
-from ..lpv.lpv import Lpv
+from ..lpv.solver import LpvSolver
 from ..march.air import Air
-from ..march.dimmed import DimmedMaps, DimmedSky, owners_of
+from ..march.dimmed import DimmedMaps, DimmedSky
 from ..march.faced_air import FacedAir
-from ..march.march import LatticeSource
 from ..scatter.inject_single import InjectSingle
 from ..scatter.similar import similar
-from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
-from ..surface.geometry import GpuScene
 from ..surface.reflective import ReflectiveShadowMaps
-from .air import InAir, LpvMarchSettings, bounced_light
 
 
-class LpvWithVolumes(InAir, Lpv):
-    """Bounced light on a lattice, dimmed and turned back by volumes, seen through them."""
+class LatticeVolumes:
+    """The `lpv.solver.LatticeMedia` of a scene's volumes, all of them on the device in `air`."""
 
-    Settings = LpvMarchSettings
-    volumes_in_lattice = True
-
-    def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, settings: LpvMarchSettings,
-        size: tuple[int, int],
-    ) -> None:  # fmt: skip
-        super().__init__(gpu, scene, meshes, settings, size)
-        suns = [light for light in scene.lights if isinstance(light, DirectionalLight)]
-        lamps = [light for light in scene.lights if not isinstance(light, DirectionalLight)]
-        self._dimmed = {
-            id(maps): DimmedMaps(gpu, maps, self.air_light.air, owners_of(scene.lights, group))
-            for maps, group in ((self.sun_maps, suns), (self.lamp_maps, lamps))
-        }
-        self._dimmed_sky = DimmedSky(gpu, self.sky.maps, self.air_light.air)
-        self._sky_air_version = -1
-        self._faced = [
-            FacedAir(gpu, self.air_light.air, part.placement.cells) for part in self.cascades
+    def __init__(self, solver: LpvSolver, air: Air) -> None:
+        self._solver, self._air = solver, air
+        kit = solver.kit
+        gpu, scene = kit.gpu, kit.context.scene
+        # Lights as they come through the volumes.
+        self._lights = [
+            DimmedMaps(gpu, maps, air, owners)
+            for maps, owners in zip(solver.maps.groups, solver.maps.owners, strict=True)
         ]
-        self._faced_of: list[tuple[Any, ...]] = [()] * len(self.cascades)
-        self._shine = Shine(gpu, scene, self)
+        self._sky = DimmedSky(gpu, kit.sky.maps, air)
+        self._seen: dict[int, ReflectiveShadowMaps] = {
+            id(maps): dimmed for maps, dimmed in zip(solver.maps.groups, self._lights, strict=True)
+        } | {id(kit.sky.maps): self._sky}
+        # Volumes as blockers.
+        self._faced = [FacedAir(gpu, air, part.placement.cells) for part in solver.cascades]
+        self._faced_of: list[tuple[Any, ...]] = [()] * len(solver.cascades)
+        # Their own light: as much as they scatter once, evenly to all sides.
+        self.even = Air(gpu, _evenly(scene), light_count=kit.lights.count)
+        self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
+        self._inject, self._resolve = InjectSingle(gpu, self.even), Resolve(gpu)
+        self._levels = [_Level(gpu, part) for part in solver.cascades]
 
-    def bounced_source(self) -> LatticeSource | None:
-        """In-scattered radiance from the fluence of what surfaces reflect."""
-        return bounced_light(self)
-
-    def solve(self, commands: Commands, scene: Scene) -> None:
-        """The air first: it dims what the lattice is lit by."""
+    def update(self, commands: Commands, frame: Frame) -> None:
+        """Take the volumes as they are."""
         with commands.stage("air"):
-            self.air_light.air.update(commands, scene, *self._bounds(scene))
-            self._shine.air.update(commands, _evenly(scene), *self._bounds(scene))
-        super().solve(commands, scene)
+            self._air.update(commands, frame.scene, *frame.bounds)
+            self.even.update(commands, _evenly(frame.scene), *frame.bounds)
 
     @property
-    def lattice_bound(self) -> dict[str, Any]:
-        """What surfaces take light from: of surfaces and of volumes."""
-        return {**super().lattice_bound, **self._shine.textures.bound}
+    def version(self) -> int:
+        """Another one whenever the volumes changed."""
+        return self._air.version
 
-    def _lit(self, scene: Scene, scale: float) -> tuple[Any, ...] | None:
-        """The air has its say wherever light is on its way."""
-        return None
+    def attenuate(self, commands: Commands) -> None:
+        """The lights' maps, drawn for this frame, as seen through the volumes."""
+        for maps in self._lights:
+            maps.dim(commands, self._solver.kit.lights.table)
 
-    def _draw_maps(
-        self, commands: Commands, lights: tuple[Light, ...], low: Any, high: Any
-    ) -> None:
-        super()._draw_maps(commands, lights, low, high)
-        for maps in self._dimmed.values():
-            maps.dim(commands, self.lights.table)
+    def attenuate_sky(self, commands: Commands) -> None:
+        """The sky's maps likewise."""
+        self._sky.dim(commands)
 
-    def _light_sky(self, commands: Commands, scene: Scene, moved: list[bool], scale: float) -> None:
-        """The sky bounces anew where the air changed."""
-        super()._light_sky(commands, scene, moved, scale)
-        if self._sky_air_version != self.air_light.air.version:
-            self._sky_air_version = self.air_light.air.version
-            for part in self.cascades:
-                part.is_stale = True
-        if any(part.is_stale for part in self.cascades):
-            self._dimmed_sky.dim(commands)
+    def seen(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
+        """The attenuated ones in place of `maps`."""
+        return self._seen[id(maps)]
 
-    def _inject(
-        self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
-    ) -> None:
-        if maps is self.sky.maps:
-            super()._inject(commands, part, self._dimmed_sky, scale)
-            return
-        super()._inject(commands, part, self._dimmed.get(id(maps), maps), scale)
-
-    def _propagate(self, commands: Commands, level: int, scale: float) -> None:
-        part = self.cascades[level]
-        made = (self.meshes.version, replace(part.placement, fade=None), self.air_light.air.version)
+    def block(self, commands: Commands, level: int, geometry: int) -> None:
+        """Volumes and walls as blockers of a lattice, where one of them changed."""
+        part = self._solver.cascades[level]
+        made = (geometry, replace(part.placement, fade=None), self._air.version)
         if made != self._faced_of[level]:
             self._faced_of[level] = made
-            with commands.stage("blockers"):
-                self._faced[level].encode(commands, part.placement, part.blockers.faces)
-        super()._propagate(commands, level, scale)
-        self._shine.encode(commands, self, level, scale)
+            self._faced[level].encode(commands, part.placement, part.blockers.faces)
 
-    def faces_of(self, part: Cascade) -> Buffer:
-        """What blocks between the cells of a lattice, air and walls."""
-        return self._faces(part)
+    def faces(self, level: int) -> Buffer:
+        """What blocks between the cells of a lattice, volumes and walls."""
+        return self._faced[level].faces
 
-    def _faces(self, part: Cascade) -> Buffer:
-        return self._faced[self.cascades.index(part)].faces
+    def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
+        """What volumes scatter once onto surfaces, with all that bounced, into `textures`.
 
-    def release(self) -> None:
-        """Give the memory back."""
-        super().release()
-        for maps in self._dimmed.values():
-            maps.release()
-        for faced in self._faced:
-            faced.release()
-        self._shine.release()
-        self._dimmed_sky.release()
-
-
-class Shine:
-    """What volumes scatter once onto surfaces, with all that bounced: `textures`.
-
-    What they scatter more than once, the lattice's own turning back makes of it. A finer lattice
-    takes in volumes' light from the next one's, in place of what that has of surfaces alone.
-    """
-
-    def __init__(self, gpu: Gpu, scene: Scene, technique: LpvWithVolumes) -> None:
-        self.air = Air(gpu, _evenly(scene), light_count=technique.lights.count)
-        self.textures = LatticeTextures(gpu, technique.placement, technique.texture_size)
-        self._inject, self._resolve = InjectSingle(gpu, self.air), Resolve(gpu)
-        self._levels = [_Level(gpu, part) for part in technique.cascades]
-
-    def encode(
-        self, commands: Commands, technique: LpvWithVolumes, level: int, scale: float
-    ) -> None:
-        """After the lattice of surfaces alone was solved; the larger ones first."""
-        part, own = technique.cascades[level], self._levels[level]
-        faces = technique.faces_of(part)
+        What they scatter more than once, the lattice's own turning back makes of it. A finer
+        lattice takes in volumes' light from the next one's, in place of what that has of surfaces
+        alone; the larger ones come first.
+        """
+        part, own, lights = solver.cascades[level], self._levels[level], solver.kit.lights
         with commands.stage("inject"):
             base = part.injected
-            if technique.border and level + 1 < len(self._levels):
-                self._enter(commands, technique, level, scale)
+            if solver.border and level + 1 < len(self._levels):
+                solver.enter(commands, level, self.textures, own.sums, scale)
+                solver.enter(commands, level, solver.textures, own.sums, -scale)
+                self._resolve.encode(
+                    commands, part.placement, own.sums, part.injected, own.base, scale
+                )
                 base = own.base
             self._inject.encode(
-                commands, part.placement, technique.lights.bound, technique.lights.count,
-                walls=part.blockers.walls, base=base, cells=own.cells,
+                commands, part.placement, lights.bound, lights.count, walls=part.blockers.walls,
+                base=base, cells=own.cells,
             )  # fmt: skip
         with commands.stage("propagate"):
-            total = part.propagate.encode(
-                commands, own.cells, faces, technique.lpv.iterations, has_tail=technique.lpv.tail
-            )
+            total = solver.propagated(commands, level, own.cells)
         with commands.stage("pack"):
             self.textures.encode(
-                commands, own.cells, total, technique.power_scale,
-                is_shaped=technique.lpv.occlusion, placement=part.placement,
+                commands, own.cells, total, solver.power_scale, is_shaped=solver.settings.occlusion,
+                placement=part.placement,
             )  # fmt: skip
-
-    def _enter(
-        self, commands: Commands, technique: LpvWithVolumes, level: int, scale: float
-    ) -> None:
-        """`base`: what is put into a lattice; at its borders the next one's light with volumes."""
-        part, own = technique.cascades[level], self._levels[level]
-        outer = technique.cascades[level + 1].placement
-        assert technique.border is not None
-        for textures, sign in ((self.textures, 1.0), (technique.textures, -1.0)):
-            solved = {**textures.bound, **technique.blockers.bound}
-            technique.border.encode(
-                commands, part.placement, outer, solved, technique.linear,
-                technique.faces_of(part), own.sums, power_scale=technique.power_scale,
-                scale=sign * scale,
-            )  # fmt: skip
-        self._resolve.encode(commands, part.placement, own.sums, part.injected, own.base, scale)
 
     def release(self) -> None:
-        """Give the memory back."""
-        self.air.release()
-        self.textures.release()
-        for level in self._levels:
-            level.release()
+        """Give the memory back; `air` is its owner's."""
+        parts: list[Any] = [*self._lights, self._sky, *self._faced, self.even, self.textures]
+        for part in (*parts, *self._levels):
+            part.release()
 
 
 class _Level:

@@ -1,0 +1,157 @@
+"""All lattices of a scene: where cells are, what blocks between them, the sky's light in them.
+
+One lattice covers the scene; finer ones may be nested in it and follow the camera (Kaplanyan2010
+section 4). They share textures, in which each has rows of its own, and the table that shaders loop
+over, the finest first. Every solver works in these cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene
+from .blockers import Blockers
+from .nested import Nest, faded, is_lost, snapped, wanted_centre
+from .placement import Placement
+from .skylight import Skylight
+from .table import LatticeTable
+
+
+@dataclass(eq=False)
+class Level:
+    """One lattice: where it is, what blocks between its cells, what light the sky brings."""
+
+    placement: Placement
+    blockers: Blockers
+    skylight: Skylight
+    lit: int = -1  # the blockers' version under which the sky last lit it
+
+    def place(self, placement: Placement) -> None:
+        """Move it; what depends on where it is, is brought up to date when it is encoded."""
+        self.placement = placement
+        self.blockers.place(placement)
+        self.skylight.placement = placement
+
+
+class BlockerSource(Protocol):
+    """What fills the blockers of all lattices in place of the meshes' surfels."""
+
+    def encode(self, commands: Commands, scene: Scene) -> None:
+        """Bring them up to date; each that changes raises its version."""
+
+    def release(self) -> None:
+        """Give the memory back."""
+
+
+class MakeBlockers(Protocol):
+    """Makes the blockers of the largest lattice."""
+
+    def __call__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
+        size: tuple[int, int, int],
+    ) -> Blockers:  # fmt: skip
+        """As `Blockers`."""
+
+
+class Lattices:
+    """The lattices of one scene, the finest first.
+
+    `source` fills the blockers where it is not their own surfels that do.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, meshes: GpuScene, nest: Nest, *, surfels: int,
+        sky_lights: int, make_blockers: MakeBlockers = Blockers,
+    ) -> None:  # fmt: skip
+        """`surfels`: samples of all surfaces. `sky_lights`: the most there may be."""
+        self.nest, self.texture_size = nest, nest.texture_size
+        place = nest.levels[-1]
+        blockers = make_blockers(gpu, scene, meshes, place, surfels, size=self.texture_size)
+        skylight = Skylight(gpu, place, sky_lights, size=self.texture_size)
+        self.levels = [
+            Level(
+                finer, Blockers(gpu, scene, meshes, finer, 0, beside=blockers),
+                Skylight(gpu, finer, sky_lights, beside=skylight),
+            )
+            for finer in nest.levels[:-1]
+        ]  # fmt: skip
+        self.levels.append(Level(place, blockers, skylight))
+        self.table = LatticeTable(gpu, len(self.levels))
+        self.source: BlockerSource | None = None
+        self._is_first = True
+        self._settled_for: Camera | None = None
+
+    @property
+    def largest(self) -> Level:
+        """The lattice that covers the scene; its blockers and sky own the shared textures."""
+        return self.levels[-1]
+
+    @property
+    def placements(self) -> tuple[Placement, ...]:
+        """Where they are, the finest first."""
+        return tuple(level.placement for level in self.levels)
+
+    @property
+    def cube(self) -> Texture:
+        """The ambient cubes of the sky's light in all cells."""
+        return self.largest.skylight.cube
+
+    @property
+    def sky_version(self) -> int:
+        """Changes whenever `cube` does."""
+        return sum(level.skylight.version for level in self.levels)
+
+    def follow(self, camera: Camera) -> None:
+        """Move the lattices to where `camera` wants them, unless all are there already."""
+        if camera != self._settled_for:
+            is_settled = follow(self.nest, self.levels, camera, is_first=self._is_first)
+            self._settled_for = camera if is_settled else None
+            self._is_first = False
+
+    def encode(self, commands: Commands, scene: Scene) -> None:
+        """Bring the blockers of all lattices up to date."""
+        if self.source is not None:
+            self.source.encode(commands, scene)
+            return
+        for level in self.levels:
+            level.blockers.encode(commands)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for level in self.levels:
+            level.blockers.release()
+            level.skylight.release()
+        self.table.release()
+        if self.source is not None:
+            self.source.release()
+
+
+def follow(nest: Nest, levels: Sequence[Level], camera: Camera, *, is_first: bool) -> bool:
+    """Move the lattices (the finest first) to where the camera wants them.
+
+    One of them at most, but for those whose cells would no longer reach what is read of them.
+    Returns whether all are where it wants them: then the same camera moves none.
+    """
+    eye = np.asarray(camera.position, np.float64)
+    look = np.subtract(camera.target, camera.position)
+    may_move = is_settled = True
+    for index, level in enumerate(levels):
+        if not nest.follows(index):
+            continue
+        centre = wanted_centre(nest, index, eye, look)
+        now = snapped(nest, index, centre, None if is_first else level.placement)
+        moves = now.origin != level.placement.origin
+        if moves and not (may_move or is_first or is_lost(level.placement, centre)):
+            now, moves, is_settled = level.placement, False, False
+        may_move = may_move and not moves
+        level.place(faded(nest, index, now, centre))
+    return is_settled

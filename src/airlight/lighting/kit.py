@@ -1,0 +1,160 @@
+"""What the solvers of one scene share: lights with their shadow maps, the sky, the lattices.
+
+context   device, scene, meshes, size of the image
+kit       shadow maps -> blockers -> the sky's maps and its light in all cells
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..lattice.blockers import Blockers
+from ..lattice.irradiance import Irradiance, SkyIrradiance
+from ..lattice.lattices import Lattices, MakeBlockers
+from ..lattice.lookup import LatticeTextures
+from ..lattice.nested import Nest, nested
+from ..lattice.placement import Placement
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from ..scene.settings import setting
+from ..surface.geometry import GpuScene
+from .lattice_box import lattice_box
+from .lights import Lights
+from .sky import Sky
+
+
+@dataclass(frozen=True)
+class SurfaceSettings:
+    """What lighting surfaces needs in every technique."""
+
+    resolution: int = setting(32, "cells along the lattice's longest side", low=4, high=256)
+    bounds: tuple[float, ...] = setting(
+        (), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene and the medium in it", unit="m"
+    )
+    shadow_resolution: int = setting(
+        2048, "side of a sun's shadow map", unit="px", low=16, high=8192
+    )
+    lamp_resolution: int = setting(
+        512, "side of a lamp's shadow maps", unit="px", low=16, high=4096
+    )
+    sky_lights: int = setting(
+        128, "directional lights that stand for the environment", low=0, high=512
+    )
+    sky_resolution: int = setting(96, "side of their maps", unit="px", low=8, high=1024)
+    surfels: int = setting(
+        200_000, "samples of all surfaces, for occlusion", low=1, high=10_000_000
+    )
+    glossy_rays: bool = setting(
+        True, "whether smooth surfaces mirror the lattice along rays, not just their own cell"
+    )
+    ambient_occlusion: bool = setting(
+        True, "whether what is smaller than cells shades sky and bounced light"
+    )
+    occlusion_radius: float = setting(
+        2.0, "how far that is looked for", unit="cells", low=0.01, high=8.0
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """What a technique is made for. `size`: of the image, pixels."""
+
+    gpu: Gpu
+    scene: Scene
+    meshes: GpuScene
+    size: tuple[int, int]
+
+
+class Kit:
+    """Lights, sky and lattices of one scene, brought up to date once a frame for all solvers."""
+
+    def __init__(
+        self, context: Context, settings: SurfaceSettings, nest: Nest | None = None, *,
+        make_blockers: MakeBlockers = Blockers,
+    ) -> None:  # fmt: skip
+        """`nest`: where lattices are, if not one over the scene. Raises SettingsError."""
+        self.context, self.settings = context, settings
+        self.gpu, self.meshes = context.gpu, context.meshes
+        gpu, scene = context.gpu, context.scene
+        self.lights = Lights(
+            gpu, scene.lights, scene.environment, settings.shadow_resolution,
+            settings.lamp_resolution,
+        )  # fmt: skip
+        self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
+        self.lattices = Lattices(
+            gpu, scene, self.meshes, nest or scene_nest(scene, settings),
+            surfels=settings.surfels, sky_lights=settings.sky_lights, make_blockers=make_blockers,
+        )  # fmt: skip
+        self._dark: LatticeTextures | None = None
+
+    @property
+    def placement(self) -> Placement:
+        """Where the lattice is that covers the scene."""
+        return self.lattices.largest.placement
+
+    @property
+    def blockers(self) -> Blockers:
+        """What blocks between its cells."""
+        return self.lattices.largest.blockers
+
+    def bounds(self, scene: Scene) -> tuple[F64, F64]:
+        """What lights must see, metres; from the instances, since a scene's own take a loop."""
+        low, high = self.meshes.bounds if self.meshes.draws and not scene.volumes else scene.bounds
+        return np.asarray(low, np.float64), np.asarray(high, np.float64)
+
+    def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+        """Everything that is shared, for `scene` as it is now; low..high as `bounds`."""
+        self.lattices.follow(scene.camera)
+        with commands.stage("shadow maps"):
+            self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
+        with commands.stage("blockers"):
+            self.lattices.encode(commands, scene)
+        with commands.stage("sky"):
+            self._light_sky(commands, scene)
+
+    def _light_sky(self, commands: Commands, scene: Scene) -> None:
+        """The sky's maps, and its light in those lattices where it or what blocks it changed."""
+        changed = self.sky.encode(commands, self.meshes, scene.environment, self.placement)
+        for level in self.lattices.levels:
+            version = level.blockers.version
+            if changed or level.lit != version:
+                # Blockers that views see change where no lattice moved.
+                is_same = not changed and self.lattices.source is None
+                bound = level.blockers.bound
+                self.sky.light(commands, level.skylight, bound, is_same_light=is_same)
+                level.lit = version
+
+    @property
+    def no_irradiance(self) -> Irradiance:
+        """The field of no indirect light."""
+        lattices = self.lattices
+        if self._dark is None:
+            self._dark = LatticeTextures(self.gpu, self.placement, lattices.texture_size)
+        rows = [placement.params(1.0) for placement in lattices.placements]
+        return Irradiance({"lattices": lattices.table.filled(rows), **self._dark.bound})
+
+    @property
+    def sky_irradiance(self) -> SkyIrradiance:
+        """The environment's direct light on surfaces, as if there were no media."""
+        return SkyIrradiance(self.lattices.cube, self.lattices.sky_version)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """The size of the largest lattice, for --stats."""
+        return {"lattice": list(self.placement.count), "iterations": 0}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.lights, self.sky, self.lattices, self._dark):
+            if part is not None:
+                part.release()
+
+
+def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_air: bool = False) -> Nest:
+    """One lattice over the scene, with the medium in it if `in_air`, or over the box of settings."""
+    return nested(*lattice_box(scene, settings.bounds, in_air=in_air), settings.resolution)

@@ -1,0 +1,160 @@
+"""The image of surfaces: G-buffer, what near surfaces hide and send, and lighting.
+
+Lights and emission are drawn first, then horizons search that image for near surfaces, then the
+light of lattices is added, less what near surfaces hide of it, with what those send in its place.
+Everything that was solved arrives as fields: this knows no solver.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..gpu.commands import Commands
+from ..gpu.memory import linear_sampler, nearest_sampler
+from ..lattice.irradiance import Irradiance, SkyIrradiance
+from ..scene.scene import Scene
+from .glossy import is_any_glossy
+from .glossy_pixels import GlossyPixels, can_list
+from .kit import Kit
+from .lighting import LightAir, Lighting, LightingParams, Part
+from .occlusion import Occlusion
+from .places import Places, can_keep
+from .view import View
+
+
+class Surfaces:
+    """Draws a view's surfaces. `air`: what light is attenuated by on its way to them."""
+
+    def __init__(self, kit: Kit, scene: Scene, air: LightAir | None = None) -> None:
+        self.kit, self.gpu, self.air = kit, kit.gpu, air
+        self._passes: dict[Part, Lighting] = {}
+        self.glossy: GlossyPixels | None = None
+        self._places: Places | None = None
+        self._occlusion: Occlusion | None = None
+        self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
+            mesh.material for mesh in scene.meshes
+        )
+        self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
+
+    def draw(
+        self, commands: Commands, view: View, irradiance: Irradiance, sky: SkyIrradiance
+    ) -> None:
+        """Fill the view's G-buffer and its layers of direct and indirect light."""
+        meshes = self.kit.meshes
+        with commands.stage("g-buffer"):
+            view.gbuffer.encode(commands, meshes, view.clip_from_world)
+        is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
+        has_near_light = is_occluded and self._has_near_light(irradiance)
+        # Near surfaces send what lights and emission make of them.
+        if has_near_light:
+            with commands.stage("lighting"):
+                self._light(commands, view, "lights", irradiance, sky)
+        if is_occluded:
+            with commands.stage("ambient occlusion"):
+                self._occlude(commands, view, has_light=has_near_light)
+        with commands.stage("lighting"):
+            part: Part = "lattices" if has_near_light else "whole"
+            self._light(commands, view, part, irradiance, sky)
+
+    def _has_near_light(self, irradiance: Irradiance) -> bool:
+        """Whether near surfaces light each other: where there is bounced light at all."""
+        lights, blockers = self.kit.lights, self.kit.blockers
+        has_lights = lights.parallel.layers + lights.local.layers > 0
+        return irradiance.is_bounced and (has_lights or blockers.is_emissive)
+
+    def _occlude(self, commands: Commands, view: View, *, has_light: bool) -> None:
+        g, placements = view.gbuffer, self.kit.lattices.placements
+        # What is smaller than their cells occludes.
+        wanted, finest, coarsest = (
+            self.kit.settings.occlusion_radius, placements[0], placements[-1]
+        )  # fmt: skip
+        if self._occlusion is None:
+            self._occlusion = Occlusion(self.gpu, has_light=has_light)
+        self._occlusion.encode(
+            commands, g.depth, g.normal, view.occlusion, view.world_from_clip,
+            wanted * finest.cell, growth=wanted * 2.0 / max(finest.count),
+            largest=wanted * coarsest.cell, lit=view.layers.lit if has_light else None,
+        )  # fmt: skip
+
+    def _light(
+        self, commands: Commands, view: View, part: Part, irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> None:  # fmt: skip
+        kit, layers = self.kit, view.layers
+        values = self._bound(view, part, irradiance, sky)
+        self._make_beside(view.size)
+        # Where surfaces look a lattice up is kept while camera and walls stay as they are.
+        if self._places and part == "lattices":
+            g, lattices = view.gbuffer, kit.lattices
+            key = (g, g.version, view.eye, lattices.placements, sky.version,
+                   kit.blockers.version)  # fmt: skip
+            placed = self._places.encode(commands, view.size, key, values)
+            part, values = ("placed", values | placed) if placed else (part, values)
+        lighting = self._lighting_of(part, irradiance)
+        if self.glossy is None or part == "lights":
+            targets = (layers.lit,) if part == "lights" else layers.targets
+            lighting.draw(commands, targets, **values)
+            return
+        # What glossy pixels mirror is added to them alone.
+        listed = self.glossy.empty(commands, view.size)
+        lighting.draw(commands, layers.targets, **values, **listed)
+        self.glossy.encode(commands, layers.targets, values)
+
+    def _bound(
+        self, view: View, part: Part, irradiance: Irradiance, sky: SkyIrradiance
+    ) -> dict[str, Any]:
+        """What lighting reads, by slot name."""
+        g, lights = view.gbuffer, self.kit.lights
+        params = LightingParams(
+            world_from_clip=view.world_from_clip, eye=view.eye, light_count=lights.count,
+            size=view.size, environment_rotation=lights.background.rotation, has_lattice=1,
+        )  # fmt: skip
+        return {
+            "params": params, **irradiance.bound, **lights.bound,
+            **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
+            "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
+            "lit": view.layers.lit if part == "lattices" else g.albedo,
+            "picture_sampler": self._nearest, "sky_cube": sky.cube,
+            **self.kit.blockers.bound, "linear_clamp": self._linear,
+        }  # fmt: skip
+
+    @property
+    def _known(self) -> dict[str, bool]:
+        """What all passes for surfaces must know; without maps the sky stays black."""
+        return {"is_occluded": self.kit.settings.ambient_occlusion,
+                "has_sky": self.kit.sky.maps.layers > 0,
+                "is_one_lattice": self.kit.lattices.table.count == 1}  # fmt: skip
+
+    def _make_beside(self, size: tuple[int, int]) -> None:
+        """What CPU adapters draw apart for images of `size`, pixels: gloss, and coordinates."""
+        is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
+        if self._passes and is_listed == (self.glossy is not None):
+            return
+        self._release_beside()
+        self._passes.clear()
+        self.glossy = GlossyPixels(self.gpu, **self._known) if is_listed else None
+        is_one = self.kit.lattices.table.count == 1
+        has_places = can_keep(self.gpu) and is_one and is_listed == self._is_glossy
+        self._places = Places(self.gpu, **self._known, is_listed=is_listed) if has_places else None
+
+    def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
+        if part not in self._passes:
+            lights = self.kit.lights
+            self._passes[part] = Lighting(
+                self.gpu, self.air, is_glossy=self._is_glossy, damping=irradiance.damping,
+                has_surfaces=bool(self.kit.meshes.draws), has_suns=lights.parallel.layers > 0,
+                has_lamps=lights.local.layers > 0, **self._known,
+                is_one_sun=lights.count == lights.parallel.layers == 1,
+                is_listed=self.glossy is not None and part != "lights",
+                part=part, is_bouncing=irradiance.is_bouncing,
+            )  # fmt: skip
+        return self._passes[part]
+
+    def _release_beside(self) -> None:
+        for made in (self.glossy, self._places):
+            if made:
+                made.release()
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._release_beside()

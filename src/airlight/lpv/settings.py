@@ -1,0 +1,56 @@
+"""What light propagation volumes can be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..lighting.kit import SurfaceSettings
+from ..scene.settings import setting
+from .storage import STORAGES
+
+SOURCES = ("meshes", "views", "both")
+"""Where surfels come from."""
+
+
+@dataclass(frozen=True)
+class LpvSettings(SurfaceSettings):
+    """What light propagation volumes can be told."""
+
+    scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
+    iterations: int = setting(0, "propagation steps; 0: 2 a cell, at least 64", low=0, high=1024)
+    tail: bool = setting(
+        True, "whether what all later steps would add is estimated, from 32 iterations on"
+    )
+    storage: str = setting("float32", "how lattices are kept between steps", choices=STORAGES)
+    map_resolution: int = setting(
+        256, "side of reflective shadow maps", unit="px", low=8, high=4096
+    )
+    surfel_source: str = setting("meshes", "what blockers are sampled from", choices=SOURCES)
+    surfel_resolution: int = setting(
+        128, "side of the views that blockers are taken from", unit="px", low=8, high=2048
+    )
+    peel_layers: int = setting(2, "depth layers of each of them", low=1, high=8)
+    keep_surfels: bool = setting(True, "whether what views saw before still blocks, until it moves")
+    occlusion: bool = setting(True, "whether surfaces stop propagating light")
+    bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
+    cascades: int = setting(
+        1, "nested lattices; but for the largest they follow the camera", low=1, high=6
+    )
+    cascade_ratio: float = setting(
+        2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
+    )
+    cascade_extent: float = setting(
+        0.0, "side of the finest cascade; 0: cells of all differ by the ratio", unit="m",
+        low=0.0, high=1e6,
+    )  # fmt: skip
+    small_objects: str = setting(
+        "moving", "objects smaller than a cell that larger cascades leave out",
+        choices=("moving", "all", "none"),
+    )  # fmt: skip
+    cascade_light: bool = setting(
+        True, "whether finer cascades take in light from beyond their borders"
+    )
+    damping: float = setting(
+        0.0, "how strongly light that falls off away from a surface is taken for a leak", low=0,
+        high=10,
+    )  # fmt: skip

@@ -1,0 +1,326 @@
+"""Light that bounced, on nested lattices (Kaplanyan2010), top to bottom.
+
+reflective shadow maps -> virtual point lights -> cells -> propagation -> irradiance
+
+Media between the surfaces may have a say (`LatticeMedia`): they attenuate the lights that the maps
+are lit by, block between cells, and send light of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Protocol, cast
+
+from ..fields import Fields, Frame, ReflectedLight
+from ..gpu.commands import Commands
+from ..gpu.memory import Buffer, linear_sampler
+from ..lattice.emission import InjectEmission, emitted_flux
+from ..lattice.inject import (
+    EVERYTHING,
+    Inject,
+    Resolve,
+    SmallObjects,
+    fixed_point_scale,
+    flux_bound,
+)
+from ..lattice.irradiance import Irradiance
+from ..lattice.lattices import Level
+from ..lattice.lookup import LatticeTextures, texture_scale
+from ..lattice.nested import Nest, nested
+from ..lattice.placement import EVERYWHERE, Hull, LatticeParams, triple
+from ..lattice.point_lights import InjectPoints
+from ..lighting.kit import Kit
+from ..lighting.lattice_box import lattice_box
+from ..lighting.view import View
+from ..march.march import LatticeSource
+from ..maths.lattice6 import LOOKUP_SCALE, Scheme, enough_steps, spread_kept
+from ..scene.scene import Scene
+from ..surface.light_maps import LightMaps
+from ..surface.reflective import ReflectiveShadowMaps
+from .border import Border
+from .cascades import Cascade, cascade
+from .propagate import Propagate
+from .seen_blockers import SeenBlockers
+from .settings import LpvSettings
+
+
+def cascades_nest(scene: Scene, settings: LpvSettings, *, in_air: bool = False) -> Nest:
+    """Where the lattices are that `settings` ask for, over the scene, with its medium if `in_air`.
+
+    Raises SettingsError.
+    """
+    return nested(
+        *lattice_box(scene, settings.bounds, in_air=in_air), settings.resolution,
+        count=settings.cascades, ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
+    )  # fmt: skip
+
+
+class LatticeMedia(Protocol):
+    """What media do to a lattice of reflected light."""
+
+    def update(self, commands: Commands, frame: Frame) -> None:
+        """Take the media as they are, before anything else."""
+
+    @property
+    def version(self) -> int:
+        """Another one whenever the media changed."""
+
+    def attenuate(self, commands: Commands) -> None:
+        """The lights' maps, drawn for this frame, as seen through the media."""
+
+    def attenuate_sky(self, commands: Commands) -> None:
+        """The sky's maps likewise."""
+
+    def seen(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
+        """The attenuated ones in place of `maps`."""
+
+    def block(self, commands: Commands, level: int, geometry: int) -> None:
+        """Media as blockers of a lattice; `geometry`: the version of the meshes."""
+
+    def faces(self, level: int) -> Buffer:
+        """What blocks between the cells of a lattice: surfaces and media."""
+
+    def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
+        """Add their own light to what was solved of a lattice."""
+
+    @property
+    def textures(self) -> LatticeTextures:
+        """What surfaces read: all light, with that of the media."""
+
+    def release(self) -> None:
+        """Give the memory back."""
+
+
+class LpvSolver:
+    """Yields the irradiance of surfaces, and the light that they reflect into media."""
+
+    def __init__(
+        self, kit: Kit, settings: LpvSettings, *, is_marched: bool = False
+    ) -> None:  # fmt: skip
+        """`is_marched`: whether media scatter it towards the eye (Billeter2012, Fig. 5)."""
+        self.kit, self.settings, self.is_marched = kit, settings, is_marched
+        gpu, scene = kit.gpu, kit.context.scene
+        self.steps = settings.iterations or max(
+            enough_steps(place.count) for place in kit.lattices.nest.levels
+        )
+        self.is_paper = settings.scheme == "paper"
+        # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
+        self.is_shaped = settings.occlusion and not self.is_paper
+        self.media: LatticeMedia | None = None
+        # Passes.
+        self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
+        self.points = InjectPoints(gpu)
+        self.linear = linear_sampler(gpu)
+        # Light: what goes in, what goes on between cells, what surfaces read.
+        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution)
+        levels = kit.lattices.levels
+        self.cascades = [self._cascade(level, index) for index, level in enumerate(levels)]
+        self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
+        largest = max(part.placement.cells for part in self.cascades)
+        self.black = Buffer(gpu, "no light", 3 * largest * 16)
+        self.border: Border | None = None
+        if settings.cascade_light and not self.is_paper and len(levels) > 1:
+            self.border = Border(gpu)
+        if self.is_paper or settings.surfel_source != "meshes":
+            kit.lattices.source = SeenBlockers(kit, settings)
+        # State of the last frame.
+        self.power_scale, self._static_scale = 1.0, 0.0
+        self._emitted = emitted_flux(scene.meshes)
+        self._hull: Hull = EVERYWHERE
+        self._sky_version = self._media_version = -1
+        self._lit_by: tuple[Any, ...] | None = None
+
+    def _cascade(self, level: Level, index: int) -> Cascade:
+        scene, s, place = self.kit.context.scene, self.settings, level.placement
+        steps = 0 if scene.medium or scene.volumes else self.steps  # media themselves turn light
+        propagate = Propagate(
+            self.kit.gpu, place, cast(Scheme, s.scheme), is_blocked=s.occlusion,
+            is_reflecting=s.bounces, storage=s.storage, kept=spread_kept(place.count, steps),
+        )  # fmt: skip
+        return cascade(self.kit.gpu, level, propagate, self._small(index))
+
+    def _small(self, index: int) -> SmallObjects:
+        """What a lattice leaves out; the finest nothing, but for what the next one does."""
+        if self.settings.small_objects == "none":
+            return EVERYTHING
+        cells = [0.0, *(place.cell for place in self.kit.lattices.nest.levels[1:]), 0.0]
+        return SmallObjects(
+            cells[index], cells[index + 1], has_still=self.settings.small_objects == "all"
+        )
+
+    def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        """Maps -> cells -> propagation -> textures, where anything changed."""
+        scene = frame.scene
+        if self.media:
+            self.media.update(commands, frame)
+        is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
+        self._hull = EVERYWHERE if is_open else (triple(frame.low), triple(frame.high))
+        # Fixed-point sums hold all the flux there can be.
+        flux = flux_bound([*scene.lights, *self.kit.sky.lights], *frame.bounds) + self._emitted
+        flux += self.points.take(scene.light_groups)
+        scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
+        self._find_stale(commands, scale)
+        with commands.stage("reflective shadow maps"):
+            self.maps.encode(commands, self.kit.meshes, scene.lights, *frame.bounds)
+            if self.media:
+                self.media.attenuate(commands)
+        # A frame whose stages are timed says what each costs.
+        lit_by = self._lit(scene, scale)
+        if lit_by is None or lit_by != self._lit_by or commands.is_timed:
+            self._lit_by = None  # until it is done
+            self._fill(commands, scale)
+            self._lit_by = self._lit(scene, scale)
+        return self._added(frame, fields)
+
+    def _find_stale(self, commands: Commands, scale: float) -> None:
+        """Which lattices' static light is of another sky, geometry, place, scale or medium."""
+        sky, media = self.kit.sky.version, self.media.version if self.media else -1
+        is_all = sky != self._sky_version or scale != self._static_scale
+        is_all = is_all or media != self._media_version
+        self._sky_version, self._static_scale, self._media_version = sky, scale, media
+        for part in self.cascades:
+            version = part.blockers.version
+            part.is_stale = part.is_stale or is_all or version != part.blocked
+            part.blocked = version
+        if self.media and any(part.is_stale for part in self.cascades):
+            with commands.stage("sky"):
+                self.media.attenuate_sky(commands)
+
+    def _lit(self, scene: Scene, scale: float) -> tuple[Any, ...] | None:
+        """What the lattices' light depends on; None where they must be filled anyway."""
+        if self.media or any(part.is_stale for part in self.cascades):
+            return None
+        places = tuple(replace(part.placement, fade=None) for part in self.cascades)
+        # The points are kept while theirs are the groups.
+        groups = tuple(map(id, scene.light_groups))
+        versions = (*self.maps.version, self.kit.meshes.version)
+        return (*versions, *places, groups, scale, self.power_scale, self._hull, self.steps)
+
+    def _fill(self, commands: Commands, scale: float) -> None:
+        """Inject -> propagate -> textures."""
+        with commands.stage("inject"):
+            for part in self.cascades:
+                if part.is_stale:
+                    self._inject_static(commands, part, scale)
+                for maps in self.maps.groups:
+                    if maps.layers:
+                        self._inject(commands, part, maps, scale)
+                walls = part.blockers.walls
+                self.points.encode(commands, part.placement, walls, part.sums, scale)
+        # The largest first: what lies beyond the next one's borders.
+        for level in range(len(self.cascades) - 1, -1, -1):
+            self._propagate(commands, level, scale)
+
+    def _inject(
+        self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
+    ) -> None:
+        self.inject.encode(
+            commands, self.media.seen(maps) if self.media else maps, part.placement,
+            part.blockers.walls, part.sums, scale, is_shaped=self.is_shaped, small=part.small,
+        )  # fmt: skip
+
+    def _inject_static(self, commands: Commands, part: Cascade, scale: float) -> None:
+        """What sky, geometry and the lattice's place alone change: sky bounce, emission."""
+        part.is_stale = False
+        if self.kit.sky.maps.layers:
+            self._inject(commands, part, self.kit.sky.maps, scale)
+        if self.kit.blockers.is_emissive:
+            self.emission.encode(
+                commands, part.blockers, part.sums, scale, is_shaped=self.is_shaped
+            )
+        self.resolve.encode(commands, part.placement, part.sums, self.black, part.static, scale)
+
+    def _propagate(self, commands: Commands, level: int, scale: float) -> None:
+        part = self.cascades[level]
+        if self.media:
+            with commands.stage("blockers"):
+                self.media.block(commands, level, self.kit.meshes.version)
+        with commands.stage("inject"):
+            if self.border and level + 1 < len(self.cascades):
+                self.enter(commands, level, self.textures, part.sums, scale)
+            self.resolve.encode(
+                commands, part.placement, part.sums, part.static, part.injected, scale
+            )
+        with commands.stage("propagate"):
+            total = self.propagated(commands, level, part.injected)
+        with commands.stage("pack"):
+            self.textures.encode(
+                commands, part.injected, total, self.power_scale, hull=self._hull,
+                is_shaped=self.is_shaped, placement=part.placement,
+            )  # fmt: skip
+        if self.media:
+            self.media.send(commands, self, level, scale)
+
+    def propagated(self, commands: Commands, level: int, injected: Buffer) -> Buffer:
+        """The sum of all steps of what is `injected` into a lattice."""
+        part = self.cascades[level]
+        return part.propagate.encode(
+            commands, injected, self.faces(level), self.steps, has_tail=self.settings.tail
+        )
+
+    def enter(
+        self, commands: Commands, level: int, solved: LatticeTextures, sums: Buffer, scale: float
+    ) -> None:
+        """Add to `sums` what comes into a lattice from beyond its borders, as `solved` has it."""
+        assert self.border is not None
+        self.border.encode(
+            commands, self.cascades[level].placement, self.cascades[level + 1].placement,
+            {**solved.bound, **self.kit.blockers.bound}, self.linear, self.faces(level), sums,
+            power_scale=self.power_scale, scale=scale,
+        )  # fmt: skip
+
+    def faces(self, level: int) -> Buffer:
+        """What blocks between the cells of a lattice."""
+        return self.media.faces(level) if self.media else self.cascades[level].blockers.faces
+
+    def _added(self, frame: Frame, fields: Fields) -> Fields:
+        """The fields, with what was solved."""
+        textures = self.media.textures if self.media else self.textures
+        irradiance = Irradiance(
+            {"lattices": self.kit.lattices.table.filled(self.rows), **textures.bound},
+            is_bounced=not self.is_paper, is_bouncing=self.settings.bounces,
+            damping=self.settings.damping,
+        )  # fmt: skip
+        light = self.mean_radiance()
+        scene = frame.scene
+        version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
+        reflected = ReflectedLight(light, version, knows_media=self.media is not None)
+        return replace(
+            fields, irradiance=irradiance, reflected=reflected,
+            scattered=light if self.is_marched else fields.scattered,
+        )  # fmt: skip
+
+    @property
+    def rows(self) -> list[LatticeParams]:
+        """The lattices as shaders read them, the finest first."""
+        return [
+            part.placement.params(self.power_scale, is_paper=self.is_paper)
+            for part in self.cascades
+        ]
+
+    def mean_radiance(self) -> LatticeSource:
+        """What surfaces reflect, as media take it: its mean over all directions."""
+        place = self.cascades[-1].placement
+        scale = LOOKUP_SCALE / (place.cell**2 * self.power_scale)
+        bound = {**self.textures.bound, **self.kit.blockers.bound}
+        finer = tuple(part.placement for part in self.cascades[:-1])
+        return LatticeSource(place, bound, scale, finer=finer)
+
+    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """The lattices do not depend on the eye."""
+        return fields
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """What was solved, for --stats."""
+        places = [part.placement for part in self.cascades]
+        found = {"lattice": list(places[-1].count), "iterations": self.steps}
+        if len(places) > 1:
+            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in places]
+        return found
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (*self.cascades, self.maps, self.points, self.textures, self.black, self.media):
+            if part is not None:
+                part.release()

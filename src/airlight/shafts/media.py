@@ -1,0 +1,139 @@
+"""Participating media in a frame: what they take of lights, and all light that they scatter.
+
+solve   media on the device -> the sky's light through them, the far light of endless ones
+draw    shafts of lights -> marching of every solved field -> surfaces behind them
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..fields import Fields, Frame
+from ..gpu.commands import Commands
+from ..gpu.memory import Texture
+from ..lattice.irradiance import SkyIrradiance
+from ..lighting.kit import Kit
+from ..lighting.view import View
+from ..march.air import Air
+from ..march.far_air import FarAir, FarSource
+from ..scene.medium import medium_box
+from ..scene.volume import Volume
+from .air_light import AirLight, AirSettings
+from .sky_air import SkyAir
+
+
+class Media:
+    """A solver, whose fields are the sky's light through media; it also draws all that they do.
+
+    `air` is what lights are attenuated by on their way.
+    """
+
+    def __init__(
+        self, kit: Kit, settings: AirSettings, *, sources: int = 0,
+        is_lattice_marched: bool = False, has_multiple: bool = False, has_sky: bool = True,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """What `draw` will be given: fields of `sources` volumes, and of lattices.
+
+        `has_multiple`: whether lattices hold light scattered many times. `has_sky`: whether the
+        sky's light is scattered once here. `solved`: volumes whose sources bring what they scatter
+        once. Raises SettingsError, and SceneError for more media than can be drawn.
+        """
+        self.kit, self.has_multiple = kit, has_multiple
+        scene, sky = kit.context.scene, kit.sky
+        has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        self.air_light = AirLight(
+            kit.gpu, scene, kit.context.size, kit.lights, settings, sources=sources,
+            has_lattice=is_lattice_marched, has_sky=has_sky, solved=solved,
+        )  # fmt: skip
+        self.sky_air: SkyAir | None = None
+        if has_sky and self.air.count:
+            self.sky_air = SkyAir(
+                kit.gpu, scene, sky, kit.placement, kit.lattices.texture_size, solved=solved
+            )
+        is_endless = scene.medium is not None and scene.medium.endless
+        self._far_air = FarAir(kit.gpu) if is_endless else None
+        # Versions of what shafts and the sky's light were made with.
+        self._shadows, self._sky_seen = (-1, -1), (-1, -1)
+
+    @property
+    def air(self) -> Air:
+        """All media on the device."""
+        return self.air_light.air
+
+    def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        """Media, shadow hierarchies, then the sky's light on surfaces and media through media."""
+        lights = self.kit.lights
+        shadows = (lights.parallel.version, lights.local.version)
+        self.air_light.solve(
+            commands, frame.scene, *frame.bounds, shadows_changed=shadows != self._shadows
+        )
+        self._shadows = shadows
+        fields = replace(fields, far=self._far(frame))
+        return fields if self.sky_air is None else self._lit_by_sky(commands, frame, fields)
+
+    def _lit_by_sky(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        assert self.sky_air is not None
+        lattices, blockers = self.kit.lattices, self.kit.blockers
+        seen = (self.kit.meshes.version, blockers.version)
+        is_moved, self._sky_seen = seen != self._sky_seen, seen
+        with commands.stage("sky"):
+            self.sky_air.encode(
+                commands, frame.scene, *frame.bounds, blockers.walls, lattices.placements,
+                shadows_changed=is_moved,
+            )  # fmt: skip
+        sky = SkyIrradiance(self.sky_air.cube, self.sky_air.version)
+        if not self.air_light.has_sky:
+            return replace(fields, sky=sky)
+        source = self.sky_air.source(blockers.bound, lattices.placements[:-1])
+        return replace(fields, sky=sky, sky_scatter=source)
+
+    def _far(self, frame: Frame) -> FarSource | None:
+        medium = frame.scene.medium
+        if self._far_air is None or medium is None:
+            return None
+        box = medium_box(medium, *frame.bounds, frame.scene.camera.position)
+        return self._far_air.update(
+            medium, float(box[1][1]), frame.scene.lights, self.kit.sky.lights,
+            is_lattice=self.has_multiple,
+        )  # fmt: skip
+
+    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """What depends on the eye is drawn, not stored."""
+        return fields
+
+    def draw(self, commands: Commands, view: View, fields: Fields) -> None:
+        """Light scattered once, marched fields, transmittance, and surfaces behind all of it."""
+        self.air_light.encode(
+            commands, view, self.kit.lights, fields.volumes, fields.scattered, fields.sky_scatter,
+            far=fields.far, frame=view.sample, is_composed=True,
+        )  # fmt: skip
+        self.air_light.compose(commands, view)
+
+    def layers(self, view: View) -> dict[str, Texture]:
+        """By name what `draw` wrote: surfaces through media, their light, what they let through."""
+        direct, indirect = self.air_light.surfaces(view)
+        return {
+            "direct": direct,
+            "indirect": indirect,
+            "single_scatter": self.air_light.single_scatter,
+            "multiple_scatter": self.air_light.multiple_scatter,
+            "transmittance": self.air_light.transmittance,
+        }
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with images of `size`, pixels."""
+        self.air_light.resize(size)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Nothing of media alone, for --stats."""
+        return {}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.air_light, self.sky_air, self._far_air):
+            if part is not None:
+                part.release()

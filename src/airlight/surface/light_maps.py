@@ -1,0 +1,70 @@
+"""Reflective shadow maps of all of a scene's lights: what light arrives at surfaces, and where.
+
+Directional lights share one array of maps, local ones another of half the side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..maths.transforms import F64
+from ..scene.lights import DirectionalLight, Light
+from .geometry import GpuScene
+from .light_views import light_views, view_count
+from .reflective import ReflectiveShadowMaps
+
+SMALLEST_LOCAL = 8  # texels
+
+
+class LightMaps:
+    """`groups`: the maps of directional lights, then those of local ones.
+
+    `owners`: for each group and each of its layers the row of its light among the scene's.
+    The number and the kinds of lights are fixed.
+    """
+
+    def __init__(self, gpu: Gpu, lights: Sequence[Light], resolution: int) -> None:
+        """`resolution`: side of a directional light's map, texels."""
+        sides, names = (resolution, max(SMALLEST_LOCAL, resolution // 2)), ("suns", "lamps")
+        self.owners = [
+            [row for row, light in group for _ in range(view_count(light))]
+            for group in _by_kind(lights)
+        ]
+        self.groups = tuple(
+            ReflectiveShadowMaps(gpu, name, side, len(owners))
+            for name, side, owners in zip(names, sides, self.owners, strict=True)
+        )
+
+    @property
+    def version(self) -> tuple[int, ...]:
+        """Another one whenever a map was drawn."""
+        return tuple(maps.version for maps in self.groups)
+
+    def encode(
+        self, commands: Commands, meshes: GpuScene, lights: Sequence[Light], low: F64, high: F64
+    ) -> bool:
+        """Draw those that changed; whether any did. low..high: what lights must see, metres."""
+        is_drawn = False
+        for group, maps in zip(_by_kind(lights), self.groups, strict=True):
+            if group:
+                own = [light for _, light in group]
+                views = light_views(own, low, high, maps.resolution)
+                is_drawn = maps.encode(commands, meshes, own, views) or is_drawn
+        return is_drawn
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for maps in self.groups:
+            maps.release()
+
+
+_Rows = list[tuple[int, Light]]
+
+
+def _by_kind(lights: Sequence[Light]) -> tuple[_Rows, _Rows]:
+    """(row among the lights, light) of directional lights, and of all others."""
+    rows = list(enumerate(lights))
+    suns: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
+    return suns, [row for row in rows if not isinstance(row[1], DirectionalLight)]
