@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from airlight.lpv.lpv import LpvSettings
 
 from airlight.app import (
     bench,
@@ -23,6 +22,7 @@ from airlight.errors import AirlightError
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.settings import LpvSettings
 from airlight.scene import Camera, DirectionalLight, PointLight
 from airlight.scene.builtin import wall_floor
 

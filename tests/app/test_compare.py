@@ -13,8 +13,6 @@ from typing import ClassVar
 import numpy as np
 import PIL.Image
 import pytest
-from airlight.lighting.direct import SurfaceSettings
-from airlight.lpv.lpv import LpvSettings
 
 from airlight.app import (
     cli,
@@ -26,6 +24,8 @@ from airlight.app import (
 )
 from airlight.app.compare_reference import reference_for, scene_hash
 from airlight.errors import ReferenceFailure, SettingsError
+from airlight.lighting.kit import SurfaceSettings
+from airlight.lpv.settings import LpvSettings
 from airlight.reference import mitsuba
 from airlight.scene import Camera, Geometry, Material, Medium, Mesh, PointLight, Scene
 from airlight.scene.image import Image

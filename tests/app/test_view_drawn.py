@@ -8,6 +8,7 @@ import pytest
 
 from airlight.app.view_drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn, is_same
 from airlight.errors import DeviceError
+from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
@@ -58,15 +59,15 @@ def test_a_moving_light_makes_fewer_steps_and_coarser_shadows_until_it_rests():
         pytest.skip("a GPU has time for all steps")
     inner = r.technique.solve
     r.technique.solve = lambda *a: (
-        steps.append(r.technique.lpv.iterations),
-        coarse.append(r.technique.lights.coarseness),
+        steps.append(r.technique.find(LpvSolver).steps),
+        coarse.append(r.technique.kit.lights.coarseness),
         inner(*a),
     )
     for is_quick in (True, True, False, False, True):
         drawn.solve(r.commands, is_quick=is_quick)
     assert steps == [QUICK_STEPS, 64]  # once quickly, once in full, which then does for both
     assert coarse == [QUICK_COARSENESS, 1.0]
-    assert r.technique.lpv.iterations == 64
+    assert r.technique.find(LpvSolver).steps == 64
     drawn.close()
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from airlight.lpv.lpv import LpvSettings
 
 from airlight.figures import (
     clpv_1,
@@ -17,6 +16,7 @@ from airlight.figures import (
     clpv_table1,
     panels,
 )
+from airlight.lpv.settings import LpvSettings
 from airlight.reference import flatland
 from airlight.scene import Geometry, Material, Mesh, Scene, Texture
 from airlight.scene.builtin import atrium_fog, wall_floor

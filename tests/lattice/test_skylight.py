@@ -40,11 +40,13 @@ def cubes(gpu, commands, owned, open_air):
     """cubes(scene, environment) -> (6, Z, Y, X, 3) irradiance on +x -x +y -y +z -z."""
 
     def solve(scene, environment, lights=128, floor=None):
-        sky = owned(Sky(gpu, environment, ROOM, lights, 64))
-        assert sky.encode(commands, scene, environment, open_air(ROOM, floor))
-        assert not sky.encode(commands, scene, environment, open_air(ROOM, floor))
+        sky = owned(Sky(gpu, environment, lights, 64))
+        skylight = owned(Skylight(gpu, ROOM, lights))
+        assert sky.encode(commands, scene, environment, ROOM)
+        assert not sky.encode(commands, scene, environment, ROOM)
+        sky.light(commands, skylight, open_air(ROOM, floor))
         commands.submit()
-        cube = sky.skylight.cube.read()[..., :3].astype(np.float64)
+        cube = skylight.cube.read()[..., :3].astype(np.float64)
         return cube.reshape(6, N, N, N, 3)
 
     return solve
@@ -112,25 +114,27 @@ def test_a_part_of_the_sky_casts_shadows_as_soft_as_it_is_wide(cubes, on_device,
 
 
 def test_no_sky_needs_no_maps(gpu, commands, owned, open_air, on_device, square):
-    sky = owned(Sky(gpu, None, ROOM, 128, 64))
-    assert not sky.encode(commands, on_device(speck(square)), None, open_air(ROOM))
+    sky, skylight = owned(Sky(gpu, None, 128, 64)), owned(Skylight(gpu, ROOM, 128))
+    assert not sky.encode(commands, on_device(speck(square)), None, ROOM)
     assert sky.lights == []
-    assert not sky.skylight.cube.read()[..., :3].any()
+    sky.light(commands, skylight, open_air(ROOM))
+    assert not skylight.cube.read()[..., :3].any()
 
 
 def test_a_lattice_that_moves_keeps_what_it_knows(gpu, commands, owned, open_air, on_device):
     scene, sky_of = on_device(box(1.5)), Environment()
-    sky = owned(Sky(gpu, sky_of, ROOM, 128, 64, (N, 2 * N, N)))
+    sky = owned(Sky(gpu, sky_of, 128, 64))
+    largest = owned(Skylight(gpu, ROOM, 128, size=(N, 2 * N, N)))
     walls = open_air(Placement(ROOM.origin, ROOM.cell, (N, 2 * N, N)))
-    sky.encode(commands, scene, sky_of, walls)
+    sky.encode(commands, scene, sky_of, ROOM)
     finer = Placement((-1.0, -1.0, -1.0), 0.25, (N, N, N), first_row=N)
-    moving = owned(Skylight(gpu, finer, 128, beside=sky.skylight))
+    moving = owned(Skylight(gpu, finer, 128, beside=largest))
     sky.light(commands, moving, walls)
     moving.placement = Placement((-0.5, -1.25, -1.0), 0.25, (N, N, N), first_row=N)
     sky.light(commands, moving, walls, is_same_light=True)
     commands.submit()
     kept = moving.cube.read()
-    again = owned(Skylight(gpu, moving.placement, 128, beside=sky.skylight))
+    again = owned(Skylight(gpu, moving.placement, 128, beside=largest))
     sky.light(commands, again, walls)
     commands.submit()
     np.testing.assert_array_equal(kept, again.cube.read())

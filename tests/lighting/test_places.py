@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from airlight.lighting.direct import Direct
 
 from airlight.gpu.device import Gpu
+from airlight.lighting import surfaces
 from airlight.lighting.places import _Places
 from airlight.lighting.view import View
 from airlight.rendering import Renderer
@@ -51,11 +51,11 @@ def test_kept_or_looked_up_with_the_light(
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         first = renderer.frame().layers
         kept = renderer.frame().layers
-        assert (renderer.technique._places is not None) == gpu.takes_cpu_paths
-    monkeypatch.setattr(Direct, "_has_places", lambda *_: False)
+        assert (renderer.technique.surfaces._places is not None) == gpu.takes_cpu_paths
+    monkeypatch.setattr(surfaces, "can_keep", lambda _: False)
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         looked_up = renderer.frame().layers
-        assert renderer.technique._places is None
+        assert renderer.technique.surfaces._places is None
     for name in ("direct", "indirect"):
         np.testing.assert_array_equal(first[name], looked_up[name])
         np.testing.assert_array_equal(kept[name], looked_up[name])
@@ -141,7 +141,7 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
             pictures = [renderer.frame() for _ in range(before)]
             renderer.scene = dataclasses.replace(renderer.scene, **after)
             pictures += [renderer.frame() for _ in range(3)]
-            places = renderer.technique._places
+            places = renderer.technique.surfaces._places
             assert (places is not None and places._kept is not None) == gpu.takes_cpu_paths
         return pictures
 
@@ -159,7 +159,7 @@ def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> Non
     away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
-        assert (renderer.technique._places is not None) == gpu.takes_cpu_paths
+        assert (renderer.technique.surfaces._places is not None) == gpu.takes_cpu_paths
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         fresh = renderer.frame(**away)
     for picture in pictures[2:]:

@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from airlight.lpv import lpv
-from airlight.lpv.cascades import follow
+from airlight.lattice import lattices
+from airlight.lattice.lattices import follow
+from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer, render
 from airlight.scene import Camera, Material, Mesh, PointLight, shapes
 from airlight.scene.builtin import cornell, room
@@ -47,6 +48,8 @@ class Still:
         self.scene = scene
         self.renderer = Renderer(scene, "lpv", SIZE, settings={**SMALL, **settings})
         self.technique = self.renderer.technique
+        self.lattices = self.technique.kit.lattices
+        self.cascades = self.technique.find(LpvSolver).cascades
 
     def picture(self, camera=None, lights=None):
         scene = dataclasses.replace(
@@ -90,12 +93,12 @@ def test_light_from_beyond_the_finer_cascade_is_not_cut_off(gpu):
 def test_a_moving_camera_changes_still_surfaces_by_little(gpu):
     scene = inside()
     with Still(scene, cascades=2) as still:
-        fine = still.technique.placements[0].cell
+        fine = still.lattices.placements[0].cell
         before, origins, changes = None, set(), []
         for step in range(16):
             offset = -0.3 * fine * step * np.array([0.5, 0.2, 0.8])
             now = still.picture(camera=moved(scene.camera, offset))
-            origins.add(still.technique.placements[0].origin)
+            origins.add(still.lattices.placements[0].origin)
             if before is not None:
                 changes.append(np.abs(now - before).mean() / before.mean())
             before = now
@@ -108,7 +111,7 @@ def test_a_moving_lamp_changes_light_by_little(gpu):
     lamp = PointLight((0.3, 2.6, 0.4), (4.0, 4.0, 4.0))
     scene = dataclasses.replace(inside(), lights=(lamp,))
     with Still(scene, cascades=2) as still:
-        fine, changes, before = still.technique.placements[0].cell, [], None
+        fine, changes, before = still.lattices.placements[0].cell, [], None
         for step in range(8):
             place = tuple(np.add(lamp.position, (0.25 * fine * step, 0.0, 0.0)))
             now = still.picture(lights=(dataclasses.replace(lamp, position=place),))
@@ -167,7 +170,7 @@ def test_lattices_go_on_to_where_a_camera_that_stands_still_wants_them(gpu, monk
         asked.append(given)
         return follow(*given, **named)
 
-    monkeypatch.setattr(lpv, "follow", counted)
+    monkeypatch.setattr(lattices, "follow", counted)
     settings = {"cascades": 4, "cascade_ratio": 1.5, "iterations": 1, "resolution": 8}
     with Still(scene, **settings) as still:
         still.picture()
@@ -175,23 +178,23 @@ def test_lattices_go_on_to_where_a_camera_that_stands_still_wants_them(gpu, monk
         still.picture()
         assert len(asked) == 1
         # Far enough for two lattices, not so far that one of them is lost: one after the other.
-        cells = [part.placement.cell for part in still.technique.cascades]
+        cells = [part.placement.cell for part in still.cascades]
         aside = moved(scene.camera, (0.0, 0.0, -1.2 * cells[1]))
         places = []
         for _ in range(5):
             still.picture(camera=aside)
-            places.append(tuple(place.origin for place in still.technique.placements))
+            places.append(tuple(place.origin for place in still.lattices.placements))
         assert len(set(places)) == len(asked) - 1 > 1
         assert places[-1] == places[-2] == places[-3]
-        wanted = follow(still.technique.nest, still.technique.cascades, aside, is_first=False)
+        wanted = follow(still.lattices.nest, still.lattices.levels, aside, is_first=False)
         assert wanted
-        assert tuple(place.origin for place in still.technique.placements) == places[-1]
+        assert tuple(place.origin for place in still.lattices.placements) == places[-1]
 
 
 def test_a_small_object_that_moves_is_left_to_the_finest(gpu):
     with Still(inside(), cascades=2, small_objects="moving") as still:
-        kinds = [part.small for part in still.technique.cascades]
-        cells = [place.cell for place in still.technique.placements]
+        kinds = [part.small for part in still.cascades]
+        cells = [place.cell for place in still.lattices.placements]
     assert (kinds[0].least, kinds[0].next_least) == (0.0, cells[1])
     assert (kinds[1].least, kinds[1].next_least) == (cells[1], 0.0)
     assert not kinds[0].has_still
@@ -212,7 +215,7 @@ def test_the_light_of_a_small_object_that_moved_is_missing_in_larger_lattices(gp
             still.renderer.meshes.move((Mesh(body.geometry, white, transform),))
             still.picture()
             fine, coarse = (
-                part.injected.read().reshape(-1, 4)[:, 0].max() for part in still.technique.cascades
+                part.injected.read().reshape(-1, 4)[:, 0].max() for part in still.cascades
             )
             assert fine > 0.0
             assert (coarse > 0.0) == has_light

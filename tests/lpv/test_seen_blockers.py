@@ -18,7 +18,7 @@ SETTINGS = {"scheme": "paper", "resolution": 8, "map_resolution": 32, "surfel_re
 
 
 def closed_faces(renderer):
-    faces = renderer.technique.blockers.faces.read(np.uint32).reshape(-1, 8)
+    faces = renderer.technique.kit.blockers.faces.read(np.uint32).reshape(-1, 8)
     return faces[:, :6] >> 24 > 0
 
 

@@ -116,7 +116,7 @@ def test_two_kernels_where_targets_are_few(gpu, monkeypatch):
         monkeypatch.setitem(gpu.limits, "max-color-attachment-bytes-per-sample", limit)
         with Renderer(scene, "single", (24, 20), settings=settings) as renderer:
             made.append(renderer.frame().layers)
-            kernels = renderer.technique.air_light.march._passes
+            kernels = renderer.technique.media.air_light.march._passes
             assert [len(target_names(v)) for v in kernels] == ([3] if limit == 80 else [2, 1])
     for name in ("single_scatter", "transmittance"):
         assert made[0][name].std() > 0.01

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.fields import ReflectedLight
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.march.march import LatticeSource
 from airlight.maths.transforms import F64
-from airlight.pop.bounce import Bounced
 from airlight.pop.settings import PopSettings
 from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
@@ -40,7 +40,7 @@ def emission(gpu: Gpu, volume: Volume, source: LatticeSource | None, sky: float 
     """Mean radiance that the cells inside the medium scatter."""
     solver, commands = PopSolver(gpu, volume, SETTINGS), Commands(gpu)
     environment = Environment((sky,) * 3) if sky else None
-    bounced = Bounced(source, ()) if source else None
+    bounced = ReflectedLight(source, ()) if source else None
     solver.encode(commands, (), environment, EYE, bounced=bounced)
     commands.submit()
     inside = solver.medium.density.cells.read().reshape(solver.medium.placement.count[::-1]) > 0.5

@@ -8,37 +8,29 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
-from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
-from airlight.lighting.view import View
 from airlight.maths.transforms import F64
-from airlight.pop.media import PopMedia, PopMediaSettings
+from airlight.rendering import render
 from airlight.scene.camera import Camera
 from airlight.scene.environment import Environment
 from airlight.scene.medium import Medium
 from airlight.scene.scene import Scene
 from airlight.scene.volume import Volume
-from airlight.surface.geometry import GpuScene
+from airlight.techniques.settings import PopTechniqueSettings
 
 SIZE = (32, 24)
-SETTINGS = PopMediaSettings(ordinates=32, grid=10, solver_steps=24, march="full")
+SETTINGS = PopTechniqueSettings(ordinates=32, grid=10, solver_steps=24, march="full")
 BALL = Volume((2.0, 6.0, 12.0), shape="sphere", g=(0.0, 0.5, 0.9))
 WHITE = Environment((1.0, 1.0, 1.0))
 CAMERA = Camera((0.4, 0.8, 3.0), (0.0, 0.0, 0.0), fov_y_deg=50)
 
 
-def pictures(gpu: Gpu, scene: Scene, settings: PopMediaSettings = SETTINGS) -> tuple[F64, F64]:
+def pictures(gpu: Gpu, scene: Scene, settings: PopTechniqueSettings = SETTINGS) -> tuple[F64, F64]:
     """(scattered, transmittance), (H, W, 3)."""
-    media, view, commands = PopMedia(gpu, scene, settings), View(gpu, SIZE), Commands(gpu)
-    view.aim(scene.camera)
-    view.gbuffer.encode(commands, GpuScene(gpu, scene), view.clip_from_world)
-    media.solve(commands, scene)
-    media.draw(commands, view)
-    commands.submit()
-    got = [t.read()[..., :3].astype(np.float64) for t in (media.scattered, media.transmittance)]
-    media.release()
-    view.release()
-    return got[0], got[1]
+    given = dataclasses.asdict(settings)
+    image = render(scene, "pop", SIZE, settings=given, samples=1)
+    layers = [image.layers[name].astype(np.float64) for name in ("scattered", "transmittance")]
+    return layers[0], layers[1]
 
 
 def test_a_white_furnace_hides_the_medium(gpu):
@@ -82,4 +74,4 @@ def test_fog_and_a_volume_are_solved_apart(gpu):
     scattered, through = pictures(gpu, scene)
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)
     with pytest.raises(SceneError, match="the scene has 5 media, at most 4 can be drawn"):
-        PopMedia(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE), SETTINGS)
+        pictures(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE))

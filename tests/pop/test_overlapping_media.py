@@ -7,10 +7,10 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
-from airlight.pop.media import PopMediaSettings
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Scene, Volume
 from airlight.scene.lights import DirectionalLight
+from airlight.techniques.settings import PopTechniqueSettings
 
 from .test_media import pictures
 
@@ -29,7 +29,7 @@ def test_an_even_sky_hides_two_that_overlap(gpu: Gpu) -> None:
         Volume((3.0, 1.5, 0.8), shape="box", bounds=RIGHT, g=(0.7, 0.3, 0.0)),
     )
     scene = Scene(volumes=media, environment=WHITE, camera=CAMERA)
-    settings = PopMediaSettings(ordinates=32, grid=8, solver_steps=24, march="full")
+    settings = PopTechniqueSettings(ordinates=32, grid=8, solver_steps=24, march="full")
     scattered, through = pictures(gpu, scene, settings)
     assert through.min() < 0.1
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from airlight.lighting.direct import Direct, SurfaceSettings
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
+from airlight.lighting.kit import Context, Kit, SurfaceSettings
 from airlight.march.air import Air
 from airlight.pop.reflected_maps import reflected_maps
 from airlight.pop.settings import PopSettings
@@ -22,23 +22,24 @@ def test_versions_follow_light_and_air(gpu: Gpu) -> None:
     scene = Scene(meshes=(floor,), lights=(sun,), volumes=(smoke,))
     meshes, commands = GpuScene(gpu, scene), Commands(gpu)
     small = SurfaceSettings(resolution=8, shadow_resolution=32, surfels=100, sky_lights=0)
-    surfaces = Direct(gpu, scene, meshes, small, (8, 8))
+    kit = Kit(Context(gpu, scene, meshes, (8, 8)), small)
     air = Air(gpu, scene, light_count=1)
     none = PopSettings()
-    assert reflected_maps(scene, none, surfaces, air) is None
-    maps = reflected_maps(scene, PopSettings(virtual_lights=4), surfaces, air)
+    assert reflected_maps(kit, air, none) is None
+    maps = reflected_maps(kit, air, PopSettings(virtual_lights=4))
     assert maps is not None
     low, high = (np.array(x) for x in scene.bounds)
 
     def version(light: DirectionalLight) -> int:
-        surfaces.lights.encode(commands, meshes, (light,), None, low, high)
-        air.update(commands, Scene(meshes=(floor,), lights=(light,), volumes=(smoke,)), low, high)
-        maps.encode(commands, meshes, (light,), low, high)
+        kit.lights.encode(commands, meshes, (light,), None, low, high)
+        lit = Scene(meshes=(floor,), lights=(light,), volumes=(smoke,))
+        air.update(commands, lit, low, high)
+        maps.encode(commands, lit, low, high)
         commands.submit()
         return maps.reflected.version
 
     first = version(sun)
     assert version(sun) == first
     assert version(DirectionalLight((0.2, -1.0, 0.0), (2.0,) * 3)) > first
-    for part in (maps, air, surfaces, meshes):
+    for part in (maps, air, kit, meshes):
         part.release()

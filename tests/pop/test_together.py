@@ -10,14 +10,14 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
 from airlight.pop import together
-from airlight.pop.media import PopMediaSettings
 from airlight.scene import Camera, Scene, Volume
 from airlight.scene.lights import DirectionalLight, Light, PointLight
+from airlight.techniques.settings import PopTechniqueSettings
 
 from .test_media import pictures
 
 CAMERA = Camera((0.6, 1.2, 4.5), (0.0, 0.0, 0.0), fov_y_deg=36.0)
-SETTINGS = PopMediaSettings(ordinates=1, grid=8, solver_steps=24, march="full")
+SETTINGS = PopTechniqueSettings(ordinates=1, grid=8, solver_steps=24, march="full")
 SUN = DirectionalLight((-0.6, -0.64, -0.48), (3.0, 3.0, 3.0))
 ALONG = DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0))
 LAMP = PointLight((0.3, 1.2, 0.4), (3.0, 3.0, 3.0))

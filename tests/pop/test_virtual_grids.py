@@ -15,6 +15,7 @@ from airlight.maths.transforms import F64
 from airlight.pop import hop_grids
 from airlight.pop.hop_grids import FAR, FIXED_POINT_BITS, HopGridData
 from airlight.pop.hopping import Hopping
+from airlight.pop.media import PopMedia
 from airlight.pop.placement import placed
 from airlight.pop.settings import PopSettings
 from airlight.pop.virtual_grids import is_hopping
@@ -61,9 +62,9 @@ def solved(scene: Scene, **settings: object) -> tuple[F64, dict[str, F64]]:
     """The picture of scattered light, and what the solver has: rows of grids, first power."""
     with Renderer(scene, "pop", (12, 12), settings={**SETTINGS, **settings}) as made:
         image = made.frame(samples=1)
-        hopping = made.technique.media.solvers[0].beams.hopping  # type: ignore[attr-defined]
+        hopping = made.technique.find(PopMedia).solvers[0].beams.hopping
         rows = hopping.grids.rows.read(np.uint8)
-        lights = made.technique.media.solvers[0].beams.table.rows.read()  # type: ignore[attr-defined]
+        lights = made.technique.find(PopMedia).solvers[0].beams.table.rows.read()
         told = {
             "rows": np.frombuffer(rows.tobytes(), HopGridData.dtype),
             "lights": lights.reshape(-1, 4, 4),
@@ -138,7 +139,7 @@ def test_what_enters_dense_air_is_what_the_floor_sends(gpu: Gpu) -> None:
     settings = {**SETTINGS, "grid": 16, "iterations": 1, "virtual_lights": 12}
     with Renderer(scene, "pop", (8, 8), settings=settings) as made:
         made.frame(samples=1)
-        solver = made.technique.media.solvers[0]  # type: ignore[attr-defined]
+        solver = made.technique.find(PopMedia).solvers[0]
         cells = solver.medium.placement.cells
         deposits = solver.beams.diffuse.deposits.read().reshape(4, cells, 4)[0, :, :3]
         got = deposits.sum(axis=0) * solver.beams.table.scale
@@ -170,7 +171,7 @@ def test_a_plate_in_the_air_stops_what_hops(gpu: Gpu) -> None:
     for name, meshes in (("open", scene.meshes), ("cut", (*scene.meshes, plate))):
         with Renderer(replace(scene, meshes=meshes), "pop", (8, 8), settings=finer) as made:
             made.frame(samples=1)
-            solver = made.technique.media.solvers[0]  # type: ignore[attr-defined]
+            solver = made.technique.find(PopMedia).solvers[0]
             merged = solver.beams.hopping.merge.merged.read()
             lights[name] = merged.reshape(*solver.medium.placement.count[::-1], 4)[..., 0]
     assert lights["cut"][:, 11:].sum() < 0.1 * lights["open"][:, 11:].sum()
@@ -186,7 +187,7 @@ def test_only_cells_in_the_box_hop_however_many_at_once(
         monkeypatch.setattr(hop_grids, "_CONSTANTS", few)
         with Renderer(over_floor(), "pop", (8, 8), settings=SETTINGS) as made:
             found.append(made.frame(samples=1).layers["scattered"])
-            grids = made.technique.media.solvers[0].beams.hopping.grids  # type: ignore[attr-defined]
+            grids = made.technique.find(PopMedia).solvers[0].beams.hopping.grids
             listed, groups = grids.listed.read(np.uint32), grids.groups.read(np.uint32)
             density = grids.density.read()[: grids.count * grids.capacity]
         inside = np.flatnonzero(density >= 0.0)

@@ -8,6 +8,7 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.maths.ordinates import even_sky, joined, parallel
 from airlight.maths.transforms import F64
+from airlight.pop.media import PopMedia
 from airlight.pop.visibility import sights
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Mesh, PointLight, Scene, Volume
@@ -31,7 +32,7 @@ def shares(scene: Scene) -> tuple[F64, F64]:
     """(ordinate, z, y, x) of what reaches the cells, and directions of travel."""
     with Renderer(scene, "pop", (16, 16), settings=SETTINGS) as renderer:
         renderer.frame(samples=1)
-        (solver,) = renderer.technique.media.solvers  # type: ignore[attr-defined]
+        (solver,) = renderer.technique.find(PopMedia).solvers
         count, (x, y, z) = solver.beams.table.count, solver.medium.placement.count
         stored = solver.beams.paths.passed.read()[: 2 * count * x * y * z]
         rows = solver.beams.table.rows.read().reshape(-1, 16)[:count]

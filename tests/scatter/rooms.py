@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from airlight.fields import Fields, Frame
 from airlight.gpu.commands import Commands
-from airlight.lattice.blockers import Blockers
-from airlight.lattice.placement import Placement, fitted
-from airlight.lighting.lights import Lights
-from airlight.lighting.sky import Sky
+from airlight.lattice.nested import nested
+from airlight.lighting.kit import Context, Kit, SurfaceSettings
 from airlight.scatter.settings import ScatterSettings
 from airlight.scatter.solver import ScatterSolver
 from airlight.scene.lights import PointLight
@@ -56,21 +55,18 @@ class Solved:
 
     def __init__(self, gpu: Any, scene: Scene, cells: int = 16, **settings: Any) -> None:
         commands = Commands(gpu)
-        low, high = LOW, HIGH
-        self.placement: Placement = fitted(low, high, cells + 2)
-        meshes = GpuScene(gpu, scene)
-        lights = Lights(gpu, scene.lights, scene.environment, 128, 128)
-        sky = Sky(gpu, scene.environment, self.placement, 8, 32)
-        blockers = Blockers(gpu, scene, meshes, self.placement, 40_000)
+        surfaces = SurfaceSettings(
+            shadow_resolution=128, lamp_resolution=128, sky_lights=8, sky_resolution=32,
+            surfels=40_000,
+        )  # fmt: skip
+        context = Context(gpu, scene, GpuScene(gpu, scene), (8, 8))
+        kit = Kit(context, surfaces, nested(LOW, HIGH, cells + 2))
+        self.placement = kit.placement
         chosen = dataclasses.replace(ScatterSettings(map_resolution=64), **settings)
-        self.solver = ScatterSolver(
-            gpu, scene, meshes, self.placement, chosen, lights, sky, blockers
-        )
+        self.solver = ScatterSolver(kit, chosen)
         for _ in range(2):  # the second frame keeps what did not change
-            lights.encode(commands, meshes, scene.lights, scene.environment, low, high)
-            blockers.encode(commands)
-            sky.encode(commands, meshes, scene.environment, blockers.bound)
-            self.solver.encode(commands, scene, low, high)
+            kit.encode(commands, scene, LOW, HIGH)
+            self.solver.solve(commands, Frame(scene, LOW, HIGH), Fields(kit.sky_irradiance))
             commands.submit()
         unit = self.solver.emission.mean_scale
         self.mean_radiance = self.solver.emission.mean.read()[..., :3].astype(np.float64) * unit

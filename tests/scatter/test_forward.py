@@ -8,6 +8,7 @@ import pytest
 from airlight.maths.lattice26 import true_share
 from airlight.reference import tracer
 from airlight.rendering import Renderer
+from airlight.scatter.solver import ScatterSolver
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -32,7 +33,7 @@ CELL = slice(1, -1)  # the lattice goes one cell further than the air
 
 def states(renderer, buffer):
     """Fluence and flux of one channel, (z, y, x, 4), W m^-2, in the air's cells."""
-    place = renderer.technique.placement
+    place = renderer.technique.kit.placement
     held = buffer.read().reshape(3, *place.count[::-1], 4)[0].astype(np.float64)
     return held[CELL, CELL, CELL] / place.cell**3
 
@@ -42,9 +43,9 @@ def solved(light, g, sigma):
     scene = Scene(lights=(light,), medium=Medium((sigma,) * 3, (1.0,) * 3, (g,) * 3, BOUNDS))
     with Renderer(scene, "lpv-scatter", (4, 4), settings=SMALL) as renderer:
         renderer.frame()
-        solver = renderer.technique.solver
+        solver = renderer.technique.find(ScatterSolver)
         # What is drawn of the track; the lattice solves for similar isotropic air.
-        share = true_share(sigma * (1.0 - g), renderer.technique.placement.cell)
+        share = true_share(sigma * (1.0 - g), renderer.technique.kit.placement.cell)
         lattice = share * states(renderer, solver.levels.levels[0].track)
         return lattice[..., 0], states(renderer, solver.forward.all)[..., 0]
 
@@ -115,7 +116,7 @@ def test_a_sky_lights_forward_air_evenly(gpu):
     settings = {**SMALL, "sky_lights": 32, "sky_resolution": 16}
     with Renderer(scene, "lpv-scatter", (4, 4), settings=settings) as renderer:
         renderer.frame()
-        light = states(renderer, renderer.technique.solver.forward.sky)
+        light = states(renderer, renderer.technique.find(ScatterSolver).forward.sky)
     middle = light[6:8, 6:8, 6:8].mean(axis=(0, 1, 2))
     # Straight through half a metre or so: 4 pi (exp(-.2) - exp(-1)) of the way's mean.
     assert 0.3 * 4.0 * math.pi < middle[0] < 0.55 * 4.0 * math.pi
@@ -137,7 +138,9 @@ def test_a_suns_spread_stops_at_walls(gpu):
         scene = Scene(meshes=tuple(meshes), lights=(down,), medium=medium)
         with Renderer(scene, "lpv-scatter", (4, 4), settings=SMALL) as renderer:
             renderer.frame()
-            return states(renderer, renderer.technique.solver.forward.all)[4:10, 1:6, :, 0]
+            return states(renderer, renderer.technique.find(ScatterSolver).forward.all)[
+                4:10, 1:6, :, 0
+            ]
 
     free, walled = under_a_roof(wall=False), under_a_roof(wall=True)
     lit, shade = slice(8, 12), slice(3, 6)

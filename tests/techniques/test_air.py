@@ -84,7 +84,7 @@ def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
         ({**SMALL, "bounds": (0, 0, 0, 1, 1, 1)}, 1),
     ):
         with Renderer(air, "lpv-scatter", SIZE, settings=settings) as renderer:
-            place = renderer.technique.placement
+            place = renderer.technique.kit.placement
         ends = float(place.bounds[1][1])
         assert top <= ends <= top + 2.6 * place.cell
 
@@ -101,5 +101,6 @@ def test_the_sky_s_air_follows_blockers_that_views_see(foggy_box):
         for camera in (scene.camera, scene.camera, replace(scene.camera, position=(x, y, z - 0.1))):
             renderer.frame(camera=camera, read=False)
             technique = renderer.technique
-            versions.append((technique.blockers.version, technique.sky_air.version))
+            sky_air = technique.media.sky_air
+            versions.append((technique.kit.blockers.version, sky_air.version))
     assert versions == [(1, 1), (1, 1), (2, 2)]

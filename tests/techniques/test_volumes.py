@@ -9,7 +9,6 @@ import numpy as np
 from airlight.rendering import render
 from airlight.scene import Camera, Environment, Material, Mesh, Scene, SpotLight, Volume
 from airlight.scene.shapes import quad
-from airlight.techniques.volumes import LpvWithVolumes
 
 SETTINGS = {"resolution": 20, "shadow_resolution": 128, "lamp_resolution": 128, "sky_lights": 0,
             "surfels": 20000}  # fmt: skip
@@ -52,7 +51,6 @@ def court() -> Scene:
 
 def test_light_that_bounces_has_the_energy_of_a_path_tracer():
     """Mitsuba 3, 2000 samples of 64 x 48 pixels, standard error .2%: the mean of each channel."""
-    assert LpvWithVolumes.volumes_in_lattice
     image = render(court(), "auto", SIZE, settings=SETTINGS, samples=1)
     traced = np.array([0.02661, 0.02502, 0.01752])
     ratio = image.layers["indirect"].mean(axis=(0, 1)) / traced

@@ -3,13 +3,11 @@ import dataclasses
 import numpy as np
 
 from airlight.rendering import render
-from airlight.techniques import with_pop
 
 from .conftest import SIZE, SMALL
 
 
 def test_smoke_shadows_the_floor_and_shines(smoke_over_floor):
-    assert with_pop.with_pop is not None
     image = render(smoke_over_floor, "auto", SIZE, settings=SMALL, samples=1)
     clear = render(
         dataclasses.replace(smoke_over_floor, volumes=()), "auto", SIZE, settings=SMALL, samples=1

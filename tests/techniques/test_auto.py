@@ -3,38 +3,38 @@ import dataclasses
 import pytest
 
 from airlight.errors import SettingsError
+from airlight.pop.media import PopMedia
 from airlight.rendering import Renderer, render
 from airlight.scene import Medium, PointLight
-from airlight.techniques import checked_settings, composed, settings_class
+from airlight.techniques import checked_settings, settings_class
 
 from .conftest import SIZE, SMALL
 
 
 def chosen(scene) -> str:
-    assert composed.Auto.Settings is composed.AutoSettings
     with Renderer(scene, "auto", SIZE, settings=SMALL) as renderer:
         return renderer.stats()["chosen"]
 
 
 def test_no_air_is_lit_by_a_propagation_volume(foggy_box):
-    assert chosen(dataclasses.replace(foggy_box, medium=None)) == "Lpv"
+    assert chosen(dataclasses.replace(foggy_box, medium=None)) == "lpv"
 
 
 def test_fog_is_solved_on_the_lattice(foggy_box):
-    assert chosen(foggy_box) == "LpvScatter"
+    assert chosen(foggy_box) == "lpv-scatter"
 
 
 def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
     lamp = (PointLight((0.0, 4.0, 0.0), (9.0, 9.0, 9.0)),)
     under_lamp = dataclasses.replace(smoke_over_floor, lights=lamp)
-    assert chosen(under_lamp) == "WithPop", "a density grid is not"
+    assert chosen(under_lamp) == "lpv with pop", "a density grid is not"
     fog = Medium(sigma_t=(0.05, 0.05, 0.05))
-    assert chosen(dataclasses.replace(under_lamp, medium=fog)) == "LpvScatter"
+    assert chosen(dataclasses.replace(under_lamp, medium=fog)) == "lpv-scatter"
     (smoke,) = smoke_over_floor.volumes
     ball = dataclasses.replace(smoke, density=None, shape="sphere")
-    assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "LpvScatter"
+    assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "lpv-scatter"
     thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
-    assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "WithPop"
+    assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "lpv with pop"
 
 
 def test_all_three_solvers_in_one_frame(smoke_over_floor):
@@ -55,8 +55,8 @@ def test_auto_takes_the_settings_of_what_it_chooses(foggy_box, smoke_over_floor)
     several = {**SMALL, "ordinates": 9, "iterations": 3, "march_resolution": "full"}
     with Renderer(smoke_over_floor, "auto", SIZE, settings=several) as renderer:
         assert renderer.stats()["iterations"] == 3
-        assert renderer.technique.chosen.solvers[0].settings.ordinates == 9
-        assert renderer.technique.chosen.solvers[0].settings.iterations == 20
+        assert renderer.technique.find(PopMedia).solvers[0].settings.ordinates == 9
+        assert renderer.technique.find(PopMedia).solvers[0].settings.iterations == 20
 
 
 def test_a_setting_that_auto_has_not_here_is_told_with_who_has_it(foggy_box):

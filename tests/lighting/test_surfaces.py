@@ -6,9 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from airlight.lighting.kit import SurfaceSettings, scene_nest
 
 from airlight.errors import SettingsError
+from airlight.lighting.kit import SurfaceSettings, scene_nest
 from airlight.rendering import Renderer
 from airlight.scene import (
     Camera,
@@ -200,14 +200,14 @@ def test_a_metal_has_no_matt_part(picture, square):
 )  # fmt: skip
 def test_bad_bounds_are_refused(bounds, message):
     with pytest.raises(SettingsError) as caught:
-        scene_placement(Scene(), SurfaceSettings(bounds=bounds))
+        scene_nest(Scene(), SurfaceSettings(bounds=bounds))
     assert str(caught.value) == message
 
 
 def test_the_lattice_is_over_the_scene_or_the_given_box(square):
     scene = Scene(meshes=(square((1, 2, 3), (2, 0, 0), (0, 0, 1)),))
-    lower, upper = scene_placement(scene, SurfaceSettings(resolution=16)).bounds
+    lower, upper = scene_nest(scene, SurfaceSettings(resolution=16)).levels[-1].bounds
     np.testing.assert_allclose((lower + upper) / 2.0, [1, 2, 3])
     given = SurfaceSettings(bounds=(-9.0, -9.0, -9.0, -8.0, -8.0, -8.0))
-    lower, upper = scene_placement(scene, given).bounds
+    lower, upper = scene_nest(scene, given).levels[-1].bounds
     np.testing.assert_allclose((lower + upper) / 2.0, [-8.5] * 3)
