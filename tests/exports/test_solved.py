@@ -54,7 +54,8 @@ def on_device(gpu, commands, kernel, owned):
         p, n = (owned(buffer_of(gpu, "rows", r)) for r in rows)
         results = owned(Buffer(gpu, "results", rows[0].nbytes))
         kernel(MAIN, SLOTS).dispatch(
-            commands, (len(points),), **used.lattice_bound, **used.blockers.bound,
+            commands, (len(points),), **used.fields.irradiance.bound,
+            **used.kit.blockers.bound,
             linear_clamp=linear_sampler(gpu), points=p, normals=n, results=results,
         )  # fmt: skip
         commands.submit()

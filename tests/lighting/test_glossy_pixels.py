@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.gpu.device import Gpu
-from airlight.lighting import direct
+from airlight.lighting import surfaces
 from airlight.lighting.glossy_pixels import can_list
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene
@@ -37,10 +37,10 @@ def test_apart_or_with_the_rest(
                 "sky_resolution": 16, **more}  # fmt: skip
     seen = {}
     for is_apart in (True, False):
-        monkeypatch.setattr(direct, "can_list", lambda *_, _is_apart=is_apart: _is_apart)
+        monkeypatch.setattr(surfaces, "can_list", lambda *_, _is_apart=is_apart: _is_apart)
         with Renderer(polished, "lpv", SIZE, settings=settings) as renderer:
             seen[is_apart] = renderer.frame().layers
-            assert (renderer.technique.glossy is not None) == (is_apart and gpu.takes_cpu_paths)
+            assert (renderer.technique.surfaces.glossy is not None) == (is_apart and gpu.takes_cpu_paths)
     for name in ("direct", "indirect"):
         np.testing.assert_allclose(seen[True][name], seen[False][name], rtol=2e-5, atol=1e-6)
     with Renderer(polished, "lpv", SIZE, settings={**settings, "glossy_rays": False}) as renderer:

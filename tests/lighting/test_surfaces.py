@@ -7,8 +7,6 @@ import itertools
 import numpy as np
 import pytest
 
-from airlight.errors import SettingsError
-from airlight.lighting.kit import SurfaceSettings, scene_nest
 from airlight.rendering import Renderer
 from airlight.scene import (
     Camera,
@@ -188,26 +186,3 @@ def test_a_metal_has_no_matt_part(picture, square):
     )
     # the mirrored sun is straight above, nowhere near the camera
     assert image.layers["direct"].max() < 0.05
-
-
-@pytest.mark.parametrize(
-    ("bounds", "message"),
-    [
-        ((0.0, 1.0), "setting bounds has 2 numbers. Give x0,y0,z0,x1,y1,z1"),
-        ((0.0, 0.0, 0.0, 1.0, 0.0, 1.0),
-         "setting bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]"),
-    ],
-)  # fmt: skip
-def test_bad_bounds_are_refused(bounds, message):
-    with pytest.raises(SettingsError) as caught:
-        scene_nest(Scene(), SurfaceSettings(bounds=bounds))
-    assert str(caught.value) == message
-
-
-def test_the_lattice_is_over_the_scene_or_the_given_box(square):
-    scene = Scene(meshes=(square((1, 2, 3), (2, 0, 0), (0, 0, 1)),))
-    lower, upper = scene_nest(scene, SurfaceSettings(resolution=16)).levels[-1].bounds
-    np.testing.assert_allclose((lower + upper) / 2.0, [1, 2, 3])
-    given = SurfaceSettings(bounds=(-9.0, -9.0, -9.0, -8.0, -8.0, -8.0))
-    lower, upper = scene_nest(scene, given).levels[-1].bounds
-    np.testing.assert_allclose((lower + upper) / 2.0, [-8.5] * 3)

@@ -5,13 +5,11 @@ import numpy as np
 from airlight.rendering import render
 from airlight.scene import Environment, Material, Mesh
 from airlight.scene.shapes import quad
-from airlight.techniques import pop
 
 from .conftest import SIZE, SMALL
 
 
 def test_a_ball_of_smoke_scatters_less_than_it_receives(smoke_over_floor):
-    assert pop.Pop.Settings is pop.PopTechniqueSettings
     image = render(smoke_over_floor, "pop", SIZE, settings=SMALL, samples=1)
     scattered = image.layers["scattered"]
     smoke = image.layers["transmittance"][..., 1] < 0.3

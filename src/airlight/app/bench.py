@@ -202,7 +202,7 @@ def _frames(
 def _growth(
     plan: Plan, settings: dict[str, str], adapter: str, loaded: dict[str, Scene], report: Report
 ) -> list[dict[str, Any]]:
-    from ..lpv.lpv import LpvSettings
+    from ..lpv.settings import LpvSettings
     from .bench_frames import PAPER_LATTICE
     from .bench_growth import axes, table
 

@@ -156,5 +156,5 @@ class Kit:
 
 
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_air: bool = False) -> Nest:
-    """One lattice over the scene, with the medium in it if `in_air`, or over the box of settings."""
+    """One lattice over the scene, with its medium if `in_air`, or over the settings' box."""
     return nested(*lattice_box(scene, settings.bounds, in_air=in_air), settings.resolution)

@@ -35,6 +35,7 @@ from .settings import (
 from .technique import Technique
 from .volumes import LatticeVolumes
 
+
 def direct(context: Context, settings: SurfaceSettings) -> Technique:
     """Lights with shadows, emission and the sky on surfaces; nothing bounces, no media."""
     return Technique("direct", Kit(context, settings))
