@@ -142,3 +142,25 @@ def test_bad_number_names_the_line(folder):
     with pytest.raises(SceneError) as error:
         load_mtl(folder / "b.mtl", TextureFiles(folder))
     assert str(error.value).endswith("b.mtl, line 2: 'kd 1 red 0' is not a list of numbers")
+
+
+def test_a_tr_of_1_alone_is_meshlab_s_opaque(material):
+    m, warnings = material("Kd 1 1 1\nTr 1.000000\n")
+    assert m.alpha == 1.0
+    (line,) = warnings
+    assert "'Tr 1' of 'm' is taken for opaque" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "alpha"), [("Tr 0\n", 1.0), ("Tr 0.75\n", 0.25), ("d 0\nTr 1\n", 0.0), ("d 0\n", 0.0)]
+)
+def test_other_transparency_is_one_minus_opacity(material, text, alpha):
+    assert material(text)[0].alpha == alpha
+
+
+def test_a_black_kd_beside_an_image_shows_the_image(material):
+    m, _ = material("Kd 0 0 0\nmap_Kd orange.png\n")
+    assert m.base_color == (1.0, 1.0, 1.0)
+    assert m.base_color_texture is not None
+    assert material("Kd 0.5 0 0\nmap_Kd orange.png\n")[0].base_color == (0.5, 0.0, 0.0)
+    assert material("Kd 0 0 0\n")[0].base_color == (0.0, 0.0, 0.0)

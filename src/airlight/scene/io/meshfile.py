@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,15 @@ from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from .files import read_bytes
 from .normals import Ints, compact, creased_normals
+from .polygons import triangulated
 
 GREY = Material(name="grey", base_color=(0.6, 0.6, 0.6))
+_INDEX_NAMES = ("vertex_indices", "vertex_index")
+_VERTEX_NAMES = (
+    *("x", "y", "z", "nx", "ny", "nz"),
+    *("red", "green", "blue", "alpha", "r", "g", "b", "a"),
+    *("diffuse_red", "diffuse_green", "diffuse_blue"),
+)
 PAINTED = Material(name="vertex colours", base_color=(1.0, 1.0, 1.0))
 
 
@@ -32,6 +40,7 @@ def load_mesh_file(path: Path) -> Scene:
     positions, triangles = _shape(mesh, path)
     normals = _file_normals(mesh)
     colors = _colors(mesh)
+    warnings = tuple(f"{path}: {line}" for line in _unread(mesh))
     del mesh  # its arrays are as large as the file's
     if normals is None:
         rows, indices, normals = _with_normals(positions, triangles, keep=colors is not None)
@@ -46,7 +55,9 @@ def load_mesh_file(path: Path) -> Scene:
         colors=colors,
     )
     material = GREY if colors is None else PAINTED
-    return Scene(meshes=(Mesh(geometry, material, name=path.stem),), name=path.stem)
+    return Scene(
+        meshes=(Mesh(geometry, material, name=path.stem),), name=path.stem, warnings=warnings
+    )
 
 
 def _read(path: Path) -> Any:
@@ -55,7 +66,9 @@ def _read(path: Path) -> Any:
     raw = read_bytes(path)
     kind = path.suffix.lower().lstrip(".")
     try:
-        loaded = trimesh.load(io.BytesIO(raw), file_type=kind, process=False)
+        # Vertices stay as the file numbers them, whatever texture coordinates it has.
+        more = {"fix_texture": False} if kind == "ply" else {}
+        loaded = trimesh.load(io.BytesIO(raw), file_type=kind, process=False, **more)
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_geometry()
     except Exception as error:  # its readers raise KeyError, ValueError, IndexError, ...
@@ -78,7 +91,55 @@ def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32
             f"the file has {len(positions)} vertices",
             where=path,
         )
+    polygons = _polygons(mesh)
+    if polygons is not None:
+        corners, sizes = polygons
+        triangles = corners[triangulated(positions, corners, sizes)[0]]
     return positions, triangles.astype(np.int32)
+
+
+def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+    """Corners one after the other and their number per face of a PLY file that has others than
+    triangles; None where it has not. (trimesh cuts them into fans, concave ones wrongly.)"""
+    data = _ply_data(mesh, "face")
+    names = [name for name in _names(data) if name in _INDEX_NAMES]
+    if not names:
+        return None
+    listed = data[names[0]]
+    if getattr(listed, "dtype", None) is not None and listed.dtype.names:
+        listed = listed["f1"]  # of a binary file: count and corners
+    if getattr(listed, "ndim", 1) == 2:
+        sizes = np.full(len(listed), listed.shape[1], dtype=np.int64)
+        corners = listed.reshape(-1)
+    else:
+        sizes = np.array([len(face) for face in listed], dtype=np.int64)
+        corners = np.concatenate(list(listed))
+    if not len(sizes) or sizes.max() <= 3:
+        return None
+    return corners.astype(np.int64), sizes
+
+
+def _unread(mesh: Any) -> Iterator[str]:
+    """What a PLY file holds that is not used."""
+    elements = mesh.metadata.get("_ply_raw", {})
+    for element, known in (("vertex", _VERTEX_NAMES), ("face", _INDEX_NAMES)):
+        unknown = [name for name in _names(_ply_data(mesh, element)) if name not in known]
+        if unknown:
+            yield f"the {element} properties {', '.join(unknown)} are not read"
+    others = [name for name in elements if name not in ("vertex", "face")]
+    if others:
+        yield f"the elements {', '.join(others)} are not read"
+
+
+def _ply_data(mesh: Any, element: str) -> Any:
+    """A PLY element's values by property; empty for another kind of file."""
+    return mesh.metadata.get("_ply_raw", {}).get(element, {}).get("data", {})
+
+
+def _names(data: Any) -> list[str]:
+    if isinstance(data, dict):
+        return list(data)
+    return list(getattr(getattr(data, "dtype", None), "names", None) or ())
 
 
 def _file_normals(mesh: Any) -> NDArray[np.float64] | None:

@@ -1,9 +1,9 @@
 """Wavefront MTL, with the physically based keys that exporters added, as airlight materials.
 
-Kd, map_Kd        base colour (linear; the image is sRGB and multiplies)
+Kd, map_Kd        base colour (linear; the image is sRGB and multiplies, but a black Kd)
 Ks, Ns            dielectric specular and roughness; a bright Ks over a black Kd is a metal
 Pr, Pm, map_*     roughness and metallic; they win over Ks and Ns
-d, Tr, map_d      coverage: below one half the surface is not there
+d, Tr, map_d      coverage: below one half the surface is not there; Tr = 1 alone is opaque
 Ke, map_Ke        emitted radiance
 norm, map_Bump    normal map (a height map is told apart and left out)
 """
@@ -170,6 +170,9 @@ def _base_texture(block: _Block, textures: TextureFiles) -> Texture | None:
 def _reflection(block: _Block, textures: TextureFiles) -> dict[str, Any]:
     """Base colour, roughness, metallic and specular."""
     kd = block.color("kd") or (0.8, 0.8, 0.8)
+    if max(kd) == 0.0 and block.image("map_kd") is not None:
+        # Exporters write a black Kd beside an image, and viewers show the image.
+        kd = (1.0, 1.0, 1.0)
     ks = block.color("ks") or (0.0, 0.0, 0.0)
     if max(kd) > 1.0:
         textures.warnings.append(f"{block.path}: Kd of '{block.name}' is above 1 and was cut")
@@ -220,6 +223,13 @@ def _roughness_metallic_maps(
 def _coverage(block: _Block, textures: TextureFiles, base: Texture | None) -> dict[str, Any]:
     """Alpha mask and base-colour texture. `d 0` beside a map_d is an exporter's habit: it is 1."""
     opacity, transparency = block.number("d"), block.number("tr")
+    if transparency is not None and transparency >= 1.0 and opacity is None:
+        # By the book it is invisible, which nobody means: MeshLab writes opacity under this name.
+        textures.warnings.append(
+            f"{block.path}: 'Tr {transparency:g}' of '{block.name}' is taken for opaque, as "
+            "MeshLab means it; for a surface that is not there write d 0"
+        )
+        transparency = None
     alpha = 1.0 if transparency is None else 1.0 - transparency
     alpha = _unit(alpha if opacity is None else opacity)
     mask = block.image("map_d", "map_opacity")

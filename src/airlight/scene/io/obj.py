@@ -1,8 +1,8 @@
 """Wavefront OBJ with its MTL: one mesh per material.
 
-Polygons are cut into fans. Corners without a normal get one (normals.py); `s off` asks for
-flat shading. v runs upwards in OBJ and downwards in airlight, so it is flipped here. Colours
-after a vertex position (`v x y z r g b`) are taken as sRGB, as scanners write them.
+Polygons are cut into triangles (polygons.py). Corners without a normal get one (normals.py);
+`s off` asks for flat shading. v runs upwards in OBJ and downwards in airlight, so it is flipped
+here. Colours after a vertex position (`v x y z r g b`) are taken as sRGB, as scanners write them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from .files import read_bytes
 from .mtl import load_mtl
 from .normals import compact, creased_normals
 from .obj_parse import I64, Floats, ObjData, parse_obj
+from .polygons import triangulated
 from .texture_files import TextureFiles
 
 
@@ -50,12 +51,8 @@ class _Triangles:
 
 
 def _triangles(data: ObjData) -> _Triangles:
-    """Fans: corner 0 with every edge not touching it; every corner gets a normal."""
-    count = np.maximum(data.sizes - 2, 0)
-    polygon = np.repeat(np.arange(len(count)), count)
-    first = (np.cumsum(data.sizes) - data.sizes)[polygon]
-    step = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
-    at = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    """Polygons cut up; every corner gets a normal."""
+    at, polygon = triangulated(data.positions, data.corners[:, 0], data.sizes)
     corners = data.corners[at]
     normals = data.normals
     missing = corners[:, :, 2] < 0

@@ -1,0 +1,94 @@
+"""Polygons cut into triangles: convex ones into fans, concave ones by ear clipping.
+
+A fan of a concave polygon covers what lies outside of it: an L-shaped face of 7 m^2 becomes one of
+16 m^2. Most files hold triangles and convex quads, so polygons are sorted by arrays and only the
+few concave ones of more than four corners are clipped one by one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import F64
+
+I64 = NDArray[np.int64]
+
+_AT_ONCE = 1 << 19  # corners whose turns are looked at together
+_STRAIGHT = 1e-9  # of a polygon's extent squared: turns that count for none
+
+
+def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
+    """Corner numbers (T, 3) of the triangles, and the polygon (T,) of each.
+
+    `positions` (P, 3); `corners` (C,) their rows, polygon after polygon; `sizes` (F,) corners of
+    each polygon; those of fewer than three give nothing. Triangles go round as their polygon does.
+    Polygons that are not flat are judged in their mean plane; those without area, or that cross
+    themselves so that no ear can be clipped, become fans.
+    """
+    count = np.maximum(sizes - 2, 0)
+    polygon = np.repeat(np.arange(len(count)), count)
+    starts = np.cumsum(sizes) - sizes
+    step = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
+    first = starts[polygon]
+    at = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    begins = np.cumsum(count) - count
+    for size in np.unique(sizes[sizes > 3]).tolist():
+        rows = np.flatnonzero(sizes == size)
+        for part in np.array_split(rows, -(-len(rows) * size // _AT_ONCE)):
+            _cut_concave(positions, corners, starts[part], size, at, begins[part])
+    return at, polygon
+
+
+def _cut_concave(
+    positions: F64, corners: I64, starts: I64, size: int, at: I64, begins: I64
+) -> None:
+    """Replace the fans of the concave ones of polygons of one size, in `at`."""
+    number = starts[:, None] + np.arange(size)
+    shape = positions[corners[number]]
+    shape = shape - shape.mean(axis=1, keepdims=True)
+    ahead = np.roll(shape, -1, axis=1)
+    normal = np.cross(shape, ahead).sum(axis=1)  # twice the area, Newell's normal
+    turn = np.cross(shape - np.roll(shape, 1, axis=1), ahead - shape)
+    left = np.einsum("fkc,fc->fk", turn, normal)
+    limit = _STRAIGHT * np.square(np.abs(shape).max(axis=(1, 2))) * np.linalg.norm(normal, axis=1)
+    is_reflex = left < -limit[:, None]
+    for k in np.flatnonzero(is_reflex.any(axis=1)).tolist():
+        cut = _quad(is_reflex[k]) if size == 4 else _clipped(shape[k], normal[k])
+        if cut is not None:
+            at[begins[k] : begins[k] + size - 2] = starts[k] + cut
+
+
+def _quad(is_reflex: NDArray[np.bool_]) -> I64:
+    """Cut at the inner corner of an arrowhead."""
+    k = int(is_reflex.argmax())
+    return (np.array([[0, 1, 2], [0, 2, 3]]) + k) % 4
+
+
+def _clipped(shape: F64, normal: F64) -> I64 | None:
+    """Triangles (K - 2, 3) of one polygon (K, 3), or None where ears cannot be clipped.
+
+    Where corners in line were left out the last rows are triangles without area.
+    """
+    import mapbox_earcut
+
+    axis = int(np.abs(normal).argmax())
+    flat = np.ascontiguousarray(np.delete(shape, axis, axis=1))
+    ends = np.array([len(flat)], dtype=np.uint32)
+    cut = mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
+    if not 0 < len(cut) <= len(flat) - 2:
+        return None
+    a, b, c = flat[cut].transpose(1, 0, 2)
+    area = _area(b - a, c - a)
+    whole = 0.5 * float(_area(flat, np.roll(flat, -1, axis=0)).sum())
+    if not np.isclose(0.5 * np.abs(area).sum(), abs(whole), rtol=1e-6):
+        return None  # it crosses itself
+    is_turned = area * whole < 0.0
+    cut[is_turned] = cut[is_turned][:, ::-1]
+    missing = len(flat) - 2 - len(cut)
+    return np.concatenate([cut, np.repeat(cut[-1:, [0, 0, 1]], missing, axis=0)])
+
+
+def _area(u: F64, v: F64) -> F64:
+    area: F64 = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return area
