@@ -8,6 +8,7 @@ import pytest
 import wgpu
 
 from airlight.errors import DeviceError, SettingsError
+from airlight.gpu.device import AdapterInfo, adapters
 from airlight.gpu.failures import MEMORY_REMEDY, refused
 
 LOST = "Make a new Renderer; if it is lost again, take another adapter ('cpu' needs no GPU)"
@@ -74,9 +75,25 @@ def test_a_lost_device_says_so_and_the_next_one_asked_for_is_another(child):
     assert name and said == [f"the device was lost: {name}. {LOST}"] * 9 + ["True True True"]
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory as Linux does")
+@pytest.fixture(scope="module")
+def cpu_adapter() -> AdapterInfo:
+    """One whose memory is the process's, or a skip."""
+    found = [info for info in adapters() if info.is_cpu]
+    if not found:
+        pytest.skip("no CPU adapter: only its memory can be limited")
+    return found[0]
+
+
+LIMITED = pytest.mark.skipif(
+    sys.platform != "linux", reason="limits a process's memory as Linux does"
+)
+
+
+@LIMITED
 @pytest.mark.parametrize("is_written", [False, True])
-def test_memory_that_runs_out_is_said_and_what_was_drawn_before_goes_on(child, is_written):
+def test_memory_that_runs_out_is_said_and_what_was_drawn_before_goes_on(
+    child, cpu_adapter, is_written
+):
     said = child(f"""
     import resource
     from airlight.gpu.device import open_gpu
@@ -106,3 +123,55 @@ def test_memory_that_runs_out_is_said_and_what_was_drawn_before_goes_on(child, i
     assert len(said) == 2
     assert "memory left" in said[0] and said[0].endswith(MEMORY_REMEDY)
     assert said[1] == "True"
+
+
+@LIMITED
+@pytest.mark.parametrize("is_found", [False, True])
+def test_too_little_memory_to_open_the_device_is_said(child, cpu_adapter, is_found):
+    said = child(f"""
+    import resource
+    from airlight.gpu.device import adapters, open_gpu
+    if {is_found}:
+        adapters()
+    held = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (held + (60 << 20), resource.RLIM_INFINITY))
+    try:
+        open_gpu("cpu")
+    except al.DeviceError as error:
+        print(error)
+    """)
+    least = 128 if is_found else 512
+    said_first = f"less than {least} MiB of memory are left for the graphics driver"
+    assert said == [f"{said_first}. {MEMORY_REMEDY}"]
+
+
+@LIMITED
+def test_the_command_line_says_it_in_one_line_and_exits_with_2(child, cpu_adapter, tmp_path):
+    said = child(f"""
+    import resource, sys
+    from airlight.app import cli
+    from airlight.gpu.device import open_gpu
+    gpu = open_gpu("cpu")
+    held = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (held + (300 << 20), resource.RLIM_INFINITY))
+    asked = ["render", "builtin:cornell", "--adapter", "cpu", "--technique", "direct", "-o",
+             {str(tmp_path / "a.png")!r}, "--samples", "1"]
+    code = cli.run([*asked, "--size", "4000x4000"])
+    print(code)
+    resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    from airlight.rendering import Renderer
+    draw = Renderer._draw
+    def lost(self, *args):
+        gpu.device.destroy()
+        return draw(self, *args)
+    Renderer._draw = lost
+    print(cli.run([*asked, "--size", "8x8"]))
+    Renderer._draw = draw
+    print(cli.run([*asked, "--size", "8x8"]))
+    """)
+    assert [line for line in said if line.isdigit()] == ["2", "2", "0"]
+    errors = [line for line in said if line.startswith("error: ")]
+    assert len(errors) == 2
+    assert "no memory" in errors[0] and errors[0].endswith(MEMORY_REMEDY)
+    assert errors[1].startswith("error: the device was lost: ") and errors[1].endswith(LOST)
+    assert not any("internal error" in line or "DEVICE LOST" in line for line in said)

@@ -59,6 +59,25 @@ def test_array_layers_come_back_one_by_one_and_together(gpu, owned, format):
     np.testing.assert_array_equal(made.read(), np.stack(layers))
 
 
+@pytest.mark.parametrize("rows", [1, 3, 4, 7, 8])
+def test_what_no_buffer_holds_comes_back_in_parts(gpu, owned, monkeypatch, rows):
+    given = texels("rgba16float", (3, 4, 5))
+    made = owned(Texture(gpu, "layers", (5, 4, 3), "rgba16float", dimension="2d-array"))
+    made.write(given)
+    monkeypatch.setitem(gpu.limits, "max-buffer-size", 256 * rows)
+    np.testing.assert_array_equal(made.read(), given)
+    np.testing.assert_array_equal(made.read(layer=2), given[2])
+
+
+def test_what_nobody_released_is_not_counted_when_it_is_gone(gpu):
+    before = gpu.allocated_bytes
+    kept = [Texture(gpu, "picture", (5, 3), "r8unorm"), Buffer(gpu, "numbers", 64)]
+    assert gpu.allocated_bytes > before
+    kept[0].release()
+    kept.clear()
+    assert gpu.allocated_bytes == before
+
+
 def test_an_array_may_be_written_whole(gpu, owned):
     made = owned(Texture(gpu, "layers", (5, 3, 2), "r32float", dimension="2d-array"))
     given = texels("r32float", (2, 3, 5))

@@ -18,7 +18,7 @@ from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
 
 from ..errors import DeviceError
 from .code_paths import Paths, chosen_paths
-from .failures import Guarded, is_alive, lost
+from .failures import OPEN_REMEDY, TO_FIND, TO_OPEN, Guarded, check_memory, is_alive, lost
 from .pipelines import Pipelines
 from .process import enter_driver
 from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
@@ -86,6 +86,7 @@ def _enumerate() -> list[Any]:
     enter_driver()
     with _OPENING:
         if not _found:
+            check_memory(TO_FIND)
             if not os.environ.get("XDG_RUNTIME_DIR") and os.name == "posix":
                 os.environ["XDG_RUNTIME_DIR"] = tempfile.gettempdir()
             try:
@@ -151,6 +152,7 @@ class Gpu:
 
     def __init__(self, info: AdapterInfo, paths: Paths) -> None:
         adapter = _enumerate()[info.index]
+        check_memory(TO_OPEN)
         self.info, self.paths = info, paths
         self.features = [f for f in _FEATURES if f in adapter.features]
         wanted = {**_LIMITS, **(_UNIFORMS_IN_STORAGE if self.takes_cpu_paths else {})}
@@ -161,7 +163,9 @@ class Gpu:
             )
         except (RuntimeError, wgpu.GPUError) as error:
             reason = " ".join(str(error).split())
-            raise DeviceError(f"{info.name} could not be opened: {reason}") from None
+            raise DeviceError(
+                f"{info.name} could not be opened: {reason}", remedy=OPEN_REMEDY
+            ) from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
         if self.takes_cpu_paths and not info.is_cpu:

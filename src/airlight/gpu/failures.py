@@ -6,7 +6,9 @@ The one place that knows how wgpu says so.
 from __future__ import annotations
 
 import logging
+import os
 import re
+from mmap import mmap
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -22,6 +24,9 @@ MEMORY_REMEDY = (
     "Lower the image's size or the technique's resolution, or close other Renderers and programs"
 )
 LOST_REMEDY = "Make a new Renderer; if it is lost again, take another adapter ('cpu' needs no GPU)"
+OPEN_REMEDY = "Close what else uses the device or the memory, or choose another adapter (--adapter)"
+TO_FIND, TO_OPEN = 512 << 20, 128 << 20
+"""Bytes of addresses that drivers may want for themselves: with less, Mesa's end the process."""
 _NO_MEMORY = re.compile(r"not enough memory|out of memory|OutOfMemory", re.IGNORECASE)
 _LABEL = re.compile(r"label = '([^']*)'")
 _LOGGED = ("DEVICE LOST!", "The WGPU device was lost")  # by wgpu-py, beside our own message
@@ -68,6 +73,18 @@ def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
 def lost(gpu: Gpu) -> DeviceError:
     """That the device is gone, and what to do."""
     return DeviceError(f"the device was lost: {gpu.info.name}", remedy=LOST_REMEDY)
+
+
+def check_memory(nbytes: int) -> None:
+    """Raise DeviceError where there are not so many bytes left for the graphics driver."""
+    unused = {"prot": 0} if os.name == "posix" else {}  # addresses alone: most are never used
+    try:
+        mmap(-1, nbytes, **unused).close()
+    except (OSError, MemoryError):
+        raise DeviceError(
+            f"less than {nbytes >> 20} MiB of memory are left for the graphics driver",
+            remedy=MEMORY_REMEDY,
+        ) from None
 
 
 def is_alive(gpu: Gpu) -> bool:

@@ -115,17 +115,36 @@ class Texture(_Counted):
         """The texels: (H, W, C), or (D, H, W, C) for 3D and arrays; C dropped where it is 1."""
         width, height, depth = self.size
         dtype, channels = _DTYPES[self.format]
-        layers = depth if layer is None else 1
-        row = width * channels * np.dtype(dtype).itemsize
-        with self.gpu.guarded():
-            raw = self.gpu.queue.read_texture(
-                {"texture": self.handle, "mip_level": 0, "origin": (0, 0, layer or 0)},
-                {"bytes_per_row": row, "rows_per_image": height},
-                (width, height, layers),
-            )
-        texels = np.frombuffer(raw, dtype).reshape(layers, height, width, channels)
+        first, layers = (0, depth) if layer is None else (layer, 1)
+        # What is read at once goes through a buffer, which has a largest size.
+        most = self.gpu.limits["max-buffer-size"] // (-(-self._row_bytes // 256) * 256)
+        if height * layers <= most:
+            texels = self._part((0, first), (height, layers))
+        else:
+            texels = np.empty((layers, height, width, channels), dtype)
+            for z in range(layers):
+                for y in range(0, height, most):
+                    rows = min(most, height - y)
+                    texels[z, y : y + rows] = self._part((y, first + z), (rows, 1))[0]
         texels = texels[0] if layers == 1 else texels
         return texels[..., 0] if channels == 1 else texels
+
+    @property
+    def _row_bytes(self) -> int:
+        dtype, channels = _DTYPES[self.format]
+        return self.size[0] * channels * np.dtype(dtype).itemsize
+
+    def _part(self, origin: tuple[int, int], count: tuple[int, int]) -> NDArray[Any]:
+        """Whole rows of whole layers, `count` of each from `origin` on: (layers, rows, W, C)."""
+        (y, z), (rows, layers) = origin, count
+        dtype, channels = _DTYPES[self.format]
+        with self.gpu.guarded():
+            raw = self.gpu.queue.read_texture(
+                {"texture": self.handle, "mip_level": 0, "origin": (0, y, z)},
+                {"bytes_per_row": self._row_bytes, "rows_per_image": rows},
+                (self.size[0], rows, layers),
+            )
+        return np.frombuffer(raw, dtype).reshape(layers, rows, self.size[0], channels)
 
 
 class Buffer(_Counted):
