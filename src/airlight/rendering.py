@@ -27,6 +27,7 @@ from .scene.environment import Environment
 from .scene.image import Image
 from .scene.io import load
 from .scene.lights import Light
+from .scene.limits import check_extent
 from .scene.mesh import Mesh
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
@@ -66,6 +67,7 @@ class Renderer:
         self._began_s = perf_counter()
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
+        check_extent(self.scene)
         self._wanted = (technique, dict(settings or {}), adapter)
         self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []

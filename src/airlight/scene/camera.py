@@ -34,7 +34,7 @@ class Camera:
         put(self, "up", checks.unit_vec3(self.up, "camera up"))
         put(self, "fov_y_deg", checks.number(self.fov_y_deg, "fov_y_deg", low=0.1, high=179.0))
         if self.exposure_stops is not None:
-            put(self, "exposure_stops", checks.number(self.exposure_stops, "exposure_stops"))
+            put(self, "exposure_stops", checks.stops(self.exposure_stops, "exposure_stops"))
         look = np.subtract(self.target, self.position)
         if not np.any(look):
             raise SceneError("camera position and target are the same point")

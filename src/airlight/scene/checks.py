@@ -21,10 +21,17 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 
-def number(value: Any, name: str, *, low: float = -math.inf, high: float = math.inf) -> float:
+MOST = 1e15
+"""Of any number, light and extinction among them: single precision holds its square."""
+MOST_M = 1e9
+"""Metres of any place and size: single precision holds the square of an area."""
+MOST_STOPS = 64.0
+
+
+def number(value: Any, name: str, *, low: float = -MOST, high: float = MOST) -> float:
     """A finite number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise SceneError(f"{name} must be a number, not {value!r}")
+        raise SceneError(f"{name} must be a number, not {shown(value)}")
     try:
         x = float(value)
     except OverflowError:
@@ -36,20 +43,35 @@ def number(value: Any, name: str, *, low: float = -math.inf, high: float = math.
     return x
 
 
+def shown(value: Any) -> str:
+    """What was written, cut where it is long."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a number of more digits than Python prints
+        return f"a {type(value).__name__} too long to show"
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _is_list_of(count: int, value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0 and len(value) == count
+    return isinstance(value, Sequence) and not isinstance(value, str) and len(value) == count
+
+
 def stops(value: Any, name: str) -> float | None:
     """A finite number, or None for "auto"."""
     if isinstance(value, str):
         if value != "auto":
-            raise SceneError(f'{name} must be a number or "auto", not {value!r}')
+            raise SceneError(f'{name} must be a number or "auto", not {shown(value)}')
         return None
-    return number(value, name)
+    return number(value, name, low=-MOST_STOPS, high=MOST_STOPS)
 
 
-def vec3(value: Any, name: str) -> Vec3:
-    """Three finite numbers."""
-    if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) != 3:
-        raise SceneError(f"{name} must be three numbers, not {value!r}")
-    x, y, z = (number(v, name) for v in value)
+def vec3(value: Any, name: str, *, high: float = MOST_M) -> Vec3:
+    """Three numbers in [-high, high]: by default a place or a size in metres."""
+    if not _is_list_of(3, value):
+        raise SceneError(f"{name} must be three numbers, not {shown(value)}")
+    x, y, z = (number(v, name, low=-high, high=high) for v in value)
     return (x, y, z)
 
 
@@ -62,10 +84,10 @@ def unit_vec3(value: Any, name: str) -> Vec3:
     return (v[0] / length, v[1] / length, v[2] / length)
 
 
-def rgb(value: Any, name: str, *, high: float = math.inf) -> Rgb:
+def rgb(value: Any, name: str, *, high: float = MOST) -> Rgb:
     """A linear Rec.709 triple of non-negative numbers; one number stands for grey."""
     grey = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    triple = vec3([value] * 3 if grey else value, name)
+    triple = vec3([value] * 3 if grey else value, name, high=math.inf)
     if min(triple) < 0.0:
         raise SceneError(f"{name} = {list(triple)} is negative")
     if max(triple) > high:
@@ -75,8 +97,8 @@ def rgb(value: Any, name: str, *, high: float = math.inf) -> Rgb:
 
 def bounds(value: Any, name: str) -> Bounds:
     """A box ((x0, y0, z0), (x1, y1, z1)) in metres with positive extent on every axis."""
-    if not isinstance(value, (Sequence, np.ndarray)) or len(value) != 2:
-        raise SceneError(f"{name} must be two corners [[x, y, z], [x, y, z]], not {value!r}")
+    if not _is_list_of(2, value):
+        raise SceneError(f"{name} must be two corners [[x, y, z], [x, y, z]], not {shown(value)}")
     low, high = vec3(value[0], name), vec3(value[1], name)
     if any(a >= b for a, b in zip(low, high, strict=True)):
         raise SceneError(f"{name} is empty: {list(low)} to {list(high)}")
@@ -86,20 +108,23 @@ def bounds(value: Any, name: str) -> Bounds:
 def text(value: Any, name: str) -> str:
     """A string."""
     if not isinstance(value, str):
-        raise SceneError(f"{name} must be text, not {value!r}")
+        raise SceneError(f"{name} must be text, not {shown(value)}")
     return value
 
 
 def boolean(value: Any, name: str) -> bool:
     """true or false."""
     if not isinstance(value, (bool, np.bool_)):
-        raise SceneError(f"{name} must be true or false, not {value!r}")
+        raise SceneError(f"{name} must be true or false, not {shown(value)}")
     return bool(value)
 
 
-def _is_finite(values: NDArray[Any]) -> bool:
-    """Whether all values are finite, by their extremes: no array as large is made."""
-    return bool(values.size == 0 or np.isfinite([values.min(), values.max()]).all())
+def at_most(values: NDArray[Any], most: float, name: str) -> None:
+    """Raise SceneError where an array holds more than `most`, or less than its negative."""
+    if values.size:
+        largest = max(float(values.max()), -float(values.min()))
+        if largest > most:
+            raise SceneError(f"{name} holds {largest:g}, at most {most:g} can be used")
 
 
 def array(
@@ -115,7 +140,7 @@ def array(
     if not fits:
         want_text = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
         raise SceneError(f"{name} has shape {a.shape}, it must be {want_text}")
-    if np.issubdtype(dtype, np.floating) and not _is_finite(a):
+    if np.issubdtype(dtype, np.floating) and not np.isfinite(a).all():
         raise SceneError(
             f"{name} has {int((~np.isfinite(a)).sum())} values that are NaN or infinite"
         )

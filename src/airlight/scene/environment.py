@@ -40,6 +40,7 @@ class Environment:
             )
             if pixels.size == 0:
                 raise SceneError("environment map has no pixels")
+            checks.at_most(pixels, checks.MOST, "environment map")
             if pixels.min() < 0.0:
                 pixels = np.maximum(pixels, 0.0)
             put(self, "map", pixels)

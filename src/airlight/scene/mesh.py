@@ -36,6 +36,7 @@ class Geometry:
         positions = checks.array(
             self.positions, "vertex positions", shape=(None, 3), dtype=np.float32
         )
+        checks.at_most(positions, checks.MOST, "vertex positions")
         indices = _checked_indices(self.indices, len(positions))
         put(self, "positions", positions)
         put(self, "indices", indices)
@@ -69,6 +70,7 @@ class Mesh:
             shape=(4, 4),
             dtype=np.float64,
         )
+        checks.at_most(matrix, checks.MOST, f"transform of mesh '{self.name}'")
         object.__setattr__(self, "world_from_object", matrix)
 
     @property

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
+from . import checks
 from .checks import F32
 
 MOST = 4_000_000
@@ -39,6 +40,8 @@ class PointLights:
             )
         if (intensities < 0.0).any():
             raise SceneError(f"intensities: row {_first(intensities < 0.0)} is negative")
+        checks.at_most(positions, checks.MOST_M, "positions")
+        checks.at_most(intensities, checks.MOST, "intensities")
         wide = np.broadcast_to(intensities, positions.shape)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "intensities", np.ascontiguousarray(wide))

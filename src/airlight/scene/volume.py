@@ -62,6 +62,7 @@ def _checked_density(density: F32) -> F32:
         raise SceneError("volume density is empty")
     if grid.min() < 0.0:
         raise SceneError(f"volume density is negative (down to {float(grid.min()):g})")
+    checks.at_most(grid, checks.MOST, "volume density")
     # A volume made from another keeps its very array: it need not be uploaded again.
     is_shared = isinstance(density, np.ndarray) and np.shares_memory(density, grid)
     return density if is_shared and not density.flags.writeable else grid

@@ -246,7 +246,7 @@ MISTAKES = [
     (BOX + '[environment]\nfile = "."\n',
      "[environment]: file '.' is a folder, not a file. Paths are relative to the scene file."),
     (BOX + "[environment]\nscale = -1\n", "[environment]: environment scale = -1 is outside "
-     "[0, inf]"),
+     "[0, 1e+15]"),
     (BOX + "[environment]\nvisible = 1\n", "[environment]: visible must be true or false, not 1"),
     ("[medium]\nsigma_s = 1\nalbedo = 0.5\n", "[medium] mixes sigma_s with albedo. "
      "Use sigma_t and albedo, or sigma_s and sigma_a."),

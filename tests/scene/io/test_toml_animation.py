@@ -122,7 +122,7 @@ MISTAKES = [
     (BOX + "[animation]\nfps = 3\n",
      "there is an [animation], but nothing moves. Add [[camera.key]], [[light.key]], [[mesh.key]], "
      "[[environment.key]] or a volume sequence."),
-    (BOX + "[animation]\nfps = 0\n", "[animation]: fps = 0 is outside [1e-06, inf]"),
+    (BOX + "[animation]\nfps = 0\n", "[animation]: fps = 0 is outside [1e-06, 1e+06]"),
     ('[[volume]]\nsequence = "no/*.npy"\nsigma_t = 1\n',
      "[[volume]] 1: sequence 'no/*.npy' names no files. "
      "Paths are relative to the scene file; * stands for any number."),

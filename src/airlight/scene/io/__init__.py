@@ -17,6 +17,7 @@ from pathlib import Path
 
 from ...errors import SceneError, nearest
 from ..camera import Camera
+from ..limits import check_extent
 from ..scene import Scene
 from .files import naming, regular_file
 
@@ -40,26 +41,29 @@ def load(path: str | Path) -> Scene:
 
         return builtin_scene(written.removeprefix(BUILTIN_PREFIX))
     file = Path(path)
+    with naming(file):
+        scene = _loaded(file)
+        check_extent(scene)
+    return scene
+
+
+def _loaded(file: Path) -> Scene:
     suffix = file.suffix.lower()
     if suffix == ".toml":
         from .doubts import doubts
         from .toml import load_toml
 
-        with naming(file):
-            scene = load_toml(file)
-            return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
+        scene = load_toml(file)
+        return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        with naming(file):
-            return load_mitsuba(file)
+        return load_mitsuba(file)
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        with naming(file):
-            return with_defaults(load_volume_scene(file))
-    with naming(file):
-        return with_defaults(load_meshes(file))
+        return with_defaults(load_volume_scene(file))
+    return with_defaults(load_meshes(file))
 
 
 def load_meshes(file: Path) -> Scene:

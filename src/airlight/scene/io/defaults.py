@@ -9,6 +9,7 @@ import numpy as np
 
 from ..camera import Camera
 from ..lights import PointLight
+from ..limits import check_extent
 from ..scene import Scene
 from .daylight import sun_and_sky, sun_for
 from .framing import Room, find_room, framing_box, framing_camera
@@ -25,6 +26,7 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
     It is exposed by the picture: who gave no camera has not said how bright the scene is.
     `probe` gives the probe of the scene, for those who have it already.
     """
+    check_extent(scene)
     is_air = scene.volumes and not scene.meshes
     framed = framing_box(*scene.bounds) if is_air else framing_camera(_probe(scene, probe))
     return replace(scene, camera=replace(framed, exposure_stops=None))

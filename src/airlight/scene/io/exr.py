@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from ...errors import SceneError
 from ..checks import F32
 from ..image import Image
 from .files import read_bytes
+from .image_sizes import check_size
 
 VECTOR_LAYERS = ("normal",)
 FLOAT_LAYERS = ("depth", "position")
@@ -99,12 +100,16 @@ def read_rgb(path: Path) -> F32:
 def _planes(raw: bytes, path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
     """Every channel of the first part as (H, W) float32, and the header."""
     try:
+        with OpenEXR.File(io.BytesIO(raw), separate_channels=True, header_only=True) as file:
+            _check_sizes([part.header for part in file.parts], len(raw), path)
         with OpenEXR.File(io.BytesIO(raw), separate_channels=True) as file:
             header = dict(file.header())
             planes = {
                 str(name): np.array(channel.pixels, dtype=np.float32)
                 for name, channel in file.channels().items()
             }
+    except SceneError:
+        raise
     except Exception as error:  # OpenEXR raises RuntimeError, ValueError and TypeError
         raise SceneError(f"not a readable EXR file ({error})", where=path) from None
     if len({plane.shape for plane in planes.values()}) > 1 or any(
@@ -112,6 +117,15 @@ def _planes(raw: bytes, path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
     ):
         raise SceneError("subsampled and deep EXR channels are not supported", where=path)
     return planes, header
+
+
+def _check_sizes(headers: Sequence[Mapping[str, Any]], file_bytes: int, path: Path) -> None:
+    """Raise SceneError for parts that unpack to more than the file's size bears out."""
+    for header in headers:
+        low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
+        width, height = (int(n) for n in high - low + 1)
+        layers = -(-len(header["channels"]) // 3)
+        check_size(width, height, file_bytes, path, layers=max(layers, 1))
 
 
 def _stacked(planes: Mapping[str, F32], channels: str, prefix: str = "") -> F32 | None:

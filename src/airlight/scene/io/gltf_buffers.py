@@ -31,6 +31,9 @@ COMPONENTS: dict[int, type[np.generic]] = {
 }
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _MAX_VALUES = 2**30
+_MODEST_ZEROS_BYTES = 1 << 26
+_ZEROS_PER_BYTE = 64
+"""Bytes of zeros, without a bufferView, for each byte of values, where there are more of them."""
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")  # a drive is one letter
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
@@ -115,6 +118,7 @@ class Buffers:
         self.accessors = document.items("accessors")
         self._bytes: dict[int, bytes] = {}
         self._decoded: dict[int, NDArray[Any]] = {}
+        self._zeros_bytes = 0
 
     def view(self, item: Item, key: str = "bufferView") -> tuple[memoryview, int]:
         """The bytes of the buffer view that item[key] names, and its stride (0: packed)."""
@@ -173,13 +177,26 @@ class Buffers:
         if accessor.has("bufferView"):
             values = self._strided(accessor, accessor, dtype, count, width)
         else:
-            values = np.zeros((count, width), dtype=dtype)
+            values = self._zeros(accessor, count, width, dtype)
         if accessor.has("sparse"):
             values = self._with_sparse(accessor, values)
         if accessor.flag("normalized") and not np.issubdtype(dtype, np.floating):
             top = float(np.iinfo(np.dtype(dtype)).max)
             values = np.maximum(values.astype(np.float32) / np.float32(top), np.float32(-1.0))
         return values
+
+    def _zeros(
+        self, accessor: Item, count: int, width: int, dtype: type[np.generic]
+    ) -> NDArray[Any]:
+        """An accessor of nothing but zeros, as far as the file's size bears such ones out."""
+        self._zeros_bytes += count * width * np.dtype(dtype).itemsize
+        file_bytes = sum(len(data) for data in self._bytes.values())
+        if self._zeros_bytes > max(_MODEST_ZEROS_BYTES, _ZEROS_PER_BYTE * file_bytes):
+            raise accessor.error(
+                f"of {count} elements has no bufferView, and its zeros are too many beside "
+                f"{file_bytes:,} bytes of values"
+            )
+        return np.zeros((count, width), dtype=dtype)
 
     def _dtype(self, item: Item) -> type[np.generic]:
         code = item.integer("componentType")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
+from .. import checks
 
 
 class Item:
@@ -57,10 +57,9 @@ class Item:
 
     def whole(self, *, low: int = 0) -> int:
         """This value as a whole number of at least `low`."""
-        value = self.value
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value) or value != int(value):
-            raise self.error(f"must be a whole number, not {_shown(value)}")
+        value = self._number()
+        if value != int(value):
+            raise self.error(f"must be a whole number, not {_shown(self.value)}")
         if value < low:
             raise self.error(f"is {int(value)}, below {low}")
         return int(value)
@@ -88,13 +87,13 @@ class Item:
             return tuple(default)
         child = self.child(key)
         values = child.value if isinstance(child.value, list) else [child.value]
-        good = len(values) == count and all(
-            isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v)
-            for v in values
-        )
-        if not good:
+        try:
+            numbers = tuple(checks.number(value, key) for value in values)
+        except SceneError:
+            numbers = ()
+        if len(numbers) != count:
             raise child.error(f"must be {count} finite numbers, not {_shown(child.value)}")
-        return tuple(float(v) for v in values)
+        return numbers
 
     def text(self, key: str, default: str = "") -> str:
         """A string."""
@@ -113,6 +112,13 @@ class Item:
         """The number under `key`, which picks one of `targets`."""
         return self._present(key).pick(targets, what)
 
+    def _number(self) -> float:
+        """This value as a finite number."""
+        try:
+            return checks.number(self.value, self.place)
+        except SceneError:
+            raise self.error(f"must be a whole number, not {_shown(self.value)}") from None
+
     def _present(self, key: str) -> Item:
         if not self.has(key):
             raise self.error(f"has no '{key}'")
@@ -120,5 +126,5 @@ class Item:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value)
+    text = checks.shown(value)
     return text if len(text) <= 40 else text[:37] + "..."

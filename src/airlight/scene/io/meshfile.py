@@ -17,6 +17,7 @@ from ..material import Material
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from .files import read_bytes
+from .mesh_headers import check_counts
 from .normals import Ints, compact, creased_normals
 from .polygons import triangulated
 
@@ -65,6 +66,7 @@ def _read(path: Path) -> Any:
 
     raw = read_bytes(path)
     kind = path.suffix.lower().lstrip(".")
+    check_counts(raw, kind, path)
     try:
         # Vertices stay as the file numbers them, whatever texture coordinates it has.
         more = {"fix_texture": False} if kind == "ply" else {}

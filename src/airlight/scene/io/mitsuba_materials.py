@@ -110,6 +110,8 @@ def _bumpmap(node: Node, source: Source) -> Material:
 def _blend(node: Node, source: Source) -> Material:
     options = node.all("bsdf")
     weight = scalar_input(node, "weight", 0.5, source)[0]
+    if not options:
+        return _nested(node, source)
     source.note(f"{node}: the BSDF of more weight stands for both")
     return material(options[1 if weight > 0.5 and len(options) > 1 else 0], source)
 

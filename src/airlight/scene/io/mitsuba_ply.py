@@ -16,6 +16,7 @@ from ...errors import SceneError
 from ..checks import F32
 from ..mesh import Geometry
 from .files import read_bytes
+from .mesh_headers import check_counts
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
@@ -32,6 +33,7 @@ def read_ply(path: Path) -> Geometry:
     Raises SceneError.
     """
     raw = read_bytes(path)
+    check_counts(raw, "ply", path)
     parts = _header(raw)
     if parts is None:
         return _by_meshfile(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -37,8 +38,7 @@ def shape_geometries(node: Node, source: Source) -> list[Placed]:
     """
     if node.kind in ("obj", "ply"):
         return _from_file(node, source)
-    maker = _MAKERS.get(node.kind)
-    if maker is None:
+    if node.kind not in _MAKERS:
         if node.kind not in _LEFT_OUT:
             raise SceneError(
                 f"{node} is no shape of Mitsuba's",
@@ -47,10 +47,15 @@ def shape_geometries(node: Node, source: Source) -> list[Placed]:
             )
         source.note(f"{node} is left out: shapes of this kind are not read")
         return []
-    geometry = maker(node)
-    if node.get("flip_normals", False):
-        geometry = _turned(geometry)
+    geometry = _unit_shape(node.kind, bool(node.get("flip_normals", False)))
     return [Placed(geometry, shape_matrix(node) @ _local(node))]
+
+
+@functools.cache
+def _unit_shape(kind: str, is_turned: bool) -> Geometry:
+    """The triangles that all shapes of a kind share: only their places differ."""
+    geometry = _MAKERS[kind]()
+    return _turned(geometry) if is_turned else geometry
 
 
 def shape_matrix(node: Node) -> F64:
@@ -131,7 +136,7 @@ def _faceted(geometry: Geometry) -> Geometry:
     )
 
 
-def _cube(node: Node) -> Geometry:
+def _cube() -> Geometry:
     corner = np.array(_CUBE_CORNERS)
     positions = np.stack([corner & 1, corner >> 1 & 1, corner >> 2 & 1], axis=1) * 2 - 1
     first = 4 * np.arange(6)[:, None, None]
@@ -141,14 +146,14 @@ def _cube(node: Node) -> Geometry:
     return _geometry(positions, indices, normals, uvs)
 
 
-def _rectangle(node: Node) -> Geometry:
+def _rectangle() -> Geometry:
     positions = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
     normals = np.tile((0, 0, 1), (4, 1))
     uvs = (positions[:, :2] + 1) / 2
     return _geometry(positions, np.array([[0, 1, 2], [0, 2, 3]]), normals, uvs)
 
 
-def _sphere(node: Node) -> Geometry:
+def _sphere() -> Geometry:
     """u around +Z from +X, v from +Z (0) to -Z (1)."""
     u, v = _grid(ROUND_STEPS, ROUND_STEPS // 2)
     normals = np.stack(
@@ -170,7 +175,7 @@ def _sphere(node: Node) -> Geometry:
     return _geometry(normals, indices[area > 1e-12], normals, np.stack([u, v], axis=1))
 
 
-def _cylinder(node: Node) -> Geometry:
+def _cylinder() -> Geometry:
     """Open, along z from 0 to 1; u around it, v along it."""
     u, v = _grid(ROUND_STEPS, 1)
     normals = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), 0 * u], axis=1)
@@ -179,7 +184,7 @@ def _cylinder(node: Node) -> Geometry:
     return _geometry(positions, _cells(ROUND_STEPS, 1)[:, ::-1], normals, uvs)
 
 
-def _disk(node: Node) -> Geometry:
+def _disk() -> Geometry:
     """Faces +Z; u from the centre outwards, v around."""
     around, outwards = _grid(ROUND_STEPS, 1)
     angle = 2 * np.pi * around
@@ -214,7 +219,7 @@ def _geometry(positions: F64, indices: NDArray[Any], normals: F64, uvs: F64) -> 
     )
 
 
-_MAKERS: dict[str, Callable[[Node], Geometry]] = {
+_MAKERS: dict[str, Callable[[], Geometry]] = {
     "cube": _cube,
     "rectangle": _rectangle,
     "sphere": _sphere,

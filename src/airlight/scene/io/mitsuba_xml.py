@@ -19,6 +19,8 @@ from .mitsuba_values import VALUE_TAGS, parse_value
 
 MAX_DEPTH = 60
 MAX_INCLUDES = 64
+MOST_EXPANDED = 1 << 24
+"""Characters that parameters put into a scene, all together."""
 OBJECT_TAGS = frozenset(
     (
         "bsdf", "emitter", "film", "include", "integrator", "medium", "phase", "rfilter",
@@ -73,6 +75,7 @@ class _Reader:
     nodes: dict[str, Node] = field(default_factory=dict)
     references: list[tuple[Node, int, str, Path]] = field(default_factory=list)
     includes: int = 0
+    expanded: int = 0
 
 
 def read_tree(path: Path) -> tuple[Node, Path]:
@@ -239,18 +242,35 @@ def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -
     """Put the parameters' values in place of $name, the longest name that fits first."""
     for inner in element.iter() if element.tag == "transform" else (element,):
         for key, text in inner.attrib.items():
-            if "$" not in text:
-                continue
-            for name in sorted(reader.parameters, key=len, reverse=True):
-                text = text.replace(f"${name}", reader.parameters[name])
-            left = re.search(r"\$(\w+)", text)
-            if left:
+            if "$" in text:
+                inner.attrib[key] = _with_values(text, reader, path)
+
+
+def _with_values(text: str, reader: _Reader, path: Path) -> str:
+    first, *rest = text.split("$")
+    parts = [first]
+    lengths = sorted({len(name) for name in reader.parameters if name}, reverse=True)
+    for part in rest:
+        name = next((part[:n] for n in lengths if part[:n] in reader.parameters), None)
+        if name is None:
+            asked = re.match(r"\w+", part)
+            if asked:
                 raise SceneError(
-                    f"the parameter ${left.group(1)} has no value",
+                    f"the parameter ${asked[0]} has no value",
                     where=path,
-                    remedy=f'Add <default name="{left.group(1)}" value="..."/> before it.',
+                    remedy=f'Add <default name="{asked[0]}" value="..."/> before it.',
                 )
-            inner.attrib[key] = text
+            parts += ["$", part]
+            continue
+        value = reader.parameters[name]
+        # Values may hold values, so their length could double with every line of the file.
+        reader.expanded += len(value)
+        if reader.expanded > MOST_EXPANDED:
+            raise SceneError(
+                f"its parameters expand to more than {MOST_EXPANDED:,} characters", where=path
+            )
+        parts += [value, part[len(name) :]]
+    return "".join(parts)
 
 
 def _snake(name: str) -> str:

@@ -20,6 +20,12 @@ from ..checks import F32, F64
 from .files import read_bytes
 
 LARGEST_VOXEL_COUNT = 1 << 30
+MODEST_VOXEL_COUNT = 1 << 24
+"""Voxels that any file may span."""
+VOXELS_PER_BYTE = 512
+"""Voxels for each byte of a file that spans more: emptier ones hold next to nothing."""
+MOST_UNPACKED = 1100
+"""How many times as large deflated and blosc-packed bytes can become; zlib's own limit is 1032."""
 
 _FILE = struct.Struct("<8sIHH")
 _RECORD = struct.Struct("<4Q2I6d6i3dI4I3I2HI")
@@ -73,9 +79,9 @@ def read_nanovdb(path: Path, wanted: str) -> SparseGrid:
         )
     try:
         record, buffer = _chosen(content, count, wanted)
-        return _dense(record, buffer)
-    except (struct.error, zlib.error, ValueError, IndexError) as error:
-        raise SceneError(f"is damaged: {error}") from None
+        return _dense(record, buffer, len(content))
+    except (struct.error, zlib.error, ValueError, IndexError, OverflowError) as error:
+        raise SceneError(f"is damaged: {error}") from error
 
 
 @dataclass(frozen=True)
@@ -110,6 +116,8 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
 def _unpacked(packed: bytes, size: int, codec: int) -> bytes:
     if codec not in (_UNPACKED, _ZIP, _BLOSC):
         raise SceneError(f"is packed by a codec that is not known, {codec}")
+    if size > MOST_UNPACKED * len(packed) + _TREE_OFFSET:
+        raise SceneError(f"is damaged: {len(packed):,} bytes cannot hold a grid of {size:,}")
     if codec == _ZIP:
         stream = zlib.decompressobj()
         packed = stream.decompress(packed[8:], size + 1)
@@ -145,7 +153,20 @@ def _without_blosc(packed: bytes, size: int) -> bytes:
     return b"".join(found)
 
 
-def _dense(record: _Record, buffer: bytes) -> SparseGrid:
+def check_span(size: NDArray[np.int64], file_bytes: int) -> None:
+    """Raise SceneError for a box of more voxels than is possible, or than the file bears out."""
+    voxels = int(np.prod(size.astype(object)))
+    most = min(LARGEST_VOXEL_COUNT, max(MODEST_VOXEL_COUNT, VOXELS_PER_BYTE * file_bytes))
+    if voxels > most:
+        have = " x ".join(str(n) for n in size)
+        raise SceneError(
+            f"spans {have} voxels, too many for a file of {file_bytes:,} bytes"
+            if voxels <= LARGEST_VOXEL_COUNT else f"spans {have} voxels, too many",
+            remedy="Downsample it, or crop it to what it holds.",
+        )  # fmt: skip
+
+
+def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
     """The tree spread over the box of its active voxels."""
     if record.kind != _FLOAT:
         raise SceneError(
@@ -155,9 +176,7 @@ def _dense(record: _Record, buffer: bytes) -> SparseGrid:
     first, end = np.array(record.low), np.array(record.high) + 1
     if (end <= first).any():
         raise SceneError("has no active voxels")
-    if int(np.prod((end - first).astype(object))) > LARGEST_VOXEL_COUNT:
-        size = " x ".join(str(n) for n in end - first)
-        raise SceneError(f"spans {size} voxels, too many", remedy="Downsample it.")
+    check_span(end - first, file_bytes)
     # The map, and where each kind of node begins and how many there are.
     matrix, shift = (np.frombuffer(buffer, "<f8", n, _MAP_OFFSET + at) for n, at in
                      ((9, 88), (3, 232)))  # fmt: skip

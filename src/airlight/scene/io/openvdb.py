@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import SceneError, nearest
 from ..checks import F32, F64
 from .files import regular_file
-from .nanovdb import LARGEST_VOXEL_COUNT, SparseGrid
+from .nanovdb import SparseGrid, check_span
 
 _FLOAT_TREE = "Tree_float_5_4_3"
 _AS_HALF = "_HalfFloat"
@@ -35,12 +35,12 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
             chosen = 0 if len(grids) == 1 else names.index(wanted) if wanted in names else -1
             if chosen < 0:
                 raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
-            return _dense(grids[chosen])
+            return _dense(grids[chosen], path.stat().st_size)
     except (tinyvdb.VDBError, ValueError) as error:  # ValueError: of names that are not UTF-8
         raise SceneError(f"is not a readable .vdb: {error}") from None
 
 
-def _dense(grid: Any) -> SparseGrid:
+def _dense(grid: Any, file_bytes: int) -> SparseGrid:
     if grid.type_name.removesuffix(_AS_HALF) != _FLOAT_TREE:
         raise SceneError(f"holds a {grid.type_name}, only {_FLOAT_TREE} is read")
     box = grid.active_bbox()
@@ -48,9 +48,7 @@ def _dense(grid: Any) -> SparseGrid:
         raise SceneError("has no active voxels")
     low, high = (np.array(corner, dtype=np.int64) for corner in box)
     size = np.maximum(high - low, 0)
-    if int(np.prod(size.astype(object))) > LARGEST_VOXEL_COUNT:
-        have = " x ".join(str(n) for n in size)
-        raise SceneError(f"spans {have} voxels, too many", remedy="Downsample it.")
+    check_span(size, file_bytes)
     # tinyvdb gives leaves alone: blocks of one value would be holes.
     missing = int(grid.metadata.get("file_voxel_count", 0)) - int(grid.active_voxel_count())
     if missing > 0:

@@ -5,6 +5,8 @@ Only the largest triangles are kept, so that a probe costs the same for every sc
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +20,7 @@ from ..scene import Scene
 MAX_TRIANGLES = 8_000
 _TESTS_AT_ONCE = 60_000
 _LARGEST = 500
+_HARDLY_LARGER = 1.0001
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +46,25 @@ class Probe:
     @classmethod
     def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
         """The largest opaque triangles of a scene; those without area are left out."""
-        parts = [_largest_triangles(mesh, max_triangles) for mesh in scene.meshes]
-        owner = [np.full(len(part), k) for k, part in enumerate(parts)]
-        corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
+        largest = _largest_areas(scene.meshes)
+        held, least = cls(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, np.int64)), 0.0
+        for k, mesh in enumerate(scene.meshes):
+            # Of a shape that stands in many places, most add nothing.
+            stretch = float(np.linalg.norm(mesh.world_from_object[:3, :3], 2))
+            known = largest.get(id(mesh.geometry), np.inf)
+            if len(held.corners) == max_triangles and known * stretch**2 <= _HARDLY_LARGER * least:
+                continue
+            held, least = held._with(_largest_triangles(mesh, max_triangles), k, max_triangles)
+        return held
+
+    def _with(self, added: F64, mesh: int, max_triangles: int) -> tuple[Probe, float]:
+        """The probe with triangles (T, 3, 3) of a mesh, cut to the largest; least area, twice."""
+        corners = np.concatenate([self.corners, added])
+        owner = np.append(self.mesh, np.full(len(added), mesh))
         cross, area = _areas(corners)
         keep = np.argsort(-area, kind="stable")[:max_triangles]
-        mesh = np.concatenate([np.zeros(0, dtype=np.int64), *owner])[keep]
-        return cls(corners[keep], cross[keep] / area[keep, None], mesh)
+        least = float(area[keep[-1]]) if len(keep) else 0.0
+        return Probe(corners[keep], cross[keep] / area[keep, None], owner[keep]), least
 
     def largest(self, count: int) -> Probe:
         """A quicker and blinder probe."""
@@ -188,6 +203,19 @@ def _largest_triangles(mesh: Mesh, count: int) -> F64:
     corners = np.asarray(placed[indices[kept]])
     # Mirrored, a triangle's corners go round the other way; its front stays what it was.
     return corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
+
+
+def _largest_areas(meshes: Sequence[Mesh]) -> dict[int, float]:
+    """Twice the area of the largest triangle in its own space, by the id of geometries that
+    several meshes share."""
+    count = Counter(id(mesh.geometry) for mesh in meshes)
+    found: dict[int, float] = {}
+    for geometry in (mesh.geometry for mesh in meshes):
+        if count[id(geometry)] > 1 and id(geometry) not in found:
+            areas = [_areas(geometry.positions[geometry.indices[part]].astype(np.float64))[1].max()
+                     for part in chunks(len(geometry.indices))]  # fmt: skip
+            found[id(geometry)] = float(max(areas))
+    return found
 
 
 def _areas(corners: F64) -> tuple[F64, F64]:

@@ -5,6 +5,7 @@ Source: Ward, "Real Pixels", Graphics Gems II (1991), and the Radiance file form
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -13,8 +14,10 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from ..checks import F32
+from .image_sizes import check_size
 
-_SIZE = re.compile(rb"([-+])([XY]) (\d+) ([-+])([XY]) (\d+)\s*\Z")
+_LEAST_EXPOSURE = 1e-12
+_SIZE = re.compile(rb"([-+])([XY]) (\d{1,9}) ([-+])([XY]) (\d{1,9})\s*\Z")
 
 
 def decode(raw: bytes, path: Path) -> F32:
@@ -32,22 +35,41 @@ def decode(raw: bytes, path: Path) -> F32:
     if size is None or size[2] != b"Y":
         raise SceneError("its HDR header has no size '-Y height +X width'", where=path)
     height, width = int(size[3]), int(size[6])
-    if not 0 < height * width <= 2**28:
+    if height * width == 0:
         raise SceneError(f"an image of {width} x {height} pixels cannot be", where=path)
+    check_size(width, height, len(raw), path)
+    if len(body) < height * _fewest_bytes(width):
+        raise SceneError("the file is truncated or damaged", where=path)
     try:
         quads = _quads(body, height, width)
     except (IndexError, ValueError):
         raise SceneError("the file is truncated or damaged", where=path) from None
     quads = quads[::-1] if size[1] == b"+" else quads
     quads = quads[:, ::-1] if size[4] == b"-" else quads
-    return _radiance(quads) / np.float32(_exposure(header))
+    return (_radiance(quads) / _exposure(header, path)).astype(np.float32)
 
 
-def _exposure(header: bytes) -> float:
-    """Radiance divides by the product of all EXPOSURE lines."""
-    values = [float(v) for v in re.findall(rb"(?m)^EXPOSURE=\s*([0-9.eE+-]+)", header)]
-    product = float(np.prod(values)) if values else 1.0
-    return product if np.isfinite(product) and product > 0.0 else 1.0
+def _fewest_bytes(width: int) -> int:
+    """What a scanline takes at least: four channels of runs of 127, or pixels as they are."""
+    return 4 + 8 * -(-width // 127) if 8 <= width < 32768 else 4 * width
+
+
+def _exposure(header: bytes, path: Path) -> float:
+    """Radiance divides by the product of all EXPOSURE lines. Raises SceneError."""
+    product = 1.0
+    for written in re.findall(rb"(?m)^EXPOSURE=[ \t]*(.*)$", header):
+        text = written.decode("ascii", "replace").strip()
+        try:
+            product *= float(text)
+        except ValueError:
+            product = math.nan
+        if not _LEAST_EXPOSURE <= product <= 1.0 / _LEAST_EXPOSURE:
+            raise SceneError(
+                f"its EXPOSURE={text[:40]} is not from {_LEAST_EXPOSURE:g} to "
+                f"{1.0 / _LEAST_EXPOSURE:g}",
+                where=path,
+            )
+    return product
 
 
 def _radiance(quads: NDArray[np.uint8]) -> F32:

@@ -22,7 +22,7 @@ from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from .defaults import with_default_camera, with_default_lights
-from .files import read_bytes
+from .files import read_text
 from .light_groups import is_group, light_groups
 from .toml_animation import (
     animation,
@@ -37,6 +37,10 @@ from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MEDIUM, MESH, TABLES
 from .toml_volumes import placed_volume, with_extinction
 
 Raw = Mapping[str, Any]
+MOST_KEY_PARTS = 32
+"""Parts of a dotted key; reading it takes the square of their number."""
+_KEY_PART = r"""(?:[\w-]++|"[^"\n]*"|'[^'\n]*')[ \t]*+\.[ \t]*+"""
+_LONG_KEY = re.compile(rf"(?<![\w.-])(?:{_KEY_PART}){{{MOST_KEY_PARTS}}}")
 
 _LIGHT_CLASSES: dict[str, Callable[..., Light]] = {
     "directional": DirectionalLight,
@@ -62,10 +66,13 @@ def load_toml(path: str | Path) -> Scene:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
+    text = read_text(path)
+    long = _LONG_KEY.search(text)
+    if long:
+        line = text.count("\n", 0, long.start()) + 1
+        raise SceneError(f"a key of more than {MOST_KEY_PARTS} parts", where=f"{path}:{line}")
     try:
-        return tomllib.loads(read_bytes(path).decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise SceneError(f"is not UTF-8 text (byte {error.start})", where=path) from None
+        return tomllib.loads(text)
     except RecursionError:
         raise SceneError("is nested too deeply", where=path) from None
     except tomllib.TOMLDecodeError as error:

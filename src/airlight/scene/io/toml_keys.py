@@ -10,8 +10,13 @@ TIME = Key("time_s", checks.number, "number", "when", "seconds", required=True)
 
 
 def above_zero(value: float, name: str) -> float:
-    """A number above zero."""
-    return checks.number(value, name, low=1e-6)
+    """A number above zero, at most a million."""
+    return checks.number(value, name, low=1e-6, high=1e6)
+
+
+def metered(value: object, name: str) -> float:
+    """Stops of exposure as a number: between keyframes there is no "auto"."""
+    return checks.number(value, name, low=-checks.MOST_STOPS, high=checks.MOST_STOPS)
 
 
 def _key(name: str, check: Check, kind: str, unit: str = "") -> Key:
@@ -55,7 +60,7 @@ KEYS: dict[str, Table] = {
             _key("target", checks.vec3, "vector", "m"),
             _key("up", checks.unit_vec3, "vector"),
             _key("fov_y_deg", checks.number, "number", "degrees"),
-            _key("exposure_stops", checks.number, "number", "stops"),
+            _key("exposure_stops", metered, "number", "stops"),
         ),
         repeated=True,
     ),

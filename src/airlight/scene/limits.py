@@ -1,0 +1,29 @@
+"""What single precision can still render."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import SceneError
+from .checks import F64
+from .scene import Scene, volume_world_bounds
+
+FARTHEST_M = 1e8
+"""Metres of a scene's reach: cameras and lattices around it still have places."""
+
+
+def check_extent(scene: Scene) -> None:
+    """Raise SceneError for a mesh or a volume that reaches too far from the origin."""
+    for mesh in scene.meshes:
+        _check(mesh.world_bounds, f"mesh '{mesh.name}'")
+    for number, volume in enumerate(scene.volumes, start=1):
+        _check(volume_world_bounds(volume), f"volume {number}")
+
+
+def _check(box: tuple[F64, F64], what: str) -> None:
+    farthest = float(np.abs(box).max())
+    if not farthest <= FARTHEST_M:
+        raise SceneError(
+            f"{what} reaches {farthest:g} m from the origin, at most {FARTHEST_M:g} m can be used",
+            remedy="Make its scale smaller.",
+        )
