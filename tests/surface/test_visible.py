@@ -124,7 +124,9 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
     assert (plain[0] > 0.0).mean() > 0.2
     # The driver filters in bytes: a normal map's byte is worth 1/127, more where its z is small.
     for texture, most, rms in ((1, 0.02, 1.5e-3), (2, 0.03, 2.5e-3), (3, 1e-3, 1e-3)):
-        np.testing.assert_allclose(ours[texture], plain[texture], atol=most)
+        off = np.abs(ours[texture] - plain[texture])
+        assert off.max() < 2.0 * most  # where rounding decides how many probes there are
+        assert (off > most).mean() < 1e-3
         assert np.sqrt(np.mean((ours[texture] - plain[texture]) ** 2)) < rms
 
 
@@ -315,6 +317,26 @@ def _filtered(levels, uv, lod, wraps):
     return total
 
 
+def _footprint(steps, size):
+    """The probes of a footprint, uv -> [(uv of a probe, its share (N, 1))], and their lod.
+
+    By wgsl/footprint.wgsl: `steps` are the changes of uv to the next pixel's right and down. Last,
+    where rounding does not decide how many probes there are.
+    """
+    lengths = np.array([np.linalg.norm(step * size, axis=1) for step in steps])
+    longer = lengths.max(axis=0)
+    ratio = np.clip(longer / lengths.min(axis=0), 1.0, 8.0)
+    count = np.where(longer > 1.0, np.ceil(ratio - 0.05), 1.0)[:, None]
+    along = np.where((lengths[0] > lengths[1])[:, None], *steps)
+
+    def probes(uv):
+        for k in range(8):
+            yield uv + ((k + 0.5) / count - 0.5) * along, (k < count) / count
+
+    is_sure = np.abs((ratio + 0.45) % 1.0 - 0.5) > 3e-3
+    return probes, np.log2(longer / np.minimum(ratio, count[:, 0])), is_sure
+
+
 def _uv_on_plane(clip, pixels, uv_of):
     """Where rays through `pixels` (N, 2) meet the plane z = 0, by `uv_of` (2, 3) of (x, y, 1)."""
     ndc = pixels / np.array(SIZE) * (2.0, -2.0) + (-1.0, 1.0)
@@ -360,15 +382,16 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
     quads = pixels // 2 * 2 + 0.5
     uv, at = (_uv_on_plane(clip, p, uv_of) for p in (pixels + 0.5, quads))
     steps = [_uv_on_plane(clip, quads + step, uv_of) - at for step in ((1, 0), (0, 1))]
-    lod = np.log2(np.max([np.linalg.norm(step * (16, 8), axis=1) for step in steps], axis=0))
+    probes, lod, is_sure = _footprint(steps, (16, 8))
+    assert is_sure.mean() > 0.95
     stored = 2.0**-11 + 1e-4  # a half float below 1, cut off; places in floats of 24 bits
     root = 1.0 / 1023.0  # twice half a step of a light's root
     for texture, found, most in ((base, albedo[..., :3], stored + root),
                                  (rough, normal[..., 3:], stored)):  # fmt: skip
         levels = [level / 255.0 for level in mip_chain(texture.pixels, is_srgb=texture.is_srgb)]
         levels = [srgb_decode(v[..., :3]) if texture.is_srgb else v[..., 1:2] for v in levels]
-        wanted = _filtered(levels, uv, lod, wraps)
-        np.testing.assert_allclose(found[is_seen], wanted, rtol=0.0, atol=most)
+        wanted = sum(_filtered(levels, at, lod, wraps) * share for at, share in probes(uv))
+        np.testing.assert_allclose(found[is_seen][is_sure], wanted[is_sure], rtol=0.0, atol=most)
 
 
 def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
@@ -378,7 +401,8 @@ def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
     pixels = np.stack([checks, 255 - checks, 255 * np.eye(16), np.full((16, 16), 255)], axis=-1)
     painted = Material(base_color_texture=Texture(pixels.astype(np.uint8)))
     mesh = square((0, 0, 0), (4, 0, 0), (0, 0, -4), painted, uvs=6.0 * UVS)
-    for eye in ((0.3, 0.5, 3.8), (2.0, 3.0, 2.0)):
+    # Almost along the plane, rounding decides how many probes hard edges meet.
+    for eye, most in (((0.3, 0.5, 3.8), 0.02), ((2.0, 3.0, 2.0), 0.01)):
         ours, plain = _drawn(gpu, commands, Scene(meshes=(mesh,)), (mesh,), eye)
         np.testing.assert_array_equal(ours[0], plain[0])
         is_seen = ours[0] > 0.0
@@ -386,4 +410,4 @@ def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
         assert is_seen.mean() > 0.5
         assert b.std() > 0.06  # edges are seen
         np.testing.assert_allclose(a.mean(axis=0), b.mean(axis=0), atol=1e-3)
-        assert np.sqrt(np.mean((a - b) ** 2)) < 5e-3
+        assert np.sqrt(np.mean((a - b) ** 2)) < most

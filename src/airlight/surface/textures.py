@@ -57,13 +57,13 @@ class TextureStore:
         self._chains.clear()
 
     def sampler(self, texture: SceneTexture | None) -> Sampler:
-        """Trilinear, 8-fold anisotropic where the device is a GPU."""
+        """Trilinear; shaders see to footprints that are longer than wide (wgsl/footprint.wgsl)."""
         wrap: tuple[Wrap, Wrap] = texture.wrap if texture else ("repeat", "repeat")
         if wrap not in self._samplers:
             self._samplers[wrap] = Sampler(
                 self.gpu, f"material {wrap}", mag_filter="linear", min_filter="linear",
                 mipmap_filter="linear", address_mode_u=_WRAPS[wrap[0]],
-                address_mode_v=_WRAPS[wrap[1]], max_anisotropy=1 if self.gpu.takes_cpu_paths else 8,
+                address_mode_v=_WRAPS[wrap[1]],
             )  # fmt: skip
         return self._samplers[wrap]
 

@@ -1,10 +1,10 @@
 //! use mesh_vertex
+//! use placed_map
 
 // As visible.wgsl, of materials with holes.
 
 override IS_CUTOUT: bool = true;
 override HAS_BASE_COLOR_MAP: bool = true;
-override HAS_PLACED_MAPS: bool = true;
 
 struct Seen {
     @invariant @builtin(position) clip: vec4f,
@@ -23,12 +23,9 @@ struct Seen {
 @fragment fn fragment(in: Seen) -> @location(0) vec2u {
     let m = materials[in.what.y >> 16u];
     var alpha = m.alpha;
-    if (HAS_BASE_COLOR_MAP && HAS_PLACED_MAPS) {
-        alpha *= textureSampleGrad(base_color_map, base_color_sampler,
-            in.uv * m.uv_base_color.xy + m.uv_base_color.zw,
-            dpdx(in.uv) * m.uv_base_color.xy, dpdy(in.uv) * m.uv_base_color.xy).a;
-    } else if (HAS_BASE_COLOR_MAP) {
-        alpha *= textureSample(base_color_map, base_color_sampler, in.uv).a;
+    if (HAS_BASE_COLOR_MAP) {
+        let at = map_place(in.uv, m.uv_base_color);
+        alpha *= map_at(base_color_map, base_color_sampler, at.uv, at.dx, at.dy).a;
     }
     if (IS_CUTOUT && alpha < m.alpha_cutoff) {
         discard;

@@ -1,3 +1,4 @@
+//! use footprint
 //! use two_words
 
 // Maps of materials in one buffer, as surface/packed_maps.py lays them out, filtered as samplers do.
@@ -56,21 +57,29 @@ fn add_texel(sum: PackedTexel, bits: u64, weight: f32) -> PackedTexel {
     return PackedTexel(sum.light + (root * root) * weight, sum.surface + byte * weight);
 }
 
-// Trilinear; `maps` is (first, width | height << 16, flags, levels), dx and dy the gradients of uv.
-fn packed_maps_at(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
-    let size = vec2u(maps.y & 0xffffu, maps.y >> 16u);
-    let along_x = dx * vec2f(size);
-    let along_y = dy * vec2f(size);
-    let square = max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-20);
-    let lod = clamp(0.5 * log2(square), 0.0, f32(maps.w - 1u));
+// Adds the two levels around `lod` at `uv`, of `share` together; `maps` as packed_maps_at has them.
+fn add_levels(sum: PackedTexel, maps: vec4u, size: vec2u, uv: vec2f, lod: f32, share: f32) -> PackedTexel {
     let level = u32(lod);
-    let share = lod - f32(level);
+    let coarser = (lod - f32(level)) * share;
     let begins = two_words(texels[maps.x + level]);
     let next = min(level + 1u, maps.w - 1u);
     let fine = max(size >> vec2u(level), vec2u(1u));
     let coarse = max(size >> vec2u(next), vec2u(1u));
+    let total = add_level(sum, begins.x, fine, uv, maps.z, share - coarser);
+    return add_level(total, begins.y, coarse, uv, maps.z, coarser);
+}
+
+// `maps` is (first, width | height << 16, flags, levels), dx and dy the gradients of uv.
+fn packed_maps_at(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
+    let size = vec2u(maps.y & 0xffffu, maps.y >> 16u);
+    let over = footprint(vec2f(size), uv, dx, dy);
+    let lod = clamp(over.lod, 0.0, f32(maps.w - 1u));
     var sum = PackedTexel(vec3f(0.0), vec4f(0.0));
-    sum = add_level(sum, begins.x, fine, uv, maps.z, 1.0 - share);
-    sum = add_level(sum, begins.y, coarse, uv, maps.z, share);
+    var k = 0.0;
+    loop {
+        sum = add_levels(sum, maps, size, over.first + k * over.step, lod, 1.0 / over.probes);
+        k += 1.0;
+        if (k >= over.probes) { break; }
+    }
     return PackedTexel(sum.light * (1.0 / (1023.0 * 1023.0)), sum.surface * (1.0 / 255.0));
 }

@@ -1,0 +1,35 @@
+//! use footprint
+
+// Maps of materials, read by passes that shade surfaces as they come.
+
+override HAS_PLACED_MAPS: bool = true;      // whether any has a scale or an offset
+
+struct MapPlace {
+    uv: vec2f,
+    dx: vec2f,
+    dy: vec2f,
+}
+
+// Where a map is read, `place` its scale and offset. Gradients come from the interpolated uv, and the scale
+// goes on after: beside a triangle's edge some drivers read 0 from buffers in the lanes that only serve
+// differences.
+fn map_place(uv: vec2f, place: vec4f) -> MapPlace {
+    let dx = dpdx(uv);
+    let dy = dpdy(uv);
+    if (HAS_PLACED_MAPS) {
+        return MapPlace(uv * place.xy + place.zw, dx * place.xy, dy * place.xy);
+    }
+    return MapPlace(uv, dx, dy);
+}
+
+fn map_at(map: texture_2d<f32>, map_sampler: sampler, uv: vec2f, dx: vec2f, dy: vec2f) -> vec4f {
+    let over = footprint(vec2f(textureDimensions(map)), uv, dx, dy);
+    var sum = vec4f(0.0);
+    var k = 0.0;
+    loop {
+        sum += textureSampleLevel(map, map_sampler, over.first + k * over.step, over.lod);
+        k += 1.0;
+        if (k >= over.probes) { break; }
+    }
+    return sum / over.probes;
+}
