@@ -32,6 +32,8 @@ from airlight.scene import Camera, Geometry, Material, Mesh, Scene
 from airlight.surface.geometry import GpuScene
 
 REPOSITORY = Path(__file__).parents[1]
+# The state of each file's random generators before its first test, by module and name.
+_BEGINNINGS: dict[tuple[str, str], Any] = {}
 # Which adapter the tests run on, and which code paths they take, is the caller's choice.
 _ADAPTER, _PATHS = env.value("AIRLIGHT_ADAPTER"), env.value("AIRLIGHT_PATHS")
 
@@ -135,6 +137,15 @@ def _no_switches(
     monkeypatch.setenv("AIRLIGHT_ADAPTER", _ADAPTER)
     monkeypatch.setenv("AIRLIGHT_PATHS", paths)
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path_factory.getbasetemp() / "airlight-cache"))
+
+
+@pytest.fixture(autouse=True)
+def _same_numbers(request: pytest.FixtureRequest) -> None:
+    """A file's own random numbers begin anew for each test: none depends on those run before."""
+    for name, value in vars(request.module).items():
+        if isinstance(value, np.random.Generator):
+            bits = value.bit_generator
+            bits.state = _BEGINNINGS.setdefault((request.module.__name__, name), bits.state)
 
 
 @pytest.fixture(scope="module")

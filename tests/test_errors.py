@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from airlight import errors
-from airlight.errors import AirlightError, SceneError, nearest
+from airlight.errors import AirlightError, SceneError, memory_wanted, nearest, within_memory
 
 
 @pytest.mark.parametrize(
@@ -39,3 +40,21 @@ def test_nearest_names_one_and_else_all():
     assert nearest("sigma", ["sigma_t", "albedo"]) == "Did you mean 'sigma_t'?"
     assert nearest("zzz", ["b", "a"]) == "Known: a, b."
     assert nearest("zzz", []) == ""
+
+
+def test_memory_that_runs_out_is_said_with_its_size():
+    with (
+        pytest.raises(SceneError, match=r"^a\.npy: the grid does not fit into memory \(\d.* EiB "),
+        within_memory("the grid", where="a.npy", kind=SceneError),
+    ):
+        np.empty((1 << 40, 1 << 19))
+    with (
+        pytest.raises(AirlightError, match=r"^the grid does not fit into memory\. Halve it\.$"),
+        within_memory("the grid", remedy="Halve it."),
+    ):
+        raise MemoryError
+
+
+def test_whole_units_are_written_without_a_point():
+    error = MemoryError("Unable to allocate 256. MiB for an array with shape (8,) and ...")
+    assert memory_wanted(error) == " (256 MiB were wanted at once)"

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from airlight.errors import SceneError, SettingsError
+from airlight.errors import DeviceError, SceneError, SettingsError
 from airlight.rendering import Renderer, checked_size, render
 from airlight.scene import (
     Camera,
@@ -351,3 +351,12 @@ def test_a_scene_may_be_named_by_its_file(gpu, tmp_path):
     np.testing.assert_array_equal(by_file.radiance, by_value.radiance)
     with pytest.raises(SceneError, match="file not found"):
         render("nowhere.toml")
+
+
+def test_memory_that_runs_out_is_a_device_error(monkeypatch):
+    def full(*_):
+        raise MemoryError("Unable to allocate 5.00 GiB for an array with shape (1,) and ...")
+
+    monkeypatch.setattr("airlight.rendering.GpuScene", full)
+    with pytest.raises(DeviceError, match=r"no memory is left.*5\.00 GiB"):
+        Renderer("builtin:cornell", size=(16, 9))

@@ -3,7 +3,7 @@
     AirlightError              one message: where, what is wrong, what to do
     ├── SceneError             a scene file, a mesh, an image, a volume or a value in one is bad
     ├── SettingsError          a technique, a setting or an option is unknown or impossible
-    ├── DeviceError            no graphics driver, a lattice or an image too large for the device
+    ├── DeviceError            no graphics driver; too large for the device or for memory
     │   └── ShaderError        our own WGSL does not compile: file and line of the real source
     ├── OutputError            a picture cannot be written
     └── ReferenceFailure       the reference renderer is missing, crashed or ran past its time
@@ -15,7 +15,11 @@ The command line prints it and exits with 2.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+_WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
 
 
 class AirlightError(Exception):
@@ -58,6 +62,25 @@ class OutputError(AirlightError):
 
 class ReferenceFailure(AirlightError):
     """The reference renderer is missing, refused the scene, crashed or ran out of time."""
+
+
+def memory_wanted(error: MemoryError) -> str:
+    """ " (... were wanted)" of an error in which NumPy says how much it asked for, and else ""."""
+    found = _WANTED.match(str(error))
+    return f" ({found[1].replace('. ', ' ')} were wanted at once)" if found else ""
+
+
+@contextmanager
+def within_memory(
+    what: str, *, where: object = "", remedy: str = "", kind: type[AirlightError] = AirlightError
+) -> Iterator[None]:
+    """`what` (a noun in the singular) is done inside; memory that runs out becomes a `kind`."""
+    try:
+        yield
+    except MemoryError as error:
+        raise kind(
+            f"{what} does not fit into memory{memory_wanted(error)}", where=where, remedy=remedy
+        ) from None
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -6,6 +6,8 @@ import subprocess
 import sys
 
 import click
+import numpy as np
+import PIL.Image
 import pytest
 
 from airlight.app import cli
@@ -89,3 +91,55 @@ def test_main_exits_with_the_code(raising):
     with pytest.raises(SystemExit) as caught:
         cli.main(["doctor"])
     assert caught.value.code == 2
+
+
+def test_memory_that_runs_out_is_one_message(raising, capsys):
+    raising(MemoryError("Unable to allocate 3.00 GiB for an array with shape (9,) and ..."))
+    assert cli.run(["doctor"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: there is not enough memory (3.00 GiB were wanted at once). Use")
+    assert said.count("\n") == 1
+
+
+_LIMITED = """
+import resource, sys
+from airlight.app import cli
+resource.setrlimit(resource.RLIMIT_AS, 2 * (int(sys.argv[1]),))
+sys.exit(cli.run(sys.argv[2:]))
+"""
+
+
+def _render_within(limit_bytes, scene, folder):
+    """What `airlight render` of a scene says in so much address space, and its exit code."""
+    arguments = ["render", str(scene), "-o", str(folder / "o.png"), "--size", "64x36", "-q"]
+    done = subprocess.run(
+        [sys.executable, "-c", _LIMITED, str(limit_bytes), *arguments, "--samples", "1"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return done.stderr, done.returncode
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
+@pytest.mark.parametrize("limit_gb", [0.8, 2.5])
+def test_a_grid_that_does_not_fit_is_one_message(limit_gb, tmp_path):
+    density = np.zeros((512, 512, 512), np.float32)
+    density[200:300, 200:300, 200:300] = 1.0
+    np.save(tmp_path / "large.npy", density)
+    said, code = _render_within(int(limit_gb * 1e9), tmp_path / "large.npy", tmp_path)
+    assert code == 2, said
+    assert "fit into memory" in said or "no memory is left" in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
+def test_a_sky_that_does_not_fit_names_its_file_and_size(tmp_path):
+    PIL.Image.new("RGB", (12000, 12000), (90, 120, 200)).save(tmp_path / "sky.png")
+    scene = tmp_path / "scene.toml"
+    scene.write_text('[environment]\nfile = "sky.png"\n[medium]\nsigma_s = 0.1\n')
+    said, code = _render_within(2_500_000_000, scene, tmp_path)
+    assert code == 2, said
+    assert "sky.png: its image of 12000 x 12000 pixels does not fit into memory" in said
+    said, code = _render_within(6_000_000_000, scene, tmp_path)
+    assert code == 0, said

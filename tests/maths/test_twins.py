@@ -1,7 +1,7 @@
 """Every WGSL library function gives what its NumPy namesake gives, in float32.
 
-Tolerances are float32's, widened where the formula magnifies an input's rounding; both sides get
-the same float32 inputs.
+Tolerances are float32's, widened where the formula magnifies an input's rounding, and to what WGSL
+grants a device's sine; both sides get the same float32 inputs.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ Evaluate = Callable[..., np.ndarray]
 
 RNG = np.random.default_rng(20)
 COUNT = 3000
+
+
+# WGSL, "Accuracy of Concrete Floating Point Expressions": sin and cos are within 2^-11.
+SINE = 2.0**-11
 
 
 def single(x: np.ndarray) -> np.ndarray:
@@ -208,9 +212,12 @@ def test_gradient_noise(wgsl: Evaluate) -> None:
 def test_warps(wgsl: Evaluate) -> None:
     u = single(RNG.random((COUNT, 2)))
     found = wgsl("sampling", "concentric_disk", u, returns="vec2f")
-    np.testing.assert_allclose(found, sampling.concentric_disk(u), atol=1e-6)
+    np.testing.assert_allclose(found, sampling.concentric_disk(u), atol=SINE)
     found = wgsl("sampling", "cosine_hemisphere", u, returns="vec3f")
-    np.testing.assert_allclose(found, sampling.cosine_hemisphere(u), atol=4e-4)
+    expected = sampling.cosine_hemisphere(u)
+    np.testing.assert_allclose(found[:, :2], expected[:, :2], atol=SINE)
+    # z^2 = 1 - x^2 - y^2, and |x| + |y| is at most the root of 2
+    np.testing.assert_allclose(found[:, 2] ** 2, expected[:, 2] ** 2, atol=3.0 * SINE)
     n = unit()
     found = wgsl("sampling", "orthonormal_frame", n, returns="mat3x3f")
     expected = np.stack([*sampling.orthonormal_frame(n), n], axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.scene import Environment
+from airlight.surface import sky
 from airlight.surface.sky import EnvironmentTexture, environment_map, sky_lights
 
 RNG = np.random.default_rng(5)
@@ -113,3 +114,17 @@ def test_an_invisible_environment_has_a_black_background(gpu, owned):
 
 def test_a_constant_environment_is_a_map_too():
     assert (environment_map(Environment(radiance=(1, 2, 3), scale=2.0)) == [2, 4, 6]).all()
+
+
+def test_a_large_map_is_averaged_as_a_whole_one_is():
+    pixels = np.random.default_rng(5).lognormal(size=(300, 610, 3)).astype(np.float32)
+    made = sky._shrunk_map(Environment(map=pixels, scale=0.7))
+    squares = (pixels[:300, :608].astype(np.float64) * 0.7).reshape(75, 4, 152, 4, 3)
+    np.testing.assert_array_equal(made, squares.mean(axis=(1, 3)))
+
+
+def test_a_map_is_uploaded_in_bands(gpu, monkeypatch):
+    pixels = np.random.default_rng(6).lognormal(size=(13, 26, 3)).astype(np.float32)
+    monkeypatch.setattr(sky, "_BAND_BYTES", 8 * 26 * 4)
+    shown = sky.EnvironmentTexture(gpu, Environment(map=pixels, scale=2.0)).texture.read()
+    np.testing.assert_array_equal(shown[..., :3], (pixels * np.float64(2.0)).astype(np.float16))

@@ -13,7 +13,7 @@ from airlight.scene import DirectionalLight, Material, Mesh, Scene, SpotLight, T
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
-from airlight.surface.packed_maps import most_texels
+from airlight.surface.packed_maps import draws_visible, most_texels
 from airlight.surface.reflective import ReflectiveShadowMaps
 from airlight.surface.seen_triangles import most_triangles
 from airlight.surface.textures import mip_chain
@@ -107,8 +107,8 @@ def _lit(gpu, commands, scene, light):
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
 def test_both_ways_see_the_same(gpu, commands, square, case, eye):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     meshes = [
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
         for k, m in enumerate(CASES[case])
@@ -136,8 +136,8 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
 ])  # fmt: skip
 @pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
 def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     meshes = tuple(
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
         for k, m in enumerate(CASES[case])
@@ -151,8 +151,8 @@ def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
 
 
 def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     still = square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
     g = still.geometry
     bent = replace(g, positions=g.positions + np.float32([[0.2, 0, 0], [0, 0.3, 0], [0, 0, 0.2],
@@ -165,8 +165,8 @@ def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
 
 @pytest.mark.parametrize("fitting", [0, 1])
 def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monkeypatch, fitting):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     texels = 16 * 16 * 4 // 3 + 8  # of a map, its levels and their table
     limit = "airlight.surface.seen_triangles.most_texels"
     monkeypatch.setattr(limit, lambda gpu: fitting * texels + 2)
@@ -185,8 +185,8 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
 
 
 def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", 64 * 64 * 8)
     assert most_texels(gpu) == 64 * 64
     large = Material(base_color_texture=Texture(np.full((64, 64, 4), 255, np.uint8)))
@@ -200,8 +200,8 @@ def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, m
 def test_triangles_that_do_not_fit_are_drawn_as_they_come(
     gpu, commands, square, monkeypatch, triangles
 ):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     limit = "airlight.surface.seen_triangles.most_triangles"
     monkeypatch.setattr(limit, lambda gpu: triangles)
     meshes = tuple(
@@ -227,8 +227,8 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
 
 
 def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for k in range(40))
     bound = 60 * 80 + 8
     monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", bound)
@@ -266,8 +266,8 @@ KINDS = {
 def test_of_surfaces_in_one_place_both_ways_see_the_same(
     gpu, commands, square, monkeypatch, kinds, seen, depth_first_px
 ):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     monkeypatch.setattr("airlight.surface.gbuffer.DEPTH_FIRST_PX", depth_first_px)
     paints = [KINDS[kind] for kind in kinds]
     meshes = tuple(
@@ -352,8 +352,8 @@ def _uv_on_plane(clip, pixels, uv_of):
      ((-2.5, -2.0, 1.6), 6.0)],
 )  # fmt: skip
 def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, eye, repeats):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     noise = RNG.choice(np.array([0, 255], np.uint8), (8, 16, 4))  # as hard as edges come
     noise[..., 3] = 255
     base = Texture(noise, wrap=wraps)
@@ -395,8 +395,8 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
 
 
 def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
-    if not gpu.takes_cpu_paths:
-        pytest.skip("software drivers alone draw this way")
+    if not draws_visible(gpu):
+        pytest.skip("on this device triangles are drawn as they come")
     checks = (np.indices((16, 16)) // 2).sum(axis=0) % 2 * 255
     pixels = np.stack([checks, 255 - checks, 255 * np.eye(16), np.full((16, 16), 255)], axis=-1)
     painted = Material(base_color_texture=Texture(pixels.astype(np.uint8)))

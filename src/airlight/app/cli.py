@@ -16,7 +16,7 @@ from typing import NoReturn, cast
 import click
 
 from .. import __version__, env
-from ..errors import AirlightError
+from ..errors import AirlightError, memory_wanted
 
 COMMANDS: tuple[str, ...] = (
     "render",
@@ -80,6 +80,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, click.Abort):
         print("interrupted", file=sys.stderr)
         return 130
+    except MemoryError as error:
+        print(
+            f"error: there is not enough memory{memory_wanted(error)}. Use a smaller scene, image "
+            "or lattice, or free some memory.",
+            file=sys.stderr,
+        )
+        return 2
     except Exception as error:
         return _report(error)
 

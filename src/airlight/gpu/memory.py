@@ -95,8 +95,9 @@ class Texture(_Counted):
             )
         return self._layers[index]
 
-    def write(self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0) -> None:
-        """Upload one whole mip level (of one layer, or of a whole 3D texture)."""
+    def write(self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0, row: int = 0) -> None:
+        """Upload one whole mip level (of one layer, or of a whole 3D texture), or the rows of it
+        from `row` on."""
         data = np.ascontiguousarray(pixels)
         dtype, channels = _DTYPES[self.format]
         if data.dtype != dtype:
@@ -104,7 +105,7 @@ class Texture(_Counted):
         depth, height, width = (1, *data.shape)[-4:-1] if channels > 1 else (1, *data.shape)[-3:]
         with self.gpu.guarded():
             self.gpu.queue.write_texture(
-                {"texture": self.handle, "mip_level": mip, "origin": (0, 0, layer)},
+                {"texture": self.handle, "mip_level": mip, "origin": (0, row, layer)},
                 data,
                 {"bytes_per_row": data.itemsize * channels * width, "rows_per_image": height},
                 (width, height, depth),

@@ -11,13 +11,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..maths.half import half_floats
 from ..maths.transforms import F64
 from ..scene.checks import F32
 from ..scene.medium import Medium, medium_box
@@ -30,7 +30,6 @@ from .light_columns import LightColumns
 MAX_MEDIA = 8
 MAX_GRIDS = 4
 BOX, ELLIPSOID, GRID = 0, 1, 2
-_DENSITY_MAX = 65504.0
 
 
 class Air:
@@ -136,7 +135,7 @@ class Air:
                     f"a volume's grid changed from {old.shape} to {density.shape} cells",
                     remedy="Make a new Renderer",
                 )
-            self.grids[i].write(_half(density))
+            self.grids[i].write(half_floats(density))
             self._densities[i], changed = density, True
         return changed
 
@@ -244,9 +243,5 @@ def _detail_fields(volume: Volume) -> dict[str, Any]:
 def _density_texture(gpu: Gpu, density: F32) -> Texture:
     depth, height, width = density.shape
     made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
-    made.write(_half(density))
+    made.write(half_floats(density))
     return made
-
-
-def _half(density: F32) -> NDArray[np.float16]:
-    return np.minimum(density, _DENSITY_MAX).astype(np.float16)

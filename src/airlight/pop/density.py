@@ -7,20 +7,16 @@ voxels, 0 outside the volume.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..gpu.slots import image, sampler, storage, texture, uniform
+from ..maths.half import half_floats
 from ..scene.volume import Volume
 from .mixture import Mix, fine_bound, fine_slots, fine_wgsl
 from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, shape_density
-
-_DENSITY_MAX = 65504.0
 
 
 class _Fine(ComputePass):
@@ -130,8 +126,3 @@ def density_texture(gpu: Gpu, volume: Volume) -> Texture:
 def voxel_count(volume: Volume) -> tuple[int, ...]:
     """Of a density grid; nothing of a shape."""
     return () if volume.density is None else volume.density.shape
-
-
-def half_floats(density: Any) -> Any:
-    """As textures keep it."""
-    return np.minimum(density, _DENSITY_MAX).astype(np.float16)

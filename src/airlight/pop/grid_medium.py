@@ -10,8 +10,9 @@ from ..errors import SceneError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
+from ..maths.half import half_floats
 from ..scene.volume import Volume
-from .density import Density, density_texture, half_floats, voxel_count
+from .density import Density, density_texture, voxel_count
 from .diffuse import GROUP
 from .mixture import Mix
 from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, PlacedVolume, shape_density

@@ -119,6 +119,11 @@ def boolean(value: Any, name: str) -> bool:
     return bool(value)
 
 
+def _is_finite(values: NDArray[Any]) -> bool:
+    """Whether all values are finite, by their extremes: no array as large is made."""
+    return bool(values.size == 0 or np.isfinite([values.min(), values.max()]).all())
+
+
 def at_most(values: NDArray[Any], most: float, name: str) -> None:
     """Raise SceneError where an array holds more than `most`, or less than its negative."""
     if values.size:
@@ -140,7 +145,7 @@ def array(
     if not fits:
         want_text = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
         raise SceneError(f"{name} has shape {a.shape}, it must be {want_text}")
-    if np.issubdtype(dtype, np.floating) and not np.isfinite(a).all():
+    if np.issubdtype(dtype, np.floating) and not _is_finite(a):
         raise SceneError(
             f"{name} has {int((~np.isfinite(a)).sum())} values that are NaN or infinite"
         )

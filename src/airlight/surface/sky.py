@@ -8,20 +8,23 @@ noise and no seed, so a turning map does not flicker.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Sampler, Texture
+from ..maths.chunks import chunks
+from ..maths.half import half_floats
 from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from ..maths.sampling import fibonacci_sphere
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight
 
 F64 = NDArray[np.float64]
+_BAND_BYTES = 1 << 26
 _ROWS = 64  # of the map that is partitioned; finer detail is averaged first
-_HALF_MAX = 65504.0
 
 
 @dataclass(frozen=True)
@@ -38,8 +41,7 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     """
     if environment is None or count < 1:
         return []
-    radiance = environment_map(environment)
-    radiance = _shrunk(radiance, max(1, radiance.shape[0] // _ROWS))
+    radiance = _shrunk_map(environment)
     height, width = radiance.shape[:2]
     directions = turned(latlong_texel_directions(height, width), environment.rotation_deg)
     towards = directions.reshape(-1, 3)
@@ -82,10 +84,31 @@ def turned(directions: F64, rotation_deg: float) -> F64:
     return np.asarray(directions @ about_y.T)
 
 
-def _shrunk(radiance: F64, factor: int) -> F64:
-    height, width = radiance.shape[0] // factor * factor, radiance.shape[1] // factor * factor
-    blocks = radiance[:height, :width].reshape(height // factor, factor, width // factor, factor, 3)
-    return np.asarray(blocks.mean(axis=(1, 3)))
+def _shrunk_map(environment: Environment) -> F64:
+    """`environment_map`, its texels averaged in squares to about _ROWS rows.
+
+    A large map is averaged a row of squares at a time: as a whole it would take eight bytes per
+    value.
+    """
+    if environment.map is None:
+        return environment_map(environment)
+    height, width = environment.map.shape[:2]
+    factor = max(1, height // _ROWS)
+    rows, columns = height // factor, width // factor
+    shrunk = np.empty((rows, columns, 3))
+    for row in range(rows):
+        texels = environment.map[row * factor : (row + 1) * factor, : columns * factor]
+        radiance = texels.astype(np.float64) * environment.scale
+        squares = radiance.reshape(1, factor, columns, factor, 3)
+        shrunk[row] = squares.mean(axis=(1, 3))[0]
+    return shrunk
+
+
+def _half_pixels(radiance: NDArray[Any], scale: float) -> NDArray[np.float16]:
+    """Texels (H, W, 4) of a map as it is shown."""
+    pixels = np.ones((*radiance.shape[:2], 4), np.float16)
+    half_floats(radiance, scale, out=pixels[..., :3])
+    return pixels
 
 
 class EnvironmentTexture:
@@ -93,14 +116,20 @@ class EnvironmentTexture:
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
         visible = environment is not None and environment.visible
-        radiance = environment_map(environment) if environment and visible else np.zeros((1, 1, 3))
         self._shown = environment
         self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
-        pixels = np.ones((*radiance.shape[:2], 4), np.float16)
-        pixels[..., :3] = np.minimum(radiance, _HALF_MAX)
+        radiance: NDArray[Any] = np.zeros((1, 1, 3))
+        scale = 1.0
+        if environment and visible:
+            radiance = environment_map(environment) if environment.map is None else environment.map
+            scale = 1.0 if environment.map is None else environment.scale
         height, width = radiance.shape[:2]
         self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
-        self.texture.write(pixels)
+        # The device copies what is uploaded: a large map goes a band at a time.
+        for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
+            if rows.start:
+                gpu.wait()
+            self.texture.write(_half_pixels(radiance[rows], scale), row=rows.start)
         self.sampler = Sampler(
             gpu, "environment", mag_filter="linear", min_filter="linear",
             address_mode_u="repeat", address_mode_v="clamp-to-edge",

@@ -9,6 +9,7 @@ import PIL.Image
 import pytest
 
 from airlight.errors import OutputError, SceneError
+from airlight.maths.colour import srgb_decode
 from airlight.scene.image import Image
 from airlight.scene.io import image_sizes
 from airlight.scene.io.images import load_image, read_radiance, read_texture, save_image
@@ -175,3 +176,26 @@ def test_unknown_tone_curve_leaves_no_file(tmp_path):
     with pytest.raises(OutputError, match="sepia"):
         save_image(image, tmp_path / "a.png")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_image_that_does_not_fit_into_memory_is_named_with_its_size(tmp_path, monkeypatch):
+    def full(image):
+        raise MemoryError
+
+    path = tmp_path / "large.png"
+    path.write_bytes(encoded(PIL.Image.new("RGB", (7, 5))))
+    monkeypatch.setattr(images, "_rgba", full)
+    for read in (lambda: read_texture(path, is_srgb=True), lambda: read_radiance(path)):
+        with pytest.raises(SceneError, match="7 x 5 pixels does not fit into memory") as caught:
+            read()
+        assert str(path) in str(caught.value)
+
+
+def test_light_from_8_bits_is_decoded_in_bands(tmp_path, monkeypatch):
+    values = np.random.default_rng(3).integers(0, 256, (11, 6, 3), dtype=np.uint8)
+    path = tmp_path / "sky.png"
+    path.write_bytes(encoded(PIL.Image.fromarray(values)))
+    whole = read_radiance(path)
+    monkeypatch.setattr(images, "_BAND_ROWS", 3)
+    np.testing.assert_array_equal(read_radiance(path), whole)
+    np.testing.assert_array_equal(whole, srgb_decode(values / 255.0).astype(np.float32))

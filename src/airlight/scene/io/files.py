@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import BinaryIO
 
-from ...errors import AirlightError, OutputError, SceneError
+from ...errors import AirlightError, OutputError, SceneError, memory_wanted, within_memory
 
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -26,6 +26,9 @@ _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+SMALLER = "Make it smaller, or free some memory."
+"""The remedy for what is too large for memory."""
+
 _WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d|conin\$|conout\$)\s*(\..*)?", re.I)
 _OF_PARSERS = (
     ValueError, ArithmeticError, LookupError, RecursionError, EOFError, struct.error, zlib.error,
@@ -61,10 +64,8 @@ def read_bytes(path: Path) -> bytes:
     """All bytes of a regular file. Raises SceneError for one that is missing or unreadable."""
     with opened(path) as stream:
         size = os.fstat(stream.fileno()).st_size
-        try:
+        with within_memory(f"its content of {size:,} bytes", where=path, kind=SceneError):
             return stream.read(size)
-        except MemoryError:
-            raise SceneError(f"its {size:,} bytes do not fit into memory", where=path) from None
 
 
 def read_text(path: Path) -> str:
@@ -117,8 +118,10 @@ def naming(path: object) -> Iterator[None]:
         raise SceneError(error.problem, where=path, remedy=error.remedy) from error.__cause__
     except AirlightError:
         raise
-    except MemoryError:
-        raise SceneError("does not fit into memory", where=path) from None
+    except MemoryError as error:
+        raise SceneError(
+            f"does not fit into memory{memory_wanted(error)}", where=path, remedy=SMALLER
+        ) from None
     except _OF_PARSERS as error:
         raise SceneError(
             f"is damaged, or of a kind that is not read ({type(error).__name__}: {error})",

@@ -9,6 +9,8 @@ from __future__ import annotations
 import functools
 import io
 import warnings as python_warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +18,8 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from ...errors import AirlightError, OutputError, SceneError
+from ...errors import AirlightError, OutputError, SceneError, within_memory
+from ...maths.chunks import chunks
 from ...maths.colour import srgb_decode
 from ..checks import F32
 from ..image import Image
@@ -25,6 +28,7 @@ from . import exr, rgbe
 from .files import naming, read_bytes, whole_file
 from .image_sizes import MAX_TEXTURE_PIXELS, check_size
 
+_BAND_ROWS = 256
 _BY_PROGRAMS = ("EPS", "WMF", "STUB", "BUFR", "GRIB", "HDF5")
 PICTURE_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
 
@@ -37,18 +41,22 @@ def read_texture(data: Path | bytes, *, is_srgb: bool, source: str = "") -> Text
     """
     name = source or (str(data) if isinstance(data, Path) else "an embedded image")
     raw = read_bytes(data) if isinstance(data, Path) else data
-    return Texture(pixels=_decode(raw, name), is_srgb=is_srgb, source=name)
+    image = _opened(raw, name)
+    with _fitting(image.size, name):
+        return Texture(pixels=_rgba(image), is_srgb=is_srgb, source=name)
 
 
-def _decode(raw: bytes, name: str) -> NDArray[np.uint8]:
-    """RGBA pixels (H, W, 4), top row first."""
+def _opened(raw: bytes, name: str) -> PIL.Image.Image:
+    """An unpacked image."""
     try:
         with python_warnings.catch_warnings():
             # Our own limit, checked before any pixel is unpacked, stands in for Pillow's.
             python_warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
             image = PIL.Image.open(io.BytesIO(raw), formats=_formats())
             check_size(image.width, image.height, len(raw), name)
-            image.load()
+            with _fitting(image.size, name):
+                image.load()
+                return image
     except AirlightError:
         raise
     except PIL.Image.DecompressionBombError:
@@ -59,7 +67,14 @@ def _decode(raw: bytes, name: str) -> NDArray[np.uint8]:
         ) from None
     except Exception as error:  # Pillow's decoders raise whatever comes to hand
         raise SceneError(f"not a readable image ({error})", where=name) from None
-    return _rgba(image)
+
+
+@contextmanager
+def _fitting(size: tuple[int, int], name: object) -> Iterator[None]:
+    """Memory that runs out while an image of `size`, pixels, is handled becomes a SceneError."""
+    what = f"its image of {size[0]} x {size[1]} pixels"
+    with within_memory(what, where=name, remedy="Scale it down.", kind=SceneError):
+        yield
 
 
 @functools.cache
@@ -70,6 +85,7 @@ def _formats() -> tuple[str, ...]:
 
 
 def _rgba(image: PIL.Image.Image) -> NDArray[np.uint8]:
+    """RGBA pixels (H, W, 4), top row first."""
     if image.mode.startswith("I") or image.mode == "F":
         values = np.asarray(image, dtype=np.float64)
         # Pillow's wide grey modes hold 16 bits, or 0 to 1 where they are float.
@@ -92,14 +108,28 @@ def read_radiance(path: Path, warnings: list[str] | None = None) -> F32:
     elif suffix in (".hdr", ".pic", ".rgbe"):
         pixels = rgbe.decode(read_bytes(path), path)
     else:
-        encoded = _decode(read_bytes(path), str(path))[..., :3]
         said.append(f"{path}: an 8-bit image used as light; it has no highlights")
-        pixels = srgb_decode(encoded / 255.0).astype(np.float32)
-    if np.isnan(pixels).any():
-        raise SceneError(f"{int(np.isnan(pixels).sum())} values are NaN", where=path)
-    if np.isinf(pixels).any():
+        return _decoded(_opened(read_bytes(path), str(path)), path)
+    if not np.isfinite(pixels.max(initial=0.0)) or not np.isfinite(pixels.min(initial=0.0)):
+        if np.isnan(pixels).any():
+            raise SceneError(f"{int(np.isnan(pixels).sum())} values are NaN", where=path)
         said.append(f"{path}: infinite pixels are cut to 65504")
-    return np.clip(pixels, 0.0, 65504.0) if np.isinf(pixels).any() else pixels
+        return np.clip(pixels, 0.0, 65504.0)
+    return pixels
+
+
+def _decoded(image: PIL.Image.Image, path: Path) -> F32:
+    """Linear pixels (H, W, 3) of an image whose values are sRGB.
+
+    It goes a band of rows at a time: of a large image there is no other copy.
+    """
+    table = srgb_decode(np.arange(256) / 255.0).astype(np.float32)
+    with _fitting(image.size, path):
+        pixels = np.empty((image.height, image.width, 3), np.float32)
+        for rows in chunks(image.height, _BAND_ROWS):
+            band = image.crop((0, rows.start, image.width, rows.stop))
+            pixels[rows] = table[_rgba(band)[..., :3]]
+    return pixels
 
 
 def save_image(

@@ -19,8 +19,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import SceneError, nearest
-from .files import opened, regular_file
+from ...errors import SceneError, nearest, within_memory
+from .files import SMALLER, opened, regular_file
 
 NUMBERS = "fiub"
 """NumPy's kinds of what can be used as numbers."""
@@ -95,7 +95,10 @@ def _array(stream: IO[bytes], size_bytes: int, kinds: str, most_values: int | No
     wanted_bytes = count * dtype.itemsize
     if wanted_bytes > size_bytes:
         raise SceneError(f"is cut short: {wanted_bytes:,} bytes of values do not fit in it")
-    content = stream.read(wanted_bytes)
+    size = " x ".join(str(n) for n in shape)
+    what = f"its array of {size} values ({wanted_bytes:,} bytes)"
+    with within_memory(what, remedy=SMALLER, kind=SceneError):
+        content = stream.read(wanted_bytes)
     if len(content) != wanted_bytes:
         raise SceneError(f"is cut short: {len(content):,} of {wanted_bytes:,} bytes of values")
     flat = np.frombuffer(content, dtype=dtype)
