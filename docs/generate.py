@@ -195,6 +195,32 @@ def command_line_page() -> str:
 # ---- Python ------------------------------------------------------------------------------------
 
 
+_PROMISES = """\
+## Threads, processes, lost devices
+
+**Threads.** Each thread may have renderers of its own, as many as there is memory for; they share
+one device and its compiled shaders, and their images are bit for bit those of one thread alone.
+One renderer serves one thread at a time: a second one that asks while the first is served gets
+`DeviceError` at once. It may be made in one thread and go on in another. Scenes never change and
+may be shared.
+
+**Processes.** A process forked from one that has used the device has none of the driver's
+threads, and would wait for ever: whatever it asks of the device raises `DeviceError`. Use
+`multiprocessing.get_context("spawn")`; forking is Python's own default on Linux before 3.14. A
+parent that only imported airlight may be forked.
+
+**Lost devices and memory.** A device that was lost, and memory that ran out, of the device or of
+the machine, are `DeviceError` (exit code 2 on the command line). A new `Renderer`, or the next
+`frame` of the old one, opens the device anew. Some failures of drivers end the process by
+themselves, and no message can be made of those; sizes are checked against the device's limits
+before it is asked.
+
+**What breaks off.** A `frame` or `resize` that an error or Ctrl-C breaks off never was: the next
+one makes anew what it needs and gives the same bits. A renderer that cannot be made keeps no
+memory. After `close` a renderer raises `DeviceError`; to close it again does nothing.
+"""
+
+
 def python_page() -> str:
     """Every public name with its signature and its docstring."""
     parts = [
@@ -202,6 +228,7 @@ def python_page() -> str:
         "Printed from the docstrings by `./run docs`. `import airlight as al`; everything here is "
         "`al.NAME`. Arrays are NumPy's; lengths are metres, colours linear Rec.709.\n",
     ]
+    parts.append(_PROMISES)
     groups = _by_kind({name: getattr(airlight, name) for name in airlight.__all__})
     for title, names in groups.items():
         parts.append(f"## {title}\n")

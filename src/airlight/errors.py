@@ -49,7 +49,11 @@ class SettingsError(AirlightError):
 
 
 class DeviceError(AirlightError):
-    """There is no usable graphics device, or it is too small for what was asked."""
+    """There is no usable graphics device, or it is too small for what was asked.
+
+    Also where it was lost, a process was forked from the device's, and a Renderer is closed or
+    used by two threads at once.
+    """
 
 
 class ShaderError(DeviceError):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import airlight
 from airlight.app import cli
 from airlight.maths import lattice6, lattice26
 from airlight.techniques import TECHNIQUES, technique_settings
@@ -119,3 +120,26 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     page = (tmp_path / "site" / "techniques" / "lpv.html").read_text("utf-8")
     assert "<math" in page
     assert "https://cdn" not in page
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "has no memory left for",
+        "MiB of memory are left for the graphics driver",
+        "the device was lost: ",
+        "this process was forked from one that had used the graphics driver, ",
+        "and a fork has none of its threads",
+        "is used by two threads at once",
+        "this Renderer is closed",
+        "Make a new one",
+    ],
+)
+def test_what_the_troubleshooting_page_says_of_devices_is_said(said):
+    page = " ".join((DOCS / "troubleshooting.md").read_text(encoding="utf-8").split())
+    source = Path(airlight.__file__).parent
+    files = [*(source / "gpu").glob("*.py"), source / "rendering.py"]
+    code = "".join(path.read_text(encoding="utf-8") for path in files)
+    # Messages are put together there: `has no memory left{what}`.
+    assert said.strip() in page
+    assert said.removesuffix(" for") in code
