@@ -7,6 +7,7 @@ import pytest
 
 from airlight import errors
 from airlight.errors import AirlightError, SceneError, memory_wanted, nearest, within_memory
+from airlight.scene import Scene
 
 
 @pytest.mark.parametrize(
@@ -22,6 +23,29 @@ def test_the_message_is_complete(where, remedy, expected):
     error = SceneError("bad", where=where, remedy=remedy)
     assert str(error) == expected
     assert (error.where, error.problem, error.remedy) == (where, "bad", remedy)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("two\nlines", "two\\nlines"),
+        ("\x1b[2J", "\\x1b[2J"),
+        ("\u202egnp.a", "\\u202egnp.a"),
+        ("\ud800", "\\ud800"),
+        ("Grün 道", "Grün 道"),
+    ],
+)
+def test_what_cannot_be_printed_is_escaped(name, shown):
+    error = SceneError(f"it names '{name}'", where=name, remedy="Mend it.")
+    assert str(error) == f"{shown}: it names '{shown}'. Mend it."
+    assert error.problem == f"it names '{name}'"
+    assert Scene(warnings=(f"{name} is left out",)).warnings == (f"{shown} is left out",)
+
+
+def test_a_message_has_an_end():
+    text = str(SceneError("9" * 10**6 + " is no number", where="a.xml", remedy="Mend it."))
+    assert len(text) < 2000
+    assert text.startswith("a.xml: 999") and text.endswith("99 is no number. Mend it.")
 
 
 def test_everything_a_user_sees_is_one_family():

@@ -22,6 +22,23 @@ from contextlib import contextmanager
 _WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
 
 
+LONGEST_LINE = 1500
+"""Characters of a message; a file's names and numbers may have millions."""
+
+
+def one_line(text: str) -> str:
+    """`text` as a terminal can show it: what cannot be printed escaped, a long middle left out.
+
+    Files from elsewhere may hold line breaks, control characters and texts of any length where
+    names are, and messages quote them.
+    """
+    if len(text) > LONGEST_LINE:
+        text = f"{text[: LONGEST_LINE // 2]} ... {text[-LONGEST_LINE // 4 :]}"
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 class AirlightError(Exception):
     """Bad input or a missing capability, said in one line.
 
@@ -36,8 +53,10 @@ class AirlightError(Exception):
         super().__init__(problem)
 
     def __str__(self) -> str:
-        text = f"{self.where}: {self.problem}" if self.where else self.problem
-        return f"{text}. {self.remedy}" if self.remedy else text
+        parts = (self.where, self.problem, self.remedy)
+        where, problem, remedy = (one_line(part) for part in parts)
+        text = f"{where}: {problem}" if where else problem
+        return f"{text}. {remedy}" if remedy else text
 
 
 class SceneError(AirlightError):
@@ -57,7 +76,10 @@ class DeviceError(AirlightError):
 
 
 class ShaderError(DeviceError):
-    """WGSL of ours that does not compile; the message points into its real file."""
+    """WGSL of ours that does not compile; the message points into its real file, line by line."""
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.problem}"
 
 
 class OutputError(AirlightError):

@@ -26,3 +26,10 @@ def test_a_file(tmp_path):
 def test_warnings_go_to_stderr(capsys):
     show_warnings(Scene(warnings=("one", "two")))
     assert capsys.readouterr() == ("", "warning: one\nwarning: two\n")
+
+
+def test_of_very_many_warnings_the_first_are_told(capsys):
+    show_warnings(Scene(warnings=(*("one",) * 5, *(f"{k}" for k in range(100)))))
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[:2] == ["warning: one", "warning: 0"]
+    assert len(lines) == 61 and lines[-1] == "warning: and 41 more like these"

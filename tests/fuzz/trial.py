@@ -134,7 +134,7 @@ class Ground:
             failure
             or self._of_files(set(self.folder.iterdir()) - before, touched, path)
             or _of_lines([*said, *printed.getvalue().split("\n")])
-            or _of_count(len(said) or printed.getvalue().count("warning: "))
+            or _of_count(printed.getvalue().count("warning: "))
             or _of_python([str(w.message) for w in heard], [w.filename for w in heard])
             or _of_use(cpu_seconds() - used, peak_bytes() - peak)
         )

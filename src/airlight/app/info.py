@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from ..errors import one_line
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -162,4 +163,4 @@ def _inline(value: Any) -> str:
         return "(" + ", ".join(_inline(entry) for entry in value) + ")"
     if isinstance(value, float):
         return f"{value:.6g}"
-    return "none" if value is None else str(value)
+    return "none" if value is None else one_line(str(value))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import one_line
 from .camera import Camera
 from .checks import F64
 from .environment import Environment
@@ -41,6 +42,10 @@ class Scene:
     warnings: tuple[str, ...] = ()
     animation: Animation | None = None
     light_groups: tuple[PointLights, ...] = ()
+
+    def __post_init__(self) -> None:
+        # They quote names from files, which may hold anything.
+        object.__setattr__(self, "warnings", tuple(one_line(text) for text in self.warnings))
 
     def at(self, time_s: float) -> Scene:
         """The scene at a time, seconds; the very same where nothing moves.

@@ -17,6 +17,8 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import BinaryIO
 
+import numpy as np
+
 from ...errors import AirlightError, OutputError, SceneError, memory_wanted, within_memory
 
 _KINDS = (
@@ -108,10 +110,12 @@ def inside(root: Path, name: str, where: object) -> Path:
 def naming(path: object) -> Iterator[None]:
     """What goes wrong while `path` is read, as one SceneError that names it.
 
-    What parsers raise that nobody foresaw stays its cause: AIRLIGHT_DEBUG=1 shows it.
+    What parsers raise that nobody foresaw stays its cause: AIRLIGHT_DEBUG=1 shows it. NumPy does
+    not warn of numbers that are out of range: what they make is checked, and refused by name.
     """
     try:
-        yield
+        with np.errstate(all="ignore"):
+            yield
     except SceneError as error:
         if error.where:
             raise

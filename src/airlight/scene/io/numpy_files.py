@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+import warnings as python_warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -120,7 +121,9 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     # Python 2 wrote whole numbers as 10L.
     text = re.sub(r"(?<=\d)L\b", "", stream.read(length).decode("latin-1"))
     try:
-        header = ast.literal_eval(text.strip())
+        with python_warnings.catch_warnings():
+            python_warnings.simplefilter("ignore")  # of Python that is not quite Python
+            header = ast.literal_eval(text.strip())
         shape, is_fortran, kind = (header[key] for key in ("shape", "fortran_order", "descr"))
         dtype = np.dtype(kind) if isinstance(kind, str) else None
     except (ValueError, SyntaxError, TypeError, LookupError, MemoryError, RecursionError):

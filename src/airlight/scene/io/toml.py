@@ -166,7 +166,8 @@ def _camera(raw: Raw) -> tuple[Camera | None, Curves]:
         return None, {}
     table, keys = take_keys(raw["camera"], label)
     values = check_table(CAMERA, table, label)
-    seen = curves("camera", keys, values.pop("between", "smooth"), label) if keys else {}
+    between = values.pop("between", "smooth")
+    seen = curves("camera", keys, between, label) if keys else {}
     with inside(label):
         return Camera(**values), seen
 
@@ -187,7 +188,8 @@ def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment |
         return None, {}
     table, keys = take_keys(raw["environment"], label)
     values = check_table(ENVIRONMENT, table, label)
-    moved = curves("environment", keys, values.pop("between", "smooth"), label) if keys else {}
+    between = values.pop("between", "smooth")
+    moved = curves("environment", keys, between, label) if keys else {}
     if "file" in values and "radiance" in values:
         raise SceneError(f"{label} has both a file and a radiance", remedy="Use one of them.")
     with inside(label):
