@@ -21,7 +21,6 @@ from contextlib import contextmanager
 
 _WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
 
-
 LONGEST_LINE = 1500
 """Characters of a message; a file's names and numbers may have millions."""
 
