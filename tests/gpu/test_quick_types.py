@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from types import SimpleNamespace
 
 from cffi import FFI
@@ -36,6 +37,10 @@ def test_another_cffi_is_left_alone() -> None:
     assert not declare_only_what_is_named(object())
 
 
+class View:
+    """Something that is drawn into."""
+
+
 class Encoder:
     """Makes structs as wgpu-py's command encoder does."""
 
@@ -43,27 +48,40 @@ class Encoder:
 
     def _create_render_pass_color_attachment(self, attachment):
         Encoder.made += 1
-        return dict(attachment)
+        return {name: value for name, value in attachment.items() if name != "view"}
 
     _create_render_pass_stencil_attachment = _create_render_pass_color_attachment
+
+
+def struct(attachment):
+    return {name: value for name, value in attachment.items() if name != "view"}
 
 
 def test_structs_of_render_passes_are_made_once_and_anew_where_anything_differs() -> None:
     assert keep_attachments(Encoder)
     assert keep_attachments(Encoder)  # twice is once
-    encoder, views = Encoder(), [object(), object()]
+    encoder, views = Encoder(), [View(), View()]
     given = [
         {"view": view, "load_op": load, "store_op": "store", "clear_value": (0, 0, 0, alpha)}
         for view in views for load in ("load", "clear") for alpha in (0, 1)
     ]  # fmt: skip
     for _ in range(3):
         for one in given:
-            assert encoder._create_render_pass_color_attachment(dict(one)) == one
+            assert encoder._create_render_pass_color_attachment(dict(one)) == struct(one)
     assert Encoder.made == len(given)
     other = {**given[0], "clear_value": {"r": 0.0}}  # which has no hash
-    assert encoder._create_render_pass_color_attachment(other) == other
+    assert encoder._create_render_pass_color_attachment(other) == struct(other)
     depth = {"view": views[0], "depth_load_op": "clear", "depth_clear_value": 1.0}
-    assert encoder._create_render_pass_stencil_attachment(depth) == depth
+    assert encoder._create_render_pass_stencil_attachment(depth) == struct(depth)
+
+
+def test_structs_go_with_the_view_that_they_are_of() -> None:
+    assert keep_attachments(Encoder)
+    view = View()
+    Encoder()._create_render_pass_color_attachment({"view": view, "load_op": "load"})
+    gone = weakref.ref(view)
+    del view
+    assert gone() is None
 
 
 def test_labels_are_made_once_and_code_is_not_kept() -> None:

@@ -105,6 +105,18 @@ def test_the_background_is_the_map_in_half_floats(gpu, owned):
     np.testing.assert_allclose(read[1:], 2.0 * MAP[1:], rtol=1e-3, atol=1e-6)
 
 
+def test_another_map_of_the_same_size_takes_the_place_of_the_first(gpu, owned):
+    background = EnvironmentTexture(gpu, Environment(map=MAP))
+    texture = owned(background.texture)
+    assert background.take(Environment(map=3.0 * MAP, rotation_deg=90.0))
+    assert background.texture is texture and background.rotation == np.pi / 2
+    read = texture.read()[..., :3].astype(np.float64)
+    np.testing.assert_allclose(read, np.minimum(3.0 * MAP, 65504.0), rtol=1e-3, atol=1e-6)
+    assert background.take(Environment(map=background._shown.map, rotation_deg=30.0))
+    assert not background.take(Environment(map=MAP[::2]))
+    assert not background.take(None), "its map has one texel"
+
+
 def test_an_invisible_environment_has_a_black_background(gpu, owned):
     for environment in (None, Environment(visible=False)):
         background = EnvironmentTexture(gpu, environment)

@@ -8,6 +8,8 @@ from .commands import Commands
 from .device import Gpu
 from .slots import Slot, bind_group_layout
 
+_MOST_KEPT = 256
+
 
 class Bindings:
     """The bind groups of one set of slots; each combination of resources is made once."""
@@ -31,12 +33,22 @@ class Bindings:
         key = (id(commands), *map(id, resources))
         found = self._groups.get(key)
         if found is None:
-            # The resources are kept beside the group: an id stays theirs while they live.
-            found = (self.make(values, commands.arena), [commands, *resources])
-            if len(self._groups) >= 256:
-                self._groups.pop(next(iter(self._groups)))
+            found = self._made(commands, values, resources)
             self._groups[key] = found
         encoder.set_bind_group(group, found[0], offsets)
+
+    def _made(
+        self, commands: Commands, values: dict[str, Any], resources: list[Any]
+    ) -> tuple[Any, list[Any]]:
+        """A new group for the cache, which then has room for it."""
+        # What was released since, by a resize or with another map, is not bound again.
+        for key, (_, held) in list(self._groups.items()):
+            if any(getattr(resource, "handle", resource) is None for resource in held):
+                del self._groups[key]
+        if len(self._groups) >= _MOST_KEPT:
+            self._groups.pop(next(iter(self._groups)))
+        # The resources are kept beside the group: an id stays theirs while they live.
+        return self.make(values, commands.arena), [commands, *resources]
 
     def make(self, values: dict[str, Any], params: Any) -> Any:
         """A bind group of these resources, not cached; parameters lie in the buffer `params`."""

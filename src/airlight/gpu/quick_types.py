@@ -10,7 +10,7 @@ import re
 from functools import lru_cache
 from typing import Any
 
-_MOST_ATTACHMENTS, _MOST_LABELS, _LONGEST_LABEL = 256, 256, 64
+_MOST_LABELS, _LONGEST_LABEL = 256, 64
 
 
 def declare_only_what_is_named(ffi: Any) -> bool:
@@ -55,22 +55,22 @@ def keep_attachments(encoder: Any) -> bool:
 
 
 def _keeping(method: Any) -> Any:
-    kept: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+    place = f"_kept_by{method.__name__}"
 
     def quick(self: Any, attachment: dict[str, Any]) -> Any:
-        view = attachment.get("view")
-        # A view's id is its own while it is kept here.
-        rest = (v for k, v in attachment.items() if k != "view")
-        key = (id(view), *attachment, *rest)
+        # Structs are kept by the view that they name, and go when it goes.
+        held: dict[str, Any] | None = getattr(attachment.get("view"), "__dict__", None)
+        if held is None:
+            return method(self, attachment)
+        kept: dict[Any, Any] = held.setdefault(place, {})
+        key = tuple((k, v) for k, v in attachment.items() if k != "view")
         try:
             found = kept.get(key)
         except TypeError:  # what cannot be compared is made anew
             return method(self, attachment)
         if found is None:
-            if len(kept) >= _MOST_ATTACHMENTS:
-                kept.clear()
-            found = kept[key] = (method(self, attachment), view)
-        return found[0]
+            found = kept[key] = method(self, attachment)
+        return found
 
     quick.is_quick = True  # type: ignore[attr-defined]
     return quick

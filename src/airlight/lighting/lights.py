@@ -53,7 +53,7 @@ class Lights:
             self.table.write(packed_lights(lights))
         if environment is not self._environment:
             self._environment = environment
-            if not self.background.turn(environment):
+            if not self.background.take(environment):
                 self.background.texture.release()
                 self.background = EnvironmentTexture(self.gpu, environment)
         suns = [x for x in lights if isinstance(x, DirectionalLight)]

@@ -115,33 +115,48 @@ class EnvironmentTexture:
     """The map on the device, for the background; black where there is none or it is invisible."""
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
-        visible = environment is not None and environment.visible
-        self._shown = environment
-        self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
-        radiance: NDArray[Any] = np.zeros((1, 1, 3))
-        scale = 1.0
-        if environment and visible:
-            radiance = environment_map(environment) if environment.map is None else environment.map
-            scale = 1.0 if environment.map is None else environment.scale
-        height, width = radiance.shape[:2]
+        height, width = _seen(environment)[0].shape[:2]
+        self.gpu = gpu
         self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
-        # The device copies what is uploaded: a large map goes a band at a time.
-        for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
-            if rows.start:
-                gpu.wait()
-            self.texture.write(_half_pixels(radiance[rows], scale), row=rows.start)
         self.sampler = Sampler(
             gpu, "environment", mag_filter="linear", min_filter="linear",
             address_mode_u="repeat", address_mode_v="clamp-to-edge",
         )  # fmt: skip
+        self._upload(environment)
+        self._turn(environment)
 
-    def turn(self, environment: Environment | None) -> bool:
-        """Take an environment that differs in its rotation alone; False for any other."""
+    def take(self, environment: Environment | None) -> bool:
+        """Show another environment; False for one whose map has another size."""
         old = self._shown
-        if old is None or environment is None or _pixels_of(old) != _pixels_of(environment):
-            return False
-        self._shown, self.rotation = environment, np.radians(environment.rotation_deg)
+        is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
+        if not is_same:
+            if _seen(environment)[0].shape[1::-1] != self.texture.size[:2]:
+                return False
+            self._upload(environment)
+        self._turn(environment)
         return True
+
+    def _turn(self, environment: Environment | None) -> None:
+        self._shown = environment
+        self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
+
+    def _upload(self, environment: Environment | None) -> None:
+        """The texels, a band at a time where they are many: the device copies what is uploaded."""
+        radiance, scale = _seen(environment)
+        height, width = radiance.shape[:2]
+        for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
+            if rows.start:
+                self.gpu.wait()
+            self.texture.write(_half_pixels(radiance[rows], scale), row=rows.start)
+
+
+def _seen(environment: Environment | None) -> tuple[NDArray[Any], float]:
+    """The map (H, W, 3) that is seen in the background, and its factor."""
+    if environment is None or not environment.visible:
+        return np.zeros((1, 1, 3)), 1.0
+    if environment.map is None:
+        return environment_map(environment), 1.0
+    return environment.map, environment.scale
 
 
 def _pixels_of(environment: Environment) -> tuple[object, ...]:
