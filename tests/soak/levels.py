@@ -16,6 +16,8 @@ from airlight.gpu.device import Gpu
 
 FLAT = 0.01
 """The share that a level may grow by."""
+FILLING = 16
+"""Objects of a kind that may come: caches of the last few of something fill up as they are used."""
 SHORT_LIVED = ("CommandBuffer", "CommandEncoder", "ComputePassEncoder", "RenderPassEncoder")
 
 
@@ -72,8 +74,9 @@ class Course:
         if last.device > first.device * (1.0 + FLAT):
             found.append(f"memory of the device {_mib(first.device)} -> {_mib(last.device)}")
         for kind, count in last.objects.items():
-            if count > first.objects.get(kind, 0):
-                found.append(f"{kind} objects {first.objects.get(kind, 0)} -> {count}")
+            had = first.objects.get(kind, 0)
+            if count > max(had * (1.0 + FLAT), had + FILLING):
+                found.append(f"{kind} objects {had} -> {count}")
         return found
 
     def process_bytes(self) -> tuple[float, float]:

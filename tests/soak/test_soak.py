@@ -32,10 +32,10 @@ def test_what_grows_is_named():
         "memory of the process 100.5 MiB -> 103.5 MiB"
     ]
     assert course([100.0], [10, 11]).grown() == ["memory of the device 10.0 MiB -> 11.0 MiB"]
-    more = (("Buffer", 3),), (("Buffer", 4), ("Sampler", 1))
+    more = (("Buffer", 3),), (("Buffer", 40), ("Sampler", 17), ("Texture", 16))
     assert course([100.0], objects=more).grown() == [
-        "Buffer objects 3 -> 4",
-        "Sampler objects 0 -> 1",
+        "Buffer objects 3 -> 40",
+        "Sampler objects 0 -> 17",
     ]
 
 
@@ -58,7 +58,7 @@ def test_a_leak_is_heard(gpu, monkeypatch, capsys):
     kept, frame = [], Renderer.frame
 
     def leaks(self, **what):
-        kept.append(Texture(self.gpu, "leak", (256, 256), "rgba8unorm"))
+        kept.extend(Texture(self.gpu, "leak", (64, 64), "rgba8unorm") for _ in range(16))
         return frame(self, **what)
 
     monkeypatch.setattr(Renderer, "frame", leaks)
