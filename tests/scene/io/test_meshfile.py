@@ -77,3 +77,13 @@ def test_truncated_binaries(tmp_path):
         path.write_bytes(raw[: len(raw) // 2])
         with pytest.raises(SceneError, match=rf"a\.{suffix}: "):
             load_mesh_file(path)
+
+
+def test_properties_of_a_ply_that_are_not_read_are_named(tmp_path):
+    path = tmp_path / "a.ply"
+    header = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    header += "".join(f"property float {name}\n" for name in ("x", "y", "z", "quality", "s", "t"))
+    header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    path.write_text(header + "0 0 0 1 0 0\n1 0 0 1 1 0\n0 1 0 1 0 1\n3 0 1 2\n")
+    (line,) = load_mesh_file(path).warnings
+    assert "the vertex properties quality, s, t are not read" in line

@@ -152,7 +152,8 @@ def test_a_tr_of_1_alone_is_meshlab_s_opaque(material):
 
 
 @pytest.mark.parametrize(
-    ("text", "alpha"), [("Tr 0\n", 1.0), ("Tr 0.75\n", 0.25), ("d 0\nTr 1\n", 0.0), ("d 0\n", 0.0)]
+    ("text", "alpha"),
+    [("Tr 0\n", 1.0), ("Tr 0.75\n", 0.25), ("d 0\nTr 1\n", 0.0), ("d 0\n", 0.0)],
 )
 def test_other_transparency_is_one_minus_opacity(material, text, alpha):
     assert material(text)[0].alpha == alpha
@@ -164,3 +165,9 @@ def test_a_black_kd_beside_an_image_shows_the_image(material):
     assert m.base_color_texture is not None
     assert material("Kd 0.5 0 0\nmap_Kd orange.png\n")[0].base_color == (0.5, 0.0, 0.0)
     assert material("Kd 0 0 0\n")[0].base_color == (0.0, 0.0, 0.0)
+
+
+def test_statements_that_are_not_read_are_named_unless_they_say_nothing(material):
+    _, warnings = material("Kd 1 1 1\nPc 0.5\nrefl -type sphere a.png\nPs 0\naniso 0.0\nNi 1.45\n")
+    (line,) = warnings
+    assert "'pc', 'refl' of 'm' are not read" in line

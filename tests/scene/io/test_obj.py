@@ -174,3 +174,12 @@ def test_the_living_room_against_trimesh(shared_data):
     assert floor.material.base_color_texture.pixels.shape == (910, 2048, 4)
     for mesh in ours.meshes:
         np.testing.assert_allclose(np.linalg.norm(mesh.geometry.normals, axis=1), 1, atol=1e-5)
+
+
+def test_statements_that_are_not_read_are_named(tmp_path):
+    path = tmp_path / "a.obj"
+    shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    path.write_text(shape + "o a\ng b\ns 1\nusemtl c\n# no line\nlod 1\n")
+    assert not any("statements" in line for line in load_obj(path).warnings)
+    path.write_text(shape + "l 1 2\np 1\ncurv 0 1 1 2\n")
+    assert "its statements 'p', 'l', 'curv' are not read" in load_obj(path).warnings[0]

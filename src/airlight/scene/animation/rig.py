@@ -77,12 +77,14 @@ class Clip:
 class Part:
     """A mesh of the scene: the node it hangs on, and, where it is deformed, its shape.
 
-    `weights` (M,) are the morph targets' at rest.
+    `weights` (M,) are the morph targets' at rest. `local` (4, 4): where an instance stands on
+    its node.
     """
 
     node: int
     shape: Shape | None = None
     weights: F64 | None = None
+    local: F64 | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +167,8 @@ class Rig:
         self, mesh: Mesh, part: Part, clip: Clip | None, at: float, in_file: F64, placed: F64
     ) -> Mesh:
         world = cast(F64, placed @ in_file[part.node])
+        if part.local is not None:
+            world = world @ part.local
         if part.shape is None:
             return replace(mesh, world_from_object=world)
         if part.shape.skin is not None:

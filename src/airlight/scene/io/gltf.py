@@ -25,20 +25,13 @@ from ..scene import Scene
 from .gltf_animation import read_clips
 from .gltf_buffers import Buffers, read_container
 from .gltf_deform import Deforms
+from .gltf_extensions import check_compression, check_extensions, instances
 from .gltf_json import Item
 from .gltf_material import Materials
 from .gltf_mesh import Primitive, read_primitive
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
 
 WATTS_PER_LUMEN = 1.0
-
-_COMPRESSION = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
-_SUPPORTED = {
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-}
 
 
 def load_gltf(path: Path) -> Scene:
@@ -52,37 +45,20 @@ def load_gltf(path: Path) -> Scene:
 def read_gltf(path: Path) -> GltfFile:
     """The parsed file, whose nodes can be placed at will. Raises SceneError."""
     document, binary = read_container(path)
-    _check_extensions(document)
-    return GltfFile(document, Buffers(document, binary))
-
-
-def _check_extensions(document: Item) -> None:
-    for required in document.items("extensionsRequired"):
-        name = str(required.value)
-        if name in _COMPRESSION:
-            raise SceneError(
-                f"its meshes are compressed with {name}, which airlight does not read",
-                where=document.file,
-                remedy="Export it without mesh compression.",
-            )
-        if name not in _SUPPORTED and not name.startswith("KHR_materials_"):
-            raise SceneError(
-                f"it needs the extension {name}, which airlight does not read",
-                where=document.file,
-                remedy="Export it without that extension.",
-            )
+    warnings = check_extensions(document)
+    return GltfFile(document, Buffers(document, binary), warnings)
 
 
 class GltfFile:
     """A document with its buffers. Geometry is read once and shared by its instances."""
 
-    def __init__(self, document: Item, buffers: Buffers) -> None:
+    def __init__(self, document: Item, buffers: Buffers, warnings: Sequence[str] = ()) -> None:
         self.document = document
         self.buffers = buffers
         self.nodes: tuple[Node, ...] = read_nodes(document)
         self.roots = scene_roots(document, self.nodes)
         self.materials = Materials(document, buffers)
-        self.warnings: list[str] = []
+        self.warnings: list[str] = list(warnings)
         self._meshes = document.items("meshes")
         self._geometries: dict[tuple[str, int], Primitive | None] = {}
         self._deforms = Deforms(document, buffers)
@@ -132,18 +108,22 @@ class GltfFile:
             read = self._geometry(primitive, material.uv_set)
             if read is None:
                 continue
-            geometry, part = read.geometry, Part(k, self._deforms.shape(node, primitive, read))
-            if part.shape is not None:
-                geometry = replace(geometry)  # it moves for itself: not shared with other nodes
-            if part.shape is not None and part.shape.morph is not None:
-                targets = len(part.shape.morph.positions)
-                part = replace(part, weights=self._deforms.weights(node, mesh, targets))
-            placed.append((Mesh(geometry, material.material, matrix, name), part))
+            shape = self._deforms.shape(node, primitive, read)
+            weights = None
+            if shape is not None and shape.morph is not None:
+                weights = self._deforms.weights(node, mesh, len(shape.morph.positions))
+            for local in instances(node, self.buffers):
+                # What moves for itself is not shared with other nodes.
+                geometry = read.geometry if shape is None else replace(read.geometry)
+                place = matrix if local is None else matrix @ local
+                part = Part(k, shape, weights, local)
+                placed.append((Mesh(geometry, material.material, place, name), part))
         return placed
 
     def _geometry(self, primitive: Item, uv_set: int) -> Primitive | None:
         key = (primitive.place, uv_set)
         if key not in self._geometries:
+            check_compression(primitive, self.buffers)
             read = read_primitive(primitive, self.buffers, uv_set)
             if read is None:
                 self._warn(primitive, "points and lines are left out")
@@ -203,6 +183,8 @@ class GltfFile:
         if not hung.has("light"):
             return None
         light = listed[hung.index("light", listed, "lights")]
+        if light.has("range"):
+            self._warn(light, "its range is left out: it shines as far as it does")
         strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
         red, green, blue = (
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))

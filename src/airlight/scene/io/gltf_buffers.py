@@ -132,6 +132,15 @@ class Buffers:
             )
         return memoryview(data)[start : start + length], view.integer("byteStride", 0)
 
+    def view_item(self, accessor: Item) -> Item:
+        """The buffer view of an accessor that has one."""
+        return self._views[accessor.index("bufferView", self._views, "bufferViews")]
+
+    def is_missing(self, view: Item) -> bool:
+        """Whether the buffer of a view is a mere placeholder for decompressed data."""
+        k = view.index("buffer", self._buffers, "buffers")
+        return not self._buffers[k].has("uri") and (k > 0 or self._binary is None)
+
     def _buffer(self, view: Item) -> bytes:
         k = view.index("buffer", self._buffers, "buffers")
         if k not in self._bytes:

@@ -19,13 +19,17 @@ from .texture_files import missing_texture
 
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 _UNDERSTOOD = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength": {"emissiveStrength"},
+    "KHR_materials_ior": {"ior"},
+    "KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor", "diffuseTexture", "glossinessFactor", "specularFactor",
+        "specularGlossinessTexture",  # said as a whole: a dielectric
+    },
+    "KHR_materials_specular": {"specularFactor"},
+    "KHR_materials_transmission": {"transmissionFactor"},
+    "KHR_materials_unlit": set(),
 }
+"""By extension, what of it is read."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -99,8 +103,12 @@ class Materials:
             values |= {"metallic": 0.0, "roughness": 1.0, "specular": 0.0}
             self._warn(item, "unlit is not supported, the surface is lit as a matte one")
         for name in extensions.value:
-            if name.startswith("KHR_materials_") and name not in _UNDERSTOOD:
+            if not name.startswith("KHR_materials_"):
+                continue
+            if name not in _UNDERSTOOD:
                 self._warn(item, f"{name} is not supported and left out")
+            elif unread := set(extensions.child(name).value) - _UNDERSTOOD[name]:
+                self._warn(item, f"{', '.join(sorted(unread))} of {name} left out")
 
     def _emission(self, item: Item, values: dict[str, Any], sets: list[int]) -> None:
         factor = item.floats("emissiveFactor", 3, (0.0, 0.0, 0.0))
@@ -163,7 +171,9 @@ class Materials:
         webp = texture.at("extensions", "EXT_texture_webp")
         source = webp if webp.has("source") else texture
         if not source.has("source"):
-            self._warn(texture, "has no image that airlight can read; a magenta checker stands in")
+            names = ", ".join(texture.child("extensions").value) or "nothing"
+            self._warn(texture, f"has no image that airlight can read, but {names}; a magenta "
+                       "checker stands in")  # fmt: skip
             return missing_texture(texture.place) if is_srgb else None
         k = source.index("source", self._images, "images")
         if (k, is_srgb) not in self._pixels:

@@ -38,6 +38,15 @@ _OPTION_ARGUMENTS = {
     "-type": 1,
     "-mm": 2,
 }
+_READ = frozenset(
+    (
+        *("kd", "map_kd", "ks", "ns", "pr", "pm", "map_pr", "map_pm", "ke", "map_ke", "illum"),
+        *("d", "tr", "map_d", "map_opacity"),
+        *("norm", "map_norm", "map_kn", "map_bump", "bump"),
+    )
+)
+_MEANINGLESS = frozenset(("ka", "map_ka", "ni", "tf", "km", "sharpness", "map_aat"))
+"""Ambient light, which is computed, and what exporters write whatever the material is."""
 _VECTOR_OPTIONS = ("-s", "-o", "-t")
 
 
@@ -159,7 +168,20 @@ def _material(block: _Block, textures: TextureFiles) -> Material:
     values.update(_coverage(block, textures, _base_texture(block, textures)))
     values.update(_emission(block, textures))
     values.update(_normal_map(block, textures))
+    unread = [key for key, (text, _) in block.statements.items() if _is_lost(key, text)]
+    if unread:
+        listed = ", ".join(f"'{key}'" for key in unread)
+        textures.warnings.append(
+            f"{block.path}: {listed} of '{block.name}' are not read and left out"
+        )
     return Material(**values)
+
+
+def _is_lost(key: str, text: str) -> bool:
+    """Whether a statement says something that is not shown: nothing is said by zeros."""
+    if key in _READ or key in _MEANINGLESS:
+        return False
+    return not all(_is_number(word) and float(word) == 0.0 for word in text.split())
 
 
 def _base_texture(block: _Block, textures: TextureFiles) -> Texture | None:

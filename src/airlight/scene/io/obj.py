@@ -33,6 +33,9 @@ def load_obj(path: Path) -> Scene:
     """
     data = parse_obj(read_bytes(path), path)
     textures = TextureFiles(path.parent)
+    if data.unread:
+        listed = ", ".join(f"'{keyword}'" for keyword in data.unread)
+        textures.warnings.append(f"{path}: its statements {listed} are not read and left out")
     materials = _materials(data, path, textures)
     triangles = _triangles(data)
     if len(triangles.corners) == 0:

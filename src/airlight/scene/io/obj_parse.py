@@ -25,6 +25,7 @@ Bytes = NDArray[np.uint8]
 
 _SPACE, _NEWLINE = 32, 10
 _V, _VT, _VN, _FACE, _OTHER = 1, 2, 3, 4, 0
+_LEFT_OUT = ("p", "l", "curv", "surf", "call", "maplib", "usemap", "bevel")
 _KIND_NAMES = {_V: "v", _VT: "vt", _VN: "vn", _FACE: "f"}
 
 
@@ -35,7 +36,8 @@ class ObjData:
     `positions` (P, 3), `colors` (P, 3) sRGB-encoded or None, `uvs` (U, 2) with v upwards,
     `normals` (N, 3) float64; `corners` (C, 3) position, uv and normal index of each polygon
     corner; per polygon `sizes`, `lines` (1-based), `material` (into `material_names`) and
-    `is_flat` (smoothing is off).
+    `is_flat` (smoothing is off). `unread`: keywords of statements that mean something and are left
+    out.
     """
 
     positions: Floats
@@ -49,6 +51,7 @@ class ObjData:
     is_flat: NDArray[np.bool_]
     material_names: tuple[str, ...]
     libraries: tuple[str, ...]
+    unread: tuple[str, ...] = ()
 
 
 def parse_obj(raw: bytes, path: Path) -> ObjData:
@@ -74,6 +77,7 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
         is_flat=statements.is_flat_at(face_lines),
         material_names=tuple(statements.material_names),
         libraries=tuple(statements.libraries),
+        unread=_unread(lines),
     )
 
 
@@ -222,6 +226,19 @@ class _Statements:
 
     def is_flat_at(self, face_lines: I64) -> NDArray[np.bool_]:
         return _latest(self._flat_from, face_lines).astype(bool)
+
+
+def _unread(lines: _Lines) -> tuple[str, ...]:
+    """The keywords of _LEFT_OUT that the file uses; others have no meaning for what is seen."""
+    starts = lines.starts[lines.kind == _OTHER]
+    last = len(lines.data) - 1
+    # Of each distinct beginning one line is read: groups and comments may be millions.
+    begins = np.stack([lines.data[np.minimum(starts + k, last)] for k in range(6)], axis=1)
+    words = {
+        row.tobytes().replace(b"\n", b" ").split(b" ")[0].decode("latin-1")
+        for row in np.unique(begins, axis=0)
+    }
+    return tuple(word for word in _LEFT_OUT if word[:6] in words)
 
 
 def _latest(changes: list[tuple[int, int]], at: I64) -> I64:
