@@ -40,7 +40,8 @@ def test_apart_or_with_the_rest(
         monkeypatch.setattr(surfaces, "can_list", lambda *_, _is_apart=is_apart: _is_apart)
         with Renderer(polished, "lpv", SIZE, settings=settings) as renderer:
             seen[is_apart] = renderer.frame().layers
-            assert (renderer.technique.surfaces.glossy is not None) == (is_apart and gpu.takes_cpu_paths)
+            has_list = renderer.technique.surfaces.glossy is not None
+            assert has_list == (is_apart and gpu.takes_cpu_paths)
     for name in ("direct", "indirect"):
         np.testing.assert_allclose(seen[True][name], seen[False][name], rtol=2e-5, atol=1e-6)
     with Renderer(polished, "lpv", SIZE, settings={**settings, "glossy_rays": False}) as renderer:

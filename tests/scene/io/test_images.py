@@ -11,7 +11,7 @@ import pytest
 from airlight.errors import OutputError, SceneError
 from airlight.maths.colour import srgb_decode
 from airlight.scene.image import Image
-from airlight.scene.io import image_sizes
+from airlight.scene.io import image_sizes, images
 from airlight.scene.io.images import load_image, read_radiance, read_texture, save_image
 
 
