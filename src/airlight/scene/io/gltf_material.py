@@ -22,7 +22,10 @@ _UNDERSTOOD = {
     "KHR_materials_emissive_strength": {"emissiveStrength"},
     "KHR_materials_ior": {"ior"},
     "KHR_materials_pbrSpecularGlossiness": {
-        "diffuseFactor", "diffuseTexture", "glossinessFactor", "specularFactor",
+        "diffuseFactor",
+        "diffuseTexture",
+        "glossinessFactor",
+        "specularFactor",
         "specularGlossinessTexture",  # said as a whole: a dielectric
     },
     "KHR_materials_specular": {"specularFactor"},
