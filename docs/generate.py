@@ -25,7 +25,7 @@ from airlight.app.scenes import descriptions
 from airlight.figures.registry import FIGURES
 from airlight.lighting.kit import SurfaceSettings
 from airlight.scene.io.toml_tables import schema_markdown
-from airlight.shafts.air_light import AirSettings
+from airlight.shafts.settings import AirSettings
 from airlight.techniques import TECHNIQUES, technique_settings
 
 DOCS = Path(__file__).parent

@@ -16,13 +16,112 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from .gpu.commands import Commands
+from .gpu.memory import Buffer, Texture
 from .lattice.irradiance import Irradiance, SkyIrradiance
+from .lattice.placement import Placement
 from .lighting.view import View
-from .march.far_air import FarSource
-from .march.march import LatticeSource, Source
 from .maths.transforms import F64
 from .scene.scene import Scene
+
+ABSOLUTE, ALL_MEDIA = -1, -2
+FORWARD_BLOCK = 4
+_FORWARD_BLUR_CELLS = 2.0  # deviation of what is interpolated between such blocks
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Emission on a grid: rgb of an rgba16float (or wider, filterable) 3D texture.
+
+    With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
+    W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
+    of one (its row: the scene's medium first, then the volumes), at the density's own resolution.
+    """
+
+    texture: Texture
+    uvw_from_world: F64
+    scale: float = 1.0
+    medium: int = ABSOLUTE
+
+    @property
+    def cell_m(self) -> float:
+        """The shortest side of its cells, metres."""
+        lengths = np.linalg.norm(np.linalg.inv(self.uvw_from_world)[:3, :3], axis=0)
+        return float((lengths / np.array(self.texture.size)).min())
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeSource:
+    """Solved lattices of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
+
+    `bound`: lattice_red/green/blue (or sky_red/green/blue) and the blockers' lattice_open_a/b and
+    lattice_walls. For states whose lookup is Kaplanyan2010's, scale = (2/3)/(s^2 power_scale) and
+    direct = 1; for accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
+    `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
+    as the cells of the finest that has the place (Kaplanyan2010 section 7).
+    `third`: the five coefficients of a third band (wgsl/third_band.wgsl). `forward`: what is near
+    its beam still. `mean`: the a of the three channels as rgb, for air that scatters evenly: one
+    read instead of three. `is_similar`: it holds light of similar even air, which is marched
+    through that.
+    """
+
+    placement: Placement
+    bound: dict[str, Any]
+    scale: float
+    direct: float = 1.0
+    finer: tuple[Placement, ...] = ()
+    forward: ForwardSource | None = None
+    mean: Texture | None = None
+    third: Texture | None = None
+    is_similar: bool = False
+
+    @property
+    def levels(self) -> tuple[Placement, ...]:
+        """All its lattices, the finest first."""
+        return (*self.finer, self.placement)
+
+    @property
+    def cell_m(self) -> float:
+        """The side of its smallest cells, metres."""
+        return self.levels[0].cell
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardSource:
+    """rgb W m^-2 times 1/`scale`, a: optical depth of scattering; `slabs` lights along z.
+
+    `blurred`: the same of blocks of FORWARD_BLOCK^3 cells, of the side `cell_m`.
+    `table`: their rows of LightData, of which the first `count` shine.
+    """
+
+    texture: Texture
+    blurred: Texture
+    table: Buffer
+    count: int
+    slabs: int
+    scale: float
+    cell_m: float
+
+    @property
+    def spread(self) -> float:
+        """m^-2: times (1 - g) and the square of a way, how nearly light is spread over blocks."""
+        return 2.0 * (0.29 / (_FORWARD_BLUR_CELLS * self.cell_m)) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class FarSource:
+    """`table`, W m^-2 sr^-1: for rows of depths the mean radiance of similar air, then that of the
+    sky, then what air scatters of the sky towards `side`^2 directions.
+
+    `top`, m, where the air begins; `sigma_t`, m^-1, of its densest channel.
+    """
+
+    table: Buffer
+    side: int
+    top: float
+    sigma_t: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from airlight.fields import ForwardSource, LatticeSource
 from airlight.gpu.layout import pack_array
 from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.march.air import Air
-from airlight.march.forward_source import ForwardSource
-from airlight.march.march import LatticeSource, March
+from airlight.march.march import March
 from airlight.march.rays import Rays
 from airlight.maths.forward_phase import fused_phase
 from airlight.scene.camera import Camera

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from airlight.fields import ALL_MEDIA, LatticeSource, Source
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.march.air import Air
-from airlight.march.march import ALL_MEDIA, LatticeSource, March, Source, placed
+from airlight.march.march import March, placed
 from airlight.march.rays import Rays
 from airlight.reference.quadrature import box_path, sphere_path
 from airlight.scene.camera import Camera

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from airlight.fields import LatticeSource
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.march.air import Air
-from airlight.march.march import LatticeSource, March
+from airlight.march.march import March
 from airlight.march.march_kernel import Variant, generated, slots, target_names
 from airlight.march.rays import Rays
 from airlight.rendering import Renderer

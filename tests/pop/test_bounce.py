@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.fields import ReflectedLight
+from airlight.fields import LatticeSource, ReflectedLight
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
-from airlight.march.march import LatticeSource
 from airlight.maths.transforms import F64
 from airlight.pop.settings import PopSettings
 from airlight.pop.solver import PopSolver

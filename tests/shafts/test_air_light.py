@@ -23,7 +23,8 @@ from airlight.scene import (
     Volume,
 )
 from airlight.shafts import air_light
-from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.air_light import AirLight
+from airlight.shafts.settings import AirSettings
 from airlight.shafts.shafts import Shafts
 
 SIZE = (44, 32)

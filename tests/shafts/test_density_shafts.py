@@ -22,7 +22,8 @@ from airlight.scene import (
     Volume,
 )
 from airlight.scene.shapes import quad
-from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.air_light import AirLight
+from airlight.shafts.settings import AirSettings
 
 SIZE = (10, 8)
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))

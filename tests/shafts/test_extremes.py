@@ -20,7 +20,8 @@ from airlight.scene import (
     SpotLight,
     Volume,
 )
-from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.air_light import AirLight
+from airlight.shafts.settings import AirSettings
 
 SIZE = (16, 12)
 EYE = (0.5, 0.25, 1.0)

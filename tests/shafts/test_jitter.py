@@ -22,7 +22,8 @@ from airlight.scene import (
     SpotLight,
     Volume,
 )
-from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.air_light import AirLight
+from airlight.shafts.settings import AirSettings
 
 SIZE = (40, 28)
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))

@@ -11,8 +11,8 @@ from airlight.fields import Fields, Frame
 from airlight.gpu.commands import Commands
 from airlight.lighting.kit import Context, Kit, SurfaceSettings
 from airlight.scene import Camera, DirectionalLight, Environment, Medium, Scene
-from airlight.shafts.air_light import AirSettings
 from airlight.shafts.media import Media
+from airlight.shafts.settings import AirSettings
 from airlight.surface.geometry import GpuScene
 
 SETTINGS = SurfaceSettings(resolution=8, shadow_resolution=32, sky_lights=8, sky_resolution=16)

@@ -26,7 +26,8 @@ from airlight.scene.medium import Medium
 from airlight.scene.mesh import Mesh
 from airlight.scene.scene import Scene
 from airlight.scene.shapes import quad
-from airlight.shafts.air_light import AirLight, AirSettings
+from airlight.shafts.air_light import AirLight
+from airlight.shafts.settings import AirSettings
 from airlight.shafts.shafts import Shafts
 
 SIZE = (27, 18)

@@ -21,7 +21,7 @@ from ..lighting.lattice_box import lattice_box
 from ..maths.sampling import pixel_jitter
 from ..rendering import Renderer
 from ..scene.scene import Scene
-from ..shafts.air_light import AirSettings
+from ..shafts.settings import AirSettings
 from .view_build import Task, Turns, said
 from .view_drawn import Drawn
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Protocol, cast
 
-from ..fields import Fields, Frame, ReflectedLight
+from ..fields import Fields, Frame, LatticeSource, ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, linear_sampler
 from ..lattice.emission import InjectEmission, emitted_flux
@@ -32,7 +32,6 @@ from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.lattice_box import lattice_box
 from ..lighting.view import View
-from ..march.march import LatticeSource
 from ..maths.lattice6 import LOOKUP_SCALE, Scheme, enough_steps, spread_kept
 from ..scene.scene import Scene
 from ..surface.light_maps import LightMaps

@@ -8,10 +8,10 @@ scatters of that. Marching reads it where no lattice is: endless air has no bord
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..fields import FarSource
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage
@@ -26,20 +26,6 @@ ROWS = 64
 SIDE = 17
 """Directions along each side of an octahedron's square, those on its borders among them."""
 _LAST = 0.975  # of depth/(1 + depth), which rows are even in: 39 optical depths
-
-
-@dataclass(frozen=True, eq=False)
-class FarSource:
-    """`table`, W m^-2 sr^-1: for rows of depths the mean radiance of similar air, then that of the
-    sky, then what air scatters of the sky towards `side`^2 directions.
-
-    `top`, m, where the air begins; `sigma_t`, m^-1, of its densest channel.
-    """
-
-    table: Buffer
-    side: int
-    top: float
-    sigma_t: float
 
 
 class FarAir:

@@ -7,41 +7,15 @@ in each cell of a lattice, and how deep in scattering it is, and marching asks f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..gpu.memory import Buffer, Texture
+from ..fields import FORWARD_BLOCK
 from ..gpu.slots import Slot, storage, texture
 from ..maths.forward_phase import fused_table
 from ..scene.checks import F32
 from ..surface.light_table import LightData
-
-FORWARD_BLOCK = 4
-_BLUR_CELLS = 2.0  # deviation of what is interpolated between such blocks
-
-
-@dataclass(frozen=True, eq=False)
-class ForwardSource:
-    """rgb W m^-2 times 1/`scale`, a: optical depth of scattering; `slabs` lights along z.
-
-    `blurred`: the same of blocks of FORWARD_BLOCK^3 cells, of the side `cell_m`.
-    `table`: their rows of LightData, of which the first `count` shine.
-    """
-
-    texture: Texture
-    blurred: Texture
-    table: Buffer
-    count: int
-    slabs: int
-    scale: float
-    cell_m: float
-
-    @property
-    def spread(self) -> float:
-        """m^-2: times (1 - g) and the square of a way, how nearly light is spread over blocks."""
-        return 2.0 * (0.29 / (_BLUR_CELLS * self.cell_m)) ** 2
 
 
 def forward_slots() -> tuple[Slot, ...]:

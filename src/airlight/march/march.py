@@ -13,11 +13,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..fields import FarSource, LatticeSource, Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
@@ -27,8 +28,7 @@ from ..lattice.placement import Placement
 from ..lattice.table import LatticeTable
 from ..maths.transforms import F64
 from .air import Air
-from .far_air import FarSource
-from .forward_source import ForwardSource, fused_rows
+from .forward_source import fused_rows
 from .march_cells import MarchCells
 from .march_kernel import (
     MAX_LEVELS_AT_ONCE,
@@ -43,69 +43,10 @@ from .march_kernel import (
 )
 from .rays import RayParams, Rays
 
-ABSOLUTE, ALL_MEDIA = -1, -2
 MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
 _LIMIT = "max-color-attachment-bytes-per-sample"
 _TWO_BANDS = 0.25  # the largest g that two bands are enough for
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """Emission on a grid: rgb of an rgba16float (or wider, filterable) 3D texture.
-
-    With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
-    W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
-    of one (its row: the scene's medium first, then the volumes), at the density's own resolution.
-    """
-
-    texture: Texture
-    uvw_from_world: F64
-    scale: float = 1.0
-    medium: int = ABSOLUTE
-
-    @property
-    def cell_m(self) -> float:
-        """The shortest side of its cells, metres."""
-        lengths = np.linalg.norm(np.linalg.inv(self.uvw_from_world)[:3, :3], axis=0)
-        return float((lengths / np.array(self.texture.size)).min())
-
-
-@dataclass(frozen=True, eq=False)
-class LatticeSource:
-    """Solved lattices of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
-
-    `bound`: lattice_red/green/blue (or sky_red/green/blue) and the blockers' lattice_open_a/b and
-    lattice_walls. For the
-    lookup's normalisation (NOTES section 1) scale = (2/3)/(s^2 power_scale), direct = 1; for
-    accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
-    `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
-    as the cells of the finest that has the place (Kaplanyan2010 section 7).
-    `third`: the five coefficients of a third band (wgsl/third_band.wgsl). `forward`: what is near
-    its beam still. `mean`: the a of the three channels as rgb, for air that scatters evenly: one
-    read instead of three. `is_similar`: it holds light of similar even air, which is marched
-    through that.
-    """
-
-    placement: Placement
-    bound: dict[str, Any]
-    scale: float
-    direct: float = 1.0
-    finer: tuple[Placement, ...] = ()
-    forward: ForwardSource | None = None
-    mean: Texture | None = None
-    third: Texture | None = None
-    is_similar: bool = False
-
-    @property
-    def levels(self) -> tuple[Placement, ...]:
-        """All its lattices, the finest first."""
-        return (*self.finer, self.placement)
-
-    @property
-    def cell_m(self) -> float:
-        """The side of its smallest cells, metres."""
-        return self.levels[0].cell
 
 
 def placed(placement: Placement) -> F64:

@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..fields import ReflectedLight
+from ..fields import ReflectedLight, Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..march.march import Source
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
 from ..scene.environment import Environment

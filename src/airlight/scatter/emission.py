@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..fields import ForwardSource, LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -18,8 +19,6 @@ from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
-from ..march.forward_source import ForwardSource
-from ..march.march import LatticeSource
 from ..maths.lattice26 import true_share
 from ..scene.checks import Rgb
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..fields import FORWARD_BLOCK, ForwardSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -21,7 +22,6 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..march.air import Air
-from ..march.forward_source import FORWARD_BLOCK, ForwardSource
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.light_table import LightData

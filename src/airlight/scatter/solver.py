@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fields import Fields, Frame, ReflectedLight
+from ..fields import Fields, Frame, LatticeSource, ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.emission import InjectEmission, emitted_flux
@@ -20,7 +20,6 @@ from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..march.air import Air
-from ..march.march import LatticeSource
 from ..maths.transforms import F64
 from ..scene.medium import medium_box
 from ..scene.scene import Scene

@@ -10,17 +10,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..fields import Fields, Frame
+from ..fields import FarSource, Fields, Frame
 from ..gpu.commands import Commands
 from ..gpu.memory import Texture
 from ..lattice.irradiance import SkyIrradiance
 from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..march.air import Air
-from ..march.far_air import FarAir, FarSource
+from ..march.far_air import FarAir
 from ..scene.medium import medium_box
 from ..scene.volume import Volume
-from .air_light import AirLight, AirSettings
+from .air_light import AirLight
+from .settings import AirSettings
 from .sky_air import SkyAir
 
 

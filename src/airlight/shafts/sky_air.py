@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from ..fields import LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -25,7 +26,6 @@ from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
 from ..march.air import Air
-from ..march.march import LatticeSource
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume

@@ -4,7 +4,8 @@
     solvers  each adds its fields: irradiance of surfaces, light that media scatter
     media    shafts and marching of all fields; surfaces are seen through it
 
-A recipe takes what a technique is made for and its settings, and gives the technique.
+A recipe takes what a technique is made for and its settings, and gives the technique. It imports
+the solvers that it uses itself: an image without media needs no code about media.
 """
 
 from __future__ import annotations
@@ -15,14 +16,8 @@ from typing import Any
 
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..lpv.settings import LpvSettings
-from ..lpv.solver import LpvSolver, cascades_nest
-from ..pop.media import EveryMedium, PopMedia
 from ..pop.settings import PopSettings
-from ..pop.sharp_lobes import SharpLobes
-from ..scatter.map_blockers import MapBlockers
-from ..scatter.solver import ScatterSolver
-from ..shafts.air_light import AirSettings
-from ..shafts.media import Media
+from ..shafts.settings import AirSettings
 from .settings import (
     LpvMarchSettings,
     LpvScatterSettings,
@@ -33,7 +28,6 @@ from .settings import (
     part_of,
 )
 from .technique import Technique
-from .volumes import LatticeVolumes
 
 
 def direct(context: Context, settings: SurfaceSettings) -> Technique:
@@ -43,12 +37,16 @@ def direct(context: Context, settings: SurfaceSettings) -> Technique:
 
 def lpv(context: Context, settings: LpvSettings) -> Technique:
     """Light propagation volumes (Kaplanyan2010): light bounces between surfaces; no media."""
+    from ..lpv.solver import LpvSolver, cascades_nest
+
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
     return Technique("lpv", kit, [LpvSolver(kit, settings)])
 
 
 def single(context: Context, settings: SingleSettings) -> Technique:
     """Direct light through media, and what they scatter once, with sharp shadows."""
+    from ..shafts.media import Media
+
     kit = Kit(context, settings, scene_nest(context.scene, settings, in_air=True))
     media = Media(kit, part_of(settings, AirSettings))
     return Technique("single", kit, [media], media=media)
@@ -65,6 +63,9 @@ def lpv_sum(context: Context, settings: LpvMarchSettings) -> Technique:
 
 
 def _lpv_in_media(name: str, context: Context, settings: LpvMarchSettings, **air: Any) -> Technique:
+    from ..lpv.solver import LpvSolver, cascades_nest
+    from ..shafts.media import Media
+
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
     lattice = LpvSolver(kit, settings, is_marched=True)
     drawn = replace(part_of(settings, AirSettings), **air)
@@ -74,6 +75,9 @@ def _lpv_in_media(name: str, context: Context, settings: LpvMarchSettings, **air
 
 def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
     """Multiple scattering on one lattice (Billeter2012): reflected and scattered light together."""
+    from ..scatter.solver import ScatterSolver
+    from ..shafts.media import Media
+
     kit = _scattering_kit(context, settings)
     media = Media(kit, part_of(settings, AirSettings), is_lattice_marched=True, has_multiple=True)
     lattice = ScatterSolver(kit, settings)
@@ -82,6 +86,10 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal ordinates for every medium (Elek2014); surfaces are lit directly."""
+    from ..pop.media import EveryMedium, PopMedia
+    from ..pop.sharp_lobes import SharpLobes
+    from ..shafts.media import Media
+
     lobes = SharpLobes()
     seen_as = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled
     context = replace(context, scene=seen_as(context.scene))
@@ -106,6 +114,11 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
 
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     """`lpv` among volumes: they attenuate and add to its lattice, which lights them in turn."""
+    from ..lpv.solver import LpvSolver, cascades_nest
+    from ..pop.media import PopMedia
+    from ..shafts.media import Media
+    from .volumes import LatticeVolumes
+
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
     volumes = context.scene.volumes
     media = Media(kit, part_of(settings, AirSettings), sources=len(volumes), solved=volumes)
@@ -117,6 +130,10 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
     """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in it."""
+    from ..pop.media import PopMedia
+    from ..scatter.solver import ScatterSolver
+    from ..shafts.media import Media
+
     kit = _scattering_kit(context, settings)
     volumes = context.scene.volumes
     media = Media(kit, part_of(settings, AirSettings), sources=len(volumes), solved=volumes,
@@ -129,6 +146,8 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
     nest = scene_nest(context.scene, settings, in_air=True)
     if settings.blockers == "maps":
+        from ..scatter.map_blockers import MapBlockers
+
         seen = partial(MapBlockers, resolution=settings.blocker_resolution)
         return Kit(context, settings, nest, make_blockers=seen)
     return Kit(context, settings, nest)

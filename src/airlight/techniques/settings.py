@@ -11,7 +11,7 @@ from ..march.rays import RESOLUTIONS
 from ..pop.settings import PopSettings
 from ..scatter.settings import ScatterSettings
 from ..scene.settings import setting
-from ..shafts.air_light import AirSettings
+from ..shafts.settings import AirSettings
 
 _S = TypeVar("_S")
 

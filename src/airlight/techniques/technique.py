@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
@@ -12,7 +12,9 @@ from ..lighting.kit import Kit
 from ..lighting.surfaces import Surfaces
 from ..lighting.view import View
 from ..scene.scene import Scene
-from ..shafts.media import Media
+
+if TYPE_CHECKING:
+    from ..shafts.media import Media
 
 _T = TypeVar("_T")
 SeenAs = Callable[[Scene], Scene]
