@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.maths import weld
-from airlight.maths.weld import welded
+from airlight.maths.weld import open_vertices, welded
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -35,3 +35,10 @@ def test_points_whose_hashes_collide_stay_apart(monkeypatch):
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 0, 0), (1, 0, 0)], float)
     numbers = welded(points)
     assert numbers[0] == numbers[2] != numbers[1] == numbers[3]
+
+
+def test_the_vertices_at_a_rim_are_open():
+    fan = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)])
+    np.testing.assert_array_equal(open_vertices(fan), [False, True, True, True, True])
+    closed = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    assert not open_vertices(closed).any()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..gpu.layout import Struct, u32, vec3f
 from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
-from ..maths.weld import welded
+from ..maths.weld import open_vertices, welded
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 
@@ -184,20 +184,11 @@ def outer_side(geometry: Geometry) -> int:
 
 def _unmatched_edges(corners: NDArray[np.int64]) -> int:
     """How many edges of the triangles `corners` (T, 3) no other runs along the other way."""
-    # Each vertex adds up random numbers of those that edges lead to, less of those that they come
-    # from: where that is zero, the same ones stand on both lists. Numbers of 40 bits add up
-    # exactly.
-    mark = np.random.default_rng(0).integers(1, 2**40, int(corners.max()) + 1).astype(np.float64)
-    balance = np.zeros(len(mark))
-    for part in chunks(len(corners)):
-        marks = mark[corners[part]]
-        change = np.roll(marks, -1, axis=1) - np.roll(marks, 1, axis=1)
-        np.add.at(balance, corners[part].ravel(), change.ravel())
-    # Both ends of an edge without a partner are out of balance.
-    is_open = balance != 0.0
+    # Both ends of an edge without a partner are open.
+    is_open = open_vertices(corners)
     ahead = np.roll(corners, -1, axis=1)
     doubtful = is_open[corners] & is_open[ahead] & (corners != ahead)
-    a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(mark))
+    a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(is_open))
     return len(a) - int(np.isin(a * n + b, b * n + a, kind="sort").sum())
 
 

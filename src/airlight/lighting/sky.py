@@ -12,6 +12,7 @@ from ..gpu.memory import Texture
 from ..lattice.placement import Placement
 from ..lattice.skylight import Skylight
 from ..scene.environment import Environment
+from ..surface.coarse import CoarseScene
 from ..surface.geometry import GpuScene
 from ..surface.light_views import light_views
 from ..surface.reflective import ReflectiveShadowMaps
@@ -38,6 +39,7 @@ class Sky:
         layers = count if self.lights else 0
         self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
         self._compare = comparison_sampler(gpu)
+        self._coarse: CoarseScene | None = None
 
     def encode(
         self, commands: Commands, meshes: GpuScene, environment: Environment | None,
@@ -57,7 +59,8 @@ class Sky:
         if meshes.draws:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
-        self.maps.encode(commands, meshes, self.lights, views)
+        self._coarse = self._coarse or CoarseScene(meshes, self.maps.resolution)
+        self.maps.encode(commands, self._coarse.current(), self.lights, views)
         return True
 
     def light(
@@ -77,3 +80,5 @@ class Sky:
     def release(self) -> None:
         """Give the memory back."""
         self.maps.release()
+        if self._coarse:
+            self._coarse.release()

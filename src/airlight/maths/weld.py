@@ -1,4 +1,4 @@
-"""Vertices at one position as one vertex."""
+"""Vertices at one position as one vertex, and the vertices at the rims of surfaces."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .chunks import chunks
 
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 
@@ -29,6 +31,21 @@ def welded(points: NDArray[np.floating[Any]]) -> NDArray[np.int64]:
     numbers = np.empty(len(points), np.int64)
     numbers[order] = np.cumsum(is_new) - 1
     return numbers
+
+
+def open_vertices(corners: NDArray[np.integer[Any]]) -> NDArray[np.bool_]:
+    """Which vertices (V,) lie at a rim: an edge of the triangles `corners` (T, 3) leads to or from
+    them that no other runs along the other way. `corners` are numbers as `welded` gives them."""
+    # Each vertex adds up random numbers of those that edges lead to, less of those that they come
+    # from: where that is zero, the same ones stand on both lists. Numbers of 40 bits add up
+    # exactly.
+    mark = np.random.default_rng(0).integers(1, 2**40, int(corners.max()) + 1).astype(np.float64)
+    balance = np.zeros(len(mark))
+    for part in chunks(len(corners)):
+        marks = mark[corners[part]]
+        change = np.roll(marks, -1, axis=1) - np.roll(marks, 1, axis=1)
+        np.add.at(balance, corners[part].ravel(), change.ravel())
+    return np.asarray(balance != 0.0)
 
 
 def _hashes(points: NDArray[np.floating[Any]]) -> NDArray[np.uint64]:

@@ -87,9 +87,11 @@ class GpuScene:
     vertices that moved. `current` are the meshes as they are, `version` counts their changes.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, store: TextureStore | None = None) -> None:
+        """`store`: of another scene that shows the same textures and outlives this one."""
         self.gpu = gpu
-        self.store = TextureStore(gpu)
+        self._owns_store = store is None
+        self.store = store or TextureStore(gpu)
         self.version = 0
         self.color_changes = 0
         """Counts geometries whose vertices gained or lost their colours."""
@@ -99,7 +101,7 @@ class GpuScene:
         geometries = {id(m.geometry): m.geometry for m in scene.meshes}
         self.original = self.current = scene.meshes
         offsets = self._upload(list(geometries.values()))
-        self._first_vertex = [offsets[id(m.geometry)][1] for m in scene.meshes]
+        self.first_vertices = [offsets[id(m.geometry)][1] for m in scene.meshes]
         self._uploaded = {offsets[key][1]: g for key, g in geometries.items()}
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
@@ -169,13 +171,13 @@ class GpuScene:
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
         """Upload the vertices of geometries that are not the last ones; whether there were any."""
-        if len(meshes) != len(self._first_vertex):
+        if len(meshes) != len(self.first_vertices):
             raise SceneError(
-                f"there are {len(meshes)} meshes where there were {len(self._first_vertex)}",
+                f"there are {len(meshes)} meshes where there were {len(self.first_vertices)}",
                 remedy="Make a new Renderer",
             )
         wanted: dict[int, Geometry] = {}
-        for mesh, first in zip(meshes, self._first_vertex, strict=True):
+        for mesh, first in zip(meshes, self.first_vertices, strict=True):
             if wanted.setdefault(first, mesh.geometry) is not mesh.geometry:
                 raise SceneError(
                     f"mesh '{mesh.name}' no longer shares the geometry that it shared",
@@ -209,7 +211,7 @@ class GpuScene:
                 self.gpu,
                 self._uploaded,
                 self._materials,
-                [(self._first_vertex[i], self._material_index[id(self.current[i].material)])
+                [(self.first_vertices[i], self._material_index[id(self.current[i].material)])
                  for i in self.order],
                 self.store,
             )  # fmt: skip
@@ -256,7 +258,8 @@ class GpuScene:
         """Give the memory back."""
         for part in (self.positions, self.vertices, self.indices, self.instances, self.materials):
             part.release()
-        self.store.release()
+        if self._owns_store:
+            self.store.release()
         if self._seen:
             self._seen.release()
 

@@ -1,0 +1,188 @@
+"""Large scenes for maps of few texels: fewer triangles between some of the same vertices.
+
+The sky's maps see the whole scene a hundred times, each in less than ten thousand texels: millions
+of triangles are then hundreds to a texel. Vertices in one cell of a grid, finer than texels and
+than the lattice's cells, become the one in their midst (Rossignac1993). Where that loses surface,
+as of gravel smaller than cells, and of leaves the triangles stay as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.chunks import chunks
+from ..maths.weld import open_vertices, welded
+from ..scene.mesh import Geometry, Mesh
+from ..scene.scene import Scene
+from .geometry import GpuScene
+
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+
+MOST_TRIANGLES = 500_000
+"""Instances counted each: scenes of no more are drawn as they are."""
+_FEWEST_OF_A_GEOMETRY = 4096
+_CELLS_A_TEXEL = 2.0
+_MOST_CELLS = 1 << 25
+_BLOCK = 4  # cells along a side of the blocks whose area is compared
+_LEAST_AREA, _MOST_AREA = 0.5, 1.5  # of what a block had
+
+
+class CoarseScene:
+    """A scene as maps of `resolution` texels a side see it: the very same, or a coarser one."""
+
+    def __init__(self, scene: GpuScene, resolution: int) -> None:
+        self._fine = scene
+        self._coarse: GpuScene | None = None
+        self._version = -1
+        self._sources: dict[int, NDArray[np.uint32]] = {}
+        self._made: dict[int, tuple[Geometry, Geometry]] = {}
+        if sum(len(m.geometry.indices) for m in scene.original) <= MOST_TRIANGLES:
+            return
+        low, high = scene.bounds
+        cell = float(np.linalg.norm(high - low)) / (_CELLS_A_TEXEL * resolution)
+        for first, (geometry, stretch) in _geometries(scene).items():
+            if len(geometry.indices) >= _FEWEST_OF_A_GEOMETRY and stretch > 0.0:
+                triangles = coarse_triangles(geometry, cell / stretch)
+                if 2 * len(triangles) <= len(geometry.indices):
+                    sources, indices = np.unique(triangles, return_inverse=True)
+                    self._sources[first] = sources.astype(np.uint32)
+                    coarse = _at(geometry, sources, indices.reshape(-1, 3).astype(np.uint32))
+                    self._made[first] = (geometry, coarse)
+        if self._made:
+            self._coarse = GpuScene(scene.gpu, Scene(self._meshes(scene.original)), scene.store)
+
+    def current(self) -> GpuScene:
+        """What is to be drawn, moved as the scene has."""
+        if self._coarse is None:
+            return self._fine
+        if self._version != self._fine.version:
+            self._version = self._fine.version
+            self._coarse.move(self._meshes(self._fine.current))
+        return self._coarse
+
+    def _meshes(self, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
+        """The scene's `meshes`, of coarse geometries where there are any."""
+        return tuple(
+            replace(m, geometry=self._geometry(k, m.geometry)) if k in self._made else m
+            for m, k in zip(meshes, self._fine.first_vertices, strict=True)
+        )
+
+    def _geometry(self, first: int, now: Geometry) -> Geometry:
+        """The coarse one of a geometry as it is now."""
+        before, coarse = self._made[first]
+        if before is not now:
+            coarse = _at(now, self._sources[first], coarse.indices)
+            self._made[first] = (now, coarse)
+        return coarse
+
+    def release(self) -> None:
+        """Give the memory back."""
+        if self._coarse:
+            self._coarse.release()
+
+
+def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float]]:
+    """By first vertex, and how much the largest of a geometry's instances stretches it."""
+    found: dict[int, tuple[Geometry, float]] = {}
+    for mesh, first in zip(scene.original, scene.first_vertices, strict=True):
+        stretch = float(np.linalg.norm(mesh.world_from_object[:3, :3], 2))
+        known = found.get(first)
+        found[first] = (mesh.geometry, max(stretch, known[1]) if known else stretch)
+    return found
+
+
+def _at(g: Geometry, vertices: NDArray[np.integer[Any]], indices: NDArray[np.uint32]) -> Geometry:
+    """Triangles between some of a geometry's vertices."""
+    normals, uvs, colors = (
+        None if values is None else values[vertices] for values in (g.normals, g.uvs, g.colors)
+    )
+    return Geometry(g.positions[vertices], indices, normals=normals, uvs=uvs, colors=colors)
+
+
+def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
+    """Triangles (n, 3) between the geometry's own vertices, its details smaller than `cell`, m in
+    object space, left out; all of its triangles where there would be too many cells."""
+    positions, indices = geometry.positions, geometry.indices
+    low = positions.min(axis=0).astype(np.float64)
+    count = np.floor((positions.max(axis=0) - low) / cell).astype(np.int64) + 1
+    if np.prod(count.astype(float)) > _MOST_CELLS:
+        return indices
+    cluster, middle = _clusters(positions, low, cell, count)
+    # Triangles whose corners lie in three cells, each of them once. Those that are all rim, leaves
+    # and blades, stay as they are.
+    vertex = welded(positions)
+    is_open = open_vertices(vertex[indices])
+    is_leaf = np.empty(len(indices), dtype=bool)
+    kept = []
+    for part in chunks(len(indices)):
+        is_leaf[part] = is_open[vertex[indices[part]]].all(axis=1)
+        a, b, c = cluster[indices[part]].T
+        is_left = (a != b) & (b != c) & (c != a) & ~is_leaf[part]
+        kept.append(np.stack([a[is_left], b[is_left], c[is_left]], axis=1))
+    corners = np.concatenate(kept)
+    turn = corners.argmin(axis=1)[:, None]
+    corners = np.take_along_axis(corners, (turn + np.arange(3)) % 3, axis=1)
+    key = (corners[:, 0] * len(middle) + corners[:, 1]) * len(middle) + corners[:, 2]
+    if len(middle) < 1 << 21:
+        corners = corners[np.sort(np.unique(key, return_index=True)[1])]
+    triangles = middle[corners].astype(np.uint32)
+    sheets, leaves = indices[~is_leaf], indices[is_leaf]
+    return np.concatenate([_with_lost(positions, sheets, triangles, low, cell, count), leaves])
+
+
+def _clusters(positions: NDArray[np.float32], low: F64, cell: float, count: I64) -> tuple[I64, I64]:
+    """The cluster (V,) of each vertex, and of each cluster the vertex nearest to its middle."""
+    at = np.empty(len(positions), np.int64)
+    for part in chunks(len(positions)):
+        at[part] = _cell_number(positions[part], low, cell, count)
+    is_used = np.zeros(int(np.prod(count)), dtype=bool)
+    is_used[at] = True
+    cluster = (np.cumsum(is_used) - 1)[at]
+    sizes = np.bincount(cluster)
+    distance = np.zeros(len(positions))
+    for column in positions.T:
+        offset = column - (np.bincount(cluster, column) / sizes)[cluster]
+        distance += offset * offset
+    least = np.full(len(sizes), np.inf)
+    np.minimum.at(least, cluster, distance)
+    nearest = np.flatnonzero(distance == least[cluster])
+    middle = np.zeros(len(sizes), np.int64)
+    middle[cluster[nearest]] = nearest
+    return cluster, middle
+
+
+def _cell_number(points: NDArray[np.floating[Any]], low: F64, cell: float, count: I64) -> I64:
+    x, y, z = np.minimum(((points - low) / cell).astype(np.int64), count - 1).T
+    return np.asarray((x * count[1] + y) * count[2] + z)
+
+
+def _with_lost(
+    positions: NDArray[np.float32], indices: NDArray[np.uint32], coarse: NDArray[np.uint32],
+    low: F64, cell: float, count: I64,
+) -> NDArray[np.uint32]:  # fmt: skip
+    """The `coarse` triangles, but those of `indices` where much of their area was lost."""
+    side, blocks = cell * _BLOCK, -(-count // _BLOCK)
+    old, old_area = _blocks_and_areas(positions, indices, low, side, blocks)
+    new, new_area = _blocks_and_areas(positions, coarse, low, side, blocks)
+    had = np.bincount(old, old_area, int(np.prod(blocks)))
+    has = np.bincount(new, new_area, len(had))
+    is_lost = (has < _LEAST_AREA * had) | (has > _MOST_AREA * had)
+    return np.concatenate([coarse[~is_lost[new]], indices[is_lost[old]]])
+
+
+def _blocks_and_areas(
+    positions: NDArray[np.float32], triangles: NDArray[np.uint32], low: F64, side: float,
+    blocks: I64,
+) -> tuple[I64, F64]:  # fmt: skip
+    """Of each triangle the block (n,) that its first corner lies in, and its area (n,)."""
+    block, area = np.empty(len(triangles), np.int64), np.empty(len(triangles))
+    for part in chunks(len(triangles)):
+        a, b, c = (positions[triangles[part, k]].astype(np.float64) for k in range(3))
+        block[part] = _cell_number(a, low, side, blocks)
+        area[part] = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return block, area
