@@ -22,7 +22,11 @@ SWITCHES: tuple[Switch, ...] = (
     Switch("AIRLIGHT_ADAPTER", "auto", "graphics adapter: auto, cpu, gpu or a part of its name"),
     Switch("AIRLIGHT_CACHE", "", "folder for what is costly to make again; empty: the system's"),
     Switch("AIRLIGHT_PATHS", "auto", "code paths: auto (made for the adapter), gpu or cpu"),
-    Switch("AIRLIGHT_DEBUG", "0", "1 prints the traceback of an internal error"),
+    Switch(
+        "AIRLIGHT_DEBUG",
+        "0",
+        "1 prints the tracebacks behind an error",
+    ),
 )
 
 

@@ -73,6 +73,32 @@ def test_a_mistake_of_ours_is_one_line_and_exit_1(raising, capsys):
     )
 
 
+def test_debug_shows_what_a_parser_raised(tmp_path, capsys, monkeypatch):
+    from airlight.scene.io import obj
+
+    def broken(raw, path):
+        raise KeyError("unforeseen")
+
+    monkeypatch.setattr(obj, "parse_obj", broken)
+    (tmp_path / "a.obj").write_text("v 0 0 0\n")
+    assert cli.run(["info", str(tmp_path / "a.obj")]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"error: {tmp_path / 'a.obj'}: is damaged, or of a kind that is not read")
+    assert err.count("\n") == 1
+    monkeypatch.setenv("AIRLIGHT_DEBUG", "1")
+    assert cli.run(["info", str(tmp_path / "a.obj")]) == 2
+    assert "KeyError: 'unforeseen'" in capsys.readouterr().err.partition("Traceback")[2]
+
+
+def test_a_name_breaks_no_message_over_lines(tmp_path, capsys):
+    for name in ("a\nb\x1b[2J.toml", "a" * 260, "a" * 260 + ".toml", "no\nsuch"):
+        assert cli.run(["info", str(tmp_path / name)]) == 2
+        err = capsys.readouterr().err
+        assert err.startswith("error: ")
+        assert err.count("\n") == 1
+        assert err.strip().isprintable()
+
+
 def test_debug_shows_the_traceback(raising, capsys, monkeypatch):
     monkeypatch.setenv("AIRLIGHT_DEBUG", "1")
     raising(ZeroDivisionError("x"))

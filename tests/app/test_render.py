@@ -172,6 +172,14 @@ def test_warnings_of_the_scene_are_shown(tmp_path, calls, capsys):
     assert "warning: smoke.npy does not say where it is" in capsys.readouterr().err
 
 
+def test_a_picture_of_what_is_no_number_is_doubted(tmp_path, capsys, monkeypatch):
+    empty = Image(np.full((4, 4, 3), np.nan, np.float32))
+    monkeypatch.setattr(airlight.rendering, "render", lambda scene, **options: empty)
+    arguments = ["render", "builtin:cornell", "-o", str(tmp_path / "a.png"), "--size", "4x4"]
+    assert cli.run(arguments) == 0
+    assert "warning: 16 of 16 pixels are NaN or infinite" in capsys.readouterr().err
+
+
 def test_the_help_names_every_technique(capsys):
     from airlight.techniques import TECHNIQUES
 

@@ -20,6 +20,15 @@ def test_a_picture_without_layers_is_enough():
     assert (dict(image.layers), image.exposure_stops, dict(image.stats)) == ({}, 0.0, {})
 
 
+def test_pixels_that_are_no_numbers_are_counted():
+    radiance = np.ones((3, 4, 3), np.float32)
+    assert Image(radiance).doubts == ()
+    radiance[0, 0] = np.nan
+    radiance[2, 1, 2] = np.inf
+    (doubt,) = Image(radiance).doubts
+    assert doubt.startswith("2 of 12 pixels are NaN or infinite")
+
+
 def test_it_does_not_change():
     with pytest.raises(dataclasses.FrozenInstanceError):
         Image(BLACK).radiance = BLACK  # type: ignore[misc]

@@ -72,6 +72,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
         return code if isinstance(code, int) else 0
     except AirlightError as error:
+        if error.__cause__ is not None and env.is_on("AIRLIGHT_DEBUG"):
+            traceback.print_exception(error)
         print(f"error: {error}", file=sys.stderr)
         return 2
     except click.ClickException as error:

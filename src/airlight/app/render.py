@@ -86,7 +86,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
         if stats_path is not None:
             timed = {"load_s": load_s, "first_image_s": first_image_s}
             write_json({**image.stats, **timed}, stats_path)
-    show_warnings(loaded)
+    show_warnings(loaded, image.doubts)
     click.echo(str(output))
 
 

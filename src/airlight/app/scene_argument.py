@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -19,13 +20,15 @@ def load_scene(text: str) -> Scene:
     return load(text)
 
 
-def show_warnings(scene: Scene) -> None:
-    """What the loader dropped, replaced or approximated, one line each on stderr.
+def show_warnings(scene: Scene, doubts: Sequence[str] = ()) -> None:
+    """What the loader dropped, replaced or approximated, and `doubts`, one line each on stderr."""
+    warn((*scene.warnings, *doubts))
 
-    Of very many the first, and how many more there are.
-    """
-    told = list(dict.fromkeys(scene.warnings))
-    for warning in told[:MOST_WARNINGS]:
-        click.echo(f"warning: {warning}", err=True)
+
+def warn(texts: Sequence[str]) -> None:
+    """One line each on stderr. Of very many the first, and how many more there are."""
+    told = list(dict.fromkeys(texts))
+    for text in told[:MOST_WARNINGS]:
+        click.echo(f"warning: {text}", err=True)
     if len(told) > MOST_WARNINGS:
         click.echo(f"warning: and {len(told) - MOST_WARNINGS:,} more like these", err=True)

@@ -12,7 +12,7 @@ import click
 from ..errors import OutputError, SettingsError
 from .options import adapter_option, check_settings, settings_option, size_option
 from .outputs import check_writable
-from .scene_argument import load_scene, show_warnings
+from .scene_argument import load_scene, show_warnings, warn
 from .sequence_folder import FrameFolder
 from .sequence_plan import FORMATS, Plan, digest, frame_span
 from .sequence_progress import counted
@@ -108,6 +108,7 @@ def make_frames(
                 for frame in missing:
                     maker.save(frame, folder.file(plan, frame))
                     count()
+            warn(maker.doubts)
         else:
             _farmed(farm, plan, scene, folder, missing, count)
 

@@ -27,6 +27,7 @@ class FrameMaker:
     def __init__(self, plan: Plan, scene: Scene) -> None:
         self.plan, self.scene = plan, scene
         self._renderer: Renderer | None = None
+        self.doubts: list[str] = []
 
     @property
     def renderer(self) -> Renderer:
@@ -48,7 +49,9 @@ class FrameMaker:
     def save(self, frame: int, path: Path) -> None:
         """One frame into a file, whole or not at all. Raises OutputError."""
         # What a picture says about its making differs from run to run; frames do not.
-        replace(self.image(frame), stats={}).save(path, layers=self.plan.layers)
+        image = self.image(frame)
+        self.doubts += [f"frame {frame}: {text}" for text in image.doubts]
+        replace(image, stats={}).save(path, layers=self.plan.layers)
 
     def encoded(self, frame: int) -> bytes:
         """One frame as the bytes of its file."""

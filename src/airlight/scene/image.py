@@ -33,6 +33,18 @@ class Image:
     tone_map: str = "agx"
     stats: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Warnings of pixels that are NaN or infinite, which files show as black or as white."""
+        count = int((~np.isfinite(self.radiance)).any(axis=-1).sum())
+        if not count:
+            return ()
+        total = self.radiance[..., 0].size
+        return (
+            f"{count:,} of {total:,} pixels are NaN or infinite: a light, a coefficient or a size "
+            "in the scene is too large or too small",
+        )
+
     def save(self, path: str | Path, *, layers: bool = True) -> None:
         """Write EXR (linear, with layers), HDR, or tone-mapped PNG/JPEG by the file's ending.
 

@@ -280,6 +280,15 @@ A TOML file. Every key is checked; an unknown one is refused with the nearest kn
 are relative to the scene file. Vectors are arrays of three numbers, a colour is three linear \
 Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are the ways light goes.
 
+A scene file may name any file of the machine, because its author is its user. What comes from \
+elsewhere may not: a glTF's buffers and images, an OBJ's materials and textures, and all that a \
+Mitsuba XML names must lie in that file's own folder or below it, links followed. Only \
+regular files are read, no pipes, sockets or devices, and a file that claims to unpack to far \
+more than its size bears out is refused.
+
+Numbers are at most 1e15, positions and sizes 1e9 m, and a scene reaches at most 1e8 m from the \
+origin: beyond, single precision has no picture of it.
+
 This page is printed from the loader's own table by `./run docs`."""
 
 _TECHNIQUE = """\
