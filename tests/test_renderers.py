@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import gc
+import signal
 import threading
 
 import numpy as np
@@ -269,3 +270,29 @@ def test_a_device_lost_before_anything_was_drawn_says_so(child):
             print(str(error).partition(":")[0])
     """)
     assert said == ["the device was lost"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no such timer")
+def test_interrupted_at_any_moment_it_goes_on(child):
+    said = child("""
+    import random, signal
+    def stop(*_):
+        raise KeyboardInterrupt
+    signal.signal(signal.SIGALRM, stop)
+    rng, broken = random.Random(5), 0
+    renderer = made()
+    before = renderer.frame(samples=2).radiance
+    for _ in range(60):
+        try:
+            signal.setitimer(signal.ITIMER_REAL, rng.uniform(1e-4, 0.03))
+            for _ in range(20):  # an interrupt within a destructor is lost
+                renderer.frame(samples=2)
+                renderer.resize((20, 20))
+                renderer.resize((16, 16))
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        except KeyboardInterrupt:
+            broken += 1
+    print(broken > 20, np.array_equal(renderer.frame(samples=2).radiance, before))
+    """)
+    assert said[0] == "True True"
+    assert not any(line.startswith("exit code") for line in said)

@@ -328,3 +328,53 @@ def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, sce
     assert not session.fine.is_shown
     assert np.abs(screen.pixels - shown).mean() > 2.0
     session.close()
+
+
+def test_a_lost_device_is_said_in_the_panel_and_ends_the_viewer(child, scene_file):
+    said = child(f"""
+    from airlight.app.view_session import Session
+    from airlight.gpu.memory import Texture
+    from airlight.scene.io import load
+    session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
+    surface = Texture(session.gpu, "surface", (16, 16), "rgba8unorm", target=True)
+    session.attach("rgba8unorm")
+    for now_s in (0.0, 0.1, 0.2):
+        session.frame(surface.resource, (16, 16), now_s)
+        session.wait()
+    session.gpu.device.destroy()
+    session.state.look = __import__("dataclasses").replace(session.state.look, layer="direct")
+    try:
+        session.frame(surface.resource, (16, 16), 0.3)
+    except al.DeviceError as error:
+        print("raised", str(error).partition(":")[0])
+    print("said", session.state.message.partition(":")[0])
+    session.close()
+    """)
+    assert said == ["raised the device was lost", "said the device was lost"]
+
+
+@pytest.mark.slow
+def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene_file):
+    said = child(f"""
+    from airlight.app.view_session import Session
+    from airlight.gpu.memory import Texture
+    from airlight.scene.io import load
+    session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
+    surface = Texture(session.gpu, "surface", (16, 16), "rgba8unorm", target=True)
+    session.attach("rgba8unorm")
+    now_s, pictures, other = 0.0, {{}}, made()
+    for turn in range(4):
+        session.state.technique = ("direct", "lpv")[turn % 2]
+        while True:
+            now_s += 0.1
+            session.frame(surface.resource, (16, 16), now_s)
+            other.frame()  # beside the viewer's, and the one that it makes
+            if not session._making.is_under_way:
+                break
+        pictures.setdefault(session.state.technique, []).append(session.picture(2).radiance)
+    for name, found in pictures.items():
+        print(name, len(found), all(np.array_equal(one, found[0]) for one in found))
+    print(session.state.message or "well")
+    session.close()
+    """)
+    assert said == ["direct 2 True", "lpv 2 True", "well"]
