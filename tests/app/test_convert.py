@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import PIL.Image
 import pytest
@@ -99,6 +101,26 @@ def test_a_scene_as_a_scene_file(tmp_path, capsys):
     assert scene.lights == before.lights
     assert scene.triangle_count == 1
     assert 'file = "../tri.obj"' in (folder / "a.toml").read_text()
-    capsys.readouterr()
-    assert cli.run(["convert", "builtin:bleeding", str(folder / "b.toml")]) == 0
-    assert "note: The meshes of builtin:bleeding are no file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", ["xml", "builtin"])
+def test_no_mesh_is_lost_in_a_scene_file(tmp_path, capsys, suffix):
+    source = "builtin:bleeding"
+    if suffix == "xml":
+        source = str(tmp_path / "a.xml")
+        Path(source).write_text('<scene version="3.0.0"><shape type="cube"/></scene>')
+    target = tmp_path / "b.toml"
+    assert cli.run(["convert", source, str(target)]) == 2
+    told = capsys.readouterr().err
+    assert f"the meshes of {source} are none. Convert it to .xml" in told
+    assert not target.exists()
+
+
+def test_xml_to_xml_takes_every_mesh_along(tmp_path):
+    (tmp_path / "a.xml").write_text(
+        '<scene version="3.0.0"><shape type="cube"/><shape type="sphere"/></scene>'
+    )
+    assert cli.run(["convert", str(tmp_path / "a.xml"), str(tmp_path / "b.xml")]) == 0
+    before, after = load(tmp_path / "a.xml"), load(tmp_path / "b.xml")
+    assert after.triangle_count == before.triangle_count > 12
+    np.testing.assert_allclose(after.bounds, before.bounds, atol=1e-5)

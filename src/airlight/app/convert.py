@@ -75,7 +75,8 @@ def convert_picture(
 def convert_scene(source: str, target: Path) -> None:
     """Write the scene that `source` names as Mitsuba XML or a scene file, saying what it lacks.
 
-    Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format.
+    Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format, and
+    where a scene file would lose meshes or density grids.
     """
     if target.suffix.lower() not in SCENES_OUT:
         raise SettingsError(
@@ -87,11 +88,33 @@ def convert_scene(source: str, target: Path) -> None:
     if target.resolve() == Path(source).resolve():
         raise SettingsError("IN and OUT are the same file", where=target)
     scene = load_scene(source)
+    if target.suffix.lower() == ".toml":
+        _refuse_loss(scene, source, target)
     notes = _write_toml(scene, source, target) if target.suffix.lower() == ".toml" else (
         _write_xml(scene, target))  # fmt: skip
     show_warnings(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)
+
+
+def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
+    """Raise SettingsError where a scene file could not name what `source` holds."""
+    from ..scene.io import BUILTIN_PREFIX, MESH_SUFFIXES, VOLUME_SUFFIXES
+
+    nameable = (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
+    is_builtin = source.startswith(BUILTIN_PREFIX)
+    if not is_builtin and Path(source).suffix.lower() in nameable:
+        return
+    held = [
+        *(["meshes"] if scene.meshes else []),
+        *(["density grids"] if any(v.density is not None for v in scene.volumes) else []),
+    ]
+    if held:
+        raise SettingsError(
+            f"a scene file names files, and the {' and '.join(held)} of {source} are none",
+            where=target,
+            remedy="Convert it to .xml, which takes them along, or use it as it is.",
+        )
 
 
 def _write_xml(scene: Scene, target: Path) -> Sequence[str]:

@@ -418,3 +418,44 @@ def test_not_a_scene(tmp_path: Path) -> None:
 def test_unsupported_shapes_are_told(tmp_path: Path) -> None:
     read = scene(tmp_path, SENSOR.format("") + '<shape type="sdfgrid"/>')
     assert read.warnings == ("shape (sdfgrid) is left out: shapes of this kind are not read",)
+
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+MESH = '<shape type="obj"><string name="filename" value="mesh.obj"/></shape>'
+
+
+def test_files_are_looked_for_in_search_paths_the_last_one_first(tmp_path: Path) -> None:
+    for folder, text in (("one", TRIANGLE), ("two", TRIANGLE + "f 3 2 1\n")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mesh.obj").write_text(text)
+    both = '<path value="one"/><path value="two"/>'
+    assert scene(tmp_path, both + MESH).triangle_count == 2
+    assert scene(tmp_path, '<path value="one"/>' + MESH).triangle_count == 1
+    (tmp_path / "two" / "part.xml").write_text(f'<scene version="3.0.0">{MESH}</scene>')
+    assert scene(tmp_path, both + '<include filename="part.xml"/>').triangle_count == 2
+    (tmp_path / "mesh.obj").write_text(TRIANGLE)
+    assert scene(tmp_path, '<path value="nowhere"/>' + MESH).triangle_count == 1
+    assert "search path" in scene(tmp_path, '<path value="nowhere"/>' + MESH).warnings[0]
+
+
+def test_a_search_path_outside_is_skipped_unless_the_user_allows_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inner = tmp_path / "scenes" / "deep"
+    (tmp_path / "common").mkdir()
+    inner.mkdir(parents=True)
+    (tmp_path / "common" / "mesh.obj").write_text(TRIANGLE)
+    body = '<path value="../../common"/>'
+    with pytest.raises(SceneError, match="file not found"):
+        scene(inner, body + MESH)
+    (warning,) = scene(inner, body + '<shape type="cube"/>').warnings[:1]
+    assert "the search path '../../common' is no folder in" in warning
+    assert "set AIRLIGHT_ROOT" in warning
+    monkeypatch.setenv("AIRLIGHT_ROOT", str(tmp_path))
+    assert scene(inner, body + MESH).triangle_count == 1
+    outside = MESH.replace("mesh.obj", "../../../mesh.obj")
+    with pytest.raises(SceneError, match="outside its folder"):
+        scene(inner, outside)
+    monkeypatch.setenv("AIRLIGHT_ROOT", str(tmp_path / "common"))  # not around the scene
+    with pytest.raises(SceneError, match="file not found"):
+        scene(inner, body + MESH)

@@ -78,11 +78,11 @@ def read_text(path: Path) -> str:
         raise SceneError(f"is not UTF-8 text (byte {error.start})", where=path) from None
 
 
-def inside(root: Path, name: str, where: object) -> Path:
+def inside(root: Path, name: str, where: object, start: Path | None = None) -> Path:
     """The file called `name` in the folder `root` or below it; backslashes separate as slashes do.
 
-    `name` is what the file `where` says. Raises SceneError for one that leads out of the folder,
-    by links, too, and for names of devices.
+    `name` is what the file `where` says, seen from the folder `start` (`root`). Raises SceneError
+    for one that leads out of the folder, by links, too, and for names of devices.
     """
     plain = PurePosixPath(name.replace("\\", "/"))
     for part in plain.parts:
@@ -98,7 +98,7 @@ def inside(root: Path, name: str, where: object) -> Path:
     if plain.is_absolute() or PureWindowsPath(name).drive:
         raise outside
     try:
-        path, folder = (root / plain).resolve(), root.resolve()
+        path, folder = ((start or root) / plain).resolve(), root.resolve()
     except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte
         raise SceneError(f"it names '{name}', which is no file", where=where) from None
     if not path.is_relative_to(folder):

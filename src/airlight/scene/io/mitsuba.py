@@ -3,7 +3,7 @@
 Read: obj, ply, cube, rectangle, sphere, disk and cylinder; diffuse, (rough)conductor,
 (rough)plastic, principled, twosided, mask, normalmap and null; bitmap and checkerboard; point,
 spot, directional, area, constant and envmap; homogeneous and heterogeneous media of constants
-and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor; <default>,
+and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor; <default>, <path>,
 $parameters, <include>, <ref>.
 """
 
@@ -64,8 +64,13 @@ def load_mitsuba(path: Path) -> Scene:
     path = Path(path)
     try:
         with naming(path):
-            tree, root = read_tree(path)
-            source = Source(path, root)
+            tree, folders = read_tree(path)
+            source = Source(path, folders)
+            for name in folders.skipped:
+                source.note(
+                    f"the search path '{name}' is no folder in '{folders.root}', and nothing is "
+                    "looked for in it; set AIRLIGHT_ROOT to a folder around the scene to allow it"
+                )
             scene = _scene(tree, source)
     except (TypeError, AttributeError) as error:
         # A value of another kind than its place asks for: a vector as a field of view, say.

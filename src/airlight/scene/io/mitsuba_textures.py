@@ -13,10 +13,9 @@ from ...errors import SceneError
 from ...maths.colour import srgb_encode
 from ..checks import F32, Rgb
 from ..material import Texture, Wrap
-from .files import inside
 from .images import read_radiance, read_texture
 from .mitsuba_values import Spectrum
-from .mitsuba_xml import Node
+from .mitsuba_xml import Folders, Node
 from .texture_files import missing_texture
 
 CHECKER_PX = 128
@@ -28,7 +27,7 @@ class Source:
     """Where a scene's files lie, and what there is to tell about it."""
 
     path: Path
-    root: Path
+    folders: Folders
     notes: list[str] = field(default_factory=list)
     textures: dict[Any, tuple[Texture, float] | None] = field(default_factory=dict)
 
@@ -42,7 +41,7 @@ class Source:
         name = str(node.get("filename", ""))
         if not name:
             raise SceneError(f"{node} names no file", where=self.path)
-        return inside(self.root, name, self.path)
+        return self.folders.find(name, self.path)
 
 
 def color_input(

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from ... import env
 from ...errors import SceneError, nearest
 from .files import inside, read_bytes, regular_file
 from .mitsuba_values import VALUE_TAGS, parse_value
@@ -67,10 +68,58 @@ class Node:
 
 
 @dataclass
+class Folders:
+    """Where a scene looks for the files that it names: its own folder, and search paths before it.
+
+    Nothing outside of `root` is read: the scene's own folder, or AIRLIGHT_ROOT where that lies
+    around it.
+    """
+
+    own: Path
+    root: Path
+    search: list[Path] = field(default_factory=list)
+    skipped: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, path: Path) -> Folders:
+        """Those of the scene at `path`. Raises SceneError where there is no such file."""
+        own = regular_file(path).resolve().parent
+        chosen = env.value("AIRLIGHT_ROOT")
+        root = Path(chosen).resolve() if chosen else own
+        return cls(own, root if own.is_relative_to(root) else own)
+
+    def find(self, name: str, where: object) -> Path:
+        """The first file of that name; where none exists, what it would be beside the scene.
+
+        Raises SceneError for a name that leads out of the root.
+        """
+        for folder in self.search:
+            found = inside(self.root, name, where, start=folder)
+            if found.exists():
+                return found
+        return inside(self.root, name, where, start=self.own)
+
+    def add(self, name: str, path: Path) -> None:
+        """Look in the folder `name`, as the file `path` says in a <path>, before all others.
+
+        One that lies outside of the root is skipped, and remembered as such.
+        """
+        try:
+            folder = inside(self.root, name, path, start=path.resolve().parent)
+        except SceneError:
+            self.skipped.append(name)
+            return
+        if folder.is_dir():
+            self.search.insert(0, folder)
+        else:
+            self.skipped.append(name)
+
+
+@dataclass
 class _Reader:
     """What holds for the whole scene while its files are read."""
 
-    root: Path
+    folders: Folders
     parameters: dict[str, str] = field(default_factory=dict)
     nodes: dict[str, Node] = field(default_factory=dict)
     references: list[tuple[Node, int, str, Path]] = field(default_factory=list)
@@ -78,12 +127,12 @@ class _Reader:
     expanded: int = 0
 
 
-def read_tree(path: Path) -> tuple[Node, Path]:
-    """The scene's root node, and the folder that it may name files in.
+def read_tree(path: Path) -> tuple[Node, Folders]:
+    """The scene's root node, and the folders that it may name files in.
 
     Raises SceneError for XML that is broken, dangerous or refers to what is not there.
     """
-    reader = _Reader(root=regular_file(path).resolve().parent)
+    reader = _Reader(Folders.of(path))
     root = _parse(path)
     if root.tag != "scene":
         raise SceneError(f"this is XML, but its root is <{root.tag}>, not <scene>", where=path)
@@ -91,7 +140,7 @@ def read_tree(path: Path) -> tuple[Node, Path]:
     _fill(scene, root, reader, path, 0)
     _solve_references(reader)
     _refuse_cycles(scene)
-    return scene, reader.root
+    return scene, reader.folders
 
 
 class _Builder(ElementTree.TreeBuilder):
@@ -133,13 +182,9 @@ def _fill(
         elif tag in OBJECT_TAGS:
             node.children.append(_object(child, reader, path, depth))
         elif tag == "path":
-            raise SceneError(
-                "search paths (<path>) are not read",
-                where=path,
-                remedy="Write each file's path relative to the scene.",
-            )
+            reader.folders.add(attributes.get("value", ""), path)
         else:
-            known = [*OBJECT_TAGS, *VALUE_TAGS, "default", "include", "ref"]
+            known = [*OBJECT_TAGS, *VALUE_TAGS, "default", "include", "path", "ref"]
             raise SceneError(
                 f"<{tag}> is no element of a scene", where=path, remedy=nearest(str(tag), known)
             )
@@ -168,7 +213,7 @@ def _include(node: Node, name: str, reader: _Reader, path: Path, depth: int) -> 
     reader.includes += 1
     if reader.includes > MAX_INCLUDES:
         raise SceneError(f"more than {MAX_INCLUDES} files are included", where=path)
-    target = inside(reader.root, name, path)
+    target = reader.folders.find(name, path)
     root = _parse(target)
     if root.tag != "scene":
         holder = ElementTree.Element("scene")
