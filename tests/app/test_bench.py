@@ -117,6 +117,10 @@ def test_every_axis_varies_what_it_says(monkeypatch):
     assert (8, 2, {"iterations": 3}) in asked
     assert (1, 1, {"iterations": 3}) in asked
     assert axes["iterations"].is_known(LpvSettings)
+    ground = axes["thousand triangles"].vary(scene, 30)[0].meshes[-1].geometry
+    assert len(ground.indices) == pytest.approx(30_000, rel=0.02)
+    longest = next(a for a in bench_growth.axes(is_long=True) if a.name == "thousand triangles")
+    assert longest.values[-1] == 5000
     low, high = scene.bounds
     for lamp in bench_growth.lamps(scene, 3):
         assert (lamp.position >= low).all() and (lamp.position <= high).all()

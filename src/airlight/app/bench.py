@@ -37,6 +37,7 @@ class Plan:
     growth_frames: int = 5
     growth_tables: int | None = None  # None for all
     growth_size: tuple[int, int] = ROOM_SIZE
+    is_long: bool = False
 
 
 QUICK = Plan(
@@ -56,6 +57,9 @@ QUICK = Plan(
 )  # fmt: skip
 @click.option(
     "--only", "parts", multiple=True, type=click.Choice(PARTS), help="A part of it; repeatable."
+)
+@click.option(
+    "--long", "is_long", is_flag=True, help="Growth up to five million triangles; minutes more."
 )
 @click.option("--quick", is_flag=True, help="Tiny sizes and few runs: does it work?")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Tables for docs/performance.md.")
@@ -81,15 +85,15 @@ def command(output: Path | None, **options: Any) -> None:
     _say(results, options["as_markdown"])
 
 
-_MEASURED = ("scenes", "parts", "quick", "settings", "adapter")
+_MEASURED = ("scenes", "parts", "quick", "settings", "adapter", "is_long")
 
 
 def measured(
     *, scenes: Sequence[str], parts: Sequence[str], quick: bool, settings: dict[str, str],
-    adapter: str, report: Report = lambda stage, fraction: None,
+    adapter: str, report: Report = lambda stage, fraction: None, is_long: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """All numbers, as `-o` keeps them; `parts` of PARTS, all where empty. Raises AirlightError."""
-    wanted, plan = parts or PARTS, QUICK if quick else Plan()
+    wanted, plan = parts or PARTS, QUICK if quick else Plan(is_long=is_long)
     results: dict[str, Any] = {"machine": machine(adapter), "is_quick": quick}
     cases = chosen_cases(scenes, settings, quick)
     loaded: dict[str, Scene] = {}
@@ -206,7 +210,9 @@ def _growth(
     from .bench_frames import PAPER_LATTICE
     from .bench_growth import axes, table
 
-    known = [axis for axis in axes() if axis.is_known(LpvSettings)][: plan.growth_tables]
+    known = [axis for axis in axes(is_long=plan.is_long) if axis.is_known(LpvSettings)][
+        : plan.growth_tables
+    ]
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if plan is QUICK else {}), **settings}
     found = []
     for index, axis in enumerate(known):

@@ -99,6 +99,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
         lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
         return {
             **{key: stats[key] for key in ("device", "adapter_type", "peak_gpu_bytes")},
+            "first_image_s": stats["first_image_s"],
             **{key: stats[key] for key in ("lattice", "iterations", "triangles", "size")},
             "cells": sum(math.prod(count) for count in lattices),
             "scene": case.scene,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -42,8 +43,9 @@ def _of_setting(name: str) -> Vary:
     return lambda scene, value: (scene, {name: value})
 
 
-def axes() -> tuple[Axis, ...]:
-    """Every table of growth."""
+def axes(*, is_long: bool = False) -> tuple[Axis, ...]:
+    """Every table of growth; `is_long`: up to five million triangles."""
+    thousands = (100, 300, 1000, *((3000, 5000) if is_long else ()))
     return (
         Axis("cells a side", (16, 24, 32, 48, 64), _of_setting("resolution")),
         Axis("iterations", (1, 8, 16, 32, 64), _of_setting("iterations")),
@@ -52,6 +54,7 @@ def axes() -> tuple[Axis, ...]:
         Axis(
             "share of triangles, 1/n", (8, 4, 2, 1), _with_fewer_meshes, SCENE_OF_MANY_TRIANGLES
         ),
+        Axis("thousand triangles", thousands, _with_ground),
         Axis(
             "cascades", (1, 2, 3), _of_setting("cascades"), SCENE_OF_MANY_TRIANGLES, "cascades"
         ),
@@ -73,6 +76,21 @@ def _with_lights(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
     return dataclasses.replace(scene, lights=lamps(scene, value)), {}
 
 
+def _with_ground(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
+    """The scene on hilly ground of `value` thousand triangles, in one mesh."""
+    from ..scene.mesh import Geometry, Mesh
+
+    (x0, y0, z0), (x1, _, z1) = scene.bounds
+    side = round(math.sqrt(500.0 * value)) + 1
+    x, z = np.meshgrid(np.linspace(x0, x1, side), np.linspace(z0, z1, side))
+    y = y0 + 0.05 * np.sin(9.0 * x) * np.cos(7.0 * z)
+    at = np.arange(side * side, dtype=np.uint32).reshape(side, side)
+    a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[1:, :-1], at[:-1, 1:], at[1:, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([c, b, d], 1)])
+    ground = Geometry(np.stack([x, y, z], -1).reshape(-1, 3).astype(np.float32), triangles)
+    return dataclasses.replace(scene, meshes=(*scene.meshes, Mesh(ground))), {}
+
+
 def _with_fewer_meshes(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
     return dataclasses.replace(scene, meshes=scene.meshes[::value]), {}
 
@@ -81,7 +99,7 @@ def table(
     axis: Axis, scene: Scene, size: tuple[int, int], frames: int, adapter: str,
     base: Mapping[str, Any] = PAPER_LATTICE,
 ) -> dict[str, Any]:  # fmt: skip
-    """{"axis", "scene", "rows": [{value, cells, triangles, flying_ms, passes}]}.
+    """{"axis", "scene", "rows": [{value, cells, triangles, flying_ms, passes, ...}]}.
 
     `base` are the settings that do not vary.
     """
@@ -98,6 +116,7 @@ def table(
                 "flying_ms": found["flying_ms"],
                 "passes": found["passes"],
                 "peak_gpu_bytes": found["peak_gpu_bytes"],
+                "first_image_s": found.get("first_image_s"),
             }
         )
     return {"axis": axis.name, "scene": axis.scene, "size": list(size), "rows": rows}

@@ -166,8 +166,10 @@ def _growth(table: Mapping[str, Any]) -> Table:
         stages = (milliseconds(row["passes"].get(name, 0.0)) for name in names)
         frame = milliseconds(row["flying_ms"]["median"])
         sizes = (str(row["value"]), str(row["cells"]), str(row["triangles"]))
-        lines.append((*sizes, frame, *stages))
-    columns = (table["axis"], "cells", "triangles", "frame, ms", *names)
+        first_s = row.get("first_image_s")
+        first = "-" if first_s is None else f"{first_s:.2f}"
+        lines.append((*sizes, first, frame, *stages))
+    columns = (table["axis"], "cells", "triangles", "first image, s", "frame, ms", *names)
     title = f"Growth with {table['axis']}: {table['scene']} at {_by(table['size'])}"
     return Table(title, columns, tuple(lines))
 
