@@ -92,6 +92,15 @@ def test_a_level_set_is_solid_beyond_its_narrow_band(tmp_path):
     np.testing.assert_allclose(density[0, 0], [0, 0, 1, 1, 1, 1, 1, 0], atol=1e-6)
 
 
+@pytest.mark.parametrize("text", [b"density", b"fog volume", b"class"])
+def test_texts_that_are_not_utf_8(tmp_path, text):
+    good = vdb_bytes(COUNTED)
+    assert text in good
+    (tmp_path / "a.vdb").write_bytes(good.replace(text, text[:2] + b"\xff\xfe" + text[4:]))
+    with pytest.raises(SceneError, match=r"a\.vdb: is not a readable \.vdb: .*(?i:utf-8)"):
+        read_volume(tmp_path / "a.vdb")
+
+
 @pytest.mark.parametrize(
     ("content", "problem"),
     [

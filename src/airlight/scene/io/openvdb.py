@@ -36,6 +36,8 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
             if chosen < 0:
                 raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
             return _dense(grids[chosen], path.stat().st_size)
+    except SystemError as error:  # tinyvdb's for metadata that Python cannot decode
+        raise SceneError("is not a readable .vdb: a text in it is not UTF-8") from error
     except (tinyvdb.VDBError, ValueError) as error:  # ValueError: of names that are not UTF-8
         raise SceneError(f"is not a readable .vdb: {error}") from None
 
