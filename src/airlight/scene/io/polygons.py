@@ -33,11 +33,35 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
     first = starts[polygon]
     at = np.stack([first, first + step + 1, first + step + 2], axis=1)
     begins = np.cumsum(count) - count
+    columns = np.ascontiguousarray(positions.T)
     for size in np.unique(sizes[sizes > 3]).tolist():
         rows = np.flatnonzero(sizes == size)
         for part in np.array_split(rows, -(-len(rows) * size // _AT_ONCE)):
-            _cut_concave(positions, corners, starts[part], size, at, begins[part])
+            if size == 4:
+                _turn_quads(columns, corners, starts[part], at, begins[part])
+            else:
+                _cut_concave(positions, corners, starts[part], size, at, begins[part])
     return at, polygon
+
+
+def _turn_quads(columns: F64, corners: I64, starts: I64, at: I64, begins: I64) -> None:
+    """Cut quads by their other diagonal in `at` where the first lies outside of them."""
+    a, b, c, d = (columns[:, corners[starts + k]] for k in range(4))
+    folded = np.flatnonzero(_bend(a, b, c, d) < 0.0)
+    a, b, c, d = (corner[:, folded] for corner in (a, b, c, d))
+    chosen = folded[_bend(b, c, d, a) > 0.0]
+    first, row = starts[chosen], begins[chosen]
+    at[row] = np.stack([first + 1, first + 2, first + 3], axis=1)
+    at[row + 1] = np.stack([first + 1, first + 3, first], axis=1)
+
+
+def _bend(a: F64, b: F64, c: F64, d: F64) -> F64:
+    """Whether the triangles abc and acd face one way (above 0) or two; corners are (3, F)."""
+    u, v, w = b - a, c - a, d - a
+    bend: F64 = np.zeros(a.shape[1])
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        bend += (u[i] * v[j] - u[j] * v[i]) * (v[i] * w[j] - v[j] * w[i])
+    return bend
 
 
 def _cut_concave(
@@ -54,15 +78,9 @@ def _cut_concave(
     limit = _STRAIGHT * np.square(np.abs(shape).max(axis=(1, 2))) * np.linalg.norm(normal, axis=1)
     is_reflex = left < -limit[:, None]
     for k in np.flatnonzero(is_reflex.any(axis=1)).tolist():
-        cut = _quad(is_reflex[k]) if size == 4 else _clipped(shape[k], normal[k])
+        cut = _clipped(shape[k], normal[k])
         if cut is not None:
             at[begins[k] : begins[k] + size - 2] = starts[k] + cut
-
-
-def _quad(is_reflex: NDArray[np.bool_]) -> I64:
-    """Cut at the inner corner of an arrowhead."""
-    k = int(is_reflex.argmax())
-    return (np.array([[0, 1, 2], [0, 2, 3]]) + k) % 4
 
 
 def _clipped(shape: F64, normal: F64) -> I64 | None:
