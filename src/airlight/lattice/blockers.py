@@ -2,7 +2,7 @@
 
 Each surfel's area, projected on the three axes and split by the side it faces, is summed around
 the lattice's corners; a hop is blocked by what faces it, averaged over the four corners of the
-crossed face (NOTES section 1; the NumPy twin is maths.lattice6.blocked_shares).
+crossed face (the NumPy twin is maths.lattice6.blocked_shares).
 differs: Kaplanyan2010 section 3.2 keeps blockers as spherical harmonics, through which a full wall
 lets 16 to 22% of the light.
 """

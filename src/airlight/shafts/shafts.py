@@ -5,7 +5,7 @@ lets it cross wholly lit or dark squares at once, as a 2D digital differential a
 descends and ascends; adjacent lit stretches are one run, integrated in closed form (parallel
 light) or with equi-angular Gauss-Legendre nodes (lamps). In density grids runs are cut into steps
 of at least a voxel, each integrated as if the air in it were even.
-Source: the hierarchy after Chen et al. 2011; NOTES section 2b. differs: Billeter2012 section 3
+Source: the hierarchy after Chen et al. 2011. differs: Billeter2012 section 3
 renders the light volumes of Billeter et al. 2010, whose integral along the ray is the same.
 """
 

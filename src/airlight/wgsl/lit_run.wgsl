@@ -50,7 +50,7 @@ fn next_face(t: f32, end: f32) -> f32 {
 }
 
 // Parallel light in one box of even air, closed form: between changes of face the optical depth
-// along light and eye ray is linear. Source: Billeter2012 eq. 1; NOTES section 2.
+// along light and eye ray is linear. Source: Billeter2012 eq. 1.
 fn parallel_run(t0: f32, t1: f32) -> vec3f {
     let sigma_t = run_sigma_t;
     let entry = air_spans[0].x;
