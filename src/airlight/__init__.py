@@ -15,55 +15,68 @@ Scene, Mesh, ...  what scenes are made of
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
-from .errors import (
-    AirlightError,
-    DeviceError,
-    OutputError,
-    ReferenceFailure,
-    SceneError,
-    SettingsError,
-)
-from .scene import (
-    Camera,
-    DirectionalLight,
-    Environment,
-    Geometry,
-    Light,
-    Material,
-    Medium,
-    Mesh,
-    PointLight,
-    PointLights,
-    Scene,
-    SpotLight,
-    Texture,
-    Volume,
-)
-from .scene.image import Image
-from .scene.io import load, with_defaults
-
+TYPE_CHECKING = False  # typing's own takes as long to import as all of this
 if TYPE_CHECKING:
+    from typing import Any
+
     from . import reference
     from .app.view_notebook import view
+    from .errors import (
+        AirlightError,
+        DeviceError,
+        OutputError,
+        ReferenceFailure,
+        SceneError,
+        SettingsError,
+    )
     from .exports.light_field import LightField
     from .exports.solved import export_lattice
     from .rendering import Renderer, render
+    from .scene import (
+        Camera,
+        DirectionalLight,
+        Environment,
+        Geometry,
+        Light,
+        Material,
+        Medium,
+        Mesh,
+        PointLight,
+        PointLights,
+        Scene,
+        SpotLight,
+        Texture,
+        Volume,
+    )
     from .scene import builtin as scenes
+    from .scene.image import Image
+    from .scene.io import load, with_defaults
 
 __version__ = "0.1.0"
 
-# Imported on first use: the graphics library and the path tracer take their time.
+# Everything is imported on first use, so that `import airlight` takes a moment and Ctrl-C is heard.
+_ERRORS = (
+    "AirlightError", "DeviceError", "OutputError", "ReferenceFailure", "SceneError",
+    "SettingsError",
+)  # fmt: skip
+_SCENE = (
+    "Camera", "DirectionalLight", "Environment", "Geometry", "Light", "Material", "Medium", "Mesh",
+    "PointLight", "PointLights", "Scene", "SpotLight", "Texture", "Volume",
+)  # fmt: skip
 _LATER = {
-    "render": ("airlight.rendering", "render"),
-    "Renderer": ("airlight.rendering", "Renderer"),
-    "LightField": ("airlight.exports.light_field", "LightField"),
-    "export_lattice": ("airlight.exports.solved", "export_lattice"),
-    "scenes": ("airlight.scene.builtin", ""),
-    "reference": ("airlight.reference", ""),
-    "view": ("airlight.app.view_notebook", "view"),
+    **dict.fromkeys(_ERRORS, "errors"),
+    **dict.fromkeys(_SCENE, "scene"),
+    "Image": "scene.image",
+    "LightField": "exports.light_field",
+    "Renderer": "rendering",
+    "export_lattice": "exports.solved",
+    "load": "scene.io",
+    "render": "rendering",
+    "view": "app.view_notebook",
+    "with_defaults": "scene.io",
 }
+_RENAMED = {"scenes": "scene.builtin"}
 
 __all__ = [
     "AirlightError",
@@ -100,10 +113,23 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LATER:
-        raise AttributeError(f"module 'airlight' has no attribute '{name}'")
-    module, attribute = _LATER[name]
-    imported = importlib.import_module(module)
-    value = getattr(imported, attribute) if attribute else imported
+    if name in _LATER:
+        value = getattr(importlib.import_module(f"{__name__}.{_LATER[name]}"), name)
+    else:
+        value = _module(name)
     globals()[name] = value
     return value
+
+
+def _module(name: str) -> Any:
+    """A module of the package, as if it had been imported. Raises AttributeError."""
+    import importlib.util
+
+    dotted = f"{__name__}.{_RENAMED.get(name, name)}"
+    if name.startswith("_") or importlib.util.find_spec(dotted) is None:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return importlib.import_module(dotted)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

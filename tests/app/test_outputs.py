@@ -17,12 +17,12 @@ def test_a_good_place_is_left_as_it_was(tmp_path):
 
 
 def test_a_folder_that_cannot_be_written(tmp_path, monkeypatch):
-    from airlight.app import outputs
+    from airlight.scene.io import writing
 
     def refuse(**_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(outputs.tempfile, "TemporaryFile", refuse)
+    monkeypatch.setattr(writing.tempfile, "TemporaryFile", refuse)
     with pytest.raises(OutputError, match=r"a\.png: cannot be written \(Permission denied\)"):
         check_writable(tmp_path / "a.png")
 

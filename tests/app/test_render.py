@@ -109,7 +109,7 @@ MISTAKES = [
     (["-o", "{out}/a.png", "--layers"],
      "error: {out}/a.png: --layers needs an .exr, .png holds one picture"),
     (["-o", "{out}/a.exr", "--stats", "{out}/a.exr"],
-     "error: {out}/a.exr: --stats and -o name the same file"),
+     "error: {out}/a.exr: two outputs of the command are one file"),
     (["-o", "{out}/a.png", "--stats", "{out}/gone/s.json"],
      "error: {out}/gone/s.json: the folder '{out}/gone' does not exist. Create it first."),
     (["-o", "{out}/a.png", "-t", "lpw"],

@@ -19,6 +19,7 @@ from airlight.errors import OutputError, SettingsError
 from airlight.scene import Scene
 from airlight.scene.animation import Animation, Curve
 from airlight.scene.animation.tracks import CameraTrack
+from airlight.scene.io.ledger import note_read, recorded
 
 
 def moving(start_s=0.0, end_s=2.5, fps=24.0):
@@ -92,12 +93,20 @@ def opened(path, *, resume=False, **changes):
     return folder
 
 
+def frame_in(folder, plan, frame):
+    """The bytes of an image that is now among the frames."""
+    path = folder.file(plan, frame)
+    PIL.Image.fromarray(np.zeros((4, 8, 3), np.uint8)).save(path)
+    return path.read_bytes()
+
+
 def test_a_folder_knows_what_is_missing_and_drops_what_is_half_written(tmp_path):
     plan = plan_of(moving())
     folder = opened(tmp_path / "out")
     assert folder.missing(plan) == [0, 1, 2, 3]
-    folder.file(plan, 1).write_bytes(b"picture")
+    frame_in(folder, plan, 1)
     folder.file(plan, 2).touch()  # empty: lost by a crash of the machine
+    folder.file(plan, 3).write_bytes(frame_in(folder, plan, 0)[:-7])  # cut off by someone
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
     half = folder.path / f".frame-00003.{gone.pid}.part.png"
@@ -106,7 +115,7 @@ def test_a_folder_knows_what_is_missing_and_drops_what_is_half_written(tmp_path)
     own.touch()
     other = folder.path / "notes.txt"
     other.touch()
-    assert opened(tmp_path / "out", resume=True).missing(plan) == [0, 2, 3]
+    assert opened(tmp_path / "out", resume=True).missing(plan) == [2, 3]
     assert own.exists() and other.exists()
     assert half.exists() == (os.name != "posix")
 
@@ -135,7 +144,7 @@ def test_a_folder_without_frames_is_begun_anew(tmp_path):
 def test_sequences_never_mix(tmp_path, prepare, changes, resume, message):
     path = tmp_path / "out"
     folder = opened(path)
-    folder.file(plan_of(moving()), 1).write_bytes(b"picture")
+    frame_in(folder, plan_of(moving()), 1)
     if prepare == "damage":
         (path / "sequence.json").write_text('{"asked": ')
     elif prepare == "remove":
@@ -145,12 +154,67 @@ def test_sequences_never_mix(tmp_path, prepare, changes, resume, message):
     assert str(caught.value) == f"{path}{message}"
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "7", '{"asked": []}', '{"asked": {}, "devices": [1]}', "[" * 100_000,
+     '{"asked": {}, "devices": 3}', '{"asked": {}, "metered_stops": "far"}', "9" * 5000,
+     '{"asked": {}, "metered_stops": NaN}', '{"asked": {}, "metered_stops": 1e99}', "\xff"],
+)  # fmt: skip
+def test_a_damaged_manifest_is_one_message(tmp_path, text):
+    path = tmp_path / "out"
+    path.mkdir()
+    (path / "sequence.json").write_text(text, encoding="latin-1")
+    with pytest.raises(OutputError, match=r"sequence\.json: is damaged\. Choose another folder"):
+        opened(path, resume=True)
+    assert (path / "sequence.json").read_text(encoding="latin-1") == text
+
+
+def test_a_manifest_without_end_is_not_waited_for_nor_shown(tmp_path):
+    path = tmp_path / "out"
+    path.mkdir()
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(path / "sequence.json")
+        with pytest.raises(OutputError, match="is damaged"):
+            opened(path, resume=True)
+        (path / "sequence.json").unlink()
+    long = {"asked": {**ASKED, "technique": "x" * 10_000}}
+    (path / "sequence.json").write_text(json.dumps(long))
+    with pytest.raises(OutputError) as caught:
+        opened(path, resume=True)
+    assert len(str(caught.value)) < 500
+
+
+def test_clearing_up_leaves_what_is_not_ours(tmp_path):
+    plan = plan_of(moving())
+    folder = opened(tmp_path / "out.mp4.frames")
+    frame_in(folder, plan, 0)
+    (folder.path / "notes.txt").touch()
+    folder.clear()
+    assert [file.name for file in folder.path.iterdir()] == ["notes.txt"]
+    (folder.path / "notes.txt").unlink()
+    folder.clear()
+    assert not folder.path.exists()
+    folder.clear()
+
+
+def test_a_frame_that_is_an_input_is_no_output(tmp_path):
+    plan = plan_of(moving())
+    folder = opened(tmp_path / "out")
+    folder.file(plan, 2).write_bytes(b"someone's texture")
+    with recorded():
+        note_read(folder.file(plan, 2))
+        with pytest.raises(OutputError, match=r"frame-00002\.png: the command reads this file"):
+            folder.missing(plan)
+
+
 def test_folders_that_cannot_be_are_refused(tmp_path, monkeypatch):
     with pytest.raises(OutputError, match=r"the folder '.*no' does not exist\. Create it first"):
         opened(tmp_path / "no" / "out")
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="is a file, not a folder for frames"):
         opened(tmp_path / "file")
+    with pytest.raises(OutputError, match="cannot be made"):
+        opened(tmp_path / ("x" * 300))
 
     def denied(*args, **named):
         raise PermissionError(13, "Permission denied")

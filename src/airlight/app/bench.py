@@ -15,7 +15,7 @@ from .. import __version__
 from .options import adapter_option, settings_option
 from .outputs import check_writable, write_json
 from .progress import progress
-from .scene_argument import load_scene
+from .scene_argument import load_scene, reads
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -76,6 +76,7 @@ def command(output: Path | None, **options: Any) -> None:
     In steady state, with the work finished on the device. The light moves every frame; then the
     camera, too.
     """
+    reads(*options["scenes"])
     if output is not None:
         check_writable(output)
     with progress(quiet=options["quiet"]) as report:

@@ -1,11 +1,12 @@
 """The `airlight` command: finds its commands, and turns errors into messages and exit codes.
 
 Exit 0: done. 2: bad input or a missing capability, in one message. 1: a mistake of ours.
-130: interrupted.
+130: interrupted. 141: whoever read the output has closed its pipe.
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.util
 import sys
@@ -15,8 +16,9 @@ from typing import NoReturn, cast
 
 import click
 
-from .. import __version__, env
+from .. import __version__, env, interrupts
 from ..errors import AirlightError, memory_wanted
+from .streams import ClosedPipe, guarded, let_go, say
 
 COMMANDS: tuple[str, ...] = (
     "render",
@@ -33,6 +35,9 @@ COMMANDS: tuple[str, ...] = (
     "doctor",
 )
 """Commands in the order of the help page; `airlight.app.NAME` makes one, if it is there."""
+
+
+PIPE_CLOSED = 141  # as shells say of programs that SIGPIPE ends
 
 
 class _Commands(click.Group):
@@ -63,34 +68,48 @@ def airlight() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit."""
-    sys.exit(run(arguments))
+    interrupts.leave_quietly()
+    code = run(arguments)
+    let_go()
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
-        code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
+        with interrupts.taken_up(), guarded():
+            code = _invoked(arguments)
         return code if isinstance(code, int) else 0
     except AirlightError as error:
         if error.__cause__ is not None and env.is_on("AIRLIGHT_DEBUG"):
             traceback.print_exception(error)
-        print(f"error: {error}", file=sys.stderr)
+        say(f"error: {error}")
         return 2
     except click.ClickException as error:
-        error.show()
+        with contextlib.suppress(OSError):
+            error.show()
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
-        print("interrupted", file=sys.stderr)
-        return 130
+        say("interrupted")
+        return interrupts.INTERRUPTED
+    except ClosedPipe:
+        return PIPE_CLOSED
     except MemoryError as error:
-        print(
+        say(
             f"error: there is not enough memory{memory_wanted(error)}. Use a smaller scene, image "
-            "or lattice, or free some memory.",
-            file=sys.stderr,
+            "or lattice, or free some memory."
         )
         return 2
     except Exception as error:
         return _report(error)
+
+
+def _invoked(arguments: Sequence[str] | None) -> object:
+    """What the command returns. What it reads is recorded, so that it is not written over."""
+    from ..scene.io.ledger import recorded
+
+    with recorded():
+        return airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
 
 
 def _report(error: Exception) -> int:
@@ -98,9 +117,8 @@ def _report(error: Exception) -> int:
     if env.is_on("AIRLIGHT_DEBUG"):
         traceback.print_exception(error)
     what = " ".join(str(error).split()) or "no message"
-    print(
+    say(
         f"internal error: {type(error).__name__}: {what}. Please report it, with the output of "
-        "`airlight doctor` and of the same command under AIRLIGHT_DEBUG=1.",
-        file=sys.stderr,
+        "`airlight doctor` and of the same command under AIRLIGHT_DEBUG=1."
     )
     return 1

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import __version__
-from ..errors import AirlightError, OutputError, SettingsError
-from .options import adapter_option, settings_option, shared_settings, size_option
-from .outputs import write_json
+from ..errors import AirlightError, SettingsError
+from .options import Number, adapter_option, settings_option, shared_settings, size_option
+from .outputs import check_outputs, make_folder, write_json
 from .progress import progress
-from .scene_argument import load_scene, show_warnings
+from .scene_argument import load_scene, reads, show_warnings
 
 if TYPE_CHECKING:
     from ..reference.metrics import EqualTime
@@ -83,11 +83,11 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     help="Samples a pixel of the reference, at least.",
 )  # fmt: skip
 @click.option(
-    "--noise", type=click.FloatRange(0.0, min_open=True), metavar="RELMSE",
+    "--noise", type=Number(0.0, min_open=True), metavar="RELMSE",
     help="Sample until the reference's noise floor is below this.",
 )  # fmt: skip
 @click.option(
-    "--timeout", "timeout_s", type=click.FloatRange(1.0), default=3600.0, show_default=True,
+    "--timeout", "timeout_s", type=Number(1.0), default=3600.0, show_default=True,
     help="Seconds the reference may take.",
 )  # fmt: skip
 @click.option(
@@ -108,10 +108,13 @@ def command(scene: str, techniques: tuple[str, ...], output: Path, **options: An
     cache folder by the scene's content.
     """
     names = tuple(dict.fromkeys(techniques)) or ("direct", "auto")
-    _make_folder(output)
+    reads(scene)
+    make_folder(output)
+    check_outputs(*_files(output))
     with progress(quiet=options["quiet"]) as report:
         report("loading", 0.0)
         loaded = load_scene(scene)
+        check_outputs(*_files(output))
         comparison = compare_scene(loaded, scene, names, output=output, report=report, **options)
         report("writing", 0.0)
         write(comparison, output)
@@ -239,26 +242,20 @@ def _has_bounces(technique: str, scene: Scene) -> bool:
 
 def write(comparison: Comparison, folder: Path) -> None:
     """index.html, contact_sheet.png and results.json, each whole or not at all."""
-    from ..scene.io.files import whole_file
+    from ..scene.io.writing import whole_file
     from .compare_page import page, sheet
     from .compare_pictures import png_bytes
 
-    write_json(comparison.to_json(), folder / "results.json")
-    with whole_file(folder / "contact_sheet.png") as part:
+    results, contact, index = _files(folder)
+    write_json(comparison.to_json(), results)
+    with whole_file(contact) as part:
         part.write_bytes(png_bytes(sheet(comparison)))
-    with whole_file(folder / "index.html") as part:
+    with whole_file(index) as part:
         part.write_text(page(comparison), encoding="utf-8")
 
 
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"cannot be made a folder ({error.strerror or error})",
-            where=folder,
-            remedy="Choose another place.",
-        ) from None
+def _files(folder: Path) -> tuple[Path, Path, Path]:
+    return folder / "results.json", folder / "contact_sheet.png", folder / "index.html"
 
 
 def _compare_command(

@@ -19,6 +19,7 @@ from ..errors import AirlightError
 from ..reference.metrics import noise_floor, scene_epsilon
 from ..scene.checks import F32
 from ..scene.image import Image
+from ..scene.io.ledger import own_files
 from ..scene.io.numpy_files import opened_npz
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ def _merged(a: Reference, b: Reference) -> Reference:
 def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
     """What is kept at `path`; None where that is nothing, broken, or without the layers `names`."""
     try:
-        with opened_npz(path) as archive:
+        with own_files(), opened_npz(path) as archive:
             about = json.loads(str(archive.array("about", kinds="U")))
             arrays = {name: archive.array(name) for name in archive.names if name != "about"}
         image = Image(arrays.pop("radiance"), arrays)
@@ -182,7 +183,7 @@ def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
 
 def _keep(reference: Reference, path: Path) -> None:
     """Write it for the next time; a cache that cannot be written is no reason to fail."""
-    from ..scene.io.files import whole_file
+    from ..scene.io.writing import whole_file
 
     about = {"spp": reference.spp, "seconds": reference.seconds, "notes": reference.notes}
     arrays: dict[str, Any] = {"about": json.dumps(about), "radiance": reference.image.radiance}

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import OutputError, SettingsError
+from ..errors import SettingsError
+from .options import Number
 from .outputs import check_writable
-from .scene_argument import load_scene, show_warnings
+from .scene_argument import load_scene, reads, show_warnings
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -26,7 +27,7 @@ SCENES_OUT = (".xml", ".toml")
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
 @click.option(
-    "--exposure", type=click.FloatRange(-64, 64), metavar="STOPS",
+    "--exposure", type=Number(-64, 64), metavar="STOPS",
     help="For .png and .jpg of a linear picture.  [default: 0]",
 )  # fmt: skip
 @click.option(
@@ -41,6 +42,7 @@ def command(source: str, target: Path, exposure: float | None, tone_map: str | N
     airlight convert room.glb room.toml     a scene file that names its meshes and grids
     airlight convert room.exr room.png      pictures: .exr .hdr .png .jpg
     """
+    reads(source)
     suffix = Path(source).suffix.lower()
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
         check_writable(target, PICTURES_OUT)
@@ -85,9 +87,8 @@ def convert_scene(source: str, target: Path) -> None:
             remedy="End its name in .xml, for Mitsuba 3, or in .toml.",
         )
     check_writable(target)
-    if target.resolve() == Path(source).resolve():
-        raise SettingsError("IN and OUT are the same file", where=target)
     scene = load_scene(source)
+    check_writable(target)
     if target.suffix.lower() == ".toml":
         _refuse_loss(scene, source, target)
     notes = _write_toml(scene, source, target) if target.suffix.lower() == ".toml" else (
@@ -124,13 +125,10 @@ def _write_xml(scene: Scene, target: Path) -> Sequence[str]:
 
 
 def _write_toml(scene: Scene, source: str, target: Path) -> Sequence[str]:
-    from ..scene.io.files import whole_file
     from ..scene.io.toml_text import scene_text
+    from ..scene.io.writing import whole_file
 
     text = scene_text(scene, scene, source, target.parent)
-    try:
-        with whole_file(target) as part:
-            part.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot be written ({error.strerror})", where=target) from None
+    with whole_file(target) as part:
+        part.write_text(text, encoding="utf-8")
     return [line[2:] for line in text.splitlines() if line.startswith("# ")]

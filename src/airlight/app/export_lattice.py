@@ -9,8 +9,8 @@ import click
 
 from ..errors import OutputError
 from .options import adapter_option, settings_option
-from .outputs import check_writable
-from .scene_argument import load_scene, show_warnings
+from .outputs import check_folder, check_writable
+from .scene_argument import load_scene, reads, show_warnings
 
 
 @click.command("export-lattice")
@@ -36,10 +36,12 @@ def command(scene: str, output: Path, **options: Any) -> None:
     harmonics of order 1 and irradiance on six sides of every cell; volumes solved by pop hold
     what they scatter towards the scene's camera.
     """
+    reads(scene)
     _check_output(output)
     from ..exports.solved import export_lattice
 
     loaded = load_scene(scene)
+    _check_output(output)
     export_lattice(
         loaded, output, technique=options["technique"], settings=options["settings"],
         adapter=options["adapter"],
@@ -57,5 +59,5 @@ def _check_output(output: Path) -> None:
             f"cannot write a light field that ends in '{output.suffix}'", where=output,
             remedy="End its name in .npz, or name a folder.",
         )  # fmt: skip
-    elif output.exists() and not output.is_dir():
-        raise OutputError("this is a file, not a folder", where=output)
+    else:
+        check_folder(output)

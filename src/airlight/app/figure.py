@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import __version__, env
-from ..errors import AirlightError, OutputError, SettingsError
+from ..errors import AirlightError, SettingsError
 from .options import adapter_option, size_option
+from .outputs import make_folder
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -121,14 +122,7 @@ def _list() -> None:
 def _folder(output: Path | None) -> Path:
     if output is None:
         raise SettingsError("there is no folder to draw into", remedy="Name one: -o DIR")
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"cannot be made a folder ({error.strerror or error})",
-            where=output,
-            remedy="Choose another place.",
-        ) from None
+    make_folder(output)
     return output
 
 

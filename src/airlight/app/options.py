@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,34 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
 
 LARGEST_SIDE_PX = 16384
+LONGEST_S = 1e9
+
+
+class Number(click.FloatRange):
+    """A finite number in a range. click's own takes NaN, which is in every range."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number", param, ctx)
+        return number
+
+
+class Seconds(click.types.FloatParamType):
+    """A time in seconds, within thirty years of zero."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        seconds = float(super().convert(value, param, ctx))
+        if not abs(seconds) <= LONGEST_S:  # NaN is not
+            self.fail(f"{value!r} is not a time between -{LONGEST_S:g} and {LONGEST_S:g} s")
+        return seconds
+
+
+SECONDS = Seconds()
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 

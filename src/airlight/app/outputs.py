@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import tempfile
+import stat
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,33 +14,72 @@ from ..errors import OutputError
 
 
 def check_writable(path: Path, endings: Sequence[str] = ()) -> None:
-    """Raise OutputError unless `path` has one of `endings` and a file can be made beside it."""
+    """Raise OutputError unless `path` has one of `endings` and can be written.
+
+    A file that the command has read so far cannot. Called again once everything was read, it finds
+    the others before any work is done for nothing.
+    """
+    from ..scene.io.writing import check_target
+
     if endings and path.suffix.lower() not in endings:
         raise OutputError(
             f"cannot write a picture that ends in '{path.suffix}'",
             where=path,
             remedy=f"End its name in one of {', '.join(endings)}.",
         )
-    if path.is_dir():
-        raise OutputError("this is a folder, not a file", where=path)
-    if not path.parent.is_dir():
-        raise OutputError(
-            f"the folder '{path.parent}' does not exist", where=path, remedy="Create it first."
-        )
+    check_target(path)
+
+
+def check_outputs(*paths: Path | None) -> None:
+    """Raise OutputError unless all can be written, each into a file of its own; None is none."""
+    from ..scene.io.ledger import check_distinct
+
+    named = [path for path in paths if path is not None]
+    for path in named:
+        check_writable(path)
+    check_distinct(named)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder at `path`; none where the path cannot be."""
     try:
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def check_folder(folder: Path) -> None:
+    """Raise OutputError where there is something else than a folder, or none can be."""
+    try:
+        is_there = stat.S_ISDIR(folder.stat().st_mode)
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError) as error:
+        raise _no_folder(folder, error) from None
+    if not is_there:
+        raise OutputError("this is a file, not a folder", where=folder)
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for outputs where it is missing. Raises OutputError."""
+    check_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(
-            f"cannot be written ({error.strerror or error})",
-            where=path,
-            remedy="Choose another folder, or check its permissions and free space.",
-        ) from None
+        raise _no_folder(folder, error) from None
+
+
+def _no_folder(folder: Path, error: Exception) -> OutputError:
+    return OutputError(
+        f"cannot be made a folder ({getattr(error, 'strerror', None) or error})",
+        where=folder,
+        remedy="Choose another place.",
+    )
 
 
 def write_json(values: Mapping[str, Any], path: Path) -> None:
     """Write a JSON file, whole or not at all. Raises OutputError."""
-    from ..scene.io.files import whole_file
+    from ..scene.io.writing import whole_file
 
     with whole_file(path) as part:
         part.write_text(json_text(values) + "\n", encoding="utf-8")

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SettingsError
-from .options import adapter_option, check_settings, settings_option, size_option
-from .outputs import check_writable, write_json
+from .options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
+from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
-from .scene_argument import load_scene, show_warnings
+from .scene_argument import load_scene, reads, show_warnings
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -42,7 +42,7 @@ _STARTED_S = time.perf_counter()
 @size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
 @click.option(
-    "--time", "time_s", type=float, metavar="SECONDS", help="Of a scene that moves: when.",
+    "--time", "time_s", type=SECONDS, metavar="SECONDS", help="Of a scene that moves: when.",
 )  # fmt: skip
 @settings_option()
 @click.option("--layers", is_flag=True, help="Keep every layer in the EXR.")
@@ -53,9 +53,7 @@ _STARTED_S = time.perf_counter()
     help="Write device, timings and sizes as JSON.",
 )
 @adapter_option()
-@click.option(
-    "--exposure", type=click.FloatRange(-64, 64), metavar="STOPS", help="Instead of the camera's."
-)
+@click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help="Instead of the camera's.")
 @click.option(
     "--tone-map",
     type=click.Choice(["agx", "aces", "neutral", "none"]),
@@ -71,6 +69,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     airlight render builtin:smoke -o smoke.png --time 2.5
     """
     stats_path: Path | None = options["stats"]
+    reads(scene)
     _check_outputs(output, stats_path, options["layers"])
     check_settings(options["technique"], options["settings"])
     with progress(quiet=options["quiet"]) as report:
@@ -78,6 +77,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
         started_s = time.perf_counter()
         loaded = load_scene(scene)
         load_s = time.perf_counter() - started_s
+        check_outputs(output, stats_path)
         finished_s: list[float] = []
         image = _rendered(loaded, options, _stamped(report, finished_s))
         first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
@@ -99,10 +99,7 @@ def _check_outputs(output: Path, stats_path: Path | None, layers: bool) -> None:
         raise SettingsError(
             f"--layers needs an .exr, {output.suffix} holds one picture", where=output
         )
-    if stats_path is not None:
-        check_writable(stats_path)
-        if stats_path.resolve() == output.resolve():
-            raise SettingsError("--stats and -o name the same file", where=output)
+    check_outputs(output, stats_path)
 
 
 def _stamped(report: Report, finished_s: list[float]) -> Report:

@@ -20,6 +20,14 @@ def load_scene(text: str) -> Scene:
     return load(text)
 
 
+def reads(*texts: str) -> None:
+    """Say before a scene is loaded that it will be: no output may take its file's place."""
+    from ..scene.io import BUILTIN_PREFIX
+    from ..scene.io.ledger import note_read
+
+    note_read(*(text for text in texts if not text.startswith(BUILTIN_PREFIX)))
+
+
 def show_warnings(scene: Scene, doubts: Sequence[str] = ()) -> None:
     """What the loader dropped, replaced or approximated, and `doubts`, one line each on stderr."""
     warn((*scene.warnings, *doubts))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import OutputError, SettingsError
-from .options import adapter_option, check_settings, settings_option, size_option
-from .outputs import check_writable
-from .scene_argument import load_scene, show_warnings, warn
+from .options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
+from .outputs import check_writable, is_folder
+from .scene_argument import load_scene, reads, show_warnings, warn
 from .sequence_folder import FrameFolder
 from .sequence_plan import FORMATS, Plan, digest, frame_span
 from .sequence_progress import counted
@@ -27,9 +26,9 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
               metavar="DIR|FILE.mp4", help="A folder for frames, or a video.")  # fmt: skip
 @click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
-@click.option("--start", "start_s", type=float, metavar="SECONDS", help="The first frame's time.")
-@click.option("--end", "end_s", type=float, metavar="SECONDS", help="When it ends.")
-@click.option("--fps", type=click.FloatRange(1e-3, 1e4), help="Frames per second.")
+@click.option("--start", "start_s", type=SECONDS, metavar="SECONDS", help="The first frame's time.")
+@click.option("--end", "end_s", type=SECONDS, metavar="SECONDS", help="When it ends.")
+@click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
 @click.option("-t", "--technique", default="auto", show_default=True, help="As for render.")
 @size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), default=4, show_default=True,
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
 @click.option("--format", "kind", type=click.Choice(list(FORMATS)), help="Of frames: png is tone "
               "mapped, exr linear.  [default: png]")  # fmt: skip
 @click.option("--layers", is_flag=True, help="Keep every layer in EXR frames.")
-@click.option("--exposure", type=click.FloatRange(-64, 64), metavar="STOPS",
+@click.option("--exposure", type=Number(-64, 64), metavar="STOPS",
               help="Instead of the camera's.")  # fmt: skip
 @click.option("--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]),
               help="Display curve.  [default: agx]")  # fmt: skip
@@ -61,8 +60,11 @@ def command(scene: str, output: Path, **options: Any) -> None:
     from ..techniques import checked_settings
 
     is_video = output.suffix.lower() in VIDEO_SUFFIXES
+    reads(scene)
     _check_options(output, options, is_video=is_video)
     loaded = load_scene(scene)
+    if is_video:
+        check_writable(output)
     show_warnings(loaded)
     checked_settings(options["technique"], loaded, options["settings"])
     plan = _plan(loaded, options, is_video=is_video)
@@ -70,7 +72,8 @@ def command(scene: str, output: Path, **options: Any) -> None:
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
     if is_video and options["resume"] and video_comment(output) == comment:
-        _clear(folder, keep=options["keep_frames"])  # all done, but perhaps for the clearing up
+        if not options["keep_frames"]:
+            folder.clear()  # all done, but perhaps for the clearing up
         click.echo(str(output))
         return
     folder.open(asked, resume=options["resume"])
@@ -79,7 +82,8 @@ def command(scene: str, output: Path, **options: Any) -> None:
         with counted("frames encoded", len(plan.frames), quiet=options["quiet"]) as count:
             files = [folder.file(plan, frame) for frame in plan.frames]
             write_video(files, plan.fps, output, comment, lambda share: count())
-        _clear(folder, keep=options["keep_frames"])
+        if not options["keep_frames"]:
+            folder.clear()
     click.echo(str(output))
 
 
@@ -99,8 +103,8 @@ def make_frames(
         return
     if "metered_stops" not in folder.manifest:
         folder.note(metered_stops=metered_stops(plan, scene))
-    if folder.manifest["metered_stops"] is not None:
-        plan = replace(plan, exposure_stops=float(folder.manifest["metered_stops"]))
+    if folder.metered_stops is not None:
+        plan = replace(plan, exposure_stops=folder.metered_stops)
     with counted("frames", len(plan.frames), len(plan.frames) - len(missing), quiet=quiet) as count:
         if farm is None:
             with FrameMaker(plan, scene) as maker:
@@ -117,7 +121,7 @@ def _farmed(
     address: str, plan: Plan, scene: Scene, folder: FrameFolder, missing: list[int],
     count: Callable[[], None],
 ) -> None:  # fmt: skip
-    from ..scene.io.files import whole_file
+    from ..scene.io.writing import whole_file
     from .sequence_farm import farm_frames
 
     def take(frame: int, data: bytes, device: str) -> None:
@@ -154,7 +158,7 @@ def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> 
             raise SettingsError("a video has no EXR frames", remedy="Give a folder for frames.")
         check_writable(output, VIDEO_SUFFIXES)
         check_video()
-    elif output.suffix and not output.is_dir():
+    elif output.suffix and not is_folder(output):
         raise OutputError(
             f"'{output.suffix}' is no kind of video that is written here", where=output,
             remedy="End it in .mp4, or give a folder.",
@@ -174,8 +178,3 @@ def _plan(scene: Scene, options: dict[str, Any], *, is_video: bool) -> Plan:
         layers=options["layers"], exposure_stops=options["exposure"],
         tone_map=options["tone_map"],
     )  # fmt: skip
-
-
-def _clear(folder: FrameFolder, *, keep: bool) -> None:
-    if not keep and folder.path.is_dir():
-        shutil.rmtree(folder.path, ignore_errors=True)

@@ -10,18 +10,23 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ..errors import OutputError, SceneError
-from ..scene.io.files import read_text, whole_file
+from ..scene.io.files import read_text
+from ..scene.io.ledger import check_output, own_files
+from ..scene.io.writing import whole_file
 from .outputs import json_text
 from .sequence_plan import Plan
+from .sequence_whole import is_whole
 
 MANIFEST = "sequence.json"
 _FRAME = re.compile(r"frame-(\d{5,7})\.(png|exr)")
 _PART = re.compile(r"\.(?:frame-\d{5,7}|sequence)\.(\d+)\.part\.(?:png|exr|json)")
 _ENOUGH = "Choose another folder, or delete this one."
+_MOST_SAID, _MOST_STOPS = 100, 1000.0
 
 
 class FrameFolder:
@@ -57,19 +62,40 @@ class FrameFolder:
         return self.path / f"frame-{frame:05d}{plan.ending}"
 
     def missing(self, plan: Plan) -> list[int]:
-        """The frames of the plan that are not there yet."""
-        return [frame for frame in plan.frames if not _is_there(self.file(plan, frame))]
+        """The frames of the plan that are not there, or not whole. None of them may be an input.
+
+        Raises OutputError.
+        """
+        missing = [frame for frame in plan.frames if not is_whole(self.file(plan, frame))]
+        for frame in missing:
+            check_output(self.file(plan, frame))
+        return missing
+
+    @property
+    def metered_stops(self) -> float | None:
+        """The exposure that all frames share; None where each is exposed as the camera says."""
+        stops: float | None = self.manifest["metered_stops"]
+        return stops
+
+    def clear(self) -> None:
+        """Remove the frames and the notes about them; the folder, too, unless more is in it."""
+        for file in self.path.iterdir() if self.path.is_dir() else ():
+            if _FRAME.fullmatch(file.name) or file.name == MANIFEST:
+                file.unlink(missing_ok=True)
+        with suppress(OSError):
+            self.path.rmdir()
 
     def _make(self) -> None:
-        if self.path.exists() and not self.path.is_dir():
-            raise OutputError("is a file, not a folder for frames", where=self.path)
-        if not self.path.parent.is_dir():
-            raise OutputError(
-                f"the folder '{self.path.parent}' does not exist", where=self.path,
-                remedy="Create it first.",
-            )  # fmt: skip
         try:
             self.path.mkdir(exist_ok=True)
+        except FileExistsError:
+            raise OutputError("is a file, not a folder for frames", where=self.path) from None
+        except FileNotFoundError:
+            raise OutputError(
+                f"the folder '{self.path.parent}' does not exist",
+                where=self.path,
+                remedy="Create it first.",
+            ) from None
         except OSError as error:
             raise OutputError(
                 f"cannot be made ({error.strerror or error})", where=self.path,
@@ -77,12 +103,8 @@ class FrameFolder:
             ) from None  # fmt: skip
 
     def _take_up(self, asked: Mapping[str, Any], count: int, *, resume: bool) -> None:
-        path = self.path / MANIFEST
-        try:
-            self.manifest = json.loads(read_text(path))
-            there = dict(self.manifest["asked"])
-        except (SceneError, ValueError, KeyError, TypeError, RecursionError):
-            raise OutputError("is damaged", where=path, remedy=_ENOUGH) from None
+        self.manifest = _read(self.path / MANIFEST)
+        there = self.manifest["asked"]
         if not resume:
             raise OutputError(
                 f"holds a sequence already ({count} frames)", where=self.path,
@@ -107,14 +129,35 @@ class FrameFolder:
 def _difference(name: str, there: Any, now: Any) -> str:
     if name == "scene":
         return "the scene, or a file it names, has changed"
-    return f"its {name} is {json.dumps(there)}, here it is {json.dumps(now)}"
+    return f"its {name} is {_short(there)}, here it is {_short(now)}"
 
 
-def _is_there(file: Path) -> bool:
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= _MOST_SAID else text[:_MOST_SAID] + " ..."
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """A `sequence.json`, with what it must hold. Raises OutputError where it is damaged."""
     try:
-        return file.stat().st_size > 0
-    except OSError:
-        return False
+        with own_files():
+            held = json.loads(read_text(path))
+    except (SceneError, ValueError, RecursionError):
+        held = None
+    if not (
+        isinstance(held, dict)
+        and isinstance(held.get("asked"), dict)
+        and _is_stops(held.get("metered_stops"))
+        and isinstance(devices := held.get("devices", []), list)
+        and all(isinstance(device, str) for device in devices)
+    ):
+        raise OutputError("is damaged", where=path, remedy=_ENOUGH)
+    return held
+
+
+def _is_stops(value: Any) -> bool:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return value is None or (is_number and abs(value) <= _MOST_STOPS)
 
 
 def _is_alive(pid: int) -> bool:

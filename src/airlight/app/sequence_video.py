@@ -14,7 +14,10 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from ..errors import OutputError, SceneError, SettingsError
-from ..scene.io.files import read_bytes, regular_file, whole_file
+from ..scene.io.files import read_bytes, regular_file
+from ..scene.io.ledger import own_files
+from ..scene.io.writing import whole_file
+from .sequence_whole import is_whole
 
 VIDEO_SUFFIXES = (".mp4",)
 _QUALITY = {"crf": "16", "preset": "medium"}
@@ -54,11 +57,13 @@ def write_video(
 
 
 def video_comment(path: Path) -> str:
-    """What `write_video` kept in a video; empty where there is none to read."""
+    """What `write_video` kept in a video; empty where there is none, or not all of it."""
     import av
 
+    if not is_whole(path):
+        return ""
     try:
-        with av.open(str(regular_file(path))) as container:
+        with own_files(), av.open(str(regular_file(path))) as container:
             return str(container.metadata.get("comment", ""))
     except (av.FFmpegError, OSError, SceneError):
         return ""

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import AirlightError, OutputError
-from ..scene.io.files import whole_file
 from ..scene.io.toml_text import scene_text
+from ..scene.io.writing import whole_file
 from .view_session import Session
 
 Copy = Callable[[str], None]
+_NAME_LETTERS = 60  # of up to four bytes: file names end at 255
 
 
 class Saver:
@@ -40,16 +41,13 @@ class Saver:
 
     def save_scene(self) -> Path | None:
         """The scene file of what is seen; its path, or None and a message."""
-        path = self._free(".toml")
         try:
+            path = self._free(".toml")
             text = self._text(self.folder)
             with whole_file(path) as part:
                 part.write_text(text, encoding="utf-8")
         except AirlightError as error:
             self._refused(error)
-            return None
-        except OSError as error:
-            self._refused(OutputError(f"cannot be written ({error.strerror})", where=path))
             return None
         return self._done(path)
 
@@ -74,7 +72,7 @@ class Saver:
     def _free(self, suffix: str) -> Path:
         """The first path of the scene's name that is not taken."""
         name = self.session.state.scene.name or "scene"
-        safe = "".join(c if c.isalnum() or c in "-_" else "-" for c in name)
+        safe = "".join(c if c.isalnum() or c in "-_" else "-" for c in name[:_NAME_LETTERS])
         for number in range(1, 10_000):
             path = self.folder / f"{safe}-view-{number:04d}{suffix}"
             if not path.exists():

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import OutputError, SceneError
-from ..scene.io.files import inside, read_text, whole_file
+from ..scene.io.files import inside, read_text
 from ..scene.io.numpy_files import opened_npz, read_npy
+from ..scene.io.writing import whole_file
 from .light_field import LatticeLight, LightField, VolumeLight
 
 FORMAT, VERSION = "airlight light field", 1

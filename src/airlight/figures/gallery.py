@@ -17,7 +17,8 @@ import PIL.Image
 
 from ..app.compare_style import CSS
 from ..errors import SceneError
-from ..scene.io.files import read_bytes, read_text, whole_file
+from ..scene.io.files import read_bytes, read_text
+from ..scene.io.writing import whole_file
 from .registry import FIGURES, Figure
 
 PAGE = "index.html"

@@ -113,7 +113,7 @@ def keep(name: str, drawn: Drawn, about: dict[str, Any], folder: Path) -> Path:
     """
     from ..app.compare_pictures import png_bytes
     from ..app.outputs import write_json
-    from ..scene.io.files import whole_file
+    from ..scene.io.writing import whole_file
 
     path = folder / f"{name}.png"
     with whole_file(path) as part:

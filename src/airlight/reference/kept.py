@@ -19,7 +19,7 @@ from ..scene.builtin import builtin_scene
 from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.io import exr
-from ..scene.io.files import whole_file
+from ..scene.io.writing import whole_file
 from ..scene.scene import Scene
 
 LAYERS = ("direct", "one_bounce", "indirect")

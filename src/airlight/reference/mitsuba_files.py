@@ -6,6 +6,7 @@ directly.
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Hashable
 from pathlib import Path
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.checks import F32, Bounds
+
+_NAME = re.compile(r".+_\d{4,}\.(?:ply|png|exr|vol)")
 
 
 class FileStore:
@@ -45,6 +48,11 @@ class FileStore:
         """id(value), with `value` kept alive so that the id stays its own."""
         self._kept[id(value)] = value
         return id(value)
+
+
+def is_written(name: str, stem: str) -> bool:
+    """Whether a file of this name could be from a FileStore of the scene STEM.xml."""
+    return name == f"{stem}.xml" or _NAME.fullmatch(name) is not None
 
 
 def write_ply(

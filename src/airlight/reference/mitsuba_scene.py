@@ -12,10 +12,12 @@ import numpy as np
 
 from ..errors import OutputError
 from ..scene.checks import Rgb
+from ..scene.io.ledger import check_output
+from ..scene.io.writing import check_target, whole_file
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .mitsuba_files import FileStore
+from .mitsuba_files import FileStore, is_written
 from .mitsuba_lights import environment_emitter, light_emitter, point_emitters
 from .mitsuba_material import is_masked
 from .mitsuba_media import Media, air_bounds, has_media, scene_media
@@ -30,6 +32,7 @@ from .mitsuba_xml import (
     plugin,
 )
 
+_OTHER_NAME = "Choose another name for the scene."
 VISIBLE_ENVIRONMENT = "the environment is visible: Mitsuba hides all emitters or none"
 
 
@@ -56,7 +59,9 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
     path = Path(path)
     prefix = f"{path.stem}_files"
     staged = path.parent / f".{prefix}.{os.getpid()}.part"
+    check_target(path)
     try:
+        _check_folder(path.parent / prefix, path)
         staged.mkdir(parents=False)
     except OSError as error:
         raise OutputError(f"cannot write: {error.strerror}", where=path) from None
@@ -68,12 +73,31 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
             notes.append("the camera's exposure is left out: Mitsuba's pictures have none")
         exported = export(scene, staged, path.stem, prefix, notes=notes)
         _replace_folder(staged, path.parent / prefix)
-        (path.parent / prefix / f"{path.stem}.xml").replace(path)
+        made = path.parent / prefix / f"{path.stem}.xml"
+        with whole_file(path) as part:
+            shutil.copyfile(made, part)
+        made.unlink()
     except OSError as error:
         raise OutputError(f"cannot write: {error.strerror or error}", where=path) from None
     finally:
         shutil.rmtree(staged, ignore_errors=True)
     return list(exported.notes)
+
+
+def _check_folder(folder: Path, path: Path) -> None:
+    """Raise OutputError unless `folder` can be replaced: only our files, none of them an input."""
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+        raise OutputError(
+            f"'{folder.name}' beside it is not a folder", where=path, remedy=_OTHER_NAME
+        )
+    for file in sorted(folder.iterdir()) if folder.exists() else ():
+        if not is_written(file.name, path.stem):
+            raise OutputError(
+                f"'{folder.name}' beside it holds '{file.name}', which is no file of such a scene",
+                where=path,
+                remedy=_OTHER_NAME,
+            )
+        check_output(file)
 
 
 def _replace_folder(staged: Path, target: Path) -> None:

@@ -1,4 +1,4 @@
-"""Files are read and written whole, or the reason is said."""
+"""Files are read whole, or the reason is said."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import socket
 
 import pytest
 
-from airlight.errors import OutputError, SceneError
-from airlight.scene.io.files import inside, naming, read_bytes, read_text, whole_file
+from airlight.errors import SceneError
+from airlight.scene.io.files import inside, naming, read_bytes, read_text
 
 
 def test_reading(tmp_path):
@@ -90,45 +90,3 @@ def test_what_a_parser_raises_names_the_file(tmp_path):
         raise SceneError("bad", where="b.png")
     with pytest.raises(AttributeError), naming("a.glb"):  # a mistake of ours stays one
         raise AttributeError
-
-
-def test_a_file_appears_whole(tmp_path):
-    path = tmp_path / "a.png"
-    with whole_file(path) as part:
-        part.write_bytes(b"new")
-        assert not path.exists()
-        assert part.suffix == ".png"
-    assert path.read_bytes() == b"new"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_failure_leaves_the_old_file(tmp_path):
-    path = tmp_path / "a.png"
-    path.write_bytes(b"old")
-    full = pytest.raises(OutputError, match=r"cannot be written \(No space left on device\)")
-    with full, whole_file(path) as part:
-        part.write_bytes(b"ne")
-        raise OSError(28, "No space left on device")
-    with pytest.raises(KeyError), whole_file(path):
-        raise KeyError
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_places_that_cannot_be_written(tmp_path):
-    absent = pytest.raises(OutputError, match=r"does not exist\. Create it first\.")
-    with absent, whole_file(tmp_path / "no" / "a.png"):
-        pass
-    with pytest.raises(OutputError, match="this is a folder"), whole_file(tmp_path):
-        pass
-
-
-@pytest.mark.skipif(os.geteuid() == 0 if hasattr(os, "geteuid") else True, reason="root may write")
-def test_a_folder_without_permission(tmp_path):
-    tmp_path.chmod(0o500)
-    try:
-        refused = pytest.raises(OutputError, match="Choose another folder")
-        with refused, whole_file(tmp_path / "a.png"):
-            pass
-    finally:
-        tmp_path.chmod(0o700)

@@ -1,4 +1,4 @@
-"""Opening a user's file, the one place where that is done, and writing one whole or not at all.
+"""Opening a user's file: the one place where that is done.
 
 Only regular files are read: a pipe, a socket or a device may block, or never end. What a file
 that came from elsewhere may name lies in its own folder or below it.
@@ -17,9 +17,8 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import BinaryIO
 
-import numpy as np
-
-from ...errors import AirlightError, OutputError, SceneError, memory_wanted, within_memory
+from ...errors import AirlightError, SceneError, memory_wanted, within_memory
+from .ledger import note_read
 
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -40,7 +39,11 @@ _OF_PARSERS = (
 
 
 def regular_file(path: Path) -> Path:
-    """`path`, for whoever opens files by name. Raises SceneError for all but regular files."""
+    """`path`, for whoever opens files by name. Raises SceneError for all but regular files.
+
+    From now on it is an input: the command writes nothing over it.
+    """
+    note_read(path)
     try:
         _refuse_special(path.stat().st_mode, path)
     except (OSError, ValueError) as error:
@@ -145,46 +148,3 @@ def _unreadable(path: Path, error: Exception) -> SceneError:
         return SceneError("file not found", where=path, remedy="Check the path.")
     reason = getattr(error, "strerror", None) or error
     return SceneError(f"cannot be read ({reason})", where=path)
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A file to write beside `path`, renamed to it when the block ends well, else removed.
-
-    Raises OutputError where the folder is missing or cannot be written.
-    """
-    folder = path.parent
-    if not folder.is_dir():
-        raise OutputError(
-            f"the folder '{folder}' does not exist", where=path, remedy="Create it first."
-        )
-    if path.is_dir():
-        raise OutputError("this is a folder, not a file", where=path)
-    part = folder / f".{path.stem}.{os.getpid()}.part{path.suffix}"
-    try:
-        _touch(part, path)
-        yield part
-        part.replace(path)
-    except AirlightError:
-        raise
-    except (OSError, RuntimeError) as error:  # RuntimeError is OpenEXR's for a full disk
-        raise _unwritable(path, error) from None
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _touch(part: Path, path: Path) -> None:
-    """Fail early, and in words, where nothing can be written."""
-    try:
-        part.touch()
-    except OSError as error:
-        raise _unwritable(path, error) from None
-
-
-def _unwritable(path: Path, error: Exception) -> OutputError:
-    reason = getattr(error, "strerror", None) or error
-    return OutputError(
-        f"cannot be written ({reason})",
-        where=path,
-        remedy="Choose another folder, or check its permissions and free space.",
-    )

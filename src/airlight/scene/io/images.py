@@ -25,8 +25,9 @@ from ..checks import F32
 from ..image import Image
 from ..material import Texture
 from . import exr, rgbe
-from .files import naming, read_bytes, whole_file
+from .files import naming, read_bytes
 from .image_sizes import MAX_TEXTURE_PIXELS, check_size
+from .writing import whole_file
 
 _BAND_ROWS = 256
 _BY_PROGRAMS = ("EPS", "WMF", "STUB", "BUFR", "GRIB", "HDF5")

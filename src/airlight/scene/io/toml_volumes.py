@@ -10,6 +10,7 @@ from ..animation.density import FileSequence
 from ..checks import Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
+from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
 from .toml_meshes import existing_file, world_from_mesh
@@ -47,6 +48,7 @@ def placed_volume(
         if is_file
         else volume_files(written, folder, label)
     )
+    note_read(*files)  # of a sequence those that are read later, too
     grid = read_volume(files[0], *(values.get(name, "density") for name in _OF_FILES))
     sequence = file_sequence(values, files, grid.density.shape)
     warnings = grid.warnings
