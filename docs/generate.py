@@ -173,13 +173,39 @@ def figures_table() -> str:
 # ---- The command line --------------------------------------------------------------------------
 
 
+PROMISES = """\
+| exit code | means |
+|---|---|
+| 0 | done |
+| 2 | bad input, a missing capability or an output that cannot be written, in one message |
+| 1 | a mistake of ours |
+| 130 | interrupted by Ctrl-C, at any moment |
+| 141 | whoever read the output closed its pipe (`airlight scenes \\| head -1`); nothing is said |
+
+## What is written, and what is not
+
+- No output replaces an input. A command refuses to write over any file that it reads: the scene, what
+  it includes, meshes, materials, textures, grids and sequences of them, environments. Files are known
+  by what they are, not by their names: links, `..` and the case of letters make no difference. Two
+  outputs of one command cannot be one file.
+- A file is written beside its place under a hidden name, and renamed when it is whole. A command that
+  fails, is killed or fills the disk leaves the file that was there. The new file has the permissions
+  of the one that it replaces; a symbolic link stays one, and its file is replaced. Write-protected
+  files stay.
+- Outputs are regular files, `/dev/null`, `/dev/stdout`, `/dev/stderr` or `/dev/fd/N` (a shell's
+  `>(...)`). Pipes with a name, sockets and disks are refused.
+- `convert` to Mitsuba XML replaces the folder `NAME_files` beside it only if nothing but such files
+  is in it.
+"""
+
+
 def command_line_page() -> str:
     """Every command with its help, as it prints it."""
     parts = [
         "# Command line\n",
-        "Printed from the commands' own `--help` by `./run docs`. Exit code 0: done; 2: bad input "
-        "or a missing capability, in one message; 1: a mistake of ours; 130: interrupted. Results "
-        "go to standard output, progress to standard error.\n",
+        "Printed from the commands' own `--help` by `./run docs`. Results go to standard output, "
+        "progress, warnings and errors to standard error.\n",
+        PROMISES,
     ]
     context = click.Context(
         command_line, info_name="airlight", terminal_width=88, **command_line.context_settings

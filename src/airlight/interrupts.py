@@ -61,10 +61,19 @@ def _leave(number: int, frame: FrameType | None) -> NoReturn:
     os._exit(INTERRUPTED)
 
 
+def _interrupt_main() -> None:
+    """The signal once more, for the main thread, which it wakes where the system can do that."""
+    ident = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and ident is not None:
+        signal.pthread_kill(ident, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
+
+
 def _unraisable(lost: sys.UnraisableHookArgs) -> None:
     """Raise an interrupt again that came where nothing can be raised, as in a callback from C."""
     if issubclass(lost.exc_type, KeyboardInterrupt):
         # Not at once: what is raised in here is lost, too.
-        threading.Timer(_AGAIN_S, _thread.interrupt_main).start()
+        threading.Timer(_AGAIN_S, _interrupt_main).start()
     else:
         sys.__unraisablehook__(lost)

@@ -62,9 +62,11 @@ def folder(tmp_path) -> Path:
 @pytest.fixture(autouse=True)
 def no_rendering(monkeypatch):
     """A refusal comes before any work."""
-    monkeypatch.setattr(
-        "airlight.rendering.render", lambda *_, **__: pytest.fail("something was rendered")
-    )
+    for work in ("rendering.render", "app.sequence_frames.FrameMaker", "app.bench.measured",
+                 "app.compare.compare_scene", "exports.solved.export_lattice"):  # fmt: skip
+        monkeypatch.setattr(
+            f"airlight.{work}", lambda *_, **__: pytest.fail("something was rendered")
+        )
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -123,6 +125,8 @@ def command_words(command: str, scene: Path, target: Path) -> list[str]:
 def test_no_command_replaces_an_input(folder, capsys, monkeypatch, command, name, source):
     if command == "video":
         monkeypatch.setattr("airlight.app.sequence.check_video", lambda: None)
+    if command == "sequence" and source == "brick.png":
+        pytest.skip("a whole frame that is there already is not written")
     out = folder / "out"
     out.mkdir()
     (out / name).symlink_to(folder / source)
@@ -198,8 +202,8 @@ def test_the_folder_beside_a_mitsuba_scene_is_not_cleared_of_others_files(folder
     ["compare", "builtin:cornell", "-o", "{long}"],
     ["convert", "builtin:cornell", "{long}.xml"],
     ["convert", "builtin:cornell", "{long}.toml"],
-    ["export-lattice", "builtin:cornell", "-o", "{long}.npz", "-t", "lpw"],
-    ["export-lattice", "builtin:cornell", "-o", "{long}", "-t", "lpw"],
+    ["export-lattice", "builtin:cornell", "-o", "{long}.npz"],
+    ["export-lattice", "builtin:cornell", "-o", "{long}"],
     ["bench", "-o", "{long}.json", "--scene", "none.toml", "-q"],
     ["figure", "clpv-1", "-o", "{long}"],
 ])  # fmt: skip
@@ -211,7 +215,8 @@ def test_long_names_are_written_or_one_message(tmp_path, monkeypatch, capsys, le
         raise reached
 
     for work in ("rendering.render", "app.sequence.make_frames", "app.compare.compare_scene",
-                 "app.figure._draw_all", "app.bench.measured"):  # fmt: skip
+                 "app.figure._draw_all", "app.bench.measured",
+                 "exports.solved.export_lattice"):  # fmt: skip
         monkeypatch.setattr(f"airlight.{work}", stop)
     monkeypatch.setattr("airlight.app.sequence.check_video", lambda: None)
     ending = next(word.partition("}")[2] for word in words if "{long}" in word)
