@@ -184,14 +184,14 @@ PROMISES = """\
 
 ## What is written, and what is not
 
-- No output replaces an input. A command refuses to write over any file that it reads: the scene, what
-  it includes, meshes, materials, textures, grids and sequences of them, environments. Files are known
-  by what they are, not by their names: links, `..` and the case of letters make no difference. Two
-  outputs of one command cannot be one file.
-- A file is written beside its place under a hidden name, and renamed when it is whole. A command that
-  fails, is killed or fills the disk leaves the file that was there. The new file has the permissions
-  of the one that it replaces; a symbolic link stays one, and its file is replaced. Write-protected
-  files stay.
+- No output replaces an input. A command refuses to write over any file that it reads: the scene,
+  what it includes, meshes, materials, textures, grids and sequences of them, environments. Files
+  are known by what they are, not by their names: links, `..` and the case of letters make no
+  difference. Two outputs of one command cannot be one file.
+- A file is written beside its place under a hidden name, and renamed when it is whole. A command
+  that fails, is killed or fills the disk leaves the file that was there. The new file has the
+  permissions of the one that it replaces; a symbolic link stays one, and its file is replaced.
+  Write-protected files stay.
 - Outputs are regular files, `/dev/null`, `/dev/stdout`, `/dev/stderr` or `/dev/fd/N` (a shell's
   `>(...)`). Pipes with a name, sockets and disks are refused.
 - `convert` to Mitsuba XML replaces the folder `NAME_files` beside it only if nothing but such files

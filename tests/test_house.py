@@ -219,6 +219,7 @@ _READS_ITS_OWN = {
     "reference/mitsuba_child.py": "what a child of ours wrote into a folder of ours",
     "reference/mitsuba_process.py": "what the parent wrote into a folder of ours",
     "app/sequence_frames.py": "a frame just written into a folder of ours",
+    "scene/io/writing.py": "what was just written into a folder of ours",
 }
 _READERS = frozenset(
     [

@@ -74,8 +74,8 @@ def test_a_video_that_was_cut_off_is_not_whole(tmp_path):
         assert is_whole(path) == (length == len(box))
 
 
+@pytest.mark.needs("av")
 def test_a_real_video_is_whole(tmp_path):
-    pytest.importorskip("av", reason="the extra 'video' is not installed")
     from airlight.app.sequence_video import video_comment, write_video
 
     frames = []

@@ -12,6 +12,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
+from ..errors import SceneError
+from ..scene.io.files import opened
+from ..scene.io.ledger import own_files
+
 _PNG_HEAD, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND"
 _EXR_MAGIC, _EXR_ZIP, _EXR_LINES = 20000630, 3, 16
 _LONGEST_NAME = 255
@@ -20,11 +24,11 @@ _LONGEST_NAME = 255
 def is_whole(path: Path) -> bool:
     """Whether the file at `path` (.png, .exr or .mp4) is there and reaches to its own end."""
     try:
-        with path.open("rb") as file:
+        with own_files(), opened(path) as file:
             size = file.seek(0, 2)
             file.seek(0)
             return _CHECKS[path.suffix.lower()](file, size)
-    except (OSError, struct.error):  # struct.error: it ends within a number
+    except (SceneError, struct.error):  # struct.error: it ends within a number
         return False
 
 

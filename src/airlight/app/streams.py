@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TextIO, cast
 
 from ..errors import OutputError
@@ -49,7 +50,8 @@ def let_go() -> None:
             if stream is not None:
                 stream.flush()
         except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+            with Path(os.devnull).open("wb") as nothing:
+                os.dup2(nothing.fileno(), descriptor)
 
 
 class _Stream:
