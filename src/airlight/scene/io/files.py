@@ -17,6 +17,8 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import BinaryIO
 
+import numpy as np
+
 from ...errors import AirlightError, SceneError, memory_wanted, within_memory
 from .ledger import note_read
 
