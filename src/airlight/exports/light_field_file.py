@@ -22,6 +22,14 @@ from .light_field import LatticeLight, LightField, VolumeLight
 
 FORMAT, VERSION = "airlight light field", 1
 HEADER_FILE = "header.json"
+_OF_PARSERS = (
+    LookupError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    RecursionError,
+    ArithmeticError,
+)
 _Y0 = math.sqrt(1.0 / (4.0 * math.pi))
 _Y1 = math.sqrt(3.0 / (4.0 * math.pi))
 _TO_SH = np.array([1.0 / _Y0, 1.0 / _Y1, 1.0 / _Y1, 1.0 / _Y1])
@@ -88,7 +96,7 @@ def load_light_field(path: str | Path) -> LightField:
         if error.where:
             raise
         raise SceneError(f"not a readable light field ({error.problem})", where=source) from None
-    except (LookupError, ValueError, TypeError, AttributeError, RecursionError) as error:
+    except _OF_PARSERS as error:
         raise SceneError(f"not a readable light field ({error})", where=source) from None
 
 

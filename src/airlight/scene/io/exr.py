@@ -69,10 +69,20 @@ def read(path: Path) -> Image:
     return Image(
         radiance=radiance,
         layers=layers,
-        exposure_stops=float(header.get("airlight_exposure_stops", 0.0)),
-        tone_map=str(header.get("airlight_tone_map", "agx")),
-        stats=json.loads(header.get("airlight_stats", "{}")),
+        **_attributes(header, path),
     )
+
+
+def _attributes(header: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """What our own attributes say; those that are not there are as in a new image."""
+    try:
+        return {
+            "exposure_stops": float(header.get("airlight_exposure_stops", 0.0)),
+            "tone_map": str(header.get("airlight_tone_map", "agx")),
+            "stats": dict(json.loads(header.get("airlight_stats", "{}"))),
+        }
+    except (TypeError, ValueError, RecursionError) as error:
+        raise SceneError(f"its airlight attributes are damaged ({error})", where=path) from None
 
 
 def _layer(planes: Mapping[str, F32], name: str) -> F32 | None:

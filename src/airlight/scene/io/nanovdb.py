@@ -228,19 +228,17 @@ def _paint(
     blocks: F32, corner: NDArray[np.int64], low: NDArray[np.int64], table: F32, side: int
 ) -> None:
     """Put a node's values, `side` blocks across each, where it overlaps the blocks."""
-    offset = corner - low
-    first = np.maximum(offset // side, 0)
-    end = np.minimum(-(-(offset + blocks.shape) // side), table.shape)
-    if (end <= first).any():
-        return
-    part = table[tuple(slice(a, b) for a, b in zip(first, end, strict=True))]
-    for axis in range(3):
-        part = np.repeat(part, side, axis)
-    at = first * side - offset
-    inside = [slice(max(-a, 0), min(n, s - a)) for a, n, s in
-              zip(at, part.shape, blocks.shape, strict=True)]  # fmt: skip
-    outside = [slice(a + i.start, a + i.stop) for a, i in zip(at, inside, strict=True)]
-    blocks[tuple(outside)] = part[tuple(inside)]
+    # Per axis: which blocks it covers, and in which of its values each of them lies.
+    offsets = [int(n) for n in corner - low]
+    covered = [
+        np.arange(max(0, -offset), min(count, side * values - offset))
+        for offset, count, values in zip(offsets, blocks.shape, table.shape, strict=True)
+    ]
+    if all(len(numbers) for numbers in covered):
+        inside = (
+            (numbers + offset) // side for numbers, offset in zip(covered, offsets, strict=True)
+        )
+        blocks[np.ix_(*covered)] = table[np.ix_(*inside)]
 
 
 def _with_leaves(blocks: F32, corner: NDArray[np.int64], leaves: NDArray[np.void]) -> F32:
