@@ -65,6 +65,15 @@ def test_gltf_numbers(bent_triangle, number, place):
     refusal(load, path)
 
 
+@pytest.mark.parametrize("value", [3, "x", [{}], [[1]], True])
+def test_gltf_extensions_that_are_no_objects(bent_triangle, value):
+    def bend(document):
+        document["materials"] = [{"extensions": {"KHR_materials_ior": value}}]
+        document["meshes"][0]["primitives"][0]["material"] = 0
+
+    assert "must be an object" in refusal(load, bent_triangle(bend))
+
+
 def _sparse_of(count):
     def bend(document):
         accessor = document["accessors"][0]

@@ -29,6 +29,12 @@ class Item:
         """Whether this object holds `key`."""
         return isinstance(self.value, dict) and self.value.get(key) is not None
 
+    def keys(self) -> list[str]:
+        """The names in this object."""
+        if not isinstance(self.value, dict):
+            raise self.error(f"must be an object, not {_shown(self.value)}")
+        return list(self.value)
+
     def child(self, key: str) -> Item:
         """The value under `key`; an empty object where there is none."""
         place = f"{self.place}.{key}" if self.place else key

@@ -105,12 +105,12 @@ class Materials:
         if extensions.has("KHR_materials_unlit"):
             values |= {"metallic": 0.0, "roughness": 1.0, "specular": 0.0}
             self._warn(item, "unlit is not supported, the surface is lit as a matte one")
-        for name in extensions.value:
+        for name in extensions.keys():  # noqa: SIM118
             if not name.startswith("KHR_materials_"):
                 continue
             if name not in _UNDERSTOOD:
                 self._warn(item, f"{name} is not supported and left out")
-            elif unread := set(extensions.child(name).value) - _UNDERSTOOD[name]:
+            elif unread := set(extensions.child(name).keys()) - _UNDERSTOOD[name]:
                 self._warn(item, f"{', '.join(sorted(unread))} of {name} left out")
 
     def _emission(self, item: Item, values: dict[str, Any], sets: list[int]) -> None:
@@ -174,7 +174,7 @@ class Materials:
         webp = texture.at("extensions", "EXT_texture_webp")
         source = webp if webp.has("source") else texture
         if not source.has("source"):
-            names = ", ".join(texture.child("extensions").value) or "nothing"
+            names = ", ".join(texture.child("extensions").keys()) or "nothing"
             self._warn(texture, f"has no image that airlight can read, but {names}; a magenta "
                        "checker stands in")  # fmt: skip
             return missing_texture(texture.place) if is_srgb else None
