@@ -99,12 +99,14 @@ def convert_scene(source: str, target: Path) -> None:
 
 
 def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
-    """Raise SettingsError where a scene file could not name what `source` holds."""
+    """Raise SettingsError where a scene file could not name what the file `source` holds.
+
+    Of a builtin scene the rest is written, with a note: its meshes are code.
+    """
     from ..scene.io import BUILTIN_PREFIX, MESH_SUFFIXES, VOLUME_SUFFIXES
 
     nameable = (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
-    is_builtin = source.startswith(BUILTIN_PREFIX)
-    if not is_builtin and Path(source).suffix.lower() in nameable:
+    if source.startswith(BUILTIN_PREFIX) or Path(source).suffix.lower() in nameable:
         return
     held = [
         *(["meshes"] if scene.meshes else []),
