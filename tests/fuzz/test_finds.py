@@ -80,6 +80,15 @@ FINDS: dict[str, tuple[Case, str]] = {
     "a version that deletes": (
         one("a.gltf", b'{"asset": {"version": "\x7f.0"}}'), r"version '\x7f.0' is not supported"
     ),
+    "an extension that is a number": (
+        one("a.gltf", json.dumps({
+            "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+            "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}],
+            "materials": [{"extensions": {"KHR_materials_ior": 7}}],
+        }).encode()),
+        "materials[0].extensions.KHR_materials_ior: must be an object, not 7",
+    ),
     "a null in a position": (obj(b"v \0"), r"'v \x00' is not"),
     "a null in a corner": (obj(TRIANGLE + b"f \0"), r"'f \x00' is not"),
     "a null in a material": (obj(b"mtllib a.mtl\n", b"newmtl a\nd \0"), r"'d \x00' is not"),
