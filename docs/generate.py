@@ -24,8 +24,8 @@ from airlight.app.cli import airlight as command_line
 from airlight.app.scenes import descriptions
 from airlight.figures.registry import FIGURES
 from airlight.lighting.kit import SurfaceSettings
+from airlight.media.settings import MediaSettings
 from airlight.scene.io.toml_tables import schema_markdown
-from airlight.shafts.settings import AirSettings
 from airlight.techniques import TECHNIQUES, technique_settings
 
 DOCS = Path(__file__).parent
@@ -34,7 +34,7 @@ _PART = re.compile(
     r"(<!-- generated: end -->)",
     re.DOTALL,
 )
-_SHARED = {"surfaces": SurfaceSettings, "air": AirSettings}
+_SHARED = {"surfaces": SurfaceSettings, "air": MediaSettings}
 
 
 def generated_pages() -> dict[Path, str]:

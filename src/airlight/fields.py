@@ -111,7 +111,7 @@ class ForwardSource:
 
 
 @dataclass(frozen=True, eq=False)
-class FarSource:
+class HalfSpaceLight:
     """`table`, W m^-2 sr^-1: for rows of depths the mean radiance of similar air, then that of the
     sky, then what air scatters of the sky towards `side`^2 directions.
 
@@ -170,7 +170,7 @@ class Fields:
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None
     volumes: tuple[Source, ...] = ()
-    far: FarSource | None = None
+    far: HalfSpaceLight | None = None
 
 
 class Solver(Protocol):

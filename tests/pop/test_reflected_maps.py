@@ -7,7 +7,7 @@ import numpy as np
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.lighting.kit import Context, Kit, SurfaceSettings
-from airlight.march.air import Air
+from airlight.media.gpu_media import GpuMedia
 from airlight.pop.reflected_maps import reflected_maps
 from airlight.pop.settings import PopSettings
 from airlight.scene import DirectionalLight, Material, Mesh, Scene, Volume
@@ -23,7 +23,7 @@ def test_versions_follow_light_and_air(gpu: Gpu) -> None:
     meshes, commands = GpuScene(gpu, scene), Commands(gpu)
     small = SurfaceSettings(resolution=8, shadow_resolution=32, surfels=100, sky_lights=0)
     kit = Kit(Context(gpu, scene, meshes, (8, 8)), small)
-    air = Air(gpu, scene, light_count=1)
+    air = GpuMedia(gpu, scene, light_count=1)
     none = PopSettings()
     assert reflected_maps(kit, air, none) is None
     maps = reflected_maps(kit, air, PopSettings(virtual_lights=4))

@@ -9,8 +9,8 @@ import pytest
 
 from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.lattice.placement import Placement
-from airlight.march.air import Air
 from airlight.maths.plane_air import plane_light, plane_radiance
+from airlight.media.gpu_media import GpuMedia
 from airlight.scatter.inject_border import LEVELS, ROWS, TURNS, InjectBorder, incoming_light, levels
 from airlight.scene import DirectionalLight, Medium, Scene
 
@@ -26,7 +26,7 @@ class Found:
     """What comes into the cells of SMALL, (3, Z, Y, X, 4), their walls all `open_share` open."""
 
     def __init__(self, gpu, commands, owned, open_share: float, reflectance: float | None) -> None:
-        air = owned(Air(gpu, Scene(medium=AIR), light_count=0))
+        air = owned(GpuMedia(gpu, Scene(medium=AIR), light_count=0))
         air.update(commands, Scene(medium=AIR), np.full(3, -1.0), np.array([1.0, TOP, 1.0]))
         border = owned(InjectBorder(gpu, SMALL, air))
         white = buffer_of(gpu, "colours", np.full(SMALL.cells, 0x00FFFFFF, np.uint32))

@@ -10,10 +10,10 @@ from airlight.lattice.blockers import Blockers
 from airlight.lattice.inject import Resolve, new_sums
 from airlight.lattice.placement import Placement
 from airlight.lighting.lights import Lights
-from airlight.march.air import Air
 from airlight.maths.medium import ray_box_interval
 from airlight.maths.sampling import fibonacci_sphere
-from airlight.scatter.air_cells import AirCells
+from airlight.media.gpu_media import GpuMedia
+from airlight.scatter.cell_medium import CellMedium
 from airlight.scatter.inject_maps import (
     InjectRays,
     InjectReflected,
@@ -48,7 +48,7 @@ class Place:
         self.lights.encode(commands, self.meshes, scene.lights, None, LOW, HIGH)
         self.blockers = Blockers(gpu, scene, self.meshes, PLACEMENT, 2000)
         self.blockers.encode(commands)
-        self.air = Air(gpu, scene, light_count=len(scene.lights))
+        self.air = GpuMedia(gpu, scene, light_count=len(scene.lights))
         self.air.update(commands, scene, LOW, HIGH)
         self.black = Buffer(gpu, "black", 3 * PLACEMENT.cells * 16)
         self.cells = Buffer(gpu, "cells", 3 * PLACEMENT.cells * 16)
@@ -192,7 +192,7 @@ def test_cells_hold_the_mean_coefficients(gpu, commands, place):
                     albedo=(0.5, 0.9, 1.0))  # fmt: skip
     air = place(LIGHTS["lamp inside"], volumes=(volume,)).air
     medium = Buffer(gpu, "medium", 3 * PLACEMENT.cells * 8)
-    AirCells(gpu, air).encode(commands, PLACEMENT, medium, 6)
+    CellMedium(gpu, air).encode(commands, PLACEMENT, medium, 6)
     commands.submit()
     got = medium.read().reshape(3, 8, 8, 8, 2)
     ball = 4 / 3 * np.pi * 0.6**3 / 8

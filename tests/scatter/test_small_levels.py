@@ -68,7 +68,7 @@ def test_one_dispatch_finds_what_many_do(
     got = Solved(gpu, lattice, plan, is_blocked=is_blocked).tracks()
     assert np.linalg.norm(got - want) < 1e-6 * np.linalg.norm(want)
     np.testing.assert_allclose(got, want, atol=1e-6 * want.max())
-    # Air and walls do count.
+    # Media and walls do count.
     assert np.linalg.norm(got[1] - got[0]) > 0.01 * np.linalg.norm(got[0])
     if is_blocked:
         assert np.linalg.norm(got[2] - got[1]) > 0.01 * np.linalg.norm(got[1])

@@ -101,6 +101,6 @@ def test_the_sky_s_air_follows_blockers_that_views_see(foggy_box):
         for camera in (scene.camera, scene.camera, replace(scene.camera, position=(x, y, z - 0.1))):
             renderer.frame(camera=camera, read=False)
             technique = renderer.technique
-            sky_air = technique.media.sky_air
+            sky_air = technique.media.sky
             versions.append((technique.kit.blockers.version, sky_air.version))
     assert versions == [(1, 1), (1, 1), (2, 2)]

@@ -19,9 +19,9 @@ from ..gpu.sliced import SlicedCommands
 from ..lattice.placement import fitted
 from ..lighting.lattice_box import lattice_box
 from ..maths.sampling import pixel_jitter
+from ..media.settings import MediaSettings
 from ..rendering import Renderer
 from ..scene.scene import Scene
-from ..shafts.settings import AirSettings
 from .view_build import Task, Turns, said
 from .view_drawn import Drawn
 
@@ -51,7 +51,7 @@ def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
 
 def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
     """A lattice of more cells for the sky's light, if that is not too large."""
-    low, high = lattice_box(scene, now.bounds, in_air=isinstance(now, AirSettings))
+    low, high = lattice_box(scene, now.bounds, in_air=isinstance(now, MediaSettings))
     for ratio in _RATIOS:
         cells = int(now.resolution * ratio)
         if fitted(low, high, cells).cells <= most_cells:

@@ -43,7 +43,7 @@ def lattice_box(
 def _with_medium(scene: Scene) -> tuple[F64, F64]:
     """Surfaces and the medium around them, as far as that is no waste of cells; metres.
 
-    Of an endless medium what is far is in a table of its own (`march.far_air`).
+    Of an endless medium what is far is in a table of its own (`media.half_space`).
     """
     low, high = scene.whole_bounds
     medium = scene.medium

@@ -86,7 +86,7 @@ _NO_PLACES = "".join(
 )
 
 
-class LightAir(Protocol):
+class Attenuation(Protocol):
     """Air as a pass binds it: march.air.Air."""
 
     slots: tuple[Slot, ...]
@@ -145,7 +145,7 @@ class Lighting(FullscreenPass):
     targets = ("rgba32float", "rgba32float")
 
     def __init__(
-        self, gpu: Gpu, air: LightAir | None = None, *, is_occluded: bool = False,
+        self, gpu: Gpu, air: Attenuation | None = None, *, is_occluded: bool = False,
         is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
         has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
         is_one_lattice: bool = False, is_one_sun: bool = False, is_listed: bool = False,

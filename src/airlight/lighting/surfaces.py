@@ -16,7 +16,7 @@ from ..scene.scene import Scene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
 from .kit import Kit
-from .lighting import LightAir, Lighting, LightingParams, Part
+from .lighting import Attenuation, Lighting, LightingParams, Part
 from .occlusion import Occlusion
 from .places import Places, can_keep
 from .view import View
@@ -25,7 +25,7 @@ from .view import View
 class Surfaces:
     """Draws a view's surfaces. `air`: what light is attenuated by on its way to them."""
 
-    def __init__(self, kit: Kit, scene: Scene, air: LightAir | None = None) -> None:
+    def __init__(self, kit: Kit, scene: Scene, air: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.air = kit, kit.gpu, air
         self._passes: dict[Part, Lighting] = {}
         self.glossy: GlossyPixels | None = None

@@ -17,9 +17,9 @@ from ..fields import Fields, Frame
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..lighting.view import View
-from ..march.air import Air
-from ..march.march import MAX_SOURCES
 from ..maths.transforms import F64
+from ..media.gpu_media import GpuMedia
+from ..media.march import MAX_SOURCES
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -37,7 +37,7 @@ class PopMedia:
     """Yields the radiance that media scatter towards the eye, on their grids."""
 
     def __init__(
-        self, kit: Kit, air: Air, settings: PopSettings, media_of: MediaOf | None = None
+        self, kit: Kit, air: GpuMedia, settings: PopSettings, media_of: MediaOf | None = None
     ) -> None:
         """`air`: what is marched, brought up to date by others; its last media are those solved.
 
@@ -114,7 +114,7 @@ class EveryMedium:
         self._box = _medium_box(scene)
 
     def __call__(self, scene: Scene) -> list[Volume]:
-        """In the order of `march.air`."""
+        """In the order of `media.gpu_media`."""
         m = scene.medium
         if m is None or self._box is None:
             return list(scene.volumes)

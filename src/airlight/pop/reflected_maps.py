@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
-from ..march.air import Air
-from ..march.dimmed import DimmedMaps
 from ..maths.transforms import F64
+from ..media.attenuated_maps import AttenuatedMaps
+from ..media.gpu_media import GpuMedia
 from ..scene.scene import Scene
 from ..surface.light_maps import LightMaps
 from .settings import PopSettings
@@ -16,13 +16,13 @@ from .virtual_lights import Reflected
 class ReflectedMaps:
     """Maps of the scene's lights, attenuated by media, and of the sky; `reflected` is all of it."""
 
-    def __init__(self, kit: Kit, air: Air, settings: PopSettings) -> None:
+    def __init__(self, kit: Kit, air: GpuMedia, settings: PopSettings) -> None:
         """For as many virtual lights, and maps as large, as `settings` say."""
         self._kit, self._air = kit, air
         lights = kit.context.scene.lights
         self._maps = LightMaps(kit.gpu, lights, settings.virtual_resolution)
         self._dimmed = [
-            DimmedMaps(kit.gpu, maps, air, owners)
+            AttenuatedMaps(kit.gpu, maps, air, owners)
             for maps, owners in zip(self._maps.groups, self._maps.owners, strict=True)
         ]
         self._air_version = -1
@@ -46,7 +46,7 @@ class ReflectedMaps:
         self._maps.release()
 
 
-def reflected_maps(kit: Kit, air: Air, settings: PopSettings) -> ReflectedMaps | None:
+def reflected_maps(kit: Kit, air: GpuMedia, settings: PopSettings) -> ReflectedMaps | None:
     """What a technique's media take virtual lights from, where they are to have any."""
     has_any = bool(kit.context.scene.meshes and settings.virtual_lights)
     return ReflectedMaps(kit, air, settings) if has_any else None

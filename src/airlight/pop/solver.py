@@ -144,7 +144,7 @@ class PopSolver:
         self.beams.encode(commands, medium.params, medium.placement.point(lit.eye))
 
     def source(self, medium: int) -> Source:
-        """The last emission for `march`; `medium` is the volume's row in `march.air`."""
+        """The last emission for `march`; `medium` is the volume's row in `media.gpu_media`."""
         return Source(self.emission.texture, self.medium.placement.uvw_from_world,
                       scale=self.beams.table.scale, medium=medium)  # fmt: skip
 

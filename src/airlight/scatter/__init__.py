@@ -3,7 +3,7 @@
 settings         what it can be told                similar         isotropic air for forward air
 hop_wgsl         the unrolled gather, generated     coefficients    media -> numbers of a step
 propagate        one step in even air               propagate_varied  and in air that varies
-air_cells        the air's coefficients per cell    walls           openness of all 26 hops
+cell_medium        the air's coefficients per cell    walls           openness of all 26 hops
 propagate_open   the same without walls, faster     map_blockers    walls from six shadow maps
 levels           sums of states, coarser lattices   schedule        how many steps on which
 correction       how long a coarse correction is

@@ -21,7 +21,7 @@ from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
-from ..march.air import Air
+from ..media.gpu_media import GpuMedia
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.light_table import LightData
@@ -46,7 +46,7 @@ class _Forward(ComputePass):
     workgroup = (32, 4, 2)
     file = "forward.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air, *, keeps: bool) -> None:
+    def __init__(self, gpu: Gpu, air: GpuMedia, *, keeps: bool) -> None:
         own: tuple[Slot, ...] = (image("kept", "rgba16float", "3d"),) if keeps else ()
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
@@ -94,7 +94,7 @@ class ForwardLight:
     """The sky's and all lights' forward light in cells, W m, and each light's own for marching."""
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, air: Air, sky_air: Air, light_count: int
+        self, gpu: Gpu, placement: Placement, air: GpuMedia, sky_air: GpuMedia, light_count: int
     ) -> None:
         self.placement, self.light_count = placement, light_count
         self._lights = _Forward(gpu, air, keeps=True)
@@ -140,7 +140,7 @@ class ForwardLight:
                                 blurred=self.blurred)  # fmt: skip
 
     def _dispatch(
-        self, commands: Commands, step: _Forward, air: Air, params: ForwardParams,
+        self, commands: Commands, step: _Forward, air: GpuMedia, params: ForwardParams,
         bound: dict[str, Any], **values: Any,
     ) -> None:  # fmt: skip
         names = ("lights", "parallel_views", "local_views", "parallel_shadows", "local_shadows",

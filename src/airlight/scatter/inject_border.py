@@ -1,4 +1,4 @@
-"""Scattered light that comes into the lattice from endless air around it (march.far_air).
+"""Scattered light that comes into the lattice from endless air around it (media.half_space).
 
 Without it an open scene would be darker than the air beyond it. Only what was scattered already:
 beams of suns and of the sky shine into every cell by themselves. Hops would soon turn light that
@@ -19,11 +19,11 @@ from ..gpu.memory import Buffer, buffer_of
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.blockers import Blockers
 from ..lattice.placement import LatticeParams, Placement
-from ..march.air import Air
-from ..march.far_air import suns
 from ..maths.lattice26_walls import returned_sharpness
 from ..maths.plane_air import plane_light, plane_radiance
 from ..maths.transforms import F64
+from ..media.gpu_media import GpuMedia
+from ..media.half_space import suns
 from ..scene.lights import Light
 from ..scene.medium import Medium
 from .hop_wgsl import literal
@@ -53,7 +53,7 @@ class _Beams(ComputePass):
     workgroup = (32, 4, 1)
     file = "border_beams.wgsl"
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
@@ -85,7 +85,7 @@ class InjectBorder:
     in `surface_beams` such that two bands of it bring walls what they get.
     """
 
-    def __init__(self, gpu: Gpu, placement: Placement, air: Air) -> None:
+    def __init__(self, gpu: Gpu, placement: Placement, air: GpuMedia) -> None:
         self._find, self._add = _Beams(gpu, air), _AddBorder(gpu)
         self._air, self.placement = air, placement
         cells = 3 * placement.cells

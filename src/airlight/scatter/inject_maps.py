@@ -18,8 +18,8 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..lattice.inject import LobeParams
 from ..lattice.placement import LatticeParams, Placement
-from ..march.air import Air
 from ..maths.lattice26_walls import returned_sharpness
+from ..media.gpu_media import GpuMedia
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -42,7 +42,7 @@ class _InjectMaps(ComputePass):
 
     workgroup = (16, 16, 1)
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
         self._air = air
         self.slots = (*_slots(), *air.slots)  # type: ignore[misc]
         super().__init__(gpu, generated=air.wgsl)

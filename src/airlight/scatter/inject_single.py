@@ -18,7 +18,7 @@ from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
-from ..march.air import Air
+from ..media.gpu_media import GpuMedia
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
@@ -34,7 +34,7 @@ class InjectSingle(ComputePass):
 
     workgroup = (32, 4, 2)
 
-    def __init__(self, gpu: Gpu, air: Air) -> None:
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
         self._air = air
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),

@@ -14,7 +14,7 @@ from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 
-Air = TypeVar("Air", Medium, Volume)
+AnyMedium = TypeVar("AnyMedium", Medium, Volume)
 
 
 def similar_scene(scene: Scene) -> Scene:
@@ -34,7 +34,7 @@ def is_forward(scene: Scene, *, least: float = -1.0) -> bool:
     return any(c != 0.0 and c > least for m in media for c in m.g)
 
 
-def similar(air: Air) -> Air:
+def similar(air: AnyMedium) -> AnyMedium:
     """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a. Its g says what it stands for."""
     kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
     r, g, b = (t * k for t, k in zip(air.sigma_t, kept, strict=True))

@@ -19,13 +19,13 @@ from ..lattice.irradiance import Irradiance
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.view import View
-from ..march.air import Air
 from ..maths.transforms import F64
+from ..media.gpu_media import GpuMedia
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..surface.light_maps import LightMaps
 from ..surface.light_table import LightData, packed_lights
-from .air_cells import AirCells
+from .cell_medium import CellMedium
 from .emission import Emission
 from .forward import ForwardLight
 from .inject_border import InjectBorder
@@ -57,11 +57,11 @@ class ScatterSolver:
         scene = self._seen(kit.context.scene)
         self.is_varied = is_varied(scene, self.placement, settings)
         even = similar_scene(scene)
-        self.air = Air(self.gpu, even, light_count=self.lights.count)
+        self.air = GpuMedia(self.gpu, even, light_count=self.lights.count)
         sky_scene = dataclasses.replace(even, lights=tuple(self.sky.lights))
         # A turning sky may bring more lights.
         most = max(len(self.sky.lights), self.sky.maps.layers)
-        self.sky_air = Air(self.gpu, sky_scene, light_count=most,
+        self.sky_air = GpuMedia(self.gpu, sky_scene, light_count=most,
                            column_resolution=_SKY_COLUMNS)  # fmt: skip
         self.maps = LightMaps(self.gpu, scene.lights, settings.map_resolution)
         self._owners = [
@@ -90,7 +90,7 @@ class ScatterSolver:
         is_endless = scene.medium is not None and scene.medium.endless
         self.border = InjectBorder(gpu, self.placement, self.air) if is_endless else None
         self.reflectance_of = CellReflectance(gpu)
-        self.air_cells = AirCells(gpu, self.air) if self.is_varied else None
+        self.cell_medium = CellMedium(gpu, self.air) if self.is_varied else None
         self._emitted = emitted_flux(scene.meshes)
         self.sums = new_sums(gpu, self.placement)
         self.black, self.steady, self.reflected, self.source = (
@@ -173,11 +173,11 @@ class ScatterSolver:
             return False
         self._air_version = self.air.version
         self._densest = densest_air(even)[1]
-        if self.air_cells is None:
+        if self.cell_medium is None:
             self._sigma_s, self._sigma_t = densest_air(even)
             self.levels.set_air(self._sigma_s, self._sigma_t)
             return True
-        self.air_cells.encode(commands, self.placement, self.medium, self._places())
+        self.cell_medium.encode(commands, self.placement, self.medium, self._places())
         self.levels.set_medium(commands, self.medium)
         return True
 

@@ -16,8 +16,8 @@ from typing import Any
 
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..lpv.settings import LpvSettings
+from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
-from ..shafts.settings import AirSettings
 from .settings import (
     LpvMarchSettings,
     LpvScatterSettings,
@@ -45,10 +45,10 @@ def lpv(context: Context, settings: LpvSettings) -> Technique:
 
 def single(context: Context, settings: SingleSettings) -> Technique:
     """Direct light through media, and what they scatter once, with sharp shadows."""
-    from ..shafts.media import Media
+    from ..media.media import Media
 
     kit = Kit(context, settings, scene_nest(context.scene, settings, in_air=True))
-    media = Media(kit, part_of(settings, AirSettings))
+    media = Media(kit, part_of(settings, MediaSettings))
     return Technique("single", kit, [media], media=media)
 
 
@@ -64,44 +64,44 @@ def lpv_sum(context: Context, settings: LpvMarchSettings) -> Technique:
 
 def _lpv_in_media(name: str, context: Context, settings: LpvMarchSettings, **air: Any) -> Technique:
     from ..lpv.solver import LpvSolver, cascades_nest
-    from ..shafts.media import Media
+    from ..media.media import Media
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
     lattice = LpvSolver(kit, settings, is_marched=True)
-    drawn = replace(part_of(settings, AirSettings), **air)
+    drawn = replace(part_of(settings, MediaSettings), **air)
     media = Media(kit, drawn, is_lattice_marched=True)
     return Technique(name, kit, [lattice, media], media=media)
 
 
 def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
     """Multiple scattering on one lattice (Billeter2012): reflected and scattered light together."""
+    from ..media.media import Media
     from ..scatter.solver import ScatterSolver
-    from ..shafts.media import Media
 
     kit = _scattering_kit(context, settings)
-    media = Media(kit, part_of(settings, AirSettings), is_lattice_marched=True, has_multiple=True)
+    media = Media(kit, part_of(settings, MediaSettings), is_lattice_marched=True, has_multiple=True)
     lattice = ScatterSolver(kit, settings)
     return Technique("lpv-scatter", kit, [media, lattice], media=media)
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal ordinates for every medium (Elek2014); surfaces are lit directly."""
+    from ..media.media import Media
     from ..pop.media import EveryMedium, PopMedia
     from ..pop.sharp_lobes import SharpLobes
-    from ..shafts.media import Media
 
     lobes = SharpLobes()
     seen_as = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled
     context = replace(context, scene=seen_as(context.scene))
     # A sky that lights no surface is not worth its maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))
-    air = AirSettings(
+    air = MediaSettings(
         shafts="off", march_resolution=settings.march, march_steps=settings.march_steps
     )
     every = EveryMedium(context.scene)
     media = Media(kit, air, sources=len(every(context.scene)), has_sky=False,
                   solved=context.scene.volumes)  # fmt: skip
-    solved = PopMedia(kit, media.air, settings, every)
+    solved = PopMedia(kit, media.on_device, settings, every)
 
     def layers(view: Any) -> dict[str, Any]:
         found = media.layers(view)
@@ -115,31 +115,31 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     """`lpv` among volumes: they attenuate and add to its lattice, which lights them in turn."""
     from ..lpv.solver import LpvSolver, cascades_nest
+    from ..media.media import Media
     from ..pop.media import PopMedia
-    from ..shafts.media import Media
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
     volumes = context.scene.volumes
-    media = Media(kit, part_of(settings, AirSettings), sources=len(volumes), solved=volumes)
+    media = Media(kit, part_of(settings, MediaSettings), sources=len(volumes), solved=volumes)
     lattice = LpvSolver(kit, settings)
-    lattice.media = LatticeVolumes(lattice, media.air)
-    solved = PopMedia(kit, media.air, part_of(settings, PopSettings, but=LpvMarchSettings))
+    lattice.media = LatticeVolumes(lattice, media.on_device)
+    solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvMarchSettings))
     return Technique("lpv with pop", kit, [lattice, media, solved], media=media)
 
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
     """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in it."""
+    from ..media.media import Media
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
-    from ..shafts.media import Media
 
     kit = _scattering_kit(context, settings)
     volumes = context.scene.volumes
-    media = Media(kit, part_of(settings, AirSettings), sources=len(volumes), solved=volumes,
+    media = Media(kit, part_of(settings, MediaSettings), sources=len(volumes), solved=volumes,
                   is_lattice_marched=True, has_multiple=True)  # fmt: skip
     lattice = ScatterSolver(kit, settings, has_volumes=False)
-    solved = PopMedia(kit, media.air, part_of(settings, PopSettings, but=LpvScatterSettings))
+    solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvScatterSettings))
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved], media=media)
 
 

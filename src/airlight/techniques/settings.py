@@ -7,27 +7,27 @@ from typing import Any, TypeVar
 
 from ..lighting.kit import SurfaceSettings
 from ..lpv.settings import LpvSettings
-from ..march.rays import RESOLUTIONS
+from ..media.rays import RESOLUTIONS
+from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
 from ..scatter.settings import ScatterSettings
 from ..scene.settings import setting
-from ..shafts.settings import AirSettings
 
 _S = TypeVar("_S")
 
 
 @dataclass(frozen=True)
-class SingleSettings(SurfaceSettings, AirSettings):
+class SingleSettings(SurfaceSettings, MediaSettings):
     """Surfaces, and how media are drawn."""
 
 
 @dataclass(frozen=True)
-class LpvMarchSettings(LpvSettings, AirSettings):
+class LpvMarchSettings(LpvSettings, MediaSettings):
     """Light propagation volumes, and how media are drawn."""
 
 
 @dataclass(frozen=True)
-class LpvScatterSettings(SurfaceSettings, ScatterSettings, AirSettings):
+class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings):
     """Multiple scattering on a lattice, and how media are drawn."""
 
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")

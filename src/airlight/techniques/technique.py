@@ -14,7 +14,7 @@ from ..lighting.view import View
 from ..scene.scene import Scene
 
 if TYPE_CHECKING:
-    from ..shafts.media import Media
+    from ..media.media import Media
 
 _T = TypeVar("_T")
 SeenAs = Callable[[Scene], Scene]
@@ -35,7 +35,7 @@ class Technique:
         """`seen_as`: the scene that solvers are given. `layers`: what is read, if not all."""
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
         self._seen_as = seen_as or (lambda scene: scene)
-        air = media.air if media else None
+        air = media.on_device if media else None
         self.surfaces = Surfaces(kit, kit.context.scene, air)
         self._layers = layers or (media.layers if media else _surface_layers)
         self.fields: Fields | None = None

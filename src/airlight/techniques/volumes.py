@@ -1,9 +1,9 @@
 """Volumes in a lattice of reflected light, where solvers of their own draw them.
 
 Volumes attenuate the lights that the lattice starts from, stop and turn back what it carries
-(`march.faced_air`), and send their own first-scattered light to the surfaces: a second propagation,
-from the same light and theirs. Volumes take reflected light from the first: what they scatter
-themselves their solvers know.
+(`media.volume_blockers`), and send their own first-scattered light to the surfaces: a second
+propagation, from the same light and theirs. Volumes take reflected light from the first: what they
+scatter themselves their solvers know.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from ..lattice.inject import Resolve, new_sums
 from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
-from ..march.air import Air
-from ..march.dimmed import DimmedMaps, DimmedSky
-from ..march.faced_air import FacedAir
+from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
+from ..media.gpu_media import GpuMedia
+from ..media.volume_blockers import VolumeBlockers
 from ..scatter.inject_single import InjectSingle
 from ..scatter.similar import similar
 from ..scene.scene import Scene
@@ -32,24 +32,24 @@ from ..surface.reflective import ReflectiveShadowMaps
 class LatticeVolumes:
     """The `lpv.solver.LatticeMedia` of a scene's volumes, all of them on the device in `air`."""
 
-    def __init__(self, solver: LpvSolver, air: Air) -> None:
+    def __init__(self, solver: LpvSolver, air: GpuMedia) -> None:
         self._solver, self._air = solver, air
         kit = solver.kit
         gpu, scene = kit.gpu, kit.context.scene
         # Lights as they come through the volumes.
         self._lights = [
-            DimmedMaps(gpu, maps, air, owners)
+            AttenuatedMaps(gpu, maps, air, owners)
             for maps, owners in zip(solver.maps.groups, solver.maps.owners, strict=True)
         ]
-        self._sky = DimmedSky(gpu, kit.sky.maps, air)
+        self._sky = AttenuatedSkyMaps(gpu, kit.sky.maps, air)
         self._seen: dict[int, ReflectiveShadowMaps] = {
             id(maps): dimmed for maps, dimmed in zip(solver.maps.groups, self._lights, strict=True)
         } | {id(kit.sky.maps): self._sky}
         # Volumes as blockers.
-        self._faced = [FacedAir(gpu, air, part.placement.cells) for part in solver.cascades]
+        self._faced = [VolumeBlockers(gpu, air, part.placement.cells) for part in solver.cascades]
         self._faced_of: list[tuple[Any, ...]] = [()] * len(solver.cascades)
         # Their own light: as much as they scatter once, evenly to all sides.
-        self.even = Air(gpu, _evenly(scene), light_count=kit.lights.count)
+        self.even = GpuMedia(gpu, _evenly(scene), light_count=kit.lights.count)
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         self._inject, self._resolve = InjectSingle(gpu, self.even), Resolve(gpu)
         self._levels = [_Level(gpu, part) for part in solver.cascades]

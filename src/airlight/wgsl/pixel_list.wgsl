@@ -1,5 +1,5 @@
 // Pixels that cannot be made of a reduced picture's texels, listed to be drawn anew, with how many
-// groups they fill. The including pass binds pixel_list_slots (march/pixel_list.py) and `redrawn`.
+// groups they fill. The including pass binds pixel_list_slots (media/pixel_list.py) and `redrawn`.
 
 // Texels whose depth counts for less are another surface's.
 const SAME_DEPTH = 0.2;

@@ -1,0 +1,248 @@
+"""All participating media of a scene on the device: up to 8, overlapping freely.
+
+A pass reads them with `//! use air`, the slots `GpuMedia.slots`, the generated text `GpuMedia.wgsl`
+and the resources `GpuMedia.bound`. Extinctions add up; each medium keeps its own albedo and phase
+function.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import SceneError
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import pack_array
+from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..maths.half import half_floats
+from ..maths.transforms import F64
+from ..scene.checks import F32
+from ..scene.medium import Medium, medium_box
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .detail import detail_bias, detail_periods, detail_texture
+from .light_columns import LightColumns
+from .media_slots import MediumData, column_slots, column_wgsl, medium_slots, medium_wgsl
+
+MAX_MEDIA = 8
+MAX_GRIDS = 4
+BOX, ELLIPSOID, GRID = 0, 1, 2
+
+
+class GpuMedia:
+    """All media of a scene. Their number, kinds and grids' sizes are fixed; the rest may change.
+
+    `version` is raised whenever anything did. `slots`, `wgsl` and `bound` go to every pass that
+    asks the air. Raises SceneError for more media or grids than the device is given.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, *, light_count: int, column_resolution: int = 48,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`light_count`: how many lights' columns through grids are asked for; 0 or all of them.
+
+        `solved` volumes bring their single scattering with their source: no shafts in them.
+        """
+        self.gpu = gpu
+        # By place: a frame may bring its volumes with other coefficients.
+        self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
+        self._kinds = _kinds(scene)
+        self.count, grids = len(self._kinds), self._kinds.count(GRID)
+        if self.count > MAX_MEDIA or grids > MAX_GRIDS:
+            raise SceneError(
+                f"the scene has {self.count} media, {grids} of them grids",
+                remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
+            )
+        self.table = Buffer(gpu, "air", MediumData.dtype.itemsize * max(1, self.count))
+        self._densities = [v.density for v in scene.volumes if v.density is not None]
+        self.grids = [_density_texture(gpu, density) for density in self._densities]
+        self._linear = linear_sampler(gpu, "air")
+        self.rows: list[dict[str, Any]] = []
+        self._written = b""
+        # What the table was made of: media, which are frozen, and what those without bounds fill.
+        self._media: tuple[object, ...] = ()
+        self._box: tuple[float, ...] = ()
+        self.version = 0
+        self._noise = detail_texture(gpu) if _has_detail(scene) else None
+        has_detail = self._noise is not None
+        self._repeat = linear_sampler(gpu, "air detail", wrap="repeat")
+        self.medium_slots = medium_slots(grids, has_detail=has_detail)
+        self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
+        # Who asks for no light's column is given none, whatever lights the scene has.
+        columns = grids if light_count else 0
+        self.slots = self.medium_slots + column_slots(columns)
+        self.wgsl = self.medium_wgsl + column_wgsl(columns, light_count)
+        self.columns = self._columns(scene, light_count, column_resolution) if columns else None
+
+    @property
+    def has_grids(self) -> bool:
+        """Whether any medium is heterogeneous."""
+        return bool(self.grids)
+
+    @property
+    def is_one_box(self) -> bool:
+        """Whether all there is is one box of even air."""
+        return self._kinds == (BOX,)
+
+    @property
+    def finest_voxel_m(self) -> float:
+        """The shortest cell side of all grids, metres; infinite without grids."""
+        return min((r["voxel"] for r in self.rows if r["kind"] == GRID), default=float("inf"))
+
+    def update(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
+        """Bring media and the depth towards lights up to date.
+
+        low..high, metres: what a medium without bounds fills, with the camera. Raises SceneError
+        where the media are of other kinds than at creation.
+        """
+        changed = self._take_media(scene, low, high)
+        self.version += int(changed)
+        if self.columns is not None:
+            self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+
+    def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
+        """Bring the table and the grids up to date; returns whether anything changed."""
+        box = (*map(float, low), *map(float, high), *scene.camera.position)
+        media = (scene.medium, *scene.volumes)
+        if box == self._box and len(media) == len(self._media) and all(
+            map(operator.is_, media, self._media)
+        ):  # fmt: skip
+            return False
+        if _kinds(scene) != self._kinds:
+            raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
+        self.rows = self._rows(scene, low, high)
+        packed = pack_array(MediumData, self.rows)
+        changed = self._take_densities(scene)
+        if packed.tobytes() != self._written:
+            self._written, changed = packed.tobytes(), True
+            self.table.write(packed)
+        self._box, self._media = box, media
+        return changed
+
+    def _take_densities(self, scene: Scene) -> bool:
+        """Upload the densities that are not the last frame's; returns whether there were any."""
+        new = [v.density for v in scene.volumes if v.density is not None]
+        changed = False
+        for i, (density, old) in enumerate(zip(new, self._densities, strict=True)):
+            if density is old:
+                continue
+            if density.shape != old.shape:
+                raise SceneError(
+                    f"a volume's grid changed from {old.shape} to {density.shape} cells",
+                    remedy="Make a new Renderer",
+                )
+            self.grids[i].write(half_floats(density))
+            self._densities[i], changed = density, True
+        return changed
+
+    @property
+    def medium_bound(self) -> dict[str, Any]:
+        """The resources of `wgsl/air.wgsl` alone."""
+        bound: dict[str, Any] = {"air": self.table}
+        if self.grids:
+            bound["air_linear"] = self._linear
+            bound |= {f"air_grid{i}": grid for i, grid in enumerate(self.grids)}
+        if self._noise is not None:
+            bound |= {"air_repeat": self._repeat, "air_noise": self._noise}
+        return bound
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name, for passes made with `slots`."""
+        return self.medium_bound | (self.columns.bound if self.columns else {})
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.table.release()
+        for grid in self.grids:
+            grid.release()
+        if self._noise is not None:
+            self._noise.release()
+        if self.columns:
+            self.columns.release()
+
+    def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
+        media = [i for i, kind in enumerate(self._kinds) if kind == GRID]
+        shapes = [grid.size for grid in self.grids]
+        return LightColumns(
+            self.gpu, self.medium_slots, self.medium_wgsl, media, shapes, light_count, resolution
+        )
+
+    def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
+        rows = []
+        if scene.medium is not None:
+            box = medium_box(scene.medium, low, high, scene.camera.position)
+            rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
+        grid = 0
+        for index, volume in enumerate(scene.volumes):
+            kind = _kind(volume)
+            to_world = np.asarray(volume.world_from_volume)
+            matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
+            has_shafts = index not in self._solved
+            row = _fields(volume, kind, matrix, has_shafts=has_shafts)
+            if kind == GRID:
+                row |= {"grid": grid, "voxel": voxel_m(volume)}
+                if self._noise is not None and volume.detail > 0.0:
+                    row |= _detail_fields(volume)
+                grid += 1
+            rows.append(row)
+        return rows
+
+
+def voxel_m(volume: Volume) -> float:
+    """The shortest side of a grid's cells in the world, metres."""
+    assert volume.density is not None
+    extent = np.subtract(volume.bounds[1], volume.bounds[0])
+    sides = np.linalg.norm(np.asarray(volume.world_from_volume)[:3, :3], axis=0) * extent
+    return float((sides / np.array(volume.density.shape[::-1])).min())
+
+
+def _kind(volume: Volume) -> int:
+    return {"grid": GRID, "box": BOX, "sphere": ELLIPSOID}[volume.shape]
+
+
+def _kinds(scene: Scene) -> tuple[int, ...]:
+    own = () if scene.medium is None else (BOX,)
+    return (*own, *(_kind(volume) for volume in scene.volumes))
+
+
+def _unit_from_box(low: F64, high: F64) -> F64:
+    """(4, 4): the box low..high to 0..1; a flat side is given a hair of thickness."""
+    size = np.maximum(np.subtract(high, low), 1e-9)
+    matrix = np.diag([*(1.0 / size), 1.0])
+    matrix[:3, 3] = -np.asarray(low) / size
+    return matrix
+
+
+def _fields(
+    of: Medium | Volume, kind: int, volume_from_world: F64, *, has_shafts: bool
+) -> dict[str, Any]:
+    return {
+        "volume_from_world": volume_from_world, "sigma_t": of.sigma_t, "kind": kind,
+        "albedo": of.albedo, "grid": 0, "g": of.g, "has_shafts": int(has_shafts), "voxel": 0.0,
+        "detail": 0.0, "detail_bias": 0.0, "detail_periods": (0.0, 0.0, 0.0),
+    }  # fmt: skip
+
+
+def _has_detail(scene: Scene) -> bool:
+    return any(v.detail > 0.0 and v.density is not None for v in scene.volumes)
+
+
+def _detail_fields(volume: Volume) -> dict[str, Any]:
+    """The noise, and steps short enough to see it."""
+    return {
+        "detail": volume.detail, "detail_bias": detail_bias(volume.detail),
+        "detail_periods": detail_periods(volume), "voxel": 0.5 * voxel_m(volume),
+    }  # fmt: skip
+
+
+def _density_texture(gpu: Gpu, density: F32) -> Texture:
+    depth, height, width = density.shape
+    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
+    made.write(half_floats(density))
+    return made

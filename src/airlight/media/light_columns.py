@@ -1,0 +1,103 @@
+"""The mean density of grids towards every light: what lies between a point and the light.
+
+Times the way's length in the box, which has kinks that a texture would blur, it is the column.
+Texels lie on a lattice that includes the borders of the grid's box, so a point outside the box
+asks where its way enters. Four lights share a texel; groups of four are stacked along z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, pack_array, u32, vec3u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import Slot, image, storage, uniform
+from ..scene.lights import Light
+from ..surface.light_table import LightData, light_rows
+from .media_slots import light_groups
+
+
+class ColumnParams(Struct):
+    """Which medium's columns are made."""
+
+    count = vec3u("texels of one slab")
+    medium = u32()
+    light_count = u32()
+
+
+class _Columns(ComputePass):
+    workgroup = (8, 8, 4)
+    file = "light_columns.wgsl"
+
+    def __init__(self, gpu: Gpu, slots: tuple[Slot, ...], generated: str) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", ColumnParams), storage("lights", LightData), *slots,
+            image("columns", "rgba16float", "3d"),
+        )  # fmt: skip
+        super().__init__(gpu, generated=generated)
+
+
+class LightColumns:
+    """Per grid a texture of the mean density towards each light."""
+
+    def __init__(
+        self, gpu: Gpu, slots: tuple[Slot, ...], generated: str, media: Sequence[int],
+        shapes: Sequence[tuple[int, int, int]], light_count: int, resolution: int,
+    ) -> None:  # fmt: skip
+        """`media` are the grids' rows of the air's table, `shapes` their (x, y, z) counts."""
+        self._media, self._light_count = media, light_count
+        self._lights: tuple[Light, ...] | None = None
+        self._table = Buffer(gpu, "column lights", LightData.dtype.itemsize * max(1, light_count))
+        self._pass = _Columns(gpu, slots, generated)
+        self._counts = [_shrunk(shape, resolution) for shape in shapes]
+        groups = light_groups(light_count)
+        self.textures = [
+            Texture(gpu, "light columns", (nx, ny, nz * groups), "rgba16float", dimension="3d",
+                    written=True)
+            for nx, ny, nz in self._counts
+        ]  # fmt: skip
+
+    def encode(
+        self, commands: Commands, lights: tuple[Light, ...], medium_bound: dict[str, Any], *,
+        changed: bool,
+    ) -> None:  # fmt: skip
+        """Make the columns anew where the media (`changed`) or the lights did change."""
+        if lights == self._lights and not changed:
+            return
+        self._lights = lights
+        self._table.write(pack_array(LightData, light_rows(lights)))
+        for medium, texture, (nx, ny, nz) in zip(
+            self._media, self.textures, self._counts, strict=True
+        ):
+            params = ColumnParams(count=(nx, ny, nz), medium=medium, light_count=len(lights))
+            self._pass.dispatch(
+                commands, texture.size, params=params, lights=self._table, columns=texture,
+                **medium_bound,
+            )  # fmt: skip
+
+    @property
+    def bound(self) -> dict[str, Texture]:
+        """By slot name."""
+        return {f"air_column{i}": texture for i, texture in enumerate(self.textures)}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._table.release()
+        for texture in self.textures:
+            texture.release()
+
+
+def _shrunk(shape: tuple[int, int, int], resolution: int) -> tuple[int, int, int]:
+    """At most `resolution` texels on the longest side, at least 2 on each.
+
+    Two a voxel, where that allows: the mean to a place bends within voxels.
+    """
+    factor = min(2.0, resolution / max(shape))
+    nx, ny, nz = (int(n) for n in np.maximum(2, np.ceil(np.array(shape) * factor)))
+    return nx, ny, nz

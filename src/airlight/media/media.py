@@ -1,0 +1,140 @@
+"""Participating media in a frame: what they take of lights, and all light that they scatter.
+
+solve   media on the device -> the sky's light through them, the far light of endless ones
+draw    shafts of lights -> marching of every solved field -> surfaces behind them
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..fields import Fields, Frame, HalfSpaceLight
+from ..gpu.commands import Commands
+from ..gpu.memory import Texture
+from ..lattice.irradiance import SkyIrradiance
+from ..lighting.kit import Kit
+from ..lighting.view import View
+from ..scene.medium import medium_box
+from ..scene.volume import Volume
+from .gpu_media import GpuMedia
+from .half_space import HalfSpace
+from .media_image import MediaImage
+from .settings import MediaSettings
+from .sky_in_media import SkyInMedia
+
+
+class Media:
+    """A solver, whose fields are the sky's light through media; it also draws all that they do.
+
+    `on_device` is what lights are attenuated by on their way.
+    """
+
+    def __init__(
+        self, kit: Kit, settings: MediaSettings, *, sources: int = 0,
+        is_lattice_marched: bool = False, has_multiple: bool = False, has_sky: bool = True,
+        solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """What `draw` will be given: fields of `sources` volumes, and of lattices.
+
+        `has_multiple`: whether lattices hold light scattered many times. `has_sky`: whether the
+        sky's light is scattered once here. `solved`: volumes whose sources bring what they scatter
+        once. Raises SettingsError, and SceneError for more media than can be drawn.
+        """
+        self.kit, self.has_multiple = kit, has_multiple
+        scene, sky = kit.context.scene, kit.sky
+        has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        self.image = MediaImage(
+            kit.gpu, scene, kit.context.size, kit.lights, settings, sources=sources,
+            has_lattice=is_lattice_marched, has_sky=has_sky, solved=solved,
+        )  # fmt: skip
+        self.sky: SkyInMedia | None = None
+        if has_sky and self.on_device.count:
+            self.sky = SkyInMedia(
+                kit.gpu, scene, sky, kit.placement, kit.lattices.texture_size, solved=solved
+            )
+        is_endless = scene.medium is not None and scene.medium.endless
+        self._half_space = HalfSpace(kit.gpu) if is_endless else None
+        # Versions of what shafts and the sky's light were made with.
+        self._shadows, self._sky_seen = (-1, -1), (-1, -1)
+
+    @property
+    def on_device(self) -> GpuMedia:
+        """All media on the device."""
+        return self.image.air
+
+    def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        """Media, shadow hierarchies, then the sky's light on surfaces and media through media."""
+        lights = self.kit.lights
+        shadows = (lights.parallel.version, lights.local.version)
+        self.image.solve(
+            commands, frame.scene, *frame.bounds, shadows_changed=shadows != self._shadows
+        )
+        self._shadows = shadows
+        fields = replace(fields, far=self._far(frame))
+        return fields if self.sky is None else self._lit_by_sky(commands, frame, fields)
+
+    def _lit_by_sky(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        assert self.sky is not None
+        lattices, blockers = self.kit.lattices, self.kit.blockers
+        seen = (self.kit.meshes.version, blockers.version)
+        is_moved, self._sky_seen = seen != self._sky_seen, seen
+        with commands.stage("sky"):
+            self.sky.encode(
+                commands, frame.scene, *frame.bounds, blockers.walls, lattices.placements,
+                shadows_changed=is_moved,
+            )  # fmt: skip
+        sky = SkyIrradiance(self.sky.cube, self.sky.version)
+        if not self.image.has_sky:
+            return replace(fields, sky=sky)
+        source = self.sky.source(blockers.bound, lattices.placements[:-1])
+        return replace(fields, sky=sky, sky_scatter=source)
+
+    def _far(self, frame: Frame) -> HalfSpaceLight | None:
+        medium = frame.scene.medium
+        if self._half_space is None or medium is None:
+            return None
+        box = medium_box(medium, *frame.bounds, frame.scene.camera.position)
+        return self._half_space.update(
+            medium, float(box[1][1]), frame.scene.lights, self.kit.sky.lights,
+            is_lattice=self.has_multiple,
+        )  # fmt: skip
+
+    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """What depends on the eye is drawn, not stored."""
+        return fields
+
+    def draw(self, commands: Commands, view: View, fields: Fields) -> None:
+        """Light scattered once, marched fields, transmittance, and surfaces behind all of it."""
+        self.image.encode(
+            commands, view, self.kit.lights, fields.volumes, fields.scattered, fields.sky_scatter,
+            far=fields.far, frame=view.sample, is_composed=True,
+        )  # fmt: skip
+        self.image.compose(commands, view)
+
+    def layers(self, view: View) -> dict[str, Texture]:
+        """By name what `draw` wrote: surfaces through media, their light, what they let through."""
+        direct, indirect = self.image.surfaces(view)
+        return {
+            "direct": direct,
+            "indirect": indirect,
+            "single_scatter": self.image.single_scatter,
+            "multiple_scatter": self.image.multiple_scatter,
+            "transmittance": self.image.transmittance,
+        }
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with images of `size`, pixels."""
+        self.image.resize(size)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Nothing of media alone, for --stats."""
+        return {}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.image, self.sky, self._half_space):
+            if part is not None:
+                part.release()

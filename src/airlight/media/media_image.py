@@ -1,0 +1,324 @@
+"""All that air does to a picture: light scattered once, marched sources, transmittance.
+
+air = MediaImage(gpu, scene, size, lights)
+air.solve(commands, scene, low, high)                    # whatever the camera
+air.encode(commands, view, lights, sources=[...])        # every picture
+air.single_scatter, air.multiple_scatter, air.transmittance
+air.compose(commands, view)                              # surfaces behind it: air.surfaces(view)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fields import HalfSpaceLight, LatticeSource, Source
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.lights import Lights
+from ..lighting.view import View
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .compose import Compose
+from .finish import Finish, can_finish
+from .gpu_media import GpuMedia
+from .guided import GuidedUpsample
+from .jitter import Jitter
+from .march import March
+from .rays import RESOLUTIONS, RayParams, Rays
+from .settings import MediaSettings
+from .shadow_volumes import Volumes
+from .shafts import SITE_SPACING, Shafts
+from .transmittance import Transmittance
+from .upsample import Upsample, UpsampleOnto
+
+COARSE_TEXEL = 1.0 / 80.0
+"""The side of a reduced texel in units of how far off it is, beyond which shafts fit between
+texels: at fov_y 60 degrees half resolution of less than 185 rows, which have few pixels to draw."""
+
+
+class MediaImage:
+    """Passes and textures of one picture size; media and lights may move from frame to frame."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, size: tuple[int, int], lights: Lights,
+        settings: MediaSettings | None = None, *, sources: int = 0, has_lattice: bool = False,
+        has_sky: bool = False, solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`sources` textures and perhaps lattices will be marched; see `GpuMedia` for `solved`.
+
+        Raises SettingsError for a scheme of shafts that cannot do the scene's air.
+        """
+        self.gpu, self.settings = gpu, settings or MediaSettings()
+        s = self.settings
+        self.air = GpuMedia(gpu, scene, light_count=lights.count, solved=solved,
+                       column_resolution=s.column_resolution)  # fmt: skip
+        self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
+        self.shaft_rays = self.march_rays
+        if s.shaft_resolution != s.march_resolution:
+            self.shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
+        self.shafts = self._shafts(gpu, lights)
+        self.has_sky = has_sky and bool(self.air.count) and s.shafts != "off"
+        wanted = sources or has_lattice or self.has_sky or self.air.has_grids
+        self.is_marched = bool(self.air.count and wanted)
+        self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice,
+                           has_sky=self.has_sky)  # fmt: skip
+        self._exact = Transmittance(gpu, self.air)
+        self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
+        self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
+        self._finisher: Finish | None = None
+        if self.is_marched and self.march_rays.scale > 1 and not self._guided and can_finish(gpu):
+            self._finisher = Finish(gpu, self.air, has_sky=self.has_sky, lists=self._lists)
+        # Of the last picture, where `compose` finishes.
+        self._unfinished: tuple[RayParams, Lights] | None = None
+        self._composed = Compose(gpu, size) if self._finisher is None else None
+        self._is_in_view = self._composed is None  # where `compose` left the surfaces
+        self._make_pictures(size)
+
+    def _make_pictures(self, size: tuple[int, int]) -> None:
+        gpu = self.gpu
+
+        def made(name: str, size: tuple[int, int], *, written: bool = False) -> Texture:
+            return Texture(gpu, name, size, "rgba32float", target=True, written=written)
+
+        # Kernels of shafts write to textures; all else is drawn to targets.
+        self.single_scatter = made("single scatter", size, written=True)
+        self.multiple_scatter = made("multiple scatter", size)
+        self.transmittance = made("transmittance", size)
+        # Of lamps and suns alone; the sky's is added to it.
+        self._shafts_alone = self.single_scatter
+        if self.has_sky:
+            self._shafts_alone = made("shafts", size, written=True)
+        is_reduced = self.is_marched and self.march_rays.scale > 1
+        wanted = {
+            "single": self.shafts is not None and self.shaft_rays.scale > 1,
+            "multiple": is_reduced,
+            "transmittance": is_reduced and self.air.has_grids,
+            "sky": self.has_sky,
+        }
+        self._reduced = {
+            name: made(f"reduced {name}", self._rays_of(name).reduced, written=name == "single")
+            for name, is_wanted in wanted.items()
+            if is_wanted
+        }
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Go on with pictures of `size`, pixels; media, lights and passes stay."""
+        for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
+            rays.resize(size)
+        if isinstance(self.shafts, (Jitter, Volumes)):
+            self.shafts.resize(self.shaft_rays.reduced)
+        elif self.shafts:
+            self.shafts.resize(self.shaft_rays)
+        for texture in (*self._pictures, *self._reduced.values()):
+            texture.release()
+        self._make_pictures(size)
+        if self._composed:
+            self._composed.resize(size)
+
+    @property
+    def _pictures(self) -> tuple[Texture, ...]:
+        alone = (self._shafts_alone,) if self.has_sky else ()
+        return (self.single_scatter, self.multiple_scatter, self.transmittance, *alone)
+
+    def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | Volumes | None:
+        scheme, s = self.settings.shafts, self.settings
+        if scheme == "off" or not lights.count or not self.air.count:
+            return None
+        if scheme == "jitter":
+            return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
+        if scheme == "volumes":
+            return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
+                           tolerance=s.volume_tolerance)  # fmt: skip
+        return Shafts(gpu, self.air, lights, self.shaft_rays, max_nodes=s.shaft_nodes,
+                      steps=s.shaft_steps)  # fmt: skip
+
+    def solve(
+        self, commands: Commands, scene: Scene, low: F64, high: F64, *,
+        shadows_changed: bool = True,
+    ) -> None:  # fmt: skip
+        """Media, depth towards lights, shadow hierarchies: after `lights.encode`.
+
+        low..high, metres: the scene's bounds, which a medium without its own fills.
+        """
+        with commands.stage("air"):
+            self.air.update(commands, scene, low, high)
+        if self.shafts and shadows_changed:
+            with commands.stage("shadow bounds"):
+                self.shafts.prepare(commands)
+
+    def encode(
+        self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
+        lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *,
+        far: HalfSpaceLight | None = None, frame: int = 0, is_composed: bool = False,
+    ) -> None:  # fmt: skip
+        """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter.
+
+        `far`: endless air beyond the lattices.
+        `is_composed`: `compose` follows and fills them, where one pass can do both.
+        """
+        self._unfinished = None
+        is_whole = is_composed and self.has_sky == (sky is not None)
+        with commands.stage("shafts"):
+            shaft_params = self.shaft_rays.encode(commands, view, frame)
+            if self.shafts:
+                is_listed = bool(self._finisher and is_whole and self._lists)
+                self._draw_shafts(commands, shaft_params, view, lights, is_listed=is_listed)
+        with commands.stage("march"):
+            is_shared = self.march_rays is self.shaft_rays
+            params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
+            if self._finisher and is_whole:
+                self._march_reduced(commands, params, sources, lattice, sky, far)
+                self._unfinished = params, lights
+            else:
+                self._march(commands, params, view, sources, lattice, sky, far)
+
+    def _draw_shafts(
+        self, commands: Commands, params: RayParams, view: View, lights: Lights, *,
+        is_listed: bool,
+    ) -> None:  # fmt: skip
+        """`is_listed`: what differs is listed, and drawn anew, by `compose`."""
+        assert self.shafts
+        reduced = self._target("single")
+        contrast = self._contrast(view)
+        if isinstance(self.shafts, Shafts):
+            # Nor may they fit between sites: else every texel is drawn.
+            sites = contrast if SITE_SPACING * self._texel_side(view) <= COARSE_TEXEL else 0.0
+            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced, sites)
+        else:
+            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
+        if is_listed:
+            return
+        if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
+            self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
+                               self._full("single"), contrast)  # fmt: skip
+        else:
+            self._finish(commands, params, self.shaft_rays, view, "single")
+
+    def _march(
+        self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
+        lattice: LatticeSource | None, sky: LatticeSource | None, far: HalfSpaceLight | None,
+    ) -> None:  # fmt: skip
+        if self.is_marched:
+            self._march_reduced(commands, params, sources, lattice, sky, far)
+            self._finish_march(commands, params, view)
+        if sky is not None:
+            self._upsample_onto.encode(
+                commands, params, self.march_rays, view.gbuffer.depth, self._reduced["sky"],
+                self._shafts_alone, self.single_scatter,
+            )  # fmt: skip
+        if not self.air.has_grids:
+            self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
+
+    def _march_reduced(
+        self, commands: Commands, params: RayParams, sources: Sequence[Source],
+        lattice: LatticeSource | None, sky: LatticeSource | None, far: HalfSpaceLight | None,
+    ) -> None:  # fmt: skip
+        self.march.encode(
+            commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
+            far=far if lattice or sky else None,
+            scattered=self._target("multiple"),
+            transmittance=self._target("transmittance") if self.air.has_grids else None,
+            skylit=self._reduced.get("sky"), steps_per_cell=self.settings.steps_per_cell,
+            max_steps=self.settings.march_steps,
+        )  # fmt: skip
+
+    def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
+        """What was marched at full size; its transmittance where no closed form knows it."""
+        if self.march_rays.scale == 1:
+            return
+        if self._guided is None:
+            self._finish(commands, params, self.march_rays, view, "multiple")
+            return
+        self._guided.encode(
+            commands, params, self.march_rays, self.march, view.gbuffer.depth,
+            scattered=self._reduced["multiple"], transmittance=self._reduced["transmittance"],
+            targets=(self.multiple_scatter, self.transmittance),
+        )  # fmt: skip
+
+    def compose(self, commands: Commands, view: View) -> None:
+        """The view's layers behind the air: `surfaces`."""
+        with commands.stage("compose"):
+            self._is_in_view = self._unfinished is not None
+            if self._unfinished is not None:
+                self._finish_all(commands, view, *self._unfinished)
+                return
+            self._composed = self._composed or Compose(self.gpu, view.size)
+            self._composed.encode(
+                commands, direct=view.layers.direct, indirect=view.layers.indirect,
+                transmittance=self.transmittance,
+            )  # fmt: skip
+
+    def surfaces(self, view: View) -> tuple[Texture, Texture]:
+        """Direct and indirect light as `compose` left it: in the view's own layers if it could."""
+        if self._is_in_view or self._composed is None:
+            return view.layers.targets
+        return self._composed.layers
+
+    def _finish_all(
+        self, commands: Commands, view: View, params: RayParams, lights: Lights
+    ) -> None:
+        finisher, depth = self._finisher, view.gbuffer.depth
+        assert finisher
+        listing: dict[str, Any] = {}
+        if isinstance(self.shafts, Shafts) and self._lists:
+            redrawn = self.shafts.redrawn(self._contrast(view))
+            listing = {"redrawn": redrawn, "listed": self.shafts.listed}
+        finisher.encode(
+            commands, params, depth, surfaces=view.layers.targets,
+            transmittance=self.transmittance, single=self.single_scatter,
+            multiple=self.multiple_scatter,
+            reduced=self._reduced["multiple"], skylit=self._reduced.get("sky"),
+            shafts=self._reduced["single"] if listing else self._shafts_alone, **listing,
+        )  # fmt: skip
+        if isinstance(self.shafts, Shafts) and listing:
+            with commands.stage("shafts"):
+                self.shafts.redraw(commands, params, lights, depth, self.single_scatter)
+
+    def _contrast(self, view: View) -> float:
+        """Of what texels beside each other may differ by; 0 where shafts fit between them."""
+        wanted = self.settings.shaft_contrast
+        return 0.0 if wanted < 1.0 and self._texel_side(view) > COARSE_TEXEL else wanted
+
+    def _texel_side(self, view: View) -> float:
+        """Of a reduced texel, in units of how far off it is."""
+        rays = self.shaft_rays
+        side = 2.0 * float(np.linalg.norm(view.world_from_clip[:3, 1])) / rays.size[1]
+        return side * rays.scale
+
+    @property
+    def _lists(self) -> bool:
+        """Whether the pass that finishes air upsamples shafts, too, and lists what differs."""
+        is_shared = self.march_rays is self.shaft_rays
+        return isinstance(self.shafts, Shafts) and is_shared and self.settings.shaft_contrast < 1.0
+
+    def _full(self, name: str) -> Texture:
+        return {"single": self._shafts_alone, "multiple": self.multiple_scatter,
+                "transmittance": self.transmittance}[name]  # fmt: skip
+
+    def _target(self, name: str) -> Texture:
+        """Where a kernel writes: the reduced texture, or the full one where nothing is reduced."""
+        return self._full(name) if self._rays_of(name).scale == 1 else self._reduced[name]
+
+    def _rays_of(self, name: str) -> Rays:
+        return self.shaft_rays if name == "single" else self.march_rays
+
+    def _finish(
+        self, commands: Commands, params: RayParams, rays: Rays, view: View, name: str
+    ) -> None:
+        if rays.scale > 1:
+            self._upsample.encode(
+                commands, params, rays, view.gbuffer.depth, self._reduced[name], self._full(name)
+            )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        parts = [self.air, *self._pictures, self.shaft_rays, self.march, self._composed,
+                 self.shafts, *self._reduced.values()]  # fmt: skip
+        for part in parts:
+            if part is not None:
+                part.release()

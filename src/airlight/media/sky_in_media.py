@@ -1,0 +1,156 @@
+"""The environment's light in air: once scattered towards the eye, and attenuated on surfaces.
+
+For each cell and each of the directional lights that stand for the environment, shadow maps say
+how much arrives and the air how much of it is left. Fluence, net flux and a third band are stored,
+from which marching draws what is scattered once; and the six irradiances of an ambient cube, for
+surfaces. The third band is read where |g| is large: in dense air light comes from one side.
+Low frequency by construction: shafts of a sun belong to a directional light.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..fields import LatticeSource
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
+from ..lattice.placement import LatticeParams, Placement
+from ..lattice.skylight import FACES
+from ..lighting.sky import Sky
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from ..surface.light_table import LightData, packed_lights
+from ..surface.light_views import LightViewData
+from ..surface.shadow import comparison_sampler
+from .gpu_media import GpuMedia
+
+COLUMN_TEXELS = 16
+"""Along a density grid's columns towards each sky light."""
+_LARGEST = 1000.0  # what the whole sky's irradiance becomes; half floats go to 65504
+
+
+class SkyInMediaParams(Struct):
+    """How many sky lights there are, and how light is stored."""
+
+    light_count = u32()
+    scale = f32("stored units per W m^-2")
+
+
+class _SkyInMedia(ComputePass):
+    workgroup = (8, 8, 4)
+
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", SkyInMediaParams),
+            uniform("lattice", LatticeParams),
+            storage("lights", LightData),
+            storage("views", LightViewData),
+            texture("depth", "2d-array", "depth"),
+            sampler("compare", "comparison"),
+            texture("lattice_walls", "3d"),
+            *air.slots,
+            image("red", FILTERED, "3d"),
+            image("green", FILTERED, "3d"),
+            image("blue", FILTERED, "3d"),
+            image("cube", FILTERED, "3d"),
+            image("mean", FILTERED, "3d"),
+            image("third", FILTERED, "3d"),
+        )
+        super().__init__(gpu, generated=air.wgsl)
+
+
+class SkyInMedia:
+    """What arrives in each cell of a lattice from an environment, through the air."""
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, sky: Sky, placement: Placement,
+        size: tuple[int, int, int] | None = None, *, solved: Sequence[Volume] = (),
+    ) -> None:  # fmt: skip
+        """`solved` volumes as for GpuMedia: their source brings what they scatter once.
+
+        `size`: cells of the textures, which nested lattices share.
+        """
+        self.sky, self.placement = sky, placement
+        self._levels: tuple[Placement, ...] = ()
+        self.air = GpuMedia(
+            # A turning sky may bring more of them.
+            gpu, _under(scene, sky), light_count=max(len(sky.lights), sky.maps.layers),
+            column_resolution=COLUMN_TEXELS, solved=solved,
+        )  # fmt: skip
+        self.scale = 1.0
+        self._pass = _SkyInMedia(gpu, self.air)
+        count = max(1, len(sky.lights), sky.maps.layers)
+        self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
+        self._compare = comparison_sampler(gpu)
+        nx, ny, nz = size or placement.count
+
+        def made(name: str, depth: int) -> Texture:
+            return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), gpu.filtered,
+                           dimension="3d", written=True)  # fmt: skip
+
+        self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
+        self.cube = made("cube", FACES * nz)
+        self.mean = made("mean", nz)
+        self.third = made("third band", 4 * nz)
+        self._written = (b"", -1)
+        self.version = 0
+        """Raised whenever cells were made anew."""
+
+    def encode(
+        self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture,
+        levels: Sequence[Placement] = (), *, shadows_changed: bool,
+    ) -> None:  # fmt: skip
+        """Bring the cells up to date; `sky` and its maps have been. low..high as for GpuMedia.
+
+        `levels`: the lattices that share the textures, the finest first; else the one alone.
+        """
+        self.air.update(commands, _under(scene, self.sky), low, high)
+        table = packed_lights(tuple(self.sky.lights))
+        written = (table.tobytes(), self.air.version)
+        before = () if written != self._written or shadows_changed else self._levels
+        self._levels = tuple(replace(x, fade=None) for x in levels or (self.placement,))
+        stale = [level for level in self._levels if level not in before]
+        if not stale:
+            return
+        self._written = written
+        self.version += 1
+        total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
+        self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
+        self._lights.write(table)
+        for level in stale:
+            self._pass.dispatch(
+                commands, level.count,
+                params=SkyInMediaParams(light_count=len(self.sky.lights), scale=self.scale),
+                lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
+                depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
+                red=self.red, green=self.green, blue=self.blue, cube=self.cube,
+                mean=self.mean, third=self.third, **self.air.bound,
+            )  # fmt: skip
+
+    def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
+        """For marching; `walls` as Blockers.bound, `finer` as LatticeSource."""
+        bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
+        return LatticeSource(
+            self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0,
+            finer=finer, mean=self.mean, third=self.third,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube,
+                     self.mean, self.third):  # fmt: skip
+            part.release()
+
+
+def _under(scene: Scene, sky: Sky) -> Scene:
+    """The scene lit by the sky's lights alone."""
+    return dataclasses.replace(scene, lights=tuple(sky.lights))

@@ -1,0 +1,161 @@
+"""Light volumes against quadrature behind an open sheet, and against lit runs among clutter."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.errors import SettingsError
+from airlight.gpu.device import Gpu
+from airlight.lighting.lights import Lights
+from airlight.media.media_image import MediaImage
+from airlight.media.settings import MediaSettings
+from airlight.reference.quadrature import box_path, henyey_greenstein, panels, spot_falloff
+from airlight.scene import (
+    Camera,
+    DirectionalLight,
+    Light,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    SpotLight,
+    Volume,
+)
+
+SIZE = (48, 36)
+BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
+SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
+RGB = (3.0, 2.0, 1.0)
+TRAVEL = tuple(np.array([0.35, -0.8, -0.3]) / np.linalg.norm([0.35, -0.8, -0.3]))
+LIGHTS: dict[str, Light] = {
+    "directional": DirectionalLight(TRAVEL, RGB),
+    "point": PointLight((0.3, 1.2, -0.2), RGB),
+    "spot": SpotLight((0.3, 1.4, -0.2), (-0.2, -1.0, 0.1), RGB, 15.0, 28.0),
+}
+EYES = {"outside": (0.6, 0.9, 5.5), "inside": (0.5, 0.2, 1.6)}
+SHEET_Y = 0.6  # of a square from -0.7 to 0.7 in x and z
+
+
+def fog(light: Light, eye: Any, *meshes: Mesh) -> Scene:
+    medium = Medium(tuple(SIGMA_T), tuple(ALBEDO), (G, G, G), BOX)
+    camera = Camera(eye, (0.0, 0.2, -1.0), fov_y_deg=50)
+    return Scene(meshes=meshes, lights=(light,), medium=medium, camera=camera)
+
+
+def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], scheme: str, side: int = 256,
+          **settings: Any) -> np.ndarray:  # fmt: skip
+    scene = seen.scene
+    low, high = (np.array(corner) for corner in BOX)
+    lights = owned(Lights(gpu, scene.lights, None, side, side))
+    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
+    given = {"shaft_resolution": "full", "march_resolution": "full", **settings}
+    air = owned(MediaImage(gpu, scene, SIZE, lights, MediaSettings(shafts=scheme, **given)))
+    air.solve(seen.commands, scene, low, high)
+    air.encode(seen.commands, seen.view, lights)
+    return np.asarray(seen.read(air.single_scatter))
+
+
+def l2(a: np.ndarray, b: np.ndarray) -> float:
+    """Of what is seen: the peak at a lamp, a pixel wide, is compressed."""
+    a, b = a / (a + b.mean()), b / (b + b.mean())
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
+def truth(light: Light, seen: Any) -> np.ndarray:
+    """(H, W, 3): panels over each eye ray up to the box or the sheet, lit where the sheet lets."""
+    d, eye = seen.directions(), np.array(seen.scene.camera.position)
+    entry, leave = box_path(eye, d, BOX)
+    with np.errstate(divide="ignore"):
+        s = (SHEET_Y - eye[1]) / d[..., 1]
+    hits = (s > 0) & np.all(np.abs(eye[::2] + s[..., None] * d[..., ::2]) < 0.7, axis=-1)
+    leave = np.where(hits, np.clip(s, entry, leave), leave)
+    x, w = panels(200, 2)
+    t = entry[..., None] + (leave - entry)[..., None] * x
+    p = eye + t[..., None] * d[..., None, :]
+    if isinstance(light, DirectionalLight):
+        way, r, gain = np.broadcast_to(np.array(TRAVEL), p.shape), np.inf, np.ones(t.shape)
+        path = box_path(p, -np.array(TRAVEL), BOX)[1]
+        color = light.irradiance
+    else:
+        way = p - light.position
+        r = np.linalg.norm(way, axis=-1)
+        way, gain, color = way / r[..., None], 1.0 / r**2, light.intensity
+        path = np.minimum(r, box_path(p, -way, BOX)[1])
+    if isinstance(light, SpotLight):
+        gain = gain * spot_falloff(way @ np.array(light.direction), light.inner_deg,
+                                   light.outer_deg)  # fmt: skip
+    with np.errstate(divide="ignore", invalid="ignore"):
+        back = (p[..., 1] - SHEET_Y) / way[..., 1]
+        at = p - back[..., None] * way
+    gain = np.where((back > 0) & (back < r) & np.all(np.abs(at[..., ::2]) < 0.7, axis=-1), 0, gain)
+    mu = -np.sum(way * d[..., None, :], axis=-1)
+    depth = (t - entry[..., None] + path)[..., None] * SIGMA_T
+    total = np.sum((gain * henyey_greenstein(mu, G) * w)[..., None] * np.exp(-depth), axis=-2)
+    return np.asarray(total * (leave - entry)[..., None] * SIGMA_T * ALBEDO * color)
+
+
+@pytest.mark.parametrize(
+    ("light", "eye"),
+    [("directional", "outside"), ("directional", "inside"), ("point", "inside"),
+     ("spot", "outside")],
+)  # fmt: skip
+def test_agrees_with_quadrature(
+    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: str, eye: str
+) -> None:
+    seen = look(
+        fog(LIGHTS[light], EYES[eye], square((0, SHEET_Y, 0), (0.7, 0, 0), (0, 0, -0.7))), SIZE
+    )
+    image, expected = drawn(gpu, seen, owned, "volumes"), truth(LIGHTS[light], seen)
+    assert l2(image, expected) < 0.01
+
+
+@pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
+def test_no_pixel_leaks_among_clutter(
+    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: Light
+) -> None:
+    """A crack between faces is one pixel far off; steps at single texels make thousands of them."""
+    rng = np.random.default_rng(5)
+    sheets = [square(rng.uniform(-1.8, 1.6, 3), rng.uniform(-0.5, 0.5, 3),
+                     rng.uniform(-0.5, 0.5, 3)) for _ in range(25)]  # fmt: skip
+    seen = look(fog(light, EYES["inside"], *sheets), SIZE)
+    exact = drawn(gpu, seen, owned, "minmax", side=64, shaft_nodes=65536)
+    image = drawn(gpu, seen, owned, "volumes", side=64, volume_tolerance=0.0)
+    assert l2(image, exact) < 0.01
+    np.testing.assert_allclose(image, exact, atol=0.1 * exact.max())
+
+
+def test_half_resolution_is_near_the_full_one(
+    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh]
+) -> None:
+    sheet = square((0, SHEET_Y, 0), (0.7, 0, 0), (0, 0, -0.7))
+    seen = look(fog(LIGHTS["directional"], EYES["outside"], sheet), SIZE)
+    full = drawn(gpu, seen, owned, "volumes")
+    half = drawn(gpu, seen, owned, "volumes", shaft_resolution="half")
+    assert 0.0 < l2(half, full) < 0.15
+    assert half.sum() == pytest.approx(full.sum(), rel=0.02)
+
+
+def test_other_air_is_refused(gpu: Gpu, look: Any, owned: Any) -> None:
+    scene = fog(LIGHTS["point"], EYES["inside"])
+    ball = Volume((1.0, 1.0, 1.0), shape="sphere", bounds=BOX)
+    seen = look(dataclasses.replace(scene, volumes=(ball,)), SIZE)
+    with pytest.raises(SettingsError) as told:
+        drawn(gpu, seen, owned, "volumes", side=16)
+    assert str(told.value) == (
+        "shafts = 'volumes' knows one box of even air, and the scene has other air. "
+        "Use shafts = 'minmax', the same light by another way"
+    )
+
+
+def test_a_device_that_cannot_add_floats_is_told(
+    gpu: Gpu, look: Any, owned: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gpu, "features", [])
+    seen = look(fog(LIGHTS["point"], EYES["inside"]), SIZE)
+    with pytest.raises(SettingsError, match="adds up in a 32-bit float target"):
+        drawn(gpu, seen, owned, "volumes", side=16)

@@ -1,0 +1,185 @@
+"""Single scattering against quadrature: directional, point and spot, without and with a blocker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.gpu.device import Gpu
+from airlight.gpu.memory import Texture
+from airlight.lighting.lights import Lights
+from airlight.media.media_image import MediaImage
+from airlight.media.settings import MediaSettings
+from airlight.media.shafts import Shafts
+from airlight.reference.quadrature import (
+    box_path,
+    directional_single_scatter,
+    henyey_greenstein,
+    panels,
+    point_single_scatter,
+    spot_falloff,
+)
+from airlight.scene.camera import Camera
+from airlight.scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from airlight.scene.medium import Medium
+from airlight.scene.mesh import Mesh
+from airlight.scene.scene import Scene
+from airlight.scene.shapes import quad
+
+SIZE = (27, 18)
+BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
+SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
+EYES = {"outside": (0.6, 0.4, 5.5), "inside": (0.5, 0.2, 1.6)}
+TRAVEL = tuple(np.array([0.35, -0.8, -0.3]) / np.linalg.norm([0.35, -0.8, -0.3]))
+SUN = DirectionalLight(TRAVEL, (3.0, 2.0, 1.0))
+LAMP = PointLight((0.3, 0.8, -0.2), (3.0, 2.0, 1.0))
+SPOT = SpotLight((0.3, 1.4, -0.2), (-0.2, -1.0, 0.1), (3.0, 2.0, 1.0), 15.0, 28.0)
+LIGHTS = {"directional": SUN, "point": LAMP, "spot": SPOT}
+# A dark sheet that fills the half plane x < 0 at this height.
+SHEET_Y = 0.5
+
+
+def fog(eye: tuple[float, float, float], *lights: Light, sheet: bool = False) -> Scene:
+    size = 40.0
+    matrix = np.diag([size, 1.0, size, 1.0])
+    matrix[:3, 3] = (-0.5 * size, SHEET_Y, 0.0)
+    return Scene(
+        meshes=(Mesh(quad(), world_from_object=matrix),) if sheet else (),
+        lights=lights,
+        medium=Medium(tuple(SIGMA_T), tuple(ALBEDO), (G, G, G), BOX),
+        camera=Camera(eye, (0.0, 0.2, -1.0), fov_y_deg=60),
+    )
+
+
+def scattered(gpu: Gpu, seen: Any, settings: MediaSettings, bounds: Any = BOX) -> np.ndarray:
+    scene = seen.scene
+    lights = Lights(gpu, scene.lights, None, 1024, 1024)
+    low, high = (np.array(c) for c in bounds)
+    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
+    air = MediaImage(gpu, scene, seen.size, lights, settings)
+    air.solve(seen.commands, scene, low, high)
+    air.encode(seen.commands, seen.view, lights)
+    return np.asarray(seen.read(air.single_scatter))
+
+
+def visible(light: Light, p: np.ndarray) -> np.ndarray:
+    """Whether the sheet leaves points (..., 3) in the light."""
+    towards = -np.array(TRAVEL) if isinstance(light, DirectionalLight) else light.position - p
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (SHEET_Y - p[..., 1]) / towards[..., 1]
+    x = p[..., 0] + s * towards[..., 0]
+    reach = np.inf if isinstance(light, DirectionalLight) else 1.0
+    return ~((s > 0.0) & (s < reach) & (x < 0.0))
+
+
+def truth(light: Light, seen: Any, lit: Callable[..., np.ndarray], box: Any = BOX) -> np.ndarray:
+    """(H, W, 3): panels over each eye ray; what bounds the ray is the sheet or the box."""
+    d = seen.directions()
+    eye = np.array(seen.scene.camera.position)
+    entry, leave = box_path(eye, d, box)
+    if seen.scene.meshes:
+        with np.errstate(divide="ignore"):
+            s = (SHEET_Y - eye[1]) / d[..., 1]
+        hits = (s > 0) & (eye[0] + s * d[..., 0] < 0.0)
+        leave = np.where(hits, np.clip(s, entry, leave), leave)
+    x, w = panels(150, 2)
+    t = entry[..., None] + (leave - entry)[..., None] * x
+    p = eye + t[..., None] * d[..., None, :]
+    if isinstance(light, DirectionalLight):
+        way, irradiance = np.broadcast_to(np.array(TRAVEL), p.shape), np.ones(t.shape)
+        path = box_path(p, -np.array(TRAVEL), box)[1]
+        color = light.irradiance
+    else:
+        way = p - light.position
+        r = np.linalg.norm(way, axis=-1)
+        way, irradiance, color = way / r[..., None], 1.0 / r**2, light.intensity
+        path = np.minimum(r, box_path(p, -way, box)[1])
+    if isinstance(light, SpotLight):
+        irradiance = irradiance * spot_falloff(
+            way @ np.array(light.direction), light.inner_deg, light.outer_deg
+        )
+    mu = -np.sum(way * d[..., None, :], axis=-1)
+    base = irradiance * henyey_greenstein(mu, G) * lit(light, p) * w
+    depth = (t - entry[..., None] + path)[..., None] * SIGMA_T
+    total = np.sum(base[..., None] * np.exp(-depth), axis=-2)
+    return np.asarray(total * (leave - entry)[..., None] * SIGMA_T * ALBEDO * color)
+
+
+def everywhere(_: Light, p: np.ndarray) -> np.ndarray:
+    return np.ones(p.shape[:-1])
+
+
+def l2(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
+FULL = MediaSettings(shaft_resolution="full", march_resolution="full")
+
+
+@pytest.mark.parametrize("eye", EYES.values(), ids=EYES.keys())
+@pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
+def test_without_a_blocker(gpu: Gpu, look: Any, light: Light, eye: Any) -> None:
+    seen = look(fog(eye, light), SIZE)
+    image = scattered(gpu, seen, FULL)
+    expected = truth(light, seen, everywhere)
+    assert l2(image, expected) < 0.004
+    np.testing.assert_allclose(image, expected, rtol=0.02, atol=2e-3 * expected.max())
+
+
+def test_agrees_with_the_reference_functions(gpu: Gpu, look: Any) -> None:
+    """The same truth once more from reference.quadrature, for one channel and an eye in the fog."""
+    seen = look(fog(EYES["inside"], SUN), SIZE)
+    image = scattered(gpu, seen, FULL)
+    eye, d = np.array(EYES["inside"]), seen.directions()
+    for k in range(3):
+        expected = directional_single_scatter(
+            eye, d, TRAVEL, SUN.irradiance[k], SIGMA_T[k], ALBEDO[k], G, BOX
+        )
+        np.testing.assert_allclose(image[..., k], expected, rtol=2e-3)
+    seen = look(fog(EYES["inside"], LAMP), SIZE)
+    image = scattered(gpu, seen, FULL)
+    length = box_path(eye, d, BOX)[1]
+    expected = point_single_scatter(
+        eye, d, length, LAMP.position, LAMP.intensity[1], SIGMA_T[1], ALBEDO[1], G
+    )
+    np.testing.assert_allclose(image[..., 1], expected, rtol=0.01)
+
+
+@pytest.mark.parametrize("eye", EYES.values(), ids=EYES.keys())
+@pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
+def test_the_shadow_of_a_half_plane(gpu: Gpu, look: Any, light: Light, eye: Any) -> None:
+    seen = look(fog(eye, light, sheet=True), SIZE)
+    image = scattered(gpu, seen, FULL)
+    expected = truth(light, seen, visible)
+    assert l2(image, expected) < 0.01
+
+
+@pytest.mark.parametrize("size", [(200, 120), (201, 123)])
+def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> None:
+    """One reduced texel in four is drawn first; the others are drawn, or hardly differ from it."""
+    thin = Medium((0.05, 0.05, 0.05), tuple(ALBEDO), (0.0, 0.0, 0.0), BOX)
+    seen = look(replace(fog(EYES["inside"], SUN, sheet=True), medium=thin), size)
+    lights = Lights(gpu, seen.scene.lights, None, 1024, 1024)
+    low, high = (np.array(c) for c in BOX)
+    lights.encode(seen.commands, seen.meshes, seen.scene.lights, None, low, high)
+    air = MediaImage(gpu, seen.scene, size, lights, MediaSettings())
+    air.solve(seen.commands, seen.scene, low, high)
+    rays, shafts = air.shaft_rays, air.shafts
+    assert isinstance(shafts, Shafts)
+    params = rays.encode(seen.commands, seen.view)
+    target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)
+    pictures = []
+    for contrast in (0.0, 1e-6, 0.2):
+        shafts.encode(seen.commands, params, rays, lights, target, contrast)
+        seen.commands.submit()
+        pictures.append(target.read().copy())
+    drawn, differing, sparse = pictures
+    # Nothing is alike but what has no light at all.
+    np.testing.assert_allclose(differing, drawn, rtol=1e-5)
+    np.testing.assert_array_equal(sparse[..., 3], drawn[..., 3])
+    assert 0.0 < l2(sparse[..., :3], drawn[..., :3]) < 0.005
+    assert 0.3 < np.mean(np.any(sparse != drawn, axis=-1)) < 0.75

@@ -1,0 +1,65 @@
+"""Air between cells: shares of two streams, on top of what walls close."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from airlight.gpu.commands import Commands
+from airlight.gpu.device import Gpu
+from airlight.gpu.memory import buffer_of
+from airlight.lattice.placement import Placement
+from airlight.media.gpu_media import GpuMedia
+from airlight.media.volume_blockers import VolumeBlockers
+from airlight.scene import Scene, Volume
+
+SIDE = 4
+UNORM = 1.0 / 255.0
+
+
+def faces(gpu: Gpu, owned: Callable[[Any], Any], volume: Volume, closed: float) -> np.ndarray:
+    """(z, y, x, 8, 4) shares of a lattice of 4^3 cells of half a metre around the origin."""
+    scene = Scene(volumes=(volume,))
+    air, commands = owned(GpuMedia(gpu, scene, light_count=0)), Commands(gpu)
+    air.update(commands, scene, np.full(3, -1.0), np.full(3, 1.0))
+    wall = np.zeros((SIDE**3, 8, 4), np.uint8)
+    wall[:, :6, :3], wall[:, :6, 3] = round(100 * closed), round(255 * closed)
+    wall[:, 6:] = 255 - round(255 * closed)
+    walls = owned(buffer_of(gpu, "walls", wall))
+    faced = owned(VolumeBlockers(gpu, air, SIDE**3))
+    faced.encode(commands, Placement((-1.0,) * 3, 0.5, (SIDE,) * 3), walls)
+    commands.submit()
+    return faced.faces.read().view(np.uint8).reshape(SIDE, SIDE, SIDE, 8, 4) * UNORM
+
+
+@pytest.mark.parametrize("closed", [0.0, 0.4])
+def test_what_collides_is_absorbed_or_goes_either_way(
+    gpu: Gpu, owned: Callable[[Any], Any], closed: float
+) -> None:
+    sigma, albedo, g = 1.5, np.array([1.0, 0.8, 0.3]), 0.25
+    air = Volume((sigma,) * 3, shape="box", albedo=tuple(albedo), g=(g,) * 3,
+                 bounds=((-2,) * 3, (2,) * 3))  # fmt: skip
+    got = faces(gpu, owned, air, closed)
+    scattering, extinction = sigma * albedo * (1 - g), sigma * (1 - albedo * g)
+    collided = 1.0 - np.exp(-0.5 * extinction.mean())
+    back = 0.5 * collided * scattering / extinction.mean()
+    through = 1.0 - collided + back.mean()
+    wall = round(255 * closed) * UNORM
+    np.testing.assert_allclose(got[..., 6, :], (1 - wall) * through, atol=1.2 * UNORM)
+    np.testing.assert_allclose(got[..., :6, 3], 1 - (1 - wall) * through, atol=1.2 * UNORM)
+    reflected = round(100 * closed) * UNORM + (1 - wall) * back
+    np.testing.assert_allclose(
+        got[..., :6, :3], np.broadcast_to(reflected, (SIDE,) * 3 + (6, 3)), atol=1.2 * UNORM
+    )
+
+
+def test_white_air_keeps_all_light(gpu: Gpu, owned: Callable[[Any], Any]) -> None:
+    got = faces(gpu, owned, Volume((3.0,) * 3, shape="sphere"), 0.0)
+    np.testing.assert_allclose(got[..., :6, 0], got[..., :6, 3], atol=1.2 * UNORM)
+    assert got[..., :6, 3].max() > 0.2
+    # Hop +x of a cell is closed as much as the next cell says of what comes in from it.
+    np.testing.assert_allclose(1.0 - got[:, :, :-1, 0, 3], got[:, :, 1:, 6, 0], atol=1.2 * UNORM)
+    assert got[0, 0, 0, 1, 3] == 0.0, "the ball does not reach into the corner"
