@@ -15,6 +15,8 @@ from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Material, PointLight, Scene
 from airlight.surface.geometry import GpuScene
 
+pytestmark = pytest.mark.both_paths
+
 FULL_RANGE = 0.4  # as in occlusion.wgsl
 
 

@@ -9,6 +9,8 @@ from airlight.gpu.memory import buffer_of
 from airlight.lpv.step import CHANNELS, Step
 from airlight.lpv.storage import FORMATS
 
+pytestmark = pytest.mark.both_paths
+
 
 @pytest.mark.parametrize("count", [(4, 3, 2), (5, 3, 2)])
 @pytest.mark.parametrize("is_blocked", [False, True])

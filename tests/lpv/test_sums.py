@@ -9,6 +9,8 @@ from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lpv.storage import FORMATS
 from airlight.lpv.sums import Sums
 
+pytestmark = pytest.mark.both_paths
+
 CELLS = 300
 
 

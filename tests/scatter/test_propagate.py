@@ -9,6 +9,8 @@ from airlight.scatter.coefficients import StepCoefficients, step_rows
 from airlight.scatter.propagate import MOVE, TRACK, Step
 from airlight.scatter.walls import Walls, new_packs
 
+pytestmark = pytest.mark.both_paths
+
 COUNT = (6, 4, 10)  # x, y, z: unequal, more than one slab
 SHAPE = COUNT[::-1]
 CELL_M = 0.7
