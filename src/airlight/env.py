@@ -26,10 +26,9 @@ SWITCHES: tuple[Switch, ...] = (
     ),
     Switch("AIRLIGHT_PATHS", "auto", "code paths: auto (made for the adapter), gpu or cpu"),
     Switch(
-        "AIRLIGHT_DEBUG",
-        "0",
-        "1 prints the tracebacks behind an error",
+        "AIRLIGHT_LIMITS", "auto", "of devices: auto, or default for WebGPU's, without features"
     ),
+    Switch("AIRLIGHT_DEBUG", "0", "1 prints the tracebacks behind an error"),
 )
 
 

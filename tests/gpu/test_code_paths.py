@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from airlight.errors import DeviceError, SettingsError
+from airlight.errors import SettingsError
 from airlight.gpu import device
 from airlight.gpu.code_paths import chosen_paths
 from airlight.gpu.device import Gpu, open_gpu
@@ -49,11 +49,8 @@ def test_a_test_of_both_paths_has_each(gpu, paths):
     assert open_gpu(gpu.info.name) is gpu  # what a Renderer of the test opens
 
 
-def test_a_gpu_without_the_limits_of_the_cpu_paths_says_so(gpu, monkeypatch):
+def test_a_device_without_the_limits_of_the_cpu_paths_takes_them_all_the_same(gpu):
     card = device.AdapterInfo("Card", "DiscreteGPU", "Vulkan", "", "", gpu.info.index)
-    monkeypatch.setattr(
-        device, "_UNIFORMS_IN_STORAGE", {"max-storage-buffers-per-shader-stage": 1 << 30}
-    )
-    with pytest.raises(DeviceError, match=r"CPU paths needs max-storage-.*AIRLIGHT_PATHS"):
-        Gpu(card, "cpu")
+    plain = Gpu(card, "cpu", "default")
+    assert plain.takes_cpu_paths and not plain.has_uniforms_in_storage
     assert Gpu(card, "gpu").paths == "gpu"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.gpu.memory import Buffer, Texture, buffer_of
+from airlight.gpu.memory import Buffer, BufferPart, Texture, buffer_of
 
 FORMATS = {
     "r8unorm": (np.uint8, 1),
@@ -128,3 +128,17 @@ def test_released_memory_is_given_back(gpu):
         part.release()
         part.release()  # twice does no harm
     assert gpu.allocated_bytes == before
+
+
+def test_a_part_of_a_buffer_is_bound_and_read_as_one(gpu):
+    before = gpu.allocated_bytes
+    whole = Buffer(gpu, "whole", 512)
+    part = BufferPart(whole, BufferPart.ALIGNMENT, 16)
+    whole.write(np.zeros(128, np.float32))
+    part.write(np.arange(1.0, 4.0, dtype=np.float32), 4)
+    assert part.read().tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert whole.read()[64:68].tolist() == [0.0, 1.0, 2.0, 3.0]
+    part.release()
+    del part
+    assert gpu.allocated_bytes == before + 512
+    whole.release()

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from .bindings import Bindings
 from .commands import Commands
+from .demands import check_slots, check_workgroup, compiled
 from .device import Gpu
 from .memory import Buffer
 from .recorded import Dispatch
@@ -38,6 +39,8 @@ class ComputePass:
         source = Source()
         wx, wy, wz = self.workgroup
         slots = on_device(self.slots, gpu)
+        check_slots(gpu, self.label, slots)
+        check_workgroup(gpu, self.label, self.workgroup)
         source.add(declarations(slots), f"{self.label} slots")
         source.add(f"const WX = {wx}u;\nconst WY = {wy}u;\nconst WZ = {wz}u;", "workgroup")
         if generated:
@@ -46,8 +49,12 @@ class ComputePass:
         source.add(path.read_text(), f"{path.parent.name}/{path.name}")
         self.bindings = Bindings(gpu, slots, compute=True, label=self.label)
         fixed = (self.label, self.entry, constants, [slot.layout for slot in slots])
+
+        def compile() -> Any:
+            return self._compiled(source, constants or {})
+
         self.pipeline: Any = gpu.pipelines.get(
-            source.text, fixed, lambda: self._compiled(source, constants or {})
+            source.text, fixed, lambda: compiled(gpu, self.label, compile)
         )
 
     def _compiled(self, source: Source, constants: dict[str, float]) -> Any:

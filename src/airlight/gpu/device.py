@@ -17,6 +17,7 @@ import wgpu
 from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
 
 from ..errors import DeviceError
+from .asked import Asked, asked_features, asked_limits, chosen_asked, has_uniforms_in_storage
 from .code_paths import Paths, chosen_paths
 from .failures import OPEN_REMEDY, TO_FIND, TO_OPEN, Guarded, check_memory, is_alive, lost
 from .pipelines import Pipelines
@@ -28,32 +29,9 @@ NO_DRIVER_REMEDY = (
     "(Debian and Ubuntu: apt install mesa-vulkan-drivers)"
 )
 _PREFERENCE = ("DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other")
-_FEATURES = (
-    "float32-filterable",
-    "float32-blendable",
-    "timestamp-query",
-    "subgroup",
-    "shader-int64",
-)
-_LIMITS = {  # asked for up to these values, so that code which needs more fails everywhere alike
-    "max-storage-buffers-per-shader-stage": 10,
-    "max-storage-buffer-binding-size": 1 << 30,
-    "max-buffer-size": 1 << 30,
-    "max-texture-dimension-3d": 2048,
-    "max-texture-dimension-2d": 16384,
-    "max-texture-array-layers": 2048,
-    "max-sampled-textures-per-shader-stage": 48,
-    "max-color-attachment-bytes-per-sample": 80,
-}
-
 declare_only_what_is_named(ffi)
 keep_attachments(GPUCommandEncoder)
 keep_labels(_api)
-
-_UNIFORMS_IN_STORAGE = {  # on the CPU paths, see slots.on_software
-    "max-storage-buffers-per-shader-stage": 18,
-    "max-dynamic-storage-buffers-per-pipeline-layout": 8,
-}
 
 
 @dataclass(frozen=True)
@@ -75,7 +53,7 @@ class AdapterInfo:
 
 _OPENING = threading.RLock()  # drivers are asked what there is, and for it, by a thread at a time
 _found: list[Any] = []
-_opened: dict[tuple[AdapterInfo, Paths], Gpu] = {}
+_opened: dict[tuple[AdapterInfo, Paths, Asked], Gpu] = {}
 
 
 def _enumerate() -> list[Any]:
@@ -150,13 +128,12 @@ class Gpu:
     Its code paths are decided here, once. Raises DeviceError where it cannot be opened.
     """
 
-    def __init__(self, info: AdapterInfo, paths: Paths) -> None:
+    def __init__(self, info: AdapterInfo, paths: Paths, asked: Asked = "auto") -> None:
         adapter = _enumerate()[info.index]
         check_memory(TO_OPEN)
-        self.info, self.paths = info, paths
-        self.features = [f for f in _FEATURES if f in adapter.features]
-        wanted = {**_LIMITS, **(_UNIFORMS_IN_STORAGE if self.takes_cpu_paths else {})}
-        limits = {k: min(v, adapter.limits[k]) for k, v in wanted.items() if k in adapter.limits}
+        self.info, self.paths, self.asked = info, paths, asked
+        self.features = asked_features(asked, adapter.features)
+        limits = asked_limits(asked, paths, adapter.limits)
         try:
             self.device: Any = adapter.request_device_sync(
                 label="airlight", required_features=self.features, required_limits=limits
@@ -168,14 +145,8 @@ class Gpu:
             ) from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
-        if self.takes_cpu_paths and not info.is_cpu:
-            for limit, value in _UNIFORMS_IN_STORAGE.items():
-                self.require(
-                    limit,
-                    value,
-                    "a device for the CPU paths",
-                    remedy="Leave AIRLIGHT_PATHS at auto",
-                )
+        self.has_uniforms_in_storage = self.takes_cpu_paths and has_uniforms_in_storage(self.limits)
+        """Whether shaders read their parameters from storage buffers, see `slots.on_software`."""
         self.pipelines = Pipelines()
         self.allocated_bytes = 0
         self.peak_bytes = 0
@@ -251,12 +222,13 @@ class Gpu:
             )
 
 
-def open_gpu(wanted: str = "auto", paths: str | None = None) -> Gpu:
+def open_gpu(wanted: str = "auto", paths: str | None = None, asked: str | None = None) -> Gpu:
     """The device for `wanted` (see `choose`), which takes `paths`: auto, gpu or cpu.
 
-    AIRLIGHT_PATHS where `paths` is None. Opened once per process, adapter and paths, and again
-    where the device was lost. Any thread may ask. Raises DeviceError, also in a process that was
-    forked from one that had used the driver, and SettingsError for paths that there are not.
+    `asked`: auto, or default for WebGPU's default limits and no optional feature. AIRLIGHT_PATHS
+    and AIRLIGHT_LIMITS where they are None. Opened once per process, adapter, paths and limits, and
+    again where the device was lost. Any thread may ask. Raises DeviceError, also in a process that
+    was forked from one that had used the driver, and SettingsError for words that there are not.
     """
     enter_driver()
     with _OPENING:
@@ -264,7 +236,7 @@ def open_gpu(wanted: str = "auto", paths: str | None = None) -> Gpu:
             del _opened[dead]
             _found.clear()  # a driver that was reset may have others
         info = choose(adapters(), wanted or "auto")
-        key = (info, chosen_paths(paths, is_cpu=info.is_cpu))
+        key = (info, chosen_paths(paths, is_cpu=info.is_cpu), chosen_asked(asked))
         if key not in _opened:
             _opened[key] = Gpu(*key)
         return _opened[key]

@@ -180,6 +180,37 @@ class Buffer(_Counted):
             return np.frombuffer(self.gpu.queue.read_buffer(self.handle), dtype)
 
 
+class BufferPart(Buffer):
+    """A run of a buffer's bytes, bound as a buffer of its own; the whole is another's to release.
+
+    Stages bind few buffers: where one pass reads what several write, it binds the whole.
+    """
+
+    ALIGNMENT = 256
+    """Bytes: at multiples of it a part may begin on every device."""
+
+    def __init__(self, whole: Buffer, offset: int, nbytes: int) -> None:
+        self.gpu, self.label, self.handle = whole.gpu, whole.label, whole.handle
+        self._offset, self.nbytes = offset, nbytes
+        self.resource = {"buffer": self.handle, "offset": offset, "size": nbytes}
+
+    def write(self, data: NDArray[Any], offset: int = 0) -> None:
+        """As `Buffer.write`; `offset` within the part."""
+        super().write(data, self._offset + offset)
+
+    def read(self, dtype: Any = np.float32) -> NDArray[Any]:
+        """As `Buffer.read`."""
+        with self.gpu.guarded():
+            raw = self.gpu.queue.read_buffer(self.handle, self._offset, self.nbytes)
+        return np.frombuffer(raw, dtype)
+
+    def release(self) -> None:
+        """Nothing: it has no memory of its own."""
+
+    def __del__(self) -> None:
+        pass
+
+
 def buffer_of(gpu: Gpu, label: str, data: NDArray[Any], **usage: bool) -> Buffer:
     """A buffer that holds `data`."""
     made = Buffer(gpu, label, data.nbytes, **usage)

@@ -9,6 +9,7 @@ from .bindings import Bindings
 from .carried import MOST_WORDS, Carried, carried, first_elements
 from .commands import Commands
 from .compute import shader_path
+from .demands import check_slots, check_targets, compiled
 from .device import Gpu
 from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
@@ -53,6 +54,8 @@ class RasterPipeline:
             on_device(slots, gpu) for slots in (self.slots, self.second_slots)
         )
         self.targets_used = self.targets if targets is None else targets
+        check_slots(gpu, self.label, (*self._slots, *self._second))
+        check_targets(gpu, self.label, self.targets_used)
         text = shader_path(type(self)).read_text()
         self._entry = self.fragment_entry
         if self.vertex_entry == "fullscreen":
@@ -69,8 +72,12 @@ class RasterPipeline:
         fixed = (self.label, constants, primitive, self._depth_state(), self.targets_used,
                  self.blend, self.blended, self.vertex_buffers, self.vertex_entry, self._entry,
                  layouts)  # fmt: skip
+
+        def compile() -> Any:
+            return self._compiled(source, constants or {}, primitive)
+
         self.pipeline: Any = gpu.pipelines.get(
-            source.text, fixed, lambda: self._compiled(source, constants or {}, primitive)
+            source.text, fixed, lambda: compiled(gpu, self.label, compile)
         )
 
     def _compiled(

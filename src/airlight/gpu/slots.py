@@ -47,7 +47,7 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
     """The same slots for a device: images as it filters them, uniforms as it reads them."""
     made = tuple(_filtered(slot, gpu.filtered) for slot in slots)
-    return on_software(made) if gpu.takes_cpu_paths else made
+    return on_software(made) if gpu.has_uniforms_in_storage else made
 
 
 def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:

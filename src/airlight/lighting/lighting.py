@@ -6,7 +6,7 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
@@ -62,17 +62,31 @@ fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
 _LISTS = (
     storage("found", "atomic<u32>", "read_write"), storage("listed", "vec4u", "read_write"),
 )  # fmt: skip
+_LIT = """
+fn lit_of(pixel: vec2u) -> vec4f { return picture_texel(lit, pixel); }
+"""
+_NOT_LIT = """
+fn lit_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
+"""
+# A stage binds sixteen textures at least: what a part does not draw is not in it.
+_NO_LIGHTS = """
+fn background(direction: vec3f) -> vec3f { return vec3f(0.0); }
+fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f { return vec3f(0.0); }
+"""
+_NO_LATTICES = """
+fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered {
+    return Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);
+}
+"""
 
 
 # What single lights and lattices are read from; nothing here goes from a light's view to the world,
 # and all that is asked of air is what it lets through.
 _AIR_FIRST = {"air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail",
                       "detail_bias")}  # fmt: skip
-_LIGHTS_FIRST: dict[str, tuple[str, ...]] = {
-    "lights": (), "parallel_views": ("world_from_clip",), "lattices": ()
-}  # fmt: skip
-_LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()} | _LIGHTS_FIRST
-Part = Literal["whole", "lights", "lattices", "placed"]
+_LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
+_LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
+Part = Literal["whole", "lights", "lattices", "placed", "rest"]
 PLACES = ("places", "place_sky", "place_returned")
 """What `Places` brings, by slot."""
 _PLACED = tuple(texture(name, "2d", "unfilterable-float") for name in PLACES)
@@ -80,7 +94,6 @@ _FROM_PLACES = "".join(
     f"fn {name}_of(pixel: vec2u) -> vec4f {{ return picture_texel({name}, pixel); }}\n"
     for name in PLACES
 )
-# WebGPU grants a stage no more than the 16 textures that the other parts read.
 _NO_PLACES = "".join(
     f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in PLACES
 )
@@ -112,36 +125,41 @@ class LightingParams(Struct):
     has_lattice = u32()
 
 
+_SURFACE_SLOTS = (
+    uniform("params", LightingParams),
+    texture("depth", "2d", "depth"),
+    texture("albedo", "2d", "unfilterable-float"),
+    texture("normal", "2d", "unfilterable-float"),
+    texture("emission", "2d", "unfilterable-float"),
+    sampler("picture_sampler", "non-filtering"),
+)
+_LIGHT_SLOTS = (
+    storage("lights", LightData),
+    storage("parallel_views", LightViewData),
+    storage("local_views", LightViewData),
+    texture("parallel_shadows", "2d-array", "depth"),
+    texture("local_shadows", "2d-array", "depth"),
+    sampler("shadow_compare", "comparison"),
+    texture("environment", "2d"),
+    sampler("environment_sampler"),
+)
+_LATTICE_SLOTS = (
+    storage("lattices", LatticeParams),
+    texture("near_texels", "2d", "uint"),
+    texture("sky_cube", "3d"),
+    texture("lattice_red", "3d"),
+    texture("lattice_green", "3d"),
+    texture("lattice_blue", "3d"),
+    texture("lattice_open_a", "3d"),
+    texture("lattice_open_b", "3d"),
+    texture("lattice_walls", "3d"),
+    sampler("linear_clamp"),
+)
+
+
 class Lighting(FullscreenPass):
     """G-buffer -> direct and indirect radiance, W m^-2 sr^-1."""
 
-    slots: ClassVar[tuple[Slot, ...]] = (
-        uniform("params", LightingParams),
-        storage("lattices", LatticeParams),
-        storage("lights", LightData),
-        storage("parallel_views", LightViewData),
-        storage("local_views", LightViewData),
-        texture("parallel_shadows", "2d-array", "depth"),
-        texture("local_shadows", "2d-array", "depth"),
-        sampler("shadow_compare", "comparison"),
-        texture("depth", "2d", "depth"),
-        texture("albedo", "2d", "unfilterable-float"),
-        texture("normal", "2d", "unfilterable-float"),
-        texture("emission", "2d", "unfilterable-float"),
-        texture("lit", "2d", "unfilterable-float"),
-        sampler("picture_sampler", "non-filtering"),
-        texture("near_texels", "2d", "uint"),
-        texture("environment", "2d"),
-        sampler("environment_sampler"),
-        texture("sky_cube", "3d"),
-        texture("lattice_red", "3d"),
-        texture("lattice_green", "3d"),
-        texture("lattice_blue", "3d"),
-        texture("lattice_open_a", "3d"),
-        texture("lattice_open_b", "3d"),
-        texture("lattice_walls", "3d"),
-        sampler("linear_clamp"),
-    )
     targets = ("rgba32float", "rgba32float")
 
     def __init__(
@@ -156,8 +174,9 @@ class Lighting(FullscreenPass):
         `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
         which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
         `is_one_lattice`: `lattices` has no other. `is_one_sun`: nor has `lights`, and it is a sun.
-        `part`: "lights" draws all but the lattices' light, into one target; "lattices" adds theirs
-        to what the slot `lit` has, and what near occluders send. `is_bouncing`: that the lattices'
+        `part`: "lights" draws all but the lattices' light, into one target; "rest" adds theirs to
+        what the slot `lit` has, and the two together are "whole"; "lattices" adds what near
+        occluders send as well. `is_bouncing`: that the lattices'
         light bounces between near surfaces, too. "placed" is "lattices" where `Places` brings
         where the only lattice is looked up, and the sky's light.
         `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
@@ -165,35 +184,58 @@ class Lighting(FullscreenPass):
         `GlossyPixels` instead. `damping`: how strongly bounced light that falls off away from a
         surface is taken for a leak.
         """
-        lists = _LISTS if is_listed else ()
+        has_lights, has_lattices = part in ("whole", "lights"), part != "lights"
         has_places = part == "placed"
-        beside = (*(_PLACED if has_places else ()), *(air.slots if air else ()), *lists)
-        self.slots = (*type(self).slots, *beside)  # type: ignore[misc]
-        is_box = air is not None and air.is_one_box
-        through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
-        firsts = _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
-        constants = {"HAS_OCCLUSION": float(is_occluded),
-                     "HAS_GLOSS": float(is_glossy and not lists),
-                     "DAMPING": damping, "HAS_SURFACES": float(has_surfaces),
-                     "HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
-                     "HAS_SKY": float(has_sky and not has_places),
-                     "HAS_PLACES": float(has_places),
-                     "HAS_LIGHTS": float(part in ("whole", "lights")),
-                     "HAS_LATTICES": float(part != "lights"), "RETURNED": float(is_bouncing),
-                     "IS_ONE_LATTICE": float(is_one_lattice),
-                     "IS_ONE_SUN": float(is_one_sun),
+        self.slots = lighting_slots(part, air, is_listed=is_listed)  # type: ignore[misc]
+        self.names = [slot.name for slot in self.slots]
+        constants = {"HAS_SURFACES": float(has_surfaces), "HAS_LIGHTS": float(has_lights),
+                     "HAS_LATTICES": float(has_lattices),
                      "IS_SAMPLED": float(gpu.takes_cpu_paths)}  # fmt: skip
-        generated = (
-            (air.wgsl if air else "")
-            + through
-            + (APART + _LISTED if lists else NOT_APART + _NOT_LISTED)
-            + (_FROM_PLACES if has_places else _NO_PLACES)
-        )
+        firsts: dict[str, tuple[str, ...]] = {}
+        generated = _NOT_LIT if has_lights else _LIT
+        if has_lattices:
+            firsts |= _LATTICES_FIRST
+            constants |= {"HAS_OCCLUSION": float(is_occluded),
+                          "HAS_GLOSS": float(is_glossy and not is_listed), "DAMPING": damping,
+                          "HAS_SKY": float(has_sky and not has_places),
+                          "HAS_PLACES": float(has_places), "RETURNED": float(is_bouncing),
+                          "HAS_NEAR_LIGHT": float(part in ("lattices", "placed")),
+                          "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
+            generated += (
+                (APART + _LISTED if is_listed else NOT_APART + _NOT_LISTED)
+                + (_FROM_PLACES if has_places else _NO_PLACES)
+                + "//! use lattices_light\n"
+            )
+        else:
+            generated += _NOT_LISTED + _NO_LATTICES
+        if has_lights:
+            is_box = air is not None and air.is_one_box
+            firsts |= _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
+            constants |= {"HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
+                          "IS_ONE_SUN": float(is_one_sun)}  # fmt: skip
+            through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
+            generated += (air.wgsl if air else "") + through + "//! use direct_light\n"
+        else:
+            generated += _NO_LIGHTS
         super().__init__(
-            gpu, generated=generated, constants=constants,
-            firsts=firsts if part == "lights" else _LATTICES_FIRST | firsts,
-            targets=self.targets[:1] if part == "lights" else None,
+            gpu, generated=generated, constants=constants, firsts=firsts,
+            targets=None if has_lattices else self.targets[:1],
         )  # fmt: skip
+
+
+def lighting_slots(
+    part: Part, air: Attenuation | None = None, *, is_listed: bool = False
+) -> tuple[Slot, ...]:
+    """What a part of lighting binds, see `Lighting`."""
+    is_after = part in ("lattices", "placed", "rest")
+    return (
+        *_SURFACE_SLOTS,
+        *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
+        *(() if part == "lights" else _LATTICE_SLOTS),
+        *(_PLACED if part == "placed" else ()),
+        *(() if is_after else (*_LIGHT_SLOTS, *(air.slots if air else ()))),
+        *(_LISTS if is_listed and part != "lights" else ()),
+    )
 
 
 class RadianceLayers:

@@ -10,13 +10,14 @@ from __future__ import annotations
 from typing import Any
 
 from ..gpu.commands import Commands
+from ..gpu.demands import fits
 from ..gpu.memory import linear_sampler, nearest_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
 from .kit import Kit
-from .lighting import Attenuation, Lighting, LightingParams, Part
+from .lighting import Attenuation, Lighting, LightingParams, Part, lighting_slots
 from .occlusion import Occlusion
 from .places import Places, can_keep
 from .view import View
@@ -34,6 +35,8 @@ class Surfaces:
         self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
             mesh.material for mesh in scene.meshes
         )
+        # Devices bind so many textures at once, and every volume brings its own.
+        self._is_whole = fits(kit.gpu, lighting_slots("whole", air))
         self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
 
     def draw(
@@ -54,6 +57,9 @@ class Surfaces:
                 self._occlude(commands, view, has_light=has_near_light)
         with commands.stage("lighting"):
             part: Part = "lattices" if has_near_light else "whole"
+            if part == "whole" and not self._is_whole:
+                self._light(commands, view, "lights", irradiance, sky)
+                part = "rest"
             self._light(commands, view, part, irradiance, sky)
 
     def _has_near_light(self, irradiance: Irradiance) -> bool:
@@ -91,13 +97,14 @@ class Surfaces:
             placed = self._places.encode(commands, view.size, key, values)
             part, values = ("placed", values | placed) if placed else (part, values)
         lighting = self._lighting_of(part, irradiance)
+        drawn = {name: values[name] for name in lighting.names if name in values}
         if self.glossy is None or part == "lights":
             targets = (layers.lit,) if part == "lights" else layers.targets
-            lighting.draw(commands, targets, **values)
+            lighting.draw(commands, targets, **drawn)
             return
         # What glossy pixels mirror is added to them alone.
         listed = self.glossy.empty(commands, view.size)
-        lighting.draw(commands, layers.targets, **values, **listed)
+        lighting.draw(commands, layers.targets, **drawn, **listed)
         self.glossy.encode(commands, layers.targets, values)
 
     def _bound(
@@ -113,7 +120,7 @@ class Surfaces:
             "params": params, **irradiance.bound, **lights.bound,
             **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
             "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
-            "lit": view.layers.lit if part == "lattices" else g.albedo,
+            **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
             "picture_sampler": self._nearest, "sky_cube": sky.cube,
             **self.kit.blockers.bound, "linear_clamp": self._linear,
         }  # fmt: skip

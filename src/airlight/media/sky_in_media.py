@@ -35,6 +35,7 @@ from .gpu_media import GpuMedia
 
 COLUMN_TEXELS = 16
 """Along a density grid's columns towards each sky light."""
+_LIMIT = "max-storage-textures-per-shader-stage"
 _LARGEST = 1000.0  # what the whole sky's irradiance becomes; half floats go to 65504
 
 
@@ -45,10 +46,16 @@ class SkyInMediaParams(Struct):
     scale = f32("stored units per W m^-2")
 
 
+_WRITTEN = {"sky_media_bands": ("red", "green", "blue", "mean"), "sky_media_sides": ("cube", "third")}
+"""By the library that writes them: what marching reads of each channel, and the rest."""
+
+
 class _SkyInMedia(ComputePass):
     workgroup = (8, 8, 4)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, air: GpuMedia, written: Sequence[str]) -> None:
+        """`written`: keys of _WRITTEN."""
+        self.images = [name for library in written for name in _WRITTEN[library]]
         self.slots = (  # type: ignore[misc]
             uniform("params", SkyInMediaParams),
             uniform("lattice", LatticeParams),
@@ -58,14 +65,16 @@ class _SkyInMedia(ComputePass):
             sampler("compare", "comparison"),
             texture("lattice_walls", "3d"),
             *air.slots,
-            image("red", FILTERED, "3d"),
-            image("green", FILTERED, "3d"),
-            image("blue", FILTERED, "3d"),
-            image("cube", FILTERED, "3d"),
-            image("mean", FILTERED, "3d"),
-            image("third", FILTERED, "3d"),
+            *(image(name, FILTERED, "3d") for name in self.images),
         )
-        super().__init__(gpu, generated=air.wgsl)
+        stores = [f"    store_{library}(texel, light);\n" for library in written]
+        super().__init__(
+            gpu,
+            generated=air.wgsl
+            + "".join(f"//! use {library}\n" for library in written)
+            + "fn store(texel: vec3u, light: SkyLight) {\n"
+            + "".join(stores) + "}\n",
+        )  # fmt: skip
 
 
 class SkyInMedia:
@@ -87,7 +96,10 @@ class SkyInMedia:
             column_resolution=COLUMN_TEXELS, solved=solved,
         )  # fmt: skip
         self.scale = 1.0
-        self._pass = _SkyInMedia(gpu, self.air)
+        # Where a pass writes fewer textures than there are, two find the same light.
+        is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
+        parts = [tuple(_WRITTEN)] if is_once else [(library,) for library in _WRITTEN]
+        self._passes = [_SkyInMedia(gpu, self.air, part) for part in parts]
         count = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
         self._compare = comparison_sampler(gpu)
@@ -127,14 +139,14 @@ class SkyInMedia:
         self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
         self._lights.write(table)
         for level in stale:
-            self._pass.dispatch(
-                commands, level.count,
-                params=SkyInMediaParams(light_count=len(self.sky.lights), scale=self.scale),
-                lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
-                depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
-                red=self.red, green=self.green, blue=self.blue, cube=self.cube,
-                mean=self.mean, third=self.third, **self.air.bound,
-            )  # fmt: skip
+            for part in self._passes:
+                part.dispatch(
+                    commands, level.count,
+                    params=SkyInMediaParams(light_count=len(self.sky.lights), scale=self.scale),
+                    lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
+                    depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
+                    **{name: getattr(self, name) for name in part.images}, **self.air.bound,
+                )  # fmt: skip
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
         """For marching; `walls` as Blockers.bound, `finer` as LatticeSource."""

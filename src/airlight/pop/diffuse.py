@@ -50,20 +50,19 @@ class _System(_OfCells):
 
 
 class _Begin(_OfCells):
-    """r = b, z = b/diagonal, phi = 0, p = 0; sums r.z."""
+    """r = b, z = b/diagonal, phi = 0; sums r.z."""
 
     own_slots = (
         _params, _density, _links, storage("deposits", "vec4f"),
         storage("residual", "vec4f", "read_write"),
-        storage("z", "vec4f", "read_write"), storage("before", "vec4f", "read_write"),
-        storage("phi", "vec4f", "read_write"), _sums,
+        storage("z", "vec4f", "read_write"), storage("phi", "vec4f", "read_write"), _sums,
     )  # fmt: skip
     workgroup = (GROUP, 1, 1)
     file = "diffuse_begin.wgsl"
 
 
 class _Search(ComputePass):
-    """p = z + beta p, and A p; sums p.Ap."""
+    """p = z + beta p (z in the first step), and A p; sums p.Ap."""
 
     slots = (
         _params, _links, uniform("iteration", StepParams), storage("z", "vec4f"),
@@ -129,7 +128,7 @@ class Diffuse:
         common = {"params": params, "links": self._links, "sums": self._sums, "z": v["z"]}
         self._begin.dispatch(
             commands, cells, **common, density=density, deposits=self.deposits,
-            residual=v["residual"], before=v["search 0"], phi=v["phi"],
+            residual=v["residual"], phi=v["phi"],
             **self._mix.cell_bound,
         )  # fmt: skip
         for step in range(steps):

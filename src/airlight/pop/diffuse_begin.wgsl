@@ -35,7 +35,6 @@ fn source(index: u32) -> vec3f {
         let scaled = b / links[id.x].xyz;
         residual[id.x] = vec4f(b, 0.0);
         z[id.x] = vec4f(scaled, 0.0);
-        before[id.x] = vec4f(0.0);
         phi[id.x] = vec4f(0.0);
         product = b * scaled;
     }

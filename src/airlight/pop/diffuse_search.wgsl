@@ -1,8 +1,9 @@
 //! use medium_grid
 //! use partial_sums
 
+// In the first step `before` is of another solve.
 fn searched(index: u32, beta: vec3f) -> vec3f {
-    return z[index].xyz + beta * before[index].xyz;
+    return z[index].xyz + select(beta * before[index].xyz, vec3f(0.0), iteration.step == 0u);
 }
 
 // What the neighbours above and below along one axis take off A p; links are 0 across the border.

@@ -8,7 +8,7 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, vec3f
-from ..gpu.memory import Buffer, Texture
+from ..gpu.memory import Buffer, BufferPart, Texture
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..maths.transforms import F64
 from .mixture import Mix
@@ -43,8 +43,7 @@ class _Emission(_OfBeams):
         storage("reach", "u32"),
         texture("sky_gain"),
         sampler("sky_sampler"),
-        storage("corrections", "vec4f"),
-        storage("bounced", "vec4f"),
+        storage("refined", "vec4f"),
         image("emission", "rgba16float", "3d"),
     )
     workgroup = (64, 1, 1)
@@ -71,9 +70,12 @@ class Emission:
         self.texture = Texture(
             gpu, "emission", placement.count, "rgba16float", dimension="3d", written=True
         )
-        self.corrections = Buffer(gpu, "furnace corrections", 16 * placement.cells)
-        # What surfaces reflect into the medium; 0 until `Bounce` says otherwise.
-        self.bounced = Buffer(gpu, "bounced light", 16 * placement.cells)
+        # Furnace corrections, and what surfaces reflect into the medium: 0 until `Bounce` says
+        # otherwise. One buffer, since stages bind eight at least, and no more on some devices.
+        nbytes = -(-16 * placement.cells // BufferPart.ALIGNMENT) * BufferPart.ALIGNMENT
+        self._refined = Buffer(gpu, "furnace corrections and bounced light", 2 * nbytes)
+        self.corrections = BufferPart(self._refined, 0, 16 * placement.cells)
+        self.bounced = BufferPart(self._refined, nbytes, 16 * placement.cells)
         self._emission = _Emission(gpu, mix, has_blocks=True)
         self._furnace = _Furnace(gpu, mix, has_blocks=False)
 
@@ -85,7 +87,7 @@ class Emission:
         self._emission.dispatch(
             commands, (self.cells,), params=params,
             **seen_by(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
-            corrections=self.corrections, bounced=self.bounced, emission=self.texture,
+            refined=self._refined, emission=self.texture,
             **self._mix.beam_bound,
         )  # fmt: skip
 
@@ -103,8 +105,7 @@ class Emission:
     def release(self) -> None:
         """Give the memory back."""
         self.texture.release()
-        self.corrections.release()
-        self.bounced.release()
+        self._refined.release()
 
 
 def seen_by(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 //! use beam_emission
 //! use sky_gain
 
+// `refined`: furnace corrections of all cells, then what surfaces reflect into them.
+
 const HALF_MAX = 65504.0;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -17,9 +19,10 @@ const HALF_MAX = 65504.0;
     let light = beam_emission(id.x, travel);
     var scattered = light.quasi_forward + diffuse_emission(id.x, travel, light);
     if (view.correction > 0.0) {
-        scattered *= pow(corrections[id.x].rgb, vec3f(view.correction));
+        scattered *= pow(refined[id.x].rgb, vec3f(view.correction));
     }
     let once = light.beams + light.sky * sky_gain_towards(travel);
-    let all = once + scattered + bounced[id.x].rgb;
+    let bounced = refined[arrayLength(&refined) / 2u + id.x].rgb;
+    let all = once + scattered + bounced;
     textureStore(emission, cell, vec4f(min(all, vec3f(HALF_MAX)), 1.0));
 }

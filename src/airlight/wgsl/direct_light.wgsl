@@ -1,0 +1,71 @@
+// What lamps, suns and the background send, and how much of it arrives. The including pass binds the
+// lights with their shadow maps and the environment, and declares `light_passed`.
+//! use lights
+//! use shadow
+//! use surface_reflection
+
+override HAS_SUNS: bool = true;
+override HAS_LAMPS: bool = true;
+override IS_ONE_SUN: bool = false;      // the only light
+
+fn background(direction: vec3f) -> vec3f {
+    let u = atan2(direction.x, -direction.z) / (2.0 * PI)
+        + params.environment_rotation / (2.0 * PI);
+    let v = acos(clamp(direction.y, -1.0, 1.0)) / PI;
+    return textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0).rgb;
+}
+
+fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
+    if (IS_ONE_SUN) {
+        return lit_share(parallel_shadows, shadow_compare, first_parallel_views(), 0u, p, n,
+            in.to_light, 1.0);
+    }
+    let view = view_of(light, in.to_light);
+    if (HAS_SUNS && (!HAS_LAMPS || light.kind == LIGHT_DIRECTIONAL)) {
+        return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
+            in.to_light, 1.0);
+    }
+    return lit_share(local_shadows, shadow_compare, local_views[view], view, p, n, in.to_light,
+        in.distance);
+}
+
+fn light_at(i: u32) -> LightData {
+    if (IS_ONE_SUN) {
+        return first_lights();
+    }
+    return lights[i];
+}
+
+fn arriving_from(light: LightData, p: vec3f) -> Incoming {
+    if (!HAS_LAMPS) {
+        return Incoming(-light.direction, light.color, 1e30);
+    }
+    return incoming(light, p);
+}
+
+fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    if (!HAS_SUNS && !HAS_LAMPS) {
+        return sum;
+    }
+    // Software drivers run a loop's body once more than a test at its head would let them, and both
+    // sides of every branch: loops end with their test.
+    var i = 0u;
+    loop {
+        let light = light_at(i);
+        let in = arriving_from(light, p);
+        let cosine = dot(n, in.to_light);
+        if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
+            let lit = light_visibility(light, p, n, in);
+            if (lit > 0.0) {
+                let arriving = in.irradiance * light_passed(i, p) * cosine * lit;
+                sum += reflection(r, n, in.to_light, v) * arriving;
+            }
+        }
+        i++;
+        if (IS_ONE_SUN || i >= params.light_count) {
+            break;
+        }
+    }
+    return sum;
+}

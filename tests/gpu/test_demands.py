@@ -1,0 +1,93 @@
+"""Passes that a device cannot bind are one message with their names, before it is asked."""
+
+from __future__ import annotations
+
+import pytest
+import wgpu
+
+from airlight.errors import DeviceError
+from airlight.gpu.asked import DEFAULT_LIMITS
+from airlight.gpu.compute import ComputePass
+from airlight.gpu.demands import compiled, fits, slot_demands, target_bytes
+from airlight.gpu.device import open_gpu
+from airlight.gpu.layout import Struct, f32
+from airlight.gpu.raster import FullscreenPass
+from airlight.gpu.slots import image, sampler, storage, texture, uniform
+
+
+class Params(Struct):
+    x = f32()
+
+
+@pytest.fixture
+def plain(gpu):
+    return open_gpu(gpu.info.name, "gpu", "default")
+
+
+def test_bindings_are_counted_by_kind():
+    counts = slot_demands((
+        uniform("a", Params), storage("b", "f32"), storage("c", "f32", "read_write"),
+        texture("d"), sampler("e"), image("f", "rgba16float"),
+    ))  # fmt: skip
+    assert counts == {
+        "max-storage-buffers-per-shader-stage": 2, "max-uniform-buffers-per-shader-stage": 1,
+        "max-sampled-textures-per-shader-stage": 1, "max-samplers-per-shader-stage": 1,
+        "max-storage-textures-per-shader-stage": 1,
+        "max-dynamic-uniform-buffers-per-pipeline-layout": 1,
+        "max-dynamic-storage-buffers-per-pipeline-layout": 0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("formats", "nbytes"),
+    [(("rgba32float", "rgba32float"), 32), (("r8unorm", "r32float"), 8), (("rgba8unorm",), 8)],
+)
+def test_targets_are_counted_as_webgpu_does(formats, nbytes):
+    assert target_bytes(formats) == nbytes
+
+
+@pytest.mark.parametrize(
+    ("make", "limit"),
+    [
+        (lambda i: storage(f"s{i}", "f32"), "max-storage-buffers-per-shader-stage"),
+        (lambda i: texture(f"t{i}"), "max-sampled-textures-per-shader-stage"),
+        (lambda i: image(f"i{i}", "rgba16float"), "max-storage-textures-per-shader-stage"),
+        (lambda i: uniform(f"u{i}", Params), "max-dynamic-uniform-buffers-per-pipeline-layout"),
+    ],
+)
+def test_one_binding_too_many_names_pass_limit_and_remedy(plain, make, limit):
+    most = DEFAULT_LIMITS[limit]
+
+    class Greedy(ComputePass):
+        slots = tuple(make(i) for i in range(most + 1))
+
+    assert fits(plain, Greedy.slots[:-1]) and not fits(plain, Greedy.slots)
+    with pytest.raises(DeviceError) as caught:
+        Greedy(plain)
+    assert str(caught.value) == (
+        f"pass 'Greedy' needs {limit} = {most + 1}, {plain.info.name} has {most}. "
+        "Use another adapter or technique, or fewer volumes and kinds of lights"
+    )
+
+
+def test_workgroups_and_targets_too_large_are_named(plain):
+    class Wide(ComputePass):
+        slots = ()
+        workgroup = (16, 32, 1)
+
+    class Deep(FullscreenPass):
+        slots = ()
+        targets = ("rgba32float",) * 3
+
+    with pytest.raises(DeviceError, match="'Wide' needs max-compute-invocations-per-workgroup"):
+        Wide(plain)
+    with pytest.raises(DeviceError, match="'Deep' needs max-color-attachment-bytes-per-sample"):
+        Deep(plain)
+
+
+def test_a_drivers_refusal_names_the_pass(plain):
+    def refuse():
+        raise wgpu.GPUValidationError("too much\n  of it")
+
+    with pytest.raises(DeviceError, match="refuses the pass 'march': too much of it"):
+        compiled(plain, "march", refuse)
