@@ -46,7 +46,10 @@ class SkyInMediaParams(Struct):
     scale = f32("stored units per W m^-2")
 
 
-_WRITTEN = {"sky_media_bands": ("red", "green", "blue", "mean"), "sky_media_sides": ("cube", "third")}
+_WRITTEN = {
+    "sky_media_bands": ("red", "green", "blue", "mean"),
+    "sky_media_sides": ("cube", "third"),
+}
 """By the library that writes them: what marching reads of each channel, and the rest."""
 
 
