@@ -17,34 +17,12 @@ import numpy as np
 import pytest
 
 from airlight.app.cli import run
-from airlight.app.view_browser import PAGE, believed, link_to, say_where
+from airlight.app.view_browser import PAGE, link_to, say_where
 from airlight.app.view_guard import bound_socket
 
 SCENE = Path(__file__).with_name("view_box.toml")
 SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
                           "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
-
-
-def test_events_are_believed_within_reason():
-    move = {"type": "pointer_move", "x": 1, "y": 2}
-    assert believed(move) is move
-    huge = {"type": "resize", "pwidth": 10**9, "pheight": 5, "ratio": 2}
-    assert believed(huge) == {**huge, "pwidth": 4096, "ratio": 2.0}
-
-
-@pytest.mark.parametrize(
-    "event",
-    [
-        {"type": "close"}, {"type": "_clients_change", "ids": [9]}, {"type": 3}, {}, 7, None, [],
-        {"type": "resize"},
-        {"type": "resize", "pwidth": 0, "pheight": 300, "ratio": 1},
-        {"type": "resize", "pwidth": "many", "pheight": 300, "ratio": 1},
-        {"type": "resize", "pwidth": 9, "pheight": 9, "ratio": float("nan")},
-        {"type": "resize", "pwidth": float("inf"), "pheight": 9, "ratio": 1},
-    ],
-)  # fmt: skip
-def test_events_that_are_not(event):
-    assert believed(event) is None
 
 
 def test_the_link_carries_the_token():

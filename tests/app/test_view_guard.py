@@ -8,6 +8,7 @@ import socket
 import pytest
 
 from airlight.app.view_guard import (
+    FOREIGN,
     LOOPBACK,
     REFUSAL,
     Guard,
@@ -20,7 +21,10 @@ from airlight.errors import AirlightError
 TOKEN = "s3cret-token"
 
 
-def ask(path: str, kind: str = "http", method: str = "GET") -> tuple[list[dict], list[str]]:
+def ask(
+    path: str, kind: str = "http", method: str = "GET", *, listen: str = "",
+    headers: tuple[tuple[bytes, bytes], ...] = ((b"host", b"127.0.0.1:8900"),),
+) -> tuple[list[dict], list[str]]:  # fmt: skip
     """What was sent back, and the paths that came through."""
     sent: list[dict] = []
     through: list[str] = []
@@ -32,8 +36,8 @@ def ask(path: str, kind: str = "http", method: str = "GET") -> tuple[list[dict],
     async def send(message):
         sent.append(message)
 
-    scope = {"type": kind, "path": path, "method": method}
-    asyncio.run(Guard(app, TOKEN)(scope, None, send))
+    scope = {"type": kind, "path": path, "method": method, "headers": headers}
+    asyncio.run(Guard(app, TOKEN, listen)(scope, None, send))
     return sent, through
 
 
@@ -61,6 +65,52 @@ def test_the_bare_token_is_led_to_its_folder():
     assert through == []
     assert sent[0]["status"] == 308
     assert (b"location", f"/{TOKEN}/".encode()) in sent[0]["headers"]
+
+
+def headers_of(*given: str) -> tuple[tuple[bytes, bytes], ...]:
+    pairs = (text.split(" ", 1) for text in given)
+    return tuple((name.encode(), value.encode("latin-1")) for name, value in pairs)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        ["host localhost:8900"], ["host 127.0.0.1"], ["host [::1]:8900"], ["host LocalHost:9000"],
+        ["host localhost:8900", "origin http://localhost:8900"],
+        ["host localhost", "origin https://localhost"],
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+def test_the_viewers_own_page_comes_through(given, kind):
+    assert ask(f"/{TOKEN}/", kind, headers=headers_of(*given))[1] == ["/"]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        [], ["host evil.example:8900"], ["host localhost.evil.example"], ["host 10.0.0.7:8900"],
+        ["host localhost", "host evil.example"], ["host evil.example@localhost"], ["host "],
+        ["host localhost:8900", "origin http://evil.example"],
+        ["host localhost:8900", "origin http://localhost:9999"],
+        ["host localhost:8900", "origin null"], ["host [::1"], ["host localhost:8900/"],
+        ["host localhost", "origin http://localhost", "origin http://evil.example"],
+    ],
+)  # fmt: skip
+def test_other_names_and_other_sites_pages_do_not(given):
+    sent, through = ask(f"/{TOKEN}/", headers=headers_of(*given))
+    assert through == []
+    assert (sent[0]["status"], sent[1]["body"].decode()) == (403, FOREIGN)
+    closed, through = ask(f"/{TOKEN}/", "websocket", headers=headers_of(*given))
+    assert through == []
+    assert [message["type"] for message in closed] == ["websocket.close"]
+
+
+def test_served_to_others_it_has_addresses_and_the_machines_names():
+    name = socket.gethostname().lower()
+    for host in ("192.0.2.7:8900", "[2001:db8::1]:8900", name, f"{name}.local:8900", "localhost"):
+        assert ask(f"/{TOKEN}/", headers=headers_of(f"host {host}"), listen="0.0.0.0")[1] == ["/"]
+    for host in ("evil.example", f"{name}.evil.example"):
+        assert ask(f"/{TOKEN}/", headers=headers_of(f"host {host}"), listen="0.0.0.0")[1] == []
 
 
 def test_only_reading_is_allowed():

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from airlight.app.view_quality import SETTLE_S, Quality
+import numpy as np
+import pytest
+
+from airlight.app.view_quality import SETTLE_S, Plan, Quality
 
 FULL = (800, 450)
 
@@ -104,10 +107,39 @@ def test_stills_that_would_block_the_window_are_smaller():
         quality.took(1400.0 * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
     assert plans[0].size == plans[1].size == FULL
     assert plans[2].size == (400, 225)
-    assert [plan.sample for plan in plans[2:]] == [*range(8), None, None, None, None]
+    assert [plan.sample for plan in plans[2:]] == [*range(8), *range(4)]
+    assert {plan.size for plan in plans[2:10]} == {(400, 225)}
+    assert {plan.size for plan in plans[10:]} == {FULL}  # in the end, however long it takes
     quality.plan(8.0, FULL, changed=True)
     assert quality.plan(8.5, FULL, changed=False).size == (500, 281)  # perhaps it goes now
     assert quality.plan(9.0, (200, 100), changed=False).size == (200, 100)  # a new window, a try
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_a_view_at_rest_ends_at_full_size(seed):
+    """Whatever frames took, whenever it moved, and whoever was at work before."""
+    rng = np.random.default_rng(seed)
+    quality, now = Quality(is_cpu=bool(seed % 2), samples=int(rng.integers(1, 9))), 0.0
+    for _ in range(int(rng.integers(0, 80))):
+        now += float(rng.choice([0.01, 0.1, 0.5]))
+        full = FULL if rng.random() < 0.97 else (300, 200)
+        plan = quality.plan(
+            now, full, changed=bool(rng.random() < 0.3), is_busy=bool(rng.random() < 0.2)
+        )
+        if plan.sample is not None:
+            quality.took(float(10.0 ** rng.uniform(0.0, 4.5)), plan)
+    quality.plan(now, FULL, changed=True)  # and from now on nothing moves
+    plans, now = [], now + SETTLE_S
+    for _ in range(120):
+        now += 0.1
+        plans.append(quality.plan(now, FULL, changed=False))
+        if plans[-1].sample is not None:
+            quality.took(float(10.0 ** rng.uniform(0.0, 4.5)), plans[-1])
+        assert quality.share < 1.0 or plans[-1].size == FULL
+    assert plans[-1] == Plan(FULL, None)
+    assert quality.share == 1.0
+    drawn = [plan for plan in plans if plan.sample is not None]
+    assert [plan.sample for plan in drawn[-quality.samples :]] == list(range(quality.samples))
 
 
 def test_slow_stills_do_not_make_moving_coarser():

@@ -13,12 +13,11 @@ import click
 
 from .view_canvas import CanvasView, close_on_signals, missing
 from .view_guard import Guard, bound_socket, is_loopback, new_token
+from .view_messages import believed
 from .view_session import Session
 
-_LARGEST_SIDE_PX = 4096
 _LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
 _SERVER = 0  # the id of what the server itself says; browsers count from 1
-_SERVERS_OWN = ("close", "_clients_change")  # a tab that closes must not end the session
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -77,7 +76,7 @@ def serve(
     http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
     config = uvicorn.Config(
-        Guard(http.asgi, token), log_level="error", lifespan="on",
+        Guard(http.asgi, token, listen), log_level="error", lifespan="on",
         ws_max_size=_LARGEST_MESSAGE, timeout_graceful_shutdown=1, access_log=False,
     )  # fmt: skip
     server = uvicorn.Server(config)
@@ -127,27 +126,6 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
     canvas = GuardedCanvas(size=size, title=title, max_fps=30, update_mode="ondemand")
     canvas._size_info.set_physical_size(*size, 1.0)
     return canvas
-
-
-def believed(event: Any) -> dict[str, Any] | None:
-    """An event from a browser as far as it can be used, sizes within reason; else None."""
-    if not isinstance(event, dict) or not isinstance(event.get("type"), str):
-        return None
-    if event["type"] in _SERVERS_OWN:
-        return None
-    if event.get("type") != "resize":
-        return event
-    try:
-        width, height = (int(event[key]) for key in ("pwidth", "pheight"))
-        ratio = float(event["ratio"])
-    except (KeyError, TypeError, ValueError, OverflowError):
-        return None
-    if width < 1 or height < 1 or not 0.1 <= ratio <= 10.0:
-        return None  # a tab folded to nothing: the last size stays
-    return {
-        **event, "pwidth": min(width, _LARGEST_SIDE_PX), "pheight": min(height, _LARGEST_SIDE_PX),
-        "ratio": ratio,
-    }  # fmt: skip
 
 
 def link_to(bound: socket.socket, token: str) -> str:

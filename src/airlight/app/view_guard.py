@@ -1,12 +1,15 @@
 """Who may see the viewer that is served: whoever has the token, and on loopback only.
 
-The token is the first part of the path, so that everything the page asks for carries it.
+The token is the first part of the path, so that everything the page asks for carries it. A
+browser must have asked for this very machine (`Host`; a name that leads here by somebody's DNS is
+refused) and from the viewer's own page (`Origin`).
 """
 
 from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 import secrets
 import socket
 from collections.abc import Awaitable, Callable, MutableMapping
@@ -23,6 +26,10 @@ LOOPBACK = "127.0.0.1"
 REFUSAL = (
     "This is an airlight viewer, but the link lacks its token or has an old one. "
     "Open the link that `airlight view` printed last.\n"
+)
+FOREIGN = (
+    "This is an airlight viewer, but it was asked for under a name that is not this machine's, or "
+    "by another site's page. Open the link that `airlight view` printed.\n"
 )
 _HEADERS = [
     (b"cache-control", b"no-store"),
@@ -41,10 +48,13 @@ def new_token() -> str:
 
 
 class Guard:
-    """An ASGI application that lets only requests with the token through to `app`."""
+    """An ASGI application that lets only requests with the token through to `app`.
 
-    def __init__(self, app: App, token: str) -> None:
-        self.app, self.token = app, token
+    They must be for this machine, as `is_own` says of a host's name, and from its own page.
+    """
+
+    def __init__(self, app: App, token: str, listen: str = "") -> None:
+        self.app, self.token, self.listen = app, token, listen
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """Handle one connection."""
@@ -53,7 +63,9 @@ class Guard:
             return
         _, given, rest = (*str(scope["path"]).split("/", 2), "", "")[:3]
         if not hmac.compare_digest(given.encode(), self.token.encode()):
-            await _refuse(scope, send)
+            await _refuse(scope, send, REFUSAL)
+        elif not _is_from_own_page(scope, self.listen):
+            await _refuse(scope, send, FOREIGN)
         elif scope["type"] == "websocket":
             await self.app({**scope, "path": f"/{rest}"}, receive, send)
         elif scope.get("method") not in ("GET", "HEAD"):
@@ -64,11 +76,50 @@ class Guard:
             await self.app({**scope, "path": f"/{rest}"}, receive, _with_headers(send))
 
 
-async def _refuse(scope: Message, send: Send) -> None:
+async def _refuse(scope: Message, send: Send, text: str) -> None:
     if scope["type"] == "websocket":
-        await send({"type": "websocket.close", "code": _WRONG_TOKEN, "reason": "wrong token"})
+        reason = "wrong token" if text == REFUSAL else "another site's page"
+        await send({"type": "websocket.close", "code": _WRONG_TOKEN, "reason": reason})
     else:
-        await _answer(send, 403, REFUSAL)
+        await _answer(send, 403, text)
+
+
+def _is_from_own_page(scope: Message, listen: str) -> bool:
+    """Whether a request names one host, ours, and comes from no other site's page."""
+    headers = [(bytes(name).lower(), bytes(value)) for name, value in scope.get("headers", ())]
+    hosts = [value for name, value in headers if name == b"host"]
+    origins = [value for name, value in headers if name == b"origin"]
+    if len(hosts) != 1 or len(origins) > 1:
+        return False
+    host = hosts[0].decode("latin-1").lower()
+    if not is_own(_without_port(host), listen):
+        return False
+    return not origins or origins[0].decode("latin-1").lower() in (
+        f"http://{host}", f"https://{host}"
+    )  # fmt: skip
+
+
+def _without_port(host: str) -> str:
+    """The name or address in a Host header; empty where it is none."""
+    found = re.fullmatch(r"(?:\[([0-9a-f:.%]+)\]|([^:\[\]/@]+))(?::\d{1,5})?", host)
+    return (found[1] or found[2]) if found else ""
+
+
+def is_own(host: str, listen: str) -> bool:
+    """Whether a browser that asks for `host` means this machine, which serves on `listen`.
+
+    On loopback: localhost and loopback addresses, through a tunnel, too. Served to others: any
+    address in numbers, since no DNS is asked for one, and the names of this machine.
+    """
+    if host == "localhost" or is_loopback(host or "none"):
+        return True
+    if is_loopback(listen):
+        return False
+    try:
+        return bool(ipaddress.ip_address(host))
+    except ValueError:
+        name = socket.gethostname().lower()
+        return host in {name, f"{name}.local", socket.getfqdn().lower(), listen.lower()}
 
 
 async def _answer(send: Send, status: int, text: str, *headers: tuple[bytes, bytes]) -> None:

@@ -12,6 +12,7 @@ from ..scene.image import Image
 from ..scene.io import load
 from ..scene.scene import Scene
 from .view_canvas import CanvasView
+from .view_messages import believed
 from .view_session import Session
 
 _STILL_SAMPLES = 8
@@ -56,6 +57,11 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
     """A canvas of `rendercanvas.anywidget` with `session` on it and `still` behind it."""
 
     class LiveView(anywidget.AnywidgetRenderCanvas):  # type: ignore[misc]
+        def _rfb_handle_msg(self, widget: Any, content: Any, buffers: Any) -> None:
+            kept = content if content == {"type": "close"} else believed(content)
+            if kept is not None:
+                super()._rfb_handle_msg(widget, kept, buffers)
+
         def _repr_mimebundle_(self, **kwargs: Any) -> Any:
             bundle = super()._repr_mimebundle_(**kwargs)
             data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})

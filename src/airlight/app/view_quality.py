@@ -1,7 +1,8 @@
 """How finely the next picture is drawn: coarse while anything moves, finer and finer when still.
 
 Resolution follows the time that frames really took, so that a machine without a GPU stays above
-ten frames a second where it can, and answers within a moment while it refines.
+ten frames a second where it can, and answers within a moment while it refines. A view at rest ends
+at full resolution on every machine.
 """
 
 from __future__ import annotations
@@ -44,11 +45,13 @@ class Quality:
         self._done = 0
         self._still_size = (0, 0)
         self._was_moving = True
+        self._is_last = False  # whether the view at rest is drawn at full size, whatever it takes
 
     @property
     def share(self) -> float:
-        """How much of the refinement is done, 0 to 1."""
-        return self._done / self.samples
+        """How much of the refinement is done, 0 to 1; 1 only at full size."""
+        done = self._done / self.samples
+        return done if self._still_size == self._full else 0.5 * done
 
     def plan(
         self, now_s: float, full: tuple[int, int], *, changed: bool, is_busy: bool = False
@@ -59,15 +62,18 @@ class Quality:
         picture to be done before the next coarse one.
         """
         if full != self._full:
-            self._full, self.still_scale = full, 1.0
+            self._full, self.still_scale, self._is_last = full, 1.0, False
         if changed:
             self._changed_s = now_s
         if now_s - self._changed_s < SETTLE_S:
-            self._was_moving, self._done = True, 0
+            self._was_moving, self._done, self._is_last = True, 0, False
             return Plan(_reduced(full, self.scale), 0 if changed else None, is_moving=True)
         if self._was_moving and not is_busy:
             self.still_scale = _step_below(self.still_scale)  # the machine may have time again
-        full = _reduced(full, self.still_scale)
+            self._is_last = False
+        if self._done >= self.samples and self.still_scale > 1.0 and not is_busy:
+            self._is_last = True  # a coarse image is not where refinement ends
+        full = full if self._is_last else _reduced(full, self.still_scale)
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
         if self._was_moving or self._still_size != full:
@@ -83,7 +89,7 @@ class Quality:
         # One slow frame may be another program's doing, or a shader's first use.
         before, self._slow_ms = self._slow_ms, ms if ms > slow_ms else 0.0
         if not plan.is_moving:
-            if ms > slow_ms and before:
+            if ms > slow_ms and before and not self._is_last:
                 share = (min(ms, before) / _STILL_MS) ** 0.5
                 self._slow_ms, self.still_scale = 0.0, _step_above(self.still_scale * share)
         elif ms > slow_ms:
