@@ -201,13 +201,16 @@ def test_what_continuous_integration_calls_is_in_the_readme():
     assert all(f"{call} " in readme for call in calls)
 
 
-@pytest.mark.parametrize(("command", "extras"), [("fuzz", "test,vdb"), ("soak", "test")])
-def test_the_long_tests_are_commands(machine, command, extras):
+@pytest.mark.parametrize(
+    ("command", "module", "extras"),
+    [("fuzz", "fuzz", "test,vdb"), ("soak", "soak", "test"), ("gpu", "gpu_report", "test")],
+)
+def test_the_long_tests_are_commands(machine, command, module, extras):
     installed(machine, adapters=1)
     venv = machine.folder / ".venv"
     (venv / "airlight-installed-test").rename(venv / f"airlight-installed-{extras}")
     script = (venv / "bin" / "python").read_text()
-    told = f'  "-m {command}"*) echo "$PYTHONPATH: $*" ;;\nesac'
+    told = f'  "-m {module}"*) echo "$PYTHONPATH: $*" ;;\nesac'
     (venv / "bin" / "python").write_text(script.replace("esac", told))
     done = machine.run(command, "--minutes", "2")
-    assert done.stdout == f"tests: -m {command} --minutes 2\n", done.stderr
+    assert done.stdout == f"tests: -m {module} --minutes 2\n", done.stderr

@@ -14,6 +14,7 @@ import numpy as np
 from ..scene.lights import DirectionalLight, Light
 
 if TYPE_CHECKING:
+    from ..rendering import Renderer
     from ..scene.camera import Camera
     from ..scene.scene import Scene
 
@@ -67,11 +68,29 @@ def flown(camera: Camera, step: int) -> Camera:
     return dataclasses.replace(camera, position=(x, y, z), target=(ahead_x, ahead_y, ahead_z))
 
 
+def counted(renderer: Renderer) -> dict[str, dict[str, int]]:
+    """What the passes of one more frame bind and run, by stage: {passes, invocations, nbytes}.
+
+    Its camera and lights are moved, so that nothing is kept of the last.
+    """
+    from ..gpu.tally import Tally
+
+    scene, commands, tally = renderer.scene, renderer.commands, Tally()
+    with renderer.used():
+        commands.tally, commands.is_recordable = tally, False
+        try:
+            renderer.frame(lights=moved(scene.lights, 1), camera=flown(scene.camera, 1), read=False)
+        finally:
+            commands.tally, commands.is_recordable = None, True
+    return {name: dataclasses.asdict(count) for name, count in tally.stages.items()}
+
+
 def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, Any]:
     """Milliseconds per frame with the work finished on the device, its stages, and memory.
 
     {frame_ms, flying_ms, python_ms: spread; passes: {stage: median ms}; peak_gpu_bytes, lattice,
-    cells (of all cascades), ...}. The light moves; in `flying_ms` and `passes` the camera, too.
+    cells (of all cascades),
+    counts: as `counted`, ...}. The light moves; in `flying_ms` and `passes` the camera, too.
     Raises SettingsError, DeviceError.
     """
     from ..rendering import Renderer
@@ -95,6 +114,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             lights, camera = moved(scene.lights, -step), flown(scene.camera, -step)
             renderer.scene = dataclasses.replace(renderer.scene, lights=lights, camera=camera)
             timed.append(renderer.timed_passes())
+        counts = counted(renderer)
         stats = renderer.stats()
         lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
         return {
@@ -108,6 +128,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             "frame_ms": spread(still_ms),
             "flying_ms": spread(renderer.frame_ms[frames:]),
             "python_ms": spread(python_ms),
+            "counts": counts,
             "passes": {
                 name: float(statistics.median(passes[name] for passes in timed))
                 for name in timed[0]

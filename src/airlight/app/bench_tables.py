@@ -50,7 +50,7 @@ def heading(results: Mapping[str, Any]) -> str:
 
 def markdown(results: Mapping[str, Any]) -> str:
     """All tables for a page."""
-    parts = [heading(results), *(_markdown(table) for table in tables(results))]
+    parts = [heading(results), *(table_markdown(table) for table in tables(results))]
     return "\n\n".join(parts) + "\n"
 
 
@@ -71,7 +71,9 @@ def show(results: Mapping[str, Any], console: Console) -> None:
         console.print(drawn)
 
 
-def _markdown(table: Table) -> str:
+def table_markdown(table: Table) -> str:
+    """For a page."""
+
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cells) + " |"
 

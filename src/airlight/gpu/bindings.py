@@ -28,6 +28,8 @@ class Bindings:
         if values.keys() != self._names:
             missing, unknown = self._names - values.keys(), values.keys() - self._names
             raise TypeError(f"{self.label}: missing {sorted(missing)}, unknown {sorted(unknown)}")
+        if commands.tally is not None:
+            commands.tally.bound(commands.stage_name, (values[name] for name in self.fixed))
         offsets = [commands.put(values[name]) for name in self.dynamic]
         resources = [values[name] for name in self.fixed]
         key = (id(commands), *map(id, resources))

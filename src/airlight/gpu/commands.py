@@ -17,6 +17,7 @@ import wgpu
 from .device import Gpu
 from .layout import Struct
 from .recorded import Dispatch
+from .tally import Tally
 
 _ALIGNMENT = 256  # of dynamic uniform offsets, WebGPU's default limit
 _ARENA_BYTES = 1 << 20
@@ -44,6 +45,7 @@ class Commands:
         self._encoder: Any = None
         self._compute: Any = None
         self.stage_ms: dict[str, float] = {}
+        self.tally: Tally | None = None  # where passes are counted; recordings are not
         self.is_timed = False
         self._stage = ""
         self._clock = _Timestamps(gpu) if "timestamp-query" in gpu.features else None
@@ -147,6 +149,11 @@ class Commands:
                 spent_ms = (time.perf_counter() - begin) * 1e3
                 self.stage_ms[name] = self.stage_ms.get(name, 0.0) + spent_ms
             self._stage = outer
+
+    @property
+    def stage_name(self) -> str:
+        """The stage that is being encoded."""
+        return self._stage or "other"
 
     def collect_timestamps(self) -> None:
         """Add the last submit's timestamp queries to `stage_ms`; waits for the device."""

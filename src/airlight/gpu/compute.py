@@ -7,6 +7,7 @@ and the workgroup constants WX, WY, WZ are generated from the class.
 from __future__ import annotations
 
 import inspect
+from math import prod
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -70,6 +71,8 @@ class ComputePass:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
         groups = self._groups.get(invocations) or self._grouped(invocations)
         self._ready(commands, values).dispatch_workgroups(*groups)
+        if commands.tally is not None:
+            commands.tally.ran(commands.stage_name, prod(groups) * prod(self.workgroup))
         if commands.recording is not None:
             commands.recording.append(Dispatch(self.pipeline, self.bindings, values, groups))
 

@@ -158,6 +158,10 @@ class FullscreenPass(RasterPipeline):
         """
         kept = len(targets) if self.gpu.takes_cpu_paths else self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
+        if commands.tally is not None:
+            width, height = getattr(targets[0], "size", (0, 0))[:2]
+            commands.tally.ran(commands.stage_name, width * height)
+            commands.tally.bound(commands.stage_name, targets)
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)

@@ -125,6 +125,8 @@ class MeshPass:
         """
         if not draws:
             return
+        if commands.tally is not None:
+            self._count(commands, scene, draws)
         shared = {
             "params": params, "materials": scene.materials, **bound
         }  # fmt: skip
@@ -172,6 +174,16 @@ class MeshPass:
                 draw.index_count, draw.instance_count, draw.first_index, draw.base_vertex,
                 draw.first_instance,
             )  # fmt: skip
+
+    def _count(self, commands: Commands, scene: GpuScene, draws: list[Draw]) -> None:
+        """Vertices for invocations; what they are made of, beside what the pass binds."""
+        assert commands.tally is not None
+        read: list[Buffer] = []
+        for pipeline in {id(p): p for p in map(self._pipeline, draws)}.values():
+            read += (*pipeline.vertices_of(scene), pipeline.indices_of(scene))
+        commands.tally.bound(commands.stage_name, read)
+        vertices = sum(draw.index_count * draw.instance_count for draw in draws)
+        commands.tally.ran(commands.stage_name, vertices)
 
     def _pipeline(self, draw: Draw) -> MeshPipeline:
         is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
