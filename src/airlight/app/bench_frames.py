@@ -80,6 +80,8 @@ def counted(renderer: Renderer) -> dict[str, dict[str, int]]:
         commands.tally, commands.is_recordable = tally, False
         try:
             renderer.frame(lights=moved(scene.lights, 1), camera=flown(scene.camera, 1), read=False)
+            renderer.frame_ms.pop()
+            renderer.python_ms.pop()
         finally:
             commands.tally, commands.is_recordable = None, True
     return {name: dataclasses.asdict(count) for name, count in tally.stages.items()}
