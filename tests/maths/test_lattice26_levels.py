@@ -42,15 +42,6 @@ def test_mean_track_is_what_a_step_leaves():
     assert track[..., 0].sum() == pytest.approx(float(lattice26_levels.mean_track(0.7, 0.6)))
 
 
-def test_state_of_track_turns_a_step_around():
-    state = np.zeros((1, 5, 5, 5, 4))
-    state[0, 2, 2, 2] = [1.0, 0.3, -0.2, 0.1]
-    nothing = np.zeros((1, 5, 5, 5))
-    _, _, track = lattice26.half_linear_step(state, nothing, nothing, 0.6)
-    back = lattice26_levels.state_of_track(track, nothing, 0.6).sum(axis=(0, 1, 2, 3))
-    np.testing.assert_allclose(back, [1.0, 0.3, -0.2, 0.1], rtol=1e-12)
-
-
 def test_restriction_sums_and_prolongation_repeats_odd_sides_too():
     fine = np.random.default_rng(1).random((2, 3, 4, 5, 4))
     coarse = lattice26_levels.restricted(fine)

@@ -82,3 +82,8 @@ def test_ray_cone(half_deg: float) -> None:
 
     t0, t1 = medium.ray_cone_interval(o, d, apex, axis, cosine)
     assert_interval(t0, t1, o, d, inside)
+
+
+def test_ray_light_geometry() -> None:
+    h, t_eye = medium.ray_light_geometry([1.0, 2.0, 3.0], [0.0, 0.0, -1.0], [1.0, 5.0, -1.0])
+    assert (float(h), float(t_eye)) == (3.0, -4.0)

@@ -1,4 +1,4 @@
-"""Sequences, hashes and warps: evenness, exact bits, densities."""
+"""Sequences, hashes, noise and frames: evenness, exact bits, orthonormality."""
 
 import numpy as np
 import pytest
@@ -17,11 +17,6 @@ def test_fibonacci_sphere_is_even() -> None:
     assert nearest.min() > 0.75 * np.sqrt(4.0 * np.pi / 500)
 
 
-def test_halton_is_scipys() -> None:
-    expected = qmc.Halton(2, scramble=False).random(64)
-    np.testing.assert_allclose(sampling.halton(64, start=0), expected, atol=1e-12)
-
-
 def test_r2_has_low_discrepancy_and_can_be_continued() -> None:
     points = sampling.r2_sequence(256)
     assert qmc.discrepancy(points) < 0.1 * qmc.discrepancy(
@@ -36,15 +31,6 @@ def test_pixel_jitter_stays_in_the_pixel(count: int) -> None:
     assert j.shape == (count, 2)
     assert np.abs(j).max() <= 0.5 + 2.0 / count
     np.testing.assert_allclose(j.mean(axis=0), 0.0, atol=1e-12)
-
-
-def test_gradient_noise_is_even_over_three_by_three() -> None:
-    x, y = np.meshgrid(np.arange(96), np.arange(96))
-    noise = sampling.interleaved_gradient_noise(x, y)
-    assert 0.0 <= noise.min() < noise.max() < 1.0
-    blocks = noise.reshape(32, 3, 32, 3).mean(axis=(1, 3))
-    # nine uniform numbers would deviate by sqrt(1/12)/3 = 0.096
-    assert blocks.std() < 0.04
 
 
 def test_r2_noise_is_uniform_in_space_and_time() -> None:
@@ -66,25 +52,6 @@ def test_pcg_known_bits() -> None:
     u = sampling.uniform_from_hash(sampling.pcg_hash(np.arange(100_000)))
     assert abs(u.mean() - 0.5) < 0.004
     assert u.max() < 1.0
-
-
-def test_equiangular_density_integrates_to_one() -> None:
-    u = (np.arange(20_000) + 0.5) / 20_000
-    t, density = sampling.equiangular_distance(u, 0.7, -2.0, 5.0)
-    assert t.min() >= -2.0
-    assert t.max() <= 5.0
-    assert (1.0 / density).mean() == pytest.approx(7.0, rel=1e-3)  # the segment's length
-
-
-def test_disk_and_hemisphere() -> None:
-    u = sampling.r2_sequence(20_000)
-    disk = sampling.concentric_disk(u)
-    r2 = (disk**2).sum(axis=1)
-    assert r2.max() <= 1.0 + 1e-12
-    assert r2.mean() == pytest.approx(0.5, abs=1e-3)
-    np.testing.assert_allclose(disk.mean(axis=0), 0.0, atol=1e-3)
-    np.testing.assert_array_equal(sampling.concentric_disk([[0.5, 0.5]]), [[0.0, 0.0]])
-    assert sampling.cosine_hemisphere(u)[:, 2].mean() == pytest.approx(2.0 / 3.0, abs=1e-3)
 
 
 def test_frames_are_orthonormal_and_right_handed() -> None:

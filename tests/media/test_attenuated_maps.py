@@ -10,9 +10,9 @@ import numpy as np
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
-from airlight.media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps, owners_of
+from airlight.media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from airlight.media.gpu_media import GpuMedia
-from airlight.scene import DirectionalLight, Material, Mesh, PointLight, Scene, SpotLight, Volume
+from airlight.scene import DirectionalLight, Material, Mesh, PointLight, Scene, Volume
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
@@ -35,7 +35,7 @@ def test_flux_is_what_the_air_lets_through(
     maps.encode(commands, meshes, [sun], light_views([sun], low, high, 16))
     air = owned(GpuMedia(gpu, scene, light_count=2))
     air.update(commands, scene, low, high)
-    dimmed = owned(AttenuatedMaps(gpu, maps, air, owners_of(scene.lights, [sun])))
+    dimmed = owned(AttenuatedMaps(gpu, maps, air, [1]))
     dimmed.dim(commands, lights.table)
     sky = owned(AttenuatedSkyMaps(gpu, maps, air))
     sky.dim(commands)
@@ -49,11 +49,3 @@ def test_flux_is_what_the_air_lets_through(
         rtol=3e-3,
     )  # fmt: skip
     assert after[~lit].max(initial=0.0) == 0.0
-
-
-def test_each_view_has_its_lights_row() -> None:
-    lamp, sun = PointLight((0, 0, 0), (1, 1, 1)), DirectionalLight((0, -1, 0), (1, 1, 1))
-    spot = SpotLight((0, 1, 0), (0, -1, 0), (1, 1, 1), inner_deg=10, outer_deg=20)
-    lights = (sun, lamp, spot)
-    assert owners_of(lights, [lamp, spot]) == [1] * 6 + [2]
-    assert owners_of(lights, [sun]) == [0]

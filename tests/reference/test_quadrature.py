@@ -83,8 +83,7 @@ def test_paths_through_a_box_and_a_sphere():
     np.testing.assert_allclose(leave, [5, 2, 0])
 
 
-def test_a_slab_obeys_beer_and_a_furnace_is_even():
-    assert q.slab_transmittance(0.7, 2.0, 0.5) == pytest.approx(math.exp(-2.8))
+def test_a_furnace_is_even():
     assert q.white_furnace(2.0) == pytest.approx((8 * math.pi, 2 * math.pi))
 
 

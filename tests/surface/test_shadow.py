@@ -7,7 +7,7 @@ import pytest
 
 from airlight.scene import DirectionalLight, Material, SpotLight, Texture
 from airlight.surface.light_views import light_views
-from airlight.surface.shadow import ShadowMaps, parallel_and_local
+from airlight.surface.shadow import ShadowMaps
 
 SIDE = 32
 
@@ -109,10 +109,3 @@ def test_only_what_changed_is_drawn_anew(gpu, commands, owned, room, monkeypatch
     maps.encode(commands, room, light_views(lights, *room.bounds, SIDE))
     assert len(drawn) == 1
     commands.submit()
-
-
-def test_views_are_parted_by_kind():
-    views = light_views(LIGHTS, np.zeros(3), np.ones(3), 8)
-    parallel, local = parallel_and_local(views)
-    assert [view.light for view in parallel] == [0, 1]
-    assert [view.light for view in local] == [2]

@@ -9,7 +9,6 @@ from ..gpu.layout import Struct, f32, vec2u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 
-LOOKED_AT = 96
 """The picture is looked at in at most this many columns and rows."""
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, shown
 from ..scene.builtin import cloud, smoke
 from ..scene.builtin.milk import BOUNDS as MILK_BOUNDS
 from ..scene.builtin.milk import knot_density
@@ -217,11 +216,6 @@ def _in_blocks(picture: F32) -> F32:
 def away(image: F32, other: F32) -> float:
     """Relative L2 of a picture from another."""
     return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))
-
-
-def exposed_all(images: Mapping[str, F32 | None], stops: float) -> list[tuple[str, U8 | None]]:
-    """Captioned pictures; None stays None."""
-    return [(k, None if v is None else shown(v, stops)) for k, v in images.items()]
 
 
 def _rgb(values: Any) -> Rgb:

@@ -52,7 +52,9 @@ def _column(mu: F64, g: float, c: F64, prefilter: bool) -> F64:
 def _over_cones(mu: F64, g: float, c: F64) -> F64:
     """Henyey-Greenstein averaged over cones of mean cosine c (N,): (N, len(mu)).
 
-    Legendre series, see `phase.henyey_greenstein_over_cone`; 2 c - 1 is the rim's cosine.
+    The Legendre series has the coefficients g^l times those of the cone,
+    (P_{l-1}(r) - P_{l+1}(r))/((2l+1)(1-r)); r = 2 c - 1 is the cosine of the cone's rim.
+    Source: the addition theorem.
     """
     rim = np.clip(2.0 * c - 1.0, -1.0, 1.0)
     order = int(np.ceil(np.log(1e-8) / np.log(g)))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .lattice26 import RHO, hops
+from .lattice26 import hops
 from .medium import mean_absorption_depth, mean_transmittance
 
 F64 = NDArray[np.float64]
@@ -108,13 +108,6 @@ def _means_across(cells: F64, axis: int) -> F64:
         last = np.minimum(np.arange(0, mean.shape[other], 2) + 1, mean.shape[other] - 1)
         mean = 0.5 * (first + np.take(mean, last, axis=other))
     return np.asarray(mean)
-
-
-def state_of_track(track: ArrayLike, sigma_t: ArrayLike, cell_size_m: float) -> F64:
-    """The summed state (C, Z, Y, X, 4), W, whose hops leave `track` (C, Z, Y, X, 4), W m."""
-    way_m = mean_track(sigma_t, cell_size_m)
-    even, direct = 1.0 / way_m, 3.0 / (RHO**2 * way_m)
-    return np.asarray(np.asarray(track) * np.stack([even, direct, direct, direct], axis=-1))
 
 
 def prolonged(coarse: ArrayLike, shape: tuple[int, int, int]) -> F64:

@@ -89,6 +89,21 @@ def ray_sphere_interval(
     return np.where(missed, np.inf, middle - half), np.where(missed, -np.inf, middle + half)
 
 
+def ray_light_geometry(
+    origin: ArrayLike, direction: ArrayLike, light: ArrayLike
+) -> tuple[F64, F64]:
+    """(h, t_eye) (...), metres, of rays (..., 3) past point lights (..., 3); unit directions.
+
+    h is the distance of the light from the ray; t_eye is the origin's parameter where t = 0 is the
+    point of the ray closest to the light.
+    """
+    to_eye = np.asarray(origin, dtype=np.float64) - np.asarray(light, dtype=np.float64)
+    d = np.asarray(direction, dtype=np.float64)
+    t_eye = np.einsum("...i,...i->...", to_eye, d)
+    h = np.linalg.norm(to_eye - t_eye[..., None] * d, axis=-1)
+    return np.asarray(h), np.asarray(t_eye)
+
+
 def ray_cone_interval(
     origin: ArrayLike,
     direction: ArrayLike,

@@ -52,14 +52,6 @@ def octahedron_pack16(direction: ArrayLike) -> NDArray[np.uint32]:
     return np.asarray(half[..., 0] | (half[..., 1] << 16)).astype(np.uint32)
 
 
-def octahedron_unpack16(packed: ArrayLike) -> F64:
-    """Unit directions (..., 3) of octahedron_pack16."""
-    p = np.asarray(packed, dtype=np.uint32)
-    halves = np.stack([p & np.uint32(0xFFFF), p >> np.uint32(16)], axis=-1)
-    signed = halves.astype(np.uint16).view(np.int16).astype(np.float64)
-    return octahedron_decode(np.maximum(signed / 32767.0, -1.0))
-
-
 def octahedron_cell_centres(count: int) -> F64:
     """Unit directions (count, count, 3) of the centres of count^2 equal cells, index [v, u]."""
     c = (np.arange(count) + 0.5) * (2.0 / count) - 1.0

@@ -1,4 +1,4 @@
-"""Point sequences, hashes and warps: where to sample, the same in every run."""
+"""Point sequences, hashes, noise and frames: where to sample, the same in every run."""
 
 from __future__ import annotations
 
@@ -35,24 +35,6 @@ def r2_sequence(count: int, start: int = 0) -> F64:
     return np.asarray(np.mod(0.5 + i * step, 1.0))
 
 
-def radical_inverse(index: ArrayLike, base: int) -> F64:
-    """van der Corput's radical inverse in [0, 1) of whole numbers (...). Source: pbrt 8.6."""
-    i = np.asarray(index, dtype=np.int64)
-    value: F64 = np.zeros(i.shape)
-    weight = 1.0 / base
-    while np.any(i > 0):
-        i, digit = np.divmod(i, base)
-        value = value + weight * digit
-        weight /= base
-    return value
-
-
-def halton(count: int, bases: tuple[int, ...] = (2, 3), start: int = 1) -> F64:
-    """Points of the Halton sequence (count, len(bases)) in [0, 1). Source: Halton 1960."""
-    i = np.arange(start, start + count)
-    return np.stack([radical_inverse(i, base) for base in bases], axis=-1)
-
-
 def pixel_jitter(count: int) -> F64:
     """Offsets (count, 2), pixels from the centre, for anti-aliasing; a single one is (0, 0).
 
@@ -61,15 +43,6 @@ def pixel_jitter(count: int) -> F64:
     """
     points = r2_sequence(count)
     return np.asarray(points - points.mean(axis=0))
-
-
-def interleaved_gradient_noise(x_px: ArrayLike, y_px: ArrayLike) -> F64:
-    """Noise in [0, 1) that is even over every 3 x 3 pixels; whole-pixel coordinates (...).
-
-    Source: Jimenez 2014, Next Generation Post Processing in Call of Duty.
-    """
-    x, y = np.asarray(x_px, dtype=np.float64), np.asarray(y_px, dtype=np.float64)
-    return np.mod(52.9829189 * np.mod(0.06711056 * x + 0.00583715 * y, 1.0), 1.0)
 
 
 def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
@@ -100,40 +73,6 @@ def pcg_hash(value: ArrayLike) -> U32:
 def uniform_from_hash(hashed: ArrayLike) -> F64:
     """A number in [0, 1) with 24 bits of a u32 hash, exact in float32."""
     return (np.asarray(hashed, dtype=np.uint32) >> np.uint32(8)).astype(np.float64) * 2.0**-24
-
-
-def equiangular_distance(
-    u: ArrayLike, h_m: ArrayLike, t0_m: ArrayLike, t1_m: ArrayLike
-) -> tuple[F64, F64]:
-    """(t, density): a distance in [t0, t1] sampled like 1/(h^2 + t^2), metres and m^-1.
-
-    u in [0, 1); h the distance of the light from the ray, t = 0 closest to it.
-    Source: Kulla and Fajardo 2012, eq. 7.
-    """
-    h = np.asarray(h_m, dtype=np.float64)
-    x0 = np.arctan2(np.asarray(t0_m, dtype=np.float64), h)
-    x1 = np.arctan2(np.asarray(t1_m, dtype=np.float64), h)
-    t = h * np.tan(x0 + np.asarray(u, dtype=np.float64) * (x1 - x0))
-    return np.asarray(t), np.asarray(h / ((x1 - x0) * (h * h + t * t)))
-
-
-def concentric_disk(u: ArrayLike) -> F64:
-    """Points (..., 2) of the unit disk from uniform (..., 2). Source: Shirley and Chiu 1997."""
-    p = 2.0 * np.asarray(u, dtype=np.float64) - 1.0
-    a, b = p[..., 0], p[..., 1]
-    first = np.abs(a) > np.abs(b)
-    r = np.where(first, a, b)
-    safe = np.where(r == 0.0, 1.0, r)
-    quarter = np.pi / 4.0
-    phi = np.where(first, quarter * (b / safe), 2.0 * quarter - quarter * (a / safe))
-    return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=-1)
-
-
-def cosine_hemisphere(u: ArrayLike) -> F64:
-    """Directions (..., 3) about +z with density z/pi from uniform (..., 2). Source: Malley."""
-    disk = concentric_disk(u)
-    z = np.sqrt(np.maximum(1.0 - (disk**2).sum(axis=-1, keepdims=True), 0.0))
-    return np.concatenate([disk, z], axis=-1)
 
 
 def orthonormal_frame(normal: ArrayLike) -> tuple[F64, F64]:

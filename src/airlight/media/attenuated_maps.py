@@ -16,9 +16,8 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.slots import image, storage, texture, uniform
-from ..scene.lights import Light
 from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData, view_count
+from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
 from .gpu_media import GpuMedia
 
@@ -124,9 +123,3 @@ class AttenuatedSkyMaps(ReflectiveShadowMaps):
     def release(self) -> None:
         """Give the memory back; the maps are their owner's."""
         self.flux.release()
-
-
-def owners_of(lights: Sequence[Light], wanted: Sequence[Light]) -> list[int]:
-    """Of each view of `wanted`, in their order, the row among `lights`."""
-    rows = {id(light): row for row, light in enumerate(lights)}
-    return [rows[id(light)] for light in wanted for _ in range(view_count(light))]

@@ -17,7 +17,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage
 from ..maths.octahedron import octahedron_decode
 from ..maths.phase import henyey_greenstein
-from ..maths.plane_air import PlaneLight, plane_light
+from ..maths.plane_air import plane_light
 from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight, Light
 from ..scene.medium import Medium
@@ -66,12 +66,6 @@ def suns(lights: Sequence[Light], channel: int) -> tuple[F64, F64]:
     parallel = [light for light in lights if isinstance(light, DirectionalLight)]
     ways = np.array([light.direction for light in parallel], np.float64).reshape(-1, 3)
     return ways, np.array([light.irradiance[channel] for light in parallel], np.float64)
-
-
-def scattered_light(medium: Medium, lights: Sequence[Light], channel: int) -> PlaneLight:
-    """What `lights` bring into endless air, scattered at least once; its g as if it were 0."""
-    ways, irradiances = suns(lights, channel)
-    return plane_light(medium.albedo[channel], -ways[:, 1], irradiances)
 
 
 def side(medium: Medium) -> int:

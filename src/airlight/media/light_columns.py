@@ -51,7 +51,7 @@ class LightColumns:
         shapes: Sequence[tuple[int, int, int]], light_count: int, resolution: int,
     ) -> None:  # fmt: skip
         """`media` are the grids' rows of the air's table, `shapes` their (x, y, z) counts."""
-        self._media, self._light_count = media, light_count
+        self._media = media
         self._lights: tuple[Light, ...] | None = None
         self._table = Buffer(gpu, "column lights", LightData.dtype.itemsize * max(1, light_count))
         self._pass = _Columns(gpu, slots, generated)

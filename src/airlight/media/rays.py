@@ -15,7 +15,6 @@ from ..gpu.raster import FullscreenPass
 from ..gpu.slots import sampler, texture, uniform
 from ..lighting.view import View
 
-SCALES = (1, 2, 4)
 RESOLUTIONS = {"full": 1, "half": 2, "quarter": 4}
 
 

@@ -100,11 +100,6 @@ def mis_weight(pdf: Any, other: Any) -> Any:
     return dr.select(pdf > 0.0, a / (a + b), 0.0)
 
 
-def channel_of(spectrum: Any, index: Any) -> Any:
-    """One channel of a spectrum, picked per ray."""
-    return dr.select(index == 0, spectrum[0], dr.select(index == 1, spectrum[1], spectrum[2]))
-
-
 def pick_channel(sampler: Any, active: Any) -> Any:
     """A channel 0..2 per ray, each as likely."""
     return mi.UInt32(dr.minimum(3.0 * sampler.next_1d(active), 2.0))

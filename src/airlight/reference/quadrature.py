@@ -37,11 +37,6 @@ def henyey_greenstein(cosine: Array, g: float) -> F64:
     return (1.0 - g * g) / (4.0 * math.pi * spread**1.5)
 
 
-def slab_transmittance(sigma_t: Array, thickness: Array, cosine: Array = 1.0) -> F64:
-    """Beer-Lambert: what is left of light that crosses a slab (m) at this cosine to its normal."""
-    return cast(F64, np.exp(-np.asarray(sigma_t) * np.asarray(thickness) / np.abs(cosine)))
-
-
 def white_furnace(radiance: Array) -> tuple[F64, F64]:
     """(fluence, irradiance) anywhere in a uniform field that nothing absorbs: 4 pi L, pi L."""
     L = np.asarray(radiance, dtype=np.float64)

@@ -18,14 +18,11 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
-from ..lattice.placement import LatticeParams, Placement
+from ..lattice.placement import Placement
 from ..maths.lattice26 import true_share
 from ..scene.checks import Rgb
 
-_TRACK_LOOKUP_SCALE = 0.9  # irradiance of a cell's mean fluence; measured
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
-# With lookup_scale 1 lattice_irradiance_at gives pi a / (s^2 power_scale); a track needs 1/(4 s^3).
-_SURFACE_SCALE = 4.0 * math.pi
 
 
 class EmissionParams(Struct):
@@ -89,15 +86,6 @@ class Emission:
     def mean_scale(self) -> float:
         """W m^-2 sr^-1 of mean radiance per stored unit of `mean`; times sigma_s it is J."""
         return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
-
-    def surface_params(self) -> LatticeParams:
-        """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures.
-
-        SurfaceLight's are nearer the truth beside walls (relative L2 error .07 against .17 on a
-        floor beside one): it knows what a cell emits itself.
-        """
-        scale = self.scale * 4.0 * math.pi * self.placement.cell
-        return self.placement.params(scale, lookup_scale=_TRACK_LOOKUP_SCALE)
 
     @property
     def bound(self) -> dict[str, Texture]:

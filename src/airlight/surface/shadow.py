@@ -84,8 +84,3 @@ class ShadowMaps:
 def comparison_sampler(gpu: Gpu) -> Sampler:
     """Lit where the reference depth is not beyond the stored one; bilinear."""
     return Sampler(gpu, "shadow", compare="less-equal", mag_filter="linear", min_filter="linear")
-
-
-def parallel_and_local(views: list[LightView]) -> tuple[list[LightView], list[LightView]]:
-    """The views of directional lights, and those of spots and points."""
-    return [v for v in views if not v.is_perspective], [v for v in views if v.is_perspective]

@@ -52,15 +52,6 @@ fn glossy_raised(place: vec3f, lookup: vec3f, n: vec3f) -> vec3f {
     return place + n * max(0.0, dot(lookup - place, n));
 }
 
-// The ray r of a surface of normal n at `surface` that looks its own light up at `lookup` (both
-// bent cells).
-fn glossy_ray(
-    lattice: LatticeParams, surface: vec3f, lookup: vec3f, n: vec3f, r: vec3f, alpha: f32,
-) -> Glossy {
-    let ray = GlossyRay(n, r, alpha, GLOSSY_START);
-    return glossy_walk(lattice, surface, lookup, ray, glossy_begun(), true);
-}
-
 fn glossy_begun() -> Glossy {
     return Glossy(vec3f(0.0), 1.0, 1.0, vec3f(0.0), 0.0, true);
 }

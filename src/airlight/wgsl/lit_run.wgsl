@@ -3,7 +3,6 @@
 // run both sides of every branch, and bodies of loops once before a test at their head.
 //! use air
 //! use air_light
-//! use airlight
 //! use light_reach
 
 // Exit of the light's straight way back out of the one medium's box: distance at the eye, and its

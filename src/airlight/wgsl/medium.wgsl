@@ -52,6 +52,13 @@ fn ray_sphere_interval(origin: vec3f, direction: vec3f, centre: vec3f, radius_m:
     return vec2f(middle - half, middle + half);
 }
 
+// h and the parameter of the ray's origin, where t = 0 is closest to the light; metres.
+fn ray_light_geometry(origin: vec3f, direction: vec3f, light: vec3f) -> vec2f {
+    let to_eye = origin - light;
+    let t_eye = dot(to_eye, direction);
+    return vec2f(length(to_eye - t_eye * direction), t_eye);
+}
+
 fn ray_cone_interval(
     origin: vec3f,
     direction: vec3f,

@@ -20,10 +20,6 @@ fn octahedron_pack16(direction: vec3f) -> u32 {
     return pack2x16snorm(octahedron_encode(direction));
 }
 
-fn octahedron_unpack16(packed: u32) -> vec3f {
-    return octahedron_decode(unpack2x16snorm(packed));
-}
-
 // The cell reached by a step of one cell along u or v; the square's edges are sewn to themselves.
 fn octahedron_neighbour(cell: vec2i, step: vec2i, count: i32) -> vec2i {
     let c = cell + step;

@@ -38,10 +38,3 @@ fn cap_fractions(g: f32) -> vec3f {
     let side = (henyey_greenstein_cumulative(PHASE_HALF_OCTANT_COSINE, g) - back) / 4.0;
     return vec3f(1.0 - 4.0 * side - back, side, back);
 }
-
-fn sample_henyey_greenstein(u: f32, g: f32) -> f32 {
-    let s = 2.0 * u - 1.0;
-    let top = s + g * (s * s + 3.0) / 2.0 + g * g * s + g * g * g * (s * s - 1.0) / 2.0;
-    let bottom = 1.0 + g * s;
-    return clamp(top / (bottom * bottom), -1.0, 1.0);
-}

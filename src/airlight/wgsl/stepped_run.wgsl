@@ -5,7 +5,6 @@
 // drivers run a body once more than a test before it lets through.
 //! use air
 //! use air_light
-//! use airlight
 //! use light_reach
 
 const RUN_OPAQUE = 14.0;    // optical depth beyond which nothing is seen

@@ -13,7 +13,7 @@ from ..mesh import Geometry
 from .columns import SPRING_M, baluster
 from .patch import facing, merged, moved, patch, placed_at
 from .profile import Points, along_x, arc, around_arch, profile
-from .solids import box, rectangle
+from .solids import box
 
 BAY_M = 2.4
 STOREY_M = 5.8
@@ -152,9 +152,3 @@ def balustrade() -> Geometry:
     places = np.linspace(-0.66, 0.66, 6)
     standing = [moved(one, placed_at(float(x), 0.0, 0.0)) for x in places]
     return merged([foot, along_x(profile(rail), -half, half), *standing])
-
-
-def wall_panel() -> Geometry:
-    """The gallery's outer wall behind one bay, facing the gallery."""
-    half = BAY_M / 2.0
-    return rectangle((-half, STOREY_M, OUTER_WALL_Z), (BAY_M, 0, 0), (0, -STOREY_M, 0))

@@ -13,8 +13,6 @@ from .images import Field, color_texture, normal_texture, roughness_texture
 from .noise import fractal_noise, smoothstep
 from .patch import Finish
 
-LIMESTONE: Rgb = (0.60, 0.52, 0.42)
-
 
 def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     """Ashlar: eight courses of four blocks, 0.6 x 0.3 m, worn, joints 1 cm wide."""

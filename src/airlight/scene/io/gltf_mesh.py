@@ -30,15 +30,6 @@ class Primitive:
     is_flat: bool
 
 
-def read_geometry(primitive: Item, buffers: Buffers, uv_set: int) -> Geometry | None:
-    """The triangles of a primitive with TEXCOORD_`uv_set`; None for points and lines.
-
-    Raises SceneError.
-    """
-    read = read_primitive(primitive, buffers, uv_set)
-    return None if read is None else read.geometry
-
-
 def read_primitive(primitive: Item, buffers: Buffers, uv_set: int) -> Primitive | None:
     """The same, with where its vertices come from.
 
