@@ -1,3 +1,4 @@
+//! use half_range
 //! use mesh
 
 override IS_CUTOUT: bool = false;
@@ -20,6 +21,6 @@ struct GBufferOut {
     var out: GBufferOut;
     out.albedo = vec4f(point.base_color, point.metallic);
     out.normal = vec4f(point.normal, point.roughness);
-    out.emission = vec4f(point.emission, point.specular);
+    out.emission = vec4f(in_half_range(point.emission), point.specular);
     return out;
 }
