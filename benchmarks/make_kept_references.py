@@ -12,7 +12,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from airlight.app.compare_reference import reference_for
+from airlight.app.compare.reference import reference_for
 from airlight.reference.kept import KEPT, SIZE_PX, load_kept, save_kept
 from airlight.reference.metrics import compare
 

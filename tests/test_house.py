@@ -215,10 +215,10 @@ _READS_ITS_OWN = {
     "gpu/raster.py": "shaders of the package",
     "gpu/source.py": "shaders of the package",
     "lpv/step.py": "shaders of the package",
-    "app/bench_child.py": "what the system says of the process",
+    "app/bench/child.py": "what the system says of the process",
     "reference/mitsuba_child.py": "what a child of ours wrote into a folder of ours",
     "reference/mitsuba_process.py": "what the parent wrote into a folder of ours",
-    "app/sequence_frames.py": "a frame just written into a folder of ours",
+    "app/sequence/frames.py": "a frame just written into a folder of ours",
     "scene/io/writing.py": "what was just written into a folder of ours",
 }
 _READERS = frozenset(

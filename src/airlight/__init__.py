@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from . import reference
-    from .app.view_notebook import view
+    from .app.view.notebook import view
     from .errors import (
         AirlightError,
         DeviceError,
@@ -73,7 +73,7 @@ _LATER = {
     "export_lattice": "exports.solved",
     "load": "scene.io",
     "render": "rendering",
-    "view": "app.view_notebook",
+    "view": "app.view.notebook",
     "with_defaults": "scene.io",
 }
 _RENAMED = {"scenes": "scene.builtin"}

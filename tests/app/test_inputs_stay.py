@@ -62,8 +62,8 @@ def folder(tmp_path) -> Path:
 @pytest.fixture(autouse=True)
 def no_rendering(monkeypatch):
     """A refusal comes before any work."""
-    for work in ("rendering.render", "app.sequence_frames.FrameMaker", "app.bench.measured",
-                 "app.compare.compare_scene", "exports.solved.export_lattice"):  # fmt: skip
+    for work in ("rendering.render", "app.sequence.frames.FrameMaker", "app.bench.cli.measured",
+                 "app.compare.cli.compare_scene", "exports.solved.export_lattice"):  # fmt: skip
         monkeypatch.setattr(
             f"airlight.{work}", lambda *_, **__: pytest.fail("something was rendered")
         )
@@ -124,14 +124,14 @@ def command_words(command: str, scene: Path, target: Path) -> list[str]:
 @pytest.mark.parametrize("source", ["s.toml", "brick.png", "smoke_2.npy"])
 def test_no_command_replaces_an_input(folder, capsys, monkeypatch, command, name, source):
     if command == "video":
-        monkeypatch.setattr("airlight.app.sequence.check_video", lambda: None)
+        monkeypatch.setattr("airlight.app.sequence.cli.check_video", lambda: None)
     if command == "sequence" and source == "brick.png":
         pytest.skip("a whole frame that is there already is not written")
     out = folder / "out"
     out.mkdir()
     (out / name).symlink_to(folder / source)
     if command == "sequence":  # frames of a sequence that goes on
-        monkeypatch.setattr("airlight.app.sequence_folder.FrameFolder.open", lambda *_, **__: None)
+        monkeypatch.setattr("airlight.app.sequence.folder.FrameFolder.open", lambda *_, **__: None)
     before = contents(folder)
     assert run(command_words(command, folder / "s.toml", out / name)) == 2
     error = capsys.readouterr().err.splitlines()[-1]
@@ -214,11 +214,16 @@ def test_long_names_are_written_or_one_message(tmp_path, monkeypatch, capsys, le
     def stop(*_, **__):
         raise reached
 
-    for work in ("rendering.render", "app.sequence.make_frames", "app.compare.compare_scene",
-                 "app.figure._draw_all", "app.bench.measured",
-                 "exports.solved.export_lattice"):  # fmt: skip
+    for work in (
+        "rendering.render",
+        "app.sequence.cli.make_frames",
+        "app.compare.cli.compare_scene",
+        "app.figure._draw_all",
+        "app.bench.cli.measured",
+        "exports.solved.export_lattice",
+    ):
         monkeypatch.setattr(f"airlight.{work}", stop)
-    monkeypatch.setattr("airlight.app.sequence.check_video", lambda: None)
+    monkeypatch.setattr("airlight.app.sequence.cli.check_video", lambda: None)
     ending = next(word.partition("}")[2] for word in words if "{long}" in word)
     name = "x" * (length - len(ending))
     code = run([word.replace("{long}", name) for word in words])

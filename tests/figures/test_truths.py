@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.app.compare_reference import Reference
+from airlight.app.compare.reference import Reference
 from airlight.figures import truths
 from airlight.figures.panels import Request
 from airlight.scene.image import Image

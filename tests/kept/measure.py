@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from airlight.app.compare import picture
+from airlight.app.compare.cli import picture
 from airlight.errors import AirlightError
 from airlight.reference.kept import KEPT, load_kept
 from airlight.reference.metrics import Metrics, compare

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, shown
+from ..app.compare.pictures import U8, shown
 from ..lattice.nested import shares
 from ..scene.builtin import atrium
 from ..scene.camera import Camera

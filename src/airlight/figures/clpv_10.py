@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.bench_frames import TURN_DEG, moved
-from ..app.compare_pictures import U8, heat, shown
+from ..app.bench.frames import TURN_DEG, moved
+from ..app.compare.pictures import U8, heat, shown
 from ..maths.colour import luminance
 from ..scene.builtin import atrium
 from ..scene.checks import F32

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare_pictures import shown
+from ..app.compare.pictures import shown
 from ..scene.builtin import room
 from ..scene.builtin.patch import Finish, placed_at
 from ..scene.builtin.solids import box

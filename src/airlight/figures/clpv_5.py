@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..app.compare_pictures import U8, heat
+from ..app.compare.pictures import U8, heat
 from ..reference import flatland
 from ..reference.flatland import ONE_LIGHT, TWO_LIGHTS, Segment
 from ..scene.checks import F32, F64

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, shown, signed_map
-from ..app.compare_reference import Reference
+from ..app.compare.pictures import U8, shown, signed_map
+from ..app.compare.reference import Reference
 from ..reference.metrics import noise_floor, relmse, scene_epsilon
 from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32

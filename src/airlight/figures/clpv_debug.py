@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8
+from ..app.compare.pictures import U8
 from ..lpv.solver import LpvSolver
 from ..maths.colour import luminance
 from ..scene.builtin import room

@@ -11,8 +11,8 @@ import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
 
-from ..app.bench_frames import PAPER_LATTICE, Case, measure
-from ..app.compare_pictures import FAINT, INK, PAPER, U8
+from ..app.bench.frames import PAPER_LATTICE, Case, measure
+from ..app.compare.pictures import FAINT, INK, PAPER, U8
 from ..scene.builtin import atrium, cornell
 from ..scene.scene import Scene
 from .clpv_7 import MODES

@@ -15,7 +15,7 @@ from typing import Any
 
 import PIL.Image
 
-from ..app.compare_style import CSS
+from ..app.compare.style import CSS
 from ..errors import SceneError
 from ..scene.io.files import read_bytes, read_text
 from ..scene.io.writing import whole_file

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, shown
+from ..app.compare.pictures import U8, shown
 from ..maths.colour import luminance, srgb_encode
 from ..reference.metrics_display import displayed
 from ..scene.builtin import cornell, room

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8
+from ..app.compare.pictures import U8
 from ..maths import lattice26
 from ..scene.checks import F64
 from .clpv_5 import peaks, polar_picture

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..app.compare_pictures import shown
+from ..app.compare.pictures import shown
 from ..scene.builtin import bleeding, one_iteration, pinpoint
 from ..scene.scene import Scene
 from .clpv_6 import scores

@@ -12,8 +12,8 @@ import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
 
-from ..app.bench_frames import moved
-from ..app.compare_pictures import FAINT, INK, PAPER, U8
+from ..app.bench.frames import moved
+from ..app.compare.pictures import FAINT, INK, PAPER, U8
 from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh

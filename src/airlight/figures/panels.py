@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, contact_sheet, shown
+from ..app.compare.pictures import U8, contact_sheet, shown
 from ..maths.colour import luminance
 from ..maths.tone import auto_exposure
 from ..scene.camera import Camera

@@ -9,7 +9,7 @@ import PIL.Image
 import PIL.ImageDraw
 from numpy.typing import NDArray
 
-from ..app.compare_pictures import PAPER, U8
+from ..app.compare.pictures import PAPER, U8
 from ..scene.checks import F64
 
 TRUTH = (232, 84, 72)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare_pictures import U8, contact_sheet, shown
+from ..app.compare.pictures import U8, contact_sheet, shown
 from ..scene.camera import Camera
 from ..scene.checks import F32, F64
 from ..scene.image import Image

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare_pictures import contact_sheet
+from ..app.compare.pictures import contact_sheet
 from .panels import Drawn, Request
 from .polar import OURS, TRUTH, polar_plots
 from .pop_cube import SIGMA_S, Angular, by_beams, by_hops, truth

@@ -111,7 +111,7 @@ def keep(name: str, drawn: Drawn, about: dict[str, Any], folder: Path) -> Path:
 
     Raises OutputError.
     """
-    from ..app.compare_pictures import png_bytes
+    from ..app.compare.pictures import png_bytes
     from ..app.outputs import write_json
     from ..scene.io.writing import whole_file
 

@@ -14,7 +14,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..app.compare_pictures import U8, heat
+from ..app.compare.pictures import U8, heat
 from ..maths.colour import luminance
 from ..maths.lattice6 import LOOKUP_SCALE
 from ..scene.checks import F32, F64

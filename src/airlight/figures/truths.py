@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..app.compare_reference import Reference, reference_for
+from ..app.compare.reference import Reference, reference_for
 from ..maths.colour import luminance
 from ..scene.checks import F32
 from ..scene.image import Image

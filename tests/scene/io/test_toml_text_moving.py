@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.app.view_state import same
+from airlight.app.view.state import same
 from airlight.scene import Camera
 from airlight.scene.animation import Animation, Curve
 from airlight.scene.animation.density import MadeDensity, VolumeTrack

@@ -1,0 +1,180 @@
+"""`airlight sequence`: a moving scene in, frames or a video out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...errors import OutputError, SettingsError
+from ..options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
+from ..outputs import check_writable, is_folder
+from ..scene_argument import load_scene, reads, show_warnings, warn
+from .folder import FrameFolder
+from .plan import FORMATS, Plan, digest, frame_span
+from .progress import counted
+from .video import VIDEO_SUFFIXES, check_video, video_comment, write_video
+
+if TYPE_CHECKING:
+    from ...scene import Scene
+
+
+@click.command("sequence")
+@click.argument("scene")
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
+              metavar="DIR|FILE.mp4", help="A folder for frames, or a video.")  # fmt: skip
+@click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
+@click.option("--start", "start_s", type=SECONDS, metavar="SECONDS", help="The first frame's time.")
+@click.option("--end", "end_s", type=SECONDS, metavar="SECONDS", help="When it ends.")
+@click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
+@click.option("-t", "--technique", default="auto", show_default=True, help="As for render.")
+@size_option("1280x720")
+@click.option("--samples", type=click.IntRange(1, 4096), default=4, show_default=True,
+              help="Jittered samples per pixel.")  # fmt: skip
+@settings_option()
+@click.option("--format", "kind", type=click.Choice(list(FORMATS)), help="Of frames: png is tone "
+              "mapped, exr linear.  [default: png]")  # fmt: skip
+@click.option("--layers", is_flag=True, help="Keep every layer in EXR frames.")
+@click.option("--exposure", type=Number(-64, 64), metavar="STOPS",
+              help="Instead of the camera's.")  # fmt: skip
+@click.option("--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]),
+              help="Display curve.  [default: agx]")  # fmt: skip
+@adapter_option()
+@click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
+@click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")
+@click.option("--farm", metavar="tcp://HOST:PORT", help="Spread frames over a dask cluster.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+def command(scene: str, output: Path, **options: Any) -> None:
+    """Render a moving SCENE into frames or a video.
+
+    \b
+    airlight sequence builtin:smoke -o smoke.mp4 --frames 60 --size 480x270
+    airlight sequence flight.toml -o flight/ --format exr --layers
+    airlight sequence flight.toml -o flight/ --resume --farm tcp://scheduler:8786
+
+    Frames are numbered from 0; each appears whole or not at all, and shows the same whichever are
+    made before it. What moves is said in the scene file, or by a glTF file's animation.
+    """
+    from ...techniques import checked_settings
+
+    is_video = output.suffix.lower() in VIDEO_SUFFIXES
+    reads(scene)
+    _check_options(output, options, is_video=is_video)
+    loaded = load_scene(scene)
+    if is_video:
+        check_writable(output)
+    show_warnings(loaded)
+    checked_settings(options["technique"], loaded, options["settings"])
+    plan = _plan(loaded, options, is_video=is_video)
+    asked = plan.asked(loaded)
+    comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
+    folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
+    if is_video and options["resume"] and video_comment(output) == comment:
+        if not options["keep_frames"]:
+            folder.clear()  # all done, but perhaps for the clearing up
+        click.echo(str(output))
+        return
+    folder.open(asked, resume=options["resume"])
+    make_frames(plan, loaded, folder, farm=options["farm"], quiet=options["quiet"])
+    if is_video:
+        with counted("frames encoded", len(plan.frames), quiet=options["quiet"]) as count:
+            files = [folder.file(plan, frame) for frame in plan.frames]
+            write_video(files, plan.fps, output, comment, lambda share: count())
+        if not options["keep_frames"]:
+            folder.clear()
+    click.echo(str(output))
+
+
+def make_frames(
+    plan: Plan, scene: Scene, folder: FrameFolder, *, farm: str | None = None, quiet: bool = False
+) -> None:
+    """Make the plan's frames that the open `folder` lacks, here or on the cluster `farm`.
+
+    Raises AirlightError; frames that were made stay.
+    """
+    from dataclasses import replace
+
+    from .frames import FrameMaker, metered_stops
+
+    missing = folder.missing(plan)
+    if not missing:
+        return
+    if "metered_stops" not in folder.manifest:
+        folder.note(metered_stops=metered_stops(plan, scene))
+    if folder.metered_stops is not None:
+        plan = replace(plan, exposure_stops=folder.metered_stops)
+    with counted("frames", len(plan.frames), len(plan.frames) - len(missing), quiet=quiet) as count:
+        if farm is None:
+            with FrameMaker(plan, scene) as maker:
+                _note_device(folder, maker.renderer.gpu.info.name)
+                for frame in missing:
+                    maker.save(frame, folder.file(plan, frame))
+                    count()
+            warn(maker.doubts)
+        else:
+            _farmed(farm, plan, scene, folder, missing, count)
+
+
+def _farmed(
+    address: str, plan: Plan, scene: Scene, folder: FrameFolder, missing: list[int],
+    count: Callable[[], None],
+) -> None:  # fmt: skip
+    from ...scene.io.writing import whole_file
+    from .farm import farm_frames
+
+    def take(frame: int, data: bytes, device: str) -> None:
+        _note_device(folder, device)
+        with whole_file(folder.file(plan, frame)) as part:
+            part.write_bytes(data)
+        count()
+
+    farm_frames(address, plan, scene, missing, take)
+
+
+def _note_device(folder: FrameFolder, device: str) -> None:
+    """Keep which devices made frames, and say it where there are several."""
+    devices = folder.manifest.get("devices", [])
+    if device not in devices:
+        folder.note(devices=[*devices, device])
+        if devices:
+            click.echo(
+                f"warning: frames come from {' and '.join([*devices, device])}: they may differ "
+                "in their last digits",
+                err=True,
+            )
+
+
+def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> None:
+    """Refuse, before any work, what could not be done after it."""
+    check_settings(options["technique"], options["settings"])
+    if options["farm"]:
+        from .farm import check_farm
+
+        check_farm()
+    if is_video:
+        if options["kind"] == "exr":
+            raise SettingsError("a video has no EXR frames", remedy="Give a folder for frames.")
+        check_writable(output, VIDEO_SUFFIXES)
+        check_video()
+    elif output.suffix and not is_folder(output):
+        raise OutputError(
+            f"'{output.suffix}' is no kind of video that is written here", where=output,
+            remedy="End it in .mp4, or give a folder.",
+        )  # fmt: skip
+    if options["layers"] and options["kind"] != "exr":
+        raise SettingsError("--layers needs --format exr")
+
+
+def _plan(scene: Scene, options: dict[str, Any], *, is_video: bool) -> Plan:
+    start_s, fps, first, last = frame_span(
+        scene, options["frames"], options["start_s"], options["end_s"], options["fps"]
+    )
+    return Plan(
+        technique=options["technique"], size=options["size"], start_s=start_s, fps=fps,
+        first=first, last=last, settings=options["settings"], samples=options["samples"],
+        adapter=options["adapter"], ending=FORMATS[options["kind"] or "png"],
+        layers=options["layers"], exposure_stops=options["exposure"],
+        tone_map=options["tone_map"],
+    )  # fmt: skip

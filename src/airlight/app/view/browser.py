@@ -1,0 +1,154 @@
+"""The viewer in a browser: pictures over a websocket, from this machine or through a tunnel."""
+
+from __future__ import annotations
+
+import html
+import logging
+import os
+import socket
+import webbrowser
+from typing import Any
+
+import click
+
+from .canvas import CanvasView, close_on_signals, missing
+from .guard import Guard, bound_socket, is_loopback, new_token
+from .messages import believed
+from .session import Session
+
+_LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
+_SERVER = 0  # the id of what the server itself says; browsers count from 1
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <title>airlight</title>
+  <link rel="stylesheet" href="renderview.css">
+  <style>
+    html, body { margin: 0; height: 100%; overflow: hidden; background: #181818; }
+    #canvas { display: block; border: none; }
+    #status { position: fixed; right: 0; bottom: 0; padding: .5em 1em; color: #ddd;
+              background: #333c; font: 14px sans-serif; }
+    #status.fine { display: none; }
+  </style>
+</head>
+<body>
+  <div id="canvas" style="width:100vw; height:100vh"></div>
+  <div id="status"></div>
+  <script type="module" src="renderview.js"></script>
+  <script type="module" src="renderview-client.js"></script>
+  <script>
+    const status = document.getElementById('status')
+    const said = new MutationObserver(() => {
+      const text = status.innerText
+      const isPassive = text.includes('(passive)')
+      status.classList.toggle('fine', text.includes('Connected') && !isPassive)
+      const note = 'Another tab steers; here you look on.'
+      if (isPassive && text !== note) { status.innerText = note }
+    })
+    said.observe(status, { childList: true, subtree: true, characterData: true })
+  </script>
+</body>
+</html>
+"""
+
+
+def serve(
+    session: Session, size: tuple[int, int], *, port: int = 0, listen: str = "",
+    opens: bool = False,
+) -> None:  # fmt: skip
+    """Serve `session` until interrupted; the link goes to stdout.
+
+    Raises AirlightError where a package is missing, the port is in use or the address is not
+    this machine's.
+    """
+    try:
+        import uvicorn
+        from rendercanvas import http
+        from rendercanvas.utils.asyncs import sleep
+    except ImportError as error:
+        raise missing(error.name or "uvicorn") from None
+    bound = bound_socket(listen, port)
+    token = new_token()
+    canvas = make_canvas(http, session, size)
+    view = CanvasView(canvas, session)
+    http.loop.add_task(close_on_signals, canvas, name="close on signals")
+    http.loop.add_task(view.watch, sleep, name="watch the scene file")
+    config = uvicorn.Config(
+        Guard(http.asgi, token, listen), log_level="error", lifespan="on",
+        ws_max_size=_LARGEST_MESSAGE, timeout_graceful_shutdown=1, access_log=False,
+    )  # fmt: skip
+    server = uvicorn.Server(config)
+
+    def stop(event: dict[str, Any]) -> None:
+        server.should_exit = True
+
+    canvas.add_event_handler(stop, "close")
+    logging.getLogger("rendercanvas").setLevel(logging.ERROR)
+    link = link_to(bound, token)
+    say_where(link, bound.getsockname()[1], listen)
+    if opens and not os.environ.get("SSH_CONNECTION"):
+        webbrowser.open(link)
+    try:
+        server.run(sockets=[bound])
+    except KeyboardInterrupt:
+        pass
+    finally:
+        bound.close()
+        session.close()
+    click.echo("stopped", err=True)
+
+
+def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
+    """A canvas of `rendercanvas.http` that does not believe everything a browser says."""
+
+    sizes: dict[int, dict[str, Any]] = {}
+
+    class GuardedCanvas(http.HttpRenderCanvas):  # type: ignore[misc]
+        def _on_event(self, event: dict[str, Any], id: int) -> None:
+            kept = event if id == _SERVER else believed(event)
+            if kept is None:
+                return
+            if kept["type"] == "resize":
+                sizes[id] = kept
+            steering = self._active_client
+            super()._on_event(kept, id)
+            if self._active_client != steering:
+                # Who steered is gone: no button of theirs is held, and another's size counts.
+                session.controls.release()
+                if self._active_client in sizes:
+                    super()._on_event(sizes[self._active_client], self._active_client)
+
+    title = f"{session.state.scene.name} - airlight"
+    page = PAGE.replace("<title>airlight", f"<title>{html.escape(title)}")
+    http.resources["index.html"] = ("text/html; charset=utf-8", page)
+    canvas = GuardedCanvas(size=size, title=title, max_fps=30, update_mode="ondemand")
+    canvas._size_info.set_physical_size(*size, 1.0)
+    return canvas
+
+
+def link_to(bound: socket.socket, token: str) -> str:
+    """The address to open, with its token."""
+    host, port = bound.getsockname()[:2]
+    if host in ("0.0.0.0", "::"):
+        host = socket.gethostname()
+    host = f"[{host}]" if ":" in host else host
+    return f"http://{host}:{port}/{token}/"
+
+
+def say_where(link: str, port: int, listen: str) -> None:
+    """The link on stdout; on stderr what it exposes, or how to come to it from afar."""
+    click.echo(link)
+    if not is_loopback(listen):
+        click.echo(
+            f"warning: served on {listen}: whoever gets the link can look and steer, and it is "
+            "not encrypted. Without --listen, only this machine can reach it.",
+            err=True,
+        )
+    elif os.environ.get("SSH_CONNECTION"):
+        click.echo(
+            f"On the machine before you: ssh -N -L {port}:127.0.0.1:{port} {socket.gethostname()}",
+            err=True,
+        )
+    click.echo("Ctrl-C ends it.", err=True)

@@ -1,0 +1,69 @@
+"""`airlight view`: fly through a scene, in a window or a browser."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from ..options import adapter_option, settings_option, size_option
+from ..scene_argument import load_scene, show_warnings
+
+
+@click.command("view")
+@click.argument("scene")
+@click.option(
+    "--in", "place", type=click.Choice(["window", "browser"]), default="window",
+    show_default=True, help="Where to look at it.",
+)  # fmt: skip
+@click.option(
+    "-t", "--technique", default="auto", show_default=True,
+    help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
+)  # fmt: skip
+@size_option("1280x720")
+@settings_option()
+@adapter_option()
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+    help="With --in browser: the port to serve on.  [default: a free one]",
+)  # fmt: skip
+@click.option(
+    "--listen", metavar="ADDRESS",
+    help="With --in browser: an address other than this machine's own loopback. Anyone who can "
+    "reach it and sees the link can look and steer; the link is not encrypted.",
+)  # fmt: skip
+@click.option(
+    "--open/--no-open", "opens", default=True, help="Open the browser, or only say where."
+)
+def command(scene: str, place: str, **options: Any) -> None:
+    """Look at SCENE: turn it, fly, move its lights, change its air.
+
+    \b
+    airlight view builtin:atrium
+    airlight view room.toml --in browser          then open the link that it prints
+    ssh -L 8900:localhost:8900 server airlight view room.toml --in browser --port 8900 --no-open
+
+    The scene file is read again whenever it is saved. Drag to turn, w a s d q e to fly,
+    control-drag to move the sun, tab for the panel.
+    """
+    if place == "window" and (options["port"] or options["listen"]):
+        raise click.UsageError("--port and --listen belong to --in browser")
+    from .session import Session
+
+    loaded = load_scene(scene)
+    show_warnings(loaded)
+    session = Session(
+        loaded, source=scene, technique=options["technique"], settings=options["settings"],
+        adapter=options["adapter"],
+    )  # fmt: skip
+    if place == "window":
+        from .window import open_window
+
+        open_window(session, options["size"])
+        return
+    from .browser import serve
+
+    serve(
+        session, options["size"], port=options["port"], listen=options["listen"] or "",
+        opens=options["opens"],
+    )  # fmt: skip

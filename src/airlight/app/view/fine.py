@@ -1,0 +1,195 @@
+"""The finest picture of a view that stands still: air at full resolution, a larger sky lattice.
+
+A renderer of its own, made, solved and drawn behind the viewer's back, its samples averaged in a
+presenter of its own. It is shown once its mean is good enough, and the other one again as soon as
+anything moves. A camera that moved costs it new samples only, a light that moved a new solution.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ...display.presenter import Look, Presenter
+from ...errors import DeviceError
+from ...gpu.device import Gpu
+from ...gpu.sliced import SlicedCommands
+from ...lattice.placement import fitted
+from ...lighting.lattice_box import lattice_box
+from ...maths.sampling import pixel_jitter
+from ...media.settings import MediaSettings
+from ...rendering import Renderer
+from ...scene.scene import Scene
+from .build import Task, Turns, said
+from .drawn import Drawn
+
+SAMPLES = 64
+SHOWN_FROM = 8
+"""Samples of the coarser picture are given up for no fewer of the finer one."""
+MOST_BYTES = 512 << 20
+"""Of the device, beside what the coarser renderer has; where it takes more it is given up."""
+_MOST_CELLS = {True: 64**3, False: 96**3}  # by whether the driver is software
+_RATIOS = (2.0, 1.5)  # cells along a side
+_MARCHED = ("march_resolution", "shaft_resolution", "march")
+
+
+def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
+    """What to change of the technique's settings `now` for the finest picture of `scene`.
+
+    Empty where it can do no better than it does.
+    """
+    finer: dict[str, Any] = {
+        name: "full" for name in _MARCHED if getattr(now, name, "full") != "full"
+    }
+    # Where light propagates, more cells are no better (docs/accuracy.md, larger lattices).
+    if not hasattr(now, "occlusion") and (scene.meshes and scene.environment):
+        finer |= _larger(now, scene, _MOST_CELLS[is_cpu])
+    return finer
+
+
+def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
+    """A lattice of more cells for the sky's light, if that is not too large."""
+    low, high = lattice_box(scene, now.bounds, in_air=isinstance(now, MediaSettings))
+    for ratio in _RATIOS:
+        cells = int(now.resolution * ratio)
+        if fitted(low, high, cells).cells <= most_cells:
+            return {"resolution": cells}
+    return {}
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What a finest picture is of."""
+
+    scene: Scene
+    size: tuple[int, int]
+    look: Look
+    format: str
+
+
+class Fine:
+    """`begin` where the view stands still, `moved` when it no longer does; for one structure.
+
+    `samples` are in the mean of `presenter`. `message`: why there will be none.
+    """
+
+    def __init__(self, gpu: Gpu, turns: Turns) -> None:
+        self.gpu, self._turns = gpu, turns
+        self.samples, self.message = 0, ""
+        self.presenter: Presenter | None = None
+        self._drawn: Drawn | None = None
+        self._task: Task[None] | None = None
+        self._shot: Shot | None = None
+        self._jitters = pixel_jitter(SAMPLES)
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether its mean is better than the coarser picture's."""
+        return self._shot is not None and self.samples >= SHOWN_FROM
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing was made yet."""
+        return self._task is None and self._drawn is None and not self.message
+
+    @property
+    def is_working(self) -> bool:
+        """Whether something is being made, even if it is held."""
+        return self._task is not None and not self._task.is_done
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether what was being made is done, and `begin` has more to do or to say."""
+        return self._task is not None and self._task.is_done
+
+    @property
+    def drawn(self) -> Drawn | None:
+        """Its renderer, for who saves what is shown; only while nothing is being made."""
+        return None if self.is_working else self._drawn
+
+    def moved(self) -> None:
+        """The view no longer stands still: what is being made holds. Only in the viewer's turn."""
+        self.samples, self._shot = 0, None
+        if self._task:
+            self._task.pause(holds=True)
+
+    def begin(self, make: Callable[[], Renderer], shot: Shot) -> None:
+        """Go on towards the finest picture of `shot`; `make` makes the renderer for it."""
+        if self._task and not self._task.is_done:
+            self._task.pause(holds=False)
+            return
+        if self._task is not None:
+            self._take()
+        if self.message or (self._shot is shot and self.samples >= SAMPLES):
+            return
+        self._shot, self.samples = shot, 0
+        self._task = Task(self.gpu, self._turns, lambda commands: self._work(commands, make, shot))
+
+    def halt(self) -> None:
+        """Return once nothing is being made: at the end of the sample that is being drawn."""
+        self._shot = None
+        if self._task:
+            self._task.wait()
+
+    def retire(self) -> None:
+        """`drop`, without waiting for it; nothing else may be asked of it from now on."""
+        if self._task:
+            self._task.stop()
+        threading.Thread(target=self.drop, name="airlight viewer").start()
+
+    def drop(self) -> None:
+        """Give the device's memory back, once what is being made was broken off."""
+        self._shot = None
+        if self._task:
+            self._task.stop()
+            self._task.wait()
+        if self._drawn:
+            self._drawn.close()
+        if self.presenter:
+            self.presenter.release()
+        self._task = self._drawn = self.presenter = None
+        self.samples = 0
+
+    def _take(self) -> None:
+        """The end of a task: an error of it ends the attempts."""
+        assert self._task
+        task, self._task = self._task, None
+        try:
+            task.result()
+        except Exception as error:
+            self.drop()
+            self.message = f"no finer picture: {said(error)}"
+
+    def _work(self, commands: SlicedCommands, make: Callable[[], Renderer], shot: Shot) -> None:
+        """In the task's thread: the renderer, the solution, then samples while `shot` is wanted."""
+        if self._drawn is None:
+            before = self.gpu.allocated_bytes
+            self._drawn = Drawn(make())
+            taken = self.gpu.allocated_bytes - before
+            if taken > MOST_BYTES:
+                raise DeviceError(f"it would take {taken >> 20} MiB of memory")
+        drawn = self._drawn
+        drawn.give(shot.scene)
+        drawn.renderer.resize(shot.size)
+        drawn.solve(commands)
+        for index, jitter in enumerate(self._jitters):
+            if self._shot is not shot:
+                return
+            drawn.draw(commands, shot.scene.camera, (float(jitter[0]), float(jitter[1])), index)
+            commands.submit()
+            self._fold(commands, drawn.renderer, shot, index)
+
+    def _fold(self, commands: SlicedCommands, r: Renderer, shot: Shot, index: int) -> None:
+        """The drawn sample into the mean, in one turn: the viewer's thread shows the same mean."""
+        with self._turns.behind():
+            if self._shot is not shot:
+                return
+            if self.presenter is None:
+                self.presenter = Presenter(self.gpu, shot.size, shot.format)
+            self.presenter.resize(shot.size)
+            pictures = r.technique.pictures(r.view)
+            self.presenter.take(commands, pictures, r.view, shot.look, index)
+            commands.submit()
+            self.samples = index + 1

@@ -1,0 +1,85 @@
+"""The viewer in a notebook: a live widget, and a still picture where widgets do not run."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...scene.image import Image
+from ...scene.io import load
+from ...scene.scene import Scene
+from .canvas import CanvasView
+from .messages import believed
+from .session import Session
+
+_STILL_SAMPLES = 8
+
+
+def view(
+    scene: Scene | str | Path, technique: str = "auto", size: tuple[int, int] = (800, 450), *,
+    settings: Mapping[str, Any] | None = None, adapter: str = "auto",
+) -> Any:  # fmt: skip
+    """Look at `scene` in a notebook: the live widget, to be the last value of a cell.
+
+    A path or builtin:NAME is loaded, and read again when the file is saved. Where the widget
+    cannot run (no anywidget, a page without a kernel) a still picture is shown in its place.
+    Outside notebooks use `airlight view`. Raises SceneError, SettingsError, DeviceError.
+    """
+    source = "" if isinstance(scene, Scene) else str(scene)
+    loaded = scene if isinstance(scene, Scene) else load(source)
+    session = Session(
+        loaded, source=source, technique=technique, settings=settings, adapter=adapter
+    )
+    session.frame_size(size)
+    still = session.picture(_STILL_SAMPLES)
+    try:
+        from rendercanvas import anywidget
+    except ImportError:
+        session.close()
+        return Still(still)
+    return live_widget(anywidget, session, size, still)
+
+
+class Still:
+    """A picture that a notebook shows."""
+
+    def __init__(self, image: Image) -> None:
+        self.image = image
+
+    def _repr_png_(self) -> bytes:
+        return png_bytes(self.image)
+
+
+def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: Image) -> Any:
+    """A canvas of `rendercanvas.anywidget` with `session` on it and `still` behind it."""
+
+    class LiveView(anywidget.AnywidgetRenderCanvas):  # type: ignore[misc]
+        def _rfb_handle_msg(self, widget: Any, content: Any, buffers: Any) -> None:
+            kept = content if content == {"type": "close"} else believed(content)
+            if kept is not None:
+                super()._rfb_handle_msg(widget, kept, buffers)
+
+        def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+            bundle = super()._repr_mimebundle_(**kwargs)
+            data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})
+            picture = base64.b64encode(png_bytes(still)).decode()
+            return {**data, "image/png": picture}, metadata
+
+    canvas = LiveView(size=size, max_fps=30, update_mode="ondemand")
+    canvas.view = CanvasView(canvas, session)
+    from rendercanvas.utils.asyncs import sleep
+
+    anywidget.loop.add_task(canvas.view.watch, sleep, name="watch the scene file")
+    return canvas
+
+
+def png_bytes(image: Image) -> bytes:
+    """The tone-mapped picture as a PNG file."""
+    from PIL import Image as Pillow
+
+    out = io.BytesIO()
+    Pillow.fromarray(image.display()).save(out, "PNG")
+    return out.getvalue()

@@ -1,0 +1,87 @@
+"""What is taken home from the viewer: pictures, and the scene as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ...errors import AirlightError, OutputError
+from ...scene.io.toml_text import scene_text
+from ...scene.io.writing import whole_file
+from .session import Session
+
+Copy = Callable[[str], None]
+_NAME_LETTERS = 60  # of up to four bytes: file names end at 255
+
+
+class Saver:
+    """Writes into `folder` under names that are not taken; `copy` puts text on a clipboard.
+
+    What goes wrong becomes the session's message.
+    """
+
+    def __init__(self, session: Session, folder: Path, copy: Copy | None = None) -> None:
+        self.session, self.folder, self._copy = session, folder, copy
+
+    @property
+    def can_copy(self) -> bool:
+        """Whether there is a clipboard."""
+        return self._copy is not None
+
+    def save_picture(self, suffix: str) -> Path | None:
+        """The picture as .png or .exr (with its layers); its path, or None and a message."""
+        try:
+            image = self.session.picture()
+            path = self._free(suffix)
+            image.save(path)
+        except AirlightError as error:
+            self._refused(error)
+            return None
+        return self._done(path)
+
+    def save_scene(self) -> Path | None:
+        """The scene file of what is seen; its path, or None and a message."""
+        try:
+            path = self._free(".toml")
+            text = self._text(self.folder)
+            with whole_file(path) as part:
+                part.write_text(text, encoding="utf-8")
+        except AirlightError as error:
+            self._refused(error)
+            return None
+        return self._done(path)
+
+    def copy_scene(self) -> None:
+        """The scene file's text onto the clipboard, its paths relative to the file's folder."""
+        source = Path(self.session.source)
+        try:
+            text = self._text(source.parent if source.suffix else self.folder)
+        except (AirlightError, OSError, ValueError) as error:
+            self._refused(AirlightError(str(error)))
+            return
+        assert self._copy
+        self._copy(text)
+        state = self.session.state
+        state.message, state.notice = "", "the scene file is on the clipboard"
+
+    def _text(self, folder: Path) -> str:
+        s = self.session
+        chosen = {s.state.technique: s.state.chosen_settings} if s.state.chosen_settings else {}
+        return scene_text(s.scene_now(), s.loaded, s.source or "builtin:scene", folder, chosen)
+
+    def _free(self, suffix: str) -> Path:
+        """The first path of the scene's name that is not taken."""
+        name = self.session.state.scene.name or "scene"
+        safe = "".join(c if c.isalnum() or c in "-_" else "-" for c in name[:_NAME_LETTERS])
+        for number in range(1, 10_000):
+            path = self.folder / f"{safe}-view-{number:04d}{suffix}"
+            if not path.exists():
+                return path
+        raise OutputError("ten thousand pictures are here already", where=self.folder)
+
+    def _refused(self, error: AirlightError) -> None:
+        self.session.state.message, self.session.state.notice = str(error), ""
+
+    def _done(self, path: Path) -> Path:
+        self.session.state.message, self.session.state.notice = "", f"saved {path}"
+        return path

@@ -1,0 +1,368 @@
+"""A scene being looked at: takes changes, draws the next picture, keeps the last good one.
+
+It knows no window: `app.view.canvas` puts it on one. Nothing is read back from the device,
+except a picture to be saved.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...display.presenter import Look, Presenter, layer_names
+from ...errors import AirlightError
+from ...gpu.device import open_gpu
+from ...maths.sampling import pixel_jitter
+from ...rendering import Renderer
+from ...scene.image import Image
+from ...scene.io import BUILTIN_PREFIX, load
+from ...scene.scene import Scene
+from ...techniques import checked_settings
+from .build import Turns, said
+from .controls import CameraControls
+from .drawn import Drawn, is_same
+from .fine import SAMPLES, Fine, Shot, finer_settings
+from .making import Making
+from .quality import STILL_SAMPLES, Plan, Quality
+from .state import ViewState, reloaded, structure
+from .watch import Watch
+
+_SAVED_SAMPLES = 16
+_HAND_S = 0.25
+COARSER_SAMPLES = 16
+"""Of a still view, before a finer picture is begun."""
+PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
+
+
+class Session:
+    """`attach` it to a surface's format, then `frame` again and again.
+
+    Raises SettingsError for an unknown technique or setting, DeviceError without a device; later
+    errors become `state.message`.
+    """
+
+    def __init__(
+        self, scene: Scene, *, source: str = "", technique: str = "auto",
+        settings: Mapping[str, Any] | None = None, adapter: str = "auto",
+    ) -> None:  # fmt: skip
+        checked_settings(technique, scene, settings or {})
+        self.gpu = open_gpu(adapter)
+        self.source, self.loaded, self._adapter = source, scene, adapter
+        look = Look(exposure_stops=scene.camera.exposure_stops, reach_m=reach_m(scene) / 4.0)
+        own = {technique: dict(settings)} if settings else {}
+        self.state = ViewState(scene, technique, own, look)
+        self.controls = CameraControls(scene.camera, reach_m(scene))
+        self.quality = Quality(is_cpu=self.gpu.is_cpu)
+        self.frame_ms, self.times_ms = 0.0, dict[str, float]()
+        is_file = bool(source) and not source.startswith(BUILTIN_PREFIX)
+        self._watch = Watch(Path(source)) if is_file else None
+        self._turns = Turns()
+        self._making, self.fine = Making(self.gpu, self._turns), Fine(self.gpu, self._turns)
+        self._drawn: Drawn | None = None
+        self._shot: Shot | None = None
+        self._presenter: Presenter | None = None
+        self._format = ""
+        self._size = (1, 1)
+        self._camera, self._time_s = scene.camera, 0.0
+        self._jitters = pixel_jitter(STILL_SAMPLES)
+        self._made: tuple[Any, ...] | None = None
+        self._refused: tuple[Any, ...] | None = None
+        self._seen: tuple[Any, ...] = ()
+        self._toned: tuple[Any, ...] = ()
+        self._before_s: float | None = None
+        self._touched_s = float("-inf")
+
+    @property
+    def renderer(self) -> Renderer | None:
+        """What draws while the view moves; None until the first was made."""
+        return self._drawn.renderer if self._drawn else None
+
+    def attach(self, format: str) -> None:
+        """The surface's textures have this format."""
+        if format != self._format:
+            self._format = format
+            if self._presenter:
+                self._presenter.release()
+            self._presenter = None
+
+    def touch(self, now_s: float) -> None:
+        """A hand is at the mouse or the keys: fine pictures wait a moment."""
+        self._touched_s = now_s
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """What can be looked at."""
+        if self.renderer is None:
+            return ("picture",)
+        return layer_names(self.renderer.technique.pictures(self.renderer.view))
+
+    def has_edit(self) -> bool:
+        """Take an edit of the scene file, if there is one; a broken one becomes the message."""
+        if self._watch is None or not self._watch.changed():
+            return False
+        self.reload()
+        return True
+
+    def reload(self) -> None:
+        """Load the file again; what was changed here and not in the file stays."""
+        try:
+            after = load(self.source)
+        except AirlightError as error:
+            self.state.message = str(error)
+            return
+        state, before = self.state, self.loaded
+        state.scene, self.loaded = reloaded(state.scene, before, after), after
+        state.message, state.notice = "", "the scene file was read again"
+        if after.camera != before.camera:
+            self.controls.camera = self.controls.home = after.camera
+            state.look = replace(state.look, exposure_stops=after.camera.exposure_stops)
+
+    def frame(self, target: Any, size: tuple[int, int], now_s: float) -> bool:
+        """Draw onto `target`, a surface of `size` pixels; true where more frames are wanted.
+
+        Where it is false, `has_news` tells when one is wanted again.
+        """
+        with self._turns.frame():
+            self._size = size
+            self._make()
+            self.controls.height_px = size[1]
+            self._go_on(now_s)
+            self.state.turn_light(self.controls.take_turn())
+            is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
+            # A picture that is soon another one needs no refinement: the new renderer needs time.
+            is_busy |= self._making.is_under_way
+            changed = self._has_changed()
+            if changed:
+                self._shot = None
+                self.fine.moved()
+            plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
+            wants_more = self._drawn is not None and self._drew(plan)
+            wants_more &= changed or not self._making.is_under_way
+            self._show(target)
+            is_waiting = self.state.notice in (PREPARING, REBUILDING)
+            is_moving = self.controls.is_moving or self.state.is_playing
+            return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
+
+    def _drew(self, plan: Plan) -> bool:
+        """Draw what is planned, or let the finest picture go on; true where more is wanted."""
+        if plan.sample is not None:
+            self._draw_or_say(plan)
+        elif not plan.is_moving and self.quality.share >= 1.0:
+            self._refine()
+        return plan.is_moving or plan.sample is not None or self.quality.share < 1.0
+
+    @property
+    def status(self) -> str:
+        """In a few words: the last frame's time and size, or how far the finest picture is."""
+        if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
+            return f"refining   {self.fine.samples} of {SAMPLES}"
+        width, height = self.renderer.size if self.renderer else self._size
+        return f"{self.frame_ms:.0f} ms   {width} x {height}"
+
+    @property
+    def share(self) -> float:
+        """How much of the refinement is done, 0 to 1."""
+        if self.quality.samples == STILL_SAMPLES:
+            return self.quality.share
+        samples = self.quality.share * COARSER_SAMPLES + self.fine.samples
+        return samples / (COARSER_SAMPLES + SAMPLES)
+
+    def has_news(self) -> bool:
+        """Whether something that was being made between frames is ready to be shown."""
+        fine = self.fine
+        is_finer = fine.is_shown and self._toned[:2] != (fine.presenter, fine.samples)
+        return self._making.has_ended or fine.has_ended or is_finer
+
+    def wait(self) -> None:
+        """Return once the renderer that is being made is there, or has been refused."""
+        if self._making.is_under_way:
+            self._take_made()
+
+    def _go_on(self, now_s: float) -> None:
+        """What moves by itself: the camera by held keys, the scene by its time."""
+        spent_s = 0.0 if self._before_s is None else now_s - self._before_s
+        self.controls.advance(spent_s)
+        state = self.state
+        state.play(spent_s)
+        goes_on = self.controls.is_moving or state.is_playing
+        self._before_s = now_s if goes_on else None
+        if state.time_s != self._time_s:
+            self._time_s, before = state.time_s, self._camera
+            self._camera = state.moved().camera
+            if self._camera != before:  # the scene moves its camera; a hand may take it from there
+                self.controls.camera = self._camera
+
+    def frame_size(self, size: tuple[int, int]) -> None:
+        """The size of pictures until a frame says another."""
+        self._size = size
+
+    def picture(self, samples: int = _SAVED_SAMPLES) -> Image:
+        """What is seen now, at full size, with its layers. Raises AirlightError."""
+        self._make()
+        self.wait()
+        if self.state.message and self._made != structure(self.state):
+            raise AirlightError(self.state.message)
+        drawn = self._drawn
+        if self.fine.is_shown:
+            self.fine.halt()
+            drawn = self.fine.drawn or drawn
+        assert drawn is not None
+        with self._turns.frame():
+            drawn.give(self.scene_now())
+            drawn.renderer.resize(self._size)
+            image = drawn.renderer.frame(samples=samples)
+        assert image is not None
+        self._seen = ()
+        return replace(image, tone_map=self.state.look.curve)
+
+    def scene_now(self) -> Scene:
+        """The scene with the camera and exposure of this moment."""
+        stops = self.state.look.exposure_stops
+        scene = self.state.moved()
+        return replace(scene, camera=replace(self.controls.camera, exposure_stops=stops))
+
+    def close(self) -> None:
+        """Give the device's memory back."""
+        self._making.close()
+        self.fine.drop()
+        if self._presenter:
+            self._presenter.release()
+        if self._drawn:
+            self._drawn.close()
+        self._drawn = self._presenter = None
+
+    def _has_changed(self) -> bool:
+        s = self.state
+        now = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
+        if is_same(now, self._seen):
+            return False
+        self._seen = now
+        return True
+
+    def _make(self) -> None:
+        """See that there is, or will be, a renderer for the state's structure."""
+        if self._making.has_ended:
+            self._take_made()
+        state, wanted = self.state, structure(self.state)
+        if wanted in (self._made, self._refused):
+            if self._making.is_under_way:  # of a wish that was taken back
+                self._making.give_up()
+                self._say_made()
+            return
+        state.notice = REBUILDING if self._drawn else PREPARING
+        if not self.fine.is_empty:
+            self.fine.retire()
+            self.fine = Fine(self.gpu, self._turns)
+        self._making.begin(wanted, self._maker(self._size, {}))
+
+    def _maker(self, size: tuple[int, int], more: Mapping[str, Any]) -> Callable[[], Renderer]:
+        """Makes a renderer of the state as it is now, with `more` settings."""
+        state, scene = self.state, self.scene_now()
+        settings = {**state.chosen_settings, **more}
+        return lambda: Renderer(
+            scene, state.technique, size, settings=settings, adapter=self._adapter
+        )
+
+    def _take_made(self) -> None:
+        """The renderer that was being made; where it was refused, the one before stays."""
+        self._refused, state = self._making.wanted, self.state
+        try:
+            self._made, drawn = self._making.take()
+        except Exception as error:  # a driver's refusal must not take the window down
+            state.message, state.notice = said(error), ""
+            return
+        if self._drawn:
+            self._drawn.close()
+        self._drawn, self._refused, state.message = drawn, None, ""
+        self.quality.samples = COARSER_SAMPLES if self._finer() else STILL_SAMPLES
+        self._say_made()
+
+    def _say_made(self) -> None:
+        if self.state.notice in (PREPARING, REBUILDING):
+            self.state.notice = ""
+
+    def _finer(self) -> dict[str, Any]:
+        """What would make the picture of a still view finer."""
+        state = self.state
+        now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
+
+    def _refine(self) -> None:
+        """The view stands still, and its coarser picture is done."""
+        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
+            return
+        if self._shot is None:
+            self._shot = Shot(self.scene_now(), self._size, self.state.look, self._format)
+        self.fine.begin(self._maker(self._size, self._finer()), self._shot)
+
+    def _draw_or_say(self, plan: Plan) -> None:
+        begin = time.perf_counter()
+        try:
+            self._draw(plan)
+        except Exception as error:  # a driver's refusal must not take the window down
+            self.state.message, self.state.notice = said(error), ""
+        self.frame_ms = (time.perf_counter() - begin) * 1e3
+        assert self._drawn
+        # Solving costs the same at every resolution.
+        self.quality.took(self.frame_ms - self._drawn.solve_ms, plan)
+
+    def _draw(self, plan: Plan) -> None:
+        drawn = self._drawn
+        assert drawn and plan.sample is not None
+        r = drawn.renderer
+        r.resize(plan.size)
+        with r.used(), r.whole():
+            self._draw_all(drawn, plan)
+
+    def _draw_all(self, drawn: Drawn, plan: Plan) -> None:
+        """The layers of one sample, and the picture that they are part of."""
+        assert plan.sample is not None
+        r, commands = drawn.renderer, drawn.renderer.commands
+        commands.is_timed, commands.stage_ms = self.state.shows_times, {}
+        if self._made == structure(self.state):
+            drawn.give(self.scene_now())
+        drawn.solve(commands, is_quick=plan.is_moving)
+        x, y = (0.0, 0.0) if plan.is_moving else self._jitters[plan.sample]
+        drawn.draw(commands, self.controls.camera, (float(x), float(y)), plan.sample)
+        if self._presenter is None:
+            self._presenter = Presenter(r.gpu, plan.size, self._format)
+        self._presenter.resize(plan.size)
+        pictures = r.technique.pictures(r.view)
+        self._presenter.take(commands, pictures, r.view, self.state.look, plan.sample)
+        self._tone(self._presenter, plan.sample, settled=not plan.is_moving)
+        r.gpu.wait()
+        if commands.is_timed:
+            if not r.gpu.is_cpu:
+                commands.collect_timestamps()
+            self.times_ms = dict(commands.stage_ms)
+        commands.is_timed = False
+
+    def _tone(self, presenter: Presenter, samples: int, *, settled: bool) -> None:
+        assert self._drawn
+        commands = self._drawn.renderer.commands
+        presenter.tone(commands, self.state.look, settled=settled)
+        commands.submit()
+        self._toned = (presenter, samples, self.state.look)
+
+    def _show(self, target: Any) -> None:
+        """The finest picture that there is, onto the surface."""
+        shown = self.fine.presenter if self.fine.is_shown else self._presenter
+        if shown is None or self._drawn is None:
+            return
+        samples = self.fine.samples if self.fine.is_shown else self._toned[1]
+        if self._toned != (shown, samples, self.state.look):
+            self._tone(shown, samples, settled=True)
+        commands = self._drawn.renderer.commands
+        shown.show(commands, target)
+        commands.submit()
+
+
+def reach_m(scene: Scene) -> float:
+    """The diagonal of what is to be seen, metres."""
+    low, high = scene.bounds
+    return float(np.linalg.norm(high - low)) or 1.0

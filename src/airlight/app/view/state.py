@@ -1,0 +1,154 @@
+"""What a person at the viewer has chosen: the scene as it is now, technique, settings, look."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ...display.presenter import Look
+from ...scene.lights import DirectionalLight, Light, PointLight
+from ...scene.medium import Medium
+from ...scene.scene import Scene
+from ...scene.volume import Volume
+from .controls import Turn, turned_direction
+
+_UP = (0.0, 1.0, 0.0)
+
+
+@dataclass
+class ViewState:
+    """The panel and the controls write it, the session draws it.
+
+    `settings` by technique lie over what the scene file says. `light` is the one that a drag
+    turns. `time_s` is where the scene's animation stands. `message` is what went wrong last,
+    `notice` what went well.
+    """
+
+    scene: Scene
+    technique: str = "auto"
+    settings: dict[str, dict[str, Any]] = field(default_factory=dict)
+    look: Look = field(default_factory=Look)
+    light: int = 0
+    message: str = ""
+    notice: str = ""
+    shows_times: bool = False
+    time_s: float = 0.0
+    is_playing: bool = False
+    _moved: tuple[tuple[int, float], Scene] | None = None
+
+    @property
+    def chosen_settings(self) -> dict[str, Any]:
+        """Of the chosen technique, beside what the scene file says."""
+        return self.settings.get(self.technique, {})
+
+    def play(self, spent_s: float) -> None:
+        """Let the animation go on, round from its end to its start."""
+        animation = self.scene.animation
+        if self.is_playing and animation is not None:
+            span = animation.last_s - animation.start_s
+            self.time_s = animation.start_s + (self.time_s + spent_s - animation.start_s) % span
+
+    def moved(self) -> Scene:
+        """The scene as its animation has it now; the same value until scene or time change."""
+        key = (id(self.scene), self.time_s)
+        if self._moved is None or self._moved[0] != key:
+            still = self.scene.animation is None
+            self._moved = (key, self.scene if still else self.scene.at(self.time_s))
+        return self._moved[1]
+
+    def set_light(self, index: int, light: Light) -> None:
+        """Replace one light by another of its kind."""
+        lights = list(self.scene.lights)
+        lights[index] = light
+        self.scene = replace(self.scene, lights=tuple(lights))
+
+    def set_volume(self, index: int, volume: Volume) -> None:
+        """Replace one volume by another of the same grid."""
+        volumes = list(self.scene.volumes)
+        volumes[index] = volume
+        self.scene = replace(self.scene, volumes=tuple(volumes))
+
+    def turn_light(self, turn: Turn) -> None:
+        """Turn the chosen light's direction; a point light's place goes around the scene."""
+        lights = self.scene.lights
+        if turn == Turn(0.0, 0.0) or not lights:
+            return
+        index = min(self.light, len(lights) - 1)
+        light = lights[index]
+        if isinstance(light, PointLight):
+            low, high = self.scene.bounds
+            centre = (low + high) / 2.0
+            offset = np.subtract(light.position, centre)
+            if np.linalg.norm(offset) > 1e-6:
+                offset = turned_direction(offset, _UP, turn.azimuth_deg, turn.elevation_deg)
+            self.set_light(index, replace(light, position=tuple(centre + offset)))
+            return
+        # The hand turns where the light comes from, not where it goes.
+        source = turned_direction(
+            np.negative(light.direction), _UP, turn.azimuth_deg, turn.elevation_deg
+        )
+        self.set_light(index, replace(light, direction=tuple(-source)))
+
+
+def structure(state: ViewState) -> tuple[Any, ...]:
+    """What a renderer is made for: another structure needs another renderer."""
+    scene = state.scene
+    chosen = {**scene.settings.get(state.technique, {}), **state.chosen_settings}
+    return (
+        state.technique, repr(sorted(chosen.items())), id(scene.meshes),
+        tuple(type(light) for light in scene.lights), scene.medium is None,
+        tuple((v.shape, id(v.density), v.bounds) for v in scene.volumes),
+        scene.environment is None, id(scene.environment.map) if scene.environment else 0,
+    )  # fmt: skip
+
+
+def reloaded(now: Scene, before: Scene, after: Scene) -> Scene:
+    """`now`, edited since it was loaded as `before`, with what the file changed to `after`."""
+    changes = {
+        f.name: getattr(after, f.name)
+        for f in dataclasses.fields(Scene)
+        if not same(getattr(before, f.name), getattr(after, f.name))
+    }
+    return replace(now, **changes) if changes else now
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two scene values mean the same, arrays and parts included."""
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return a.shape == b.shape and bool(np.array_equal(a, b))
+    if dataclasses.is_dataclass(a) and not isinstance(a, type):
+        return all(same(getattr(a, f.name), getattr(b, f.name)) for f in dataclasses.fields(a))
+    if isinstance(a, Mapping):
+        return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
+    if isinstance(a, (list, tuple)):
+        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    return bool(a == b)
+
+
+def fog_for(scene: Scene) -> Medium:
+    """Thin white fog through which a tenth of the light is lost across the scene."""
+    low, high = scene.bounds
+    sigma = 0.1 / max(float(np.linalg.norm(high - low)), 1e-6)
+    return Medium((sigma, sigma, sigma))
+
+
+def angles_deg(light: DirectionalLight) -> tuple[float, float]:
+    """(azimuth, elevation) of where the light comes from; azimuth 0 is +Z, 90 is +X."""
+    x, y, z = np.negative(light.direction)
+    return float(np.degrees(np.arctan2(x, z))), float(np.degrees(np.arcsin(np.clip(y, -1, 1))))
+
+
+def sun_at(light: DirectionalLight, azimuth_deg: float, elevation_deg: float) -> DirectionalLight:
+    """The light, coming from there."""
+    a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
+    source = (np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e))
+    x, y, z = (-float(v) for v in source)
+    return replace(light, direction=(x, y, z))

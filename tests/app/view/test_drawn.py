@@ -1,0 +1,87 @@
+"""What the viewer shows is solved only where something changed that counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from airlight.app.view.drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn, is_same
+from airlight.errors import DeviceError
+from airlight.lpv.solver import LpvSolver
+from airlight.rendering import Renderer
+from airlight.scene.io import load
+
+SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 0,
+         "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+
+
+def drawn_with(**settings) -> Drawn:
+    try:
+        made = Renderer(load("builtin:cornell"), "lpv", (16, 9), settings={**SMALL, **settings})
+    except DeviceError as error:
+        pytest.skip(str(error))
+    return Drawn(made)
+
+
+def solved(drawn: Drawn, scene) -> int:
+    """How often it is solved for `scene`."""
+    calls: list[int] = []
+    inner = drawn.renderer.technique.solve
+    drawn.renderer.technique.solve = lambda *a: (calls.append(1), inner(*a))
+    drawn.give(scene)
+    drawn.solve(drawn.renderer.commands)
+    drawn.renderer.technique.solve = inner
+    return len(calls)
+
+
+def moved(scene):
+    x, y, z = scene.camera.position
+    return replace(scene, camera=replace(scene.camera, position=(x + 0.1, y, z)))
+
+
+def test_a_camera_needs_no_solution_and_other_meshes_do():
+    drawn = drawn_with()
+    scene = drawn.renderer.scene
+    assert solved(drawn, scene) == 1
+    assert drawn.solve_ms > 0.0 or not drawn.renderer.gpu.is_cpu
+    assert solved(drawn, moved(scene)) == 0
+    assert drawn.solve_ms == 0.0
+    other = (replace(scene.meshes[0], name="other"), *scene.meshes[1:])
+    assert solved(drawn, replace(scene, meshes=other)) == 1
+    drawn.close()
+
+
+def test_a_moving_light_makes_fewer_steps_and_coarser_shadows_until_it_rests():
+    drawn = drawn_with(iterations=64)
+    r, steps, coarse = drawn.renderer, [], []
+    if not r.gpu.is_cpu:
+        pytest.skip("a GPU has time for all steps")
+    inner = r.technique.solve
+    r.technique.solve = lambda *a: (
+        steps.append(r.technique.find(LpvSolver).steps),
+        coarse.append(r.technique.kit.lights.coarseness),
+        inner(*a),
+    )
+    for is_quick in (True, True, False, False, True):
+        drawn.solve(r.commands, is_quick=is_quick)
+    assert steps == [QUICK_STEPS, 64]  # once quickly, once in full, which then does for both
+    assert coarse == [QUICK_COARSENESS, 1.0]
+    assert r.technique.find(LpvSolver).steps == 64
+    drawn.close()
+
+
+def test_nested_lattices_follow_the_camera():
+    drawn = drawn_with(cascades=2)
+    scene = drawn.renderer.scene
+    assert solved(drawn, scene) == 1
+    assert solved(drawn, scene) == 0
+    assert solved(drawn, moved(scene)) == 1
+    drawn.close()
+
+
+def test_scenes_are_compared_by_identity_and_plain_values_by_value():
+    parts = object()
+    assert is_same((parts, 1.0, "a"), (parts, 1.0, "a"))
+    assert not is_same((parts, 1.0), (object(), 1.0))
+    assert not is_same((parts,), (parts, 1.0))

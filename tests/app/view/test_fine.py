@@ -1,0 +1,124 @@
+"""The finest picture of a still view: what it is told, and that it is what it says."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from airlight.app.view import fine as view_fine
+from airlight.app.view.build import Turns
+from airlight.app.view.fine import Fine, Shot, finer_settings
+from airlight.display.presenter import Look
+from airlight.rendering import Renderer
+from airlight.scene import Medium
+from airlight.scene.io import load
+from airlight.techniques import checked_settings
+
+SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0,
+         "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+SIZE = (24, 14)
+
+
+@pytest.fixture
+def fine(gpu):
+    made = Fine(gpu, Turns())
+    yield made
+    made.drop()
+
+
+def until(is_so) -> None:
+    end = time.monotonic() + 240.0
+    while not is_so():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+BOX = Path(__file__).with_name("view_box.toml")
+
+
+def finer_of(technique: str, *, fog: float = 0.0, sky: bool = True, **given):
+    scene = load(BOX)
+    scene = replace(scene, environment=scene.environment if sky else None,
+                    medium=Medium((fog,) * 3) if fog else None)  # fmt: skip
+    return finer_settings(checked_settings(technique, scene, given), scene, is_cpu=True)
+
+
+def test_air_is_marched_whole():
+    air = {"march_resolution": "full", "shaft_resolution": "full"}
+    assert finer_of("auto", fog=0.1) == air
+    assert finer_of("auto", fog=0.1, shaft_resolution="full") == {"march_resolution": "full"}
+    assert finer_of("pop", fog=0.1)["march"] == "full"
+
+
+def test_a_sky_gets_a_larger_lattice_where_nothing_propagates_on_it():
+    assert finer_of("direct") == {"resolution": 64}
+    assert finer_of("direct", resolution=160) == {}  # enough is enough
+    assert finer_of("lpv") == finer_of("auto") == {}
+    assert finer_of("direct", sky=False) == {}
+
+
+def test_it_is_the_picture_that_its_settings_make(gpu, fine):
+    scene = load(BOX)
+    settings = {**SMALL, "sky_lights": 8, "resolution": 12}
+
+    def make() -> Renderer:
+        return Renderer(scene, "direct", SIZE, settings=settings)
+
+    shot = Shot(scene, SIZE, Look(), "rgba8unorm")
+    fine.begin(make, shot)
+    assert not fine.is_shown
+    until(lambda: fine.samples >= view_fine.SHOWN_FROM)
+    assert fine.is_shown
+    until(lambda: fine.has_ended)
+    fine.begin(make, shot)  # all done: nothing more happens
+    assert fine.samples == view_fine.SAMPLES
+    assert not fine.has_ended
+    mean = fine.presenter._combine.picture.read()[..., :3]
+    with make() as renderer:
+        expected = renderer.frame(samples=view_fine.SAMPLES).radiance
+    assert np.abs(mean - expected).max() < 1e-4 * expected.max()
+
+
+def test_what_moves_takes_it_back_and_only_samples_are_made_anew(gpu, fine):
+    scene, made = load(BOX), []
+
+    def make() -> Renderer:
+        made.append(1)
+        return Renderer(scene, "direct", SIZE, settings=SMALL)
+
+    fine.begin(make, Shot(scene, SIZE, Look(), "rgba8unorm"))
+    until(lambda: fine.samples > 1)
+    with fine._turns.frame():  # as a session does
+        fine.moved()
+    assert not fine.is_shown
+    held = fine.samples
+    time.sleep(0.05)
+    assert fine.samples == held == 0
+    still = Shot(scene, SIZE, Look(), "rgba8unorm")
+    until(lambda: (fine.begin(make, still), fine.is_shown)[1])
+    assert len(made) == 1
+    fine.halt()
+    assert fine.drawn is not None
+
+
+def test_what_takes_too_much_memory_is_given_up_with_a_reason(gpu, fine, monkeypatch):
+    monkeypatch.setattr(view_fine, "MOST_BYTES", 1 << 10)
+    before, scene, made = gpu.allocated_bytes, load(BOX), []
+
+    def make() -> Renderer:
+        made.append(1)
+        return Renderer(scene, "direct", SIZE, settings=SMALL)
+
+    shot = Shot(scene, SIZE, Look(), "rgba8unorm")
+    fine.begin(make, shot)
+    until(lambda: fine.has_ended)
+    for _ in range(3):
+        fine.begin(make, shot)
+    assert "no finer picture: it would take" in fine.message
+    assert not fine.is_shown
+    assert len(made) == 1
+    assert gpu.allocated_bytes == before

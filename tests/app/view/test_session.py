@@ -1,0 +1,380 @@
+"""A session draws onto any surface: progressively, through errors, and after edits."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.app.view.controls import Turn
+from airlight.app.view.save import Saver
+from airlight.app.view.session import Session
+from airlight.errors import SettingsError
+from airlight.gpu.memory import Texture
+from airlight.maths.tone import display_srgb8
+from airlight.rendering import Renderer
+from airlight.scene import Medium
+from airlight.scene.animation import Animation
+from airlight.scene.io import load
+from airlight.scene.io.images import load_image
+
+SIZE = (48, 28)
+SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
+         "ambient_occlusion": False}  # fmt: skip
+SCENE = """
+[camera]
+position = [1.5, 1.4, 3.2]
+target = [0, 0.4, 0]
+[[mesh]]
+shape = "box"
+translate = [0, 0.5, 0]
+base_color = [0.8, 0.3, 0.2]
+[[light]]
+type = "directional"
+direction = [0.4, -1, -0.3]
+irradiance = [3, 2.8, 2.5]
+[environment]
+radiance = 0.3
+"""
+
+
+class Screen:
+    """A session on an offscreen surface, its clock in our hands."""
+
+    def __init__(self, gpu, session: Session) -> None:
+        self.session, self.now = session, 0.0
+        self.surface = Texture(gpu, "surface", SIZE, "rgba8unorm", target=True)
+        session.attach("rgba8unorm")
+        self.frame()  # says that it is preparing
+        session.wait()
+
+    def frame(self, seconds: float = 0.01) -> bool:
+        self.now += seconds
+        return self.session.frame(self.surface.resource, SIZE, self.now)
+
+    @property
+    def pixels(self) -> np.ndarray:
+        return self.surface.read()[..., :3].astype(int)
+
+    def settle(self, frames: int = 3) -> np.ndarray:
+        for _ in range(frames):
+            self.frame(0.5)
+            self.session.wait()
+        return self.pixels
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def screen(gpu, scene_file):
+    session = Session(
+        load(scene_file), source=str(scene_file), technique="direct", settings=SMALL
+    )  # fmt: skip
+    made = Screen(gpu, session)
+    yield made
+    session.close()
+
+
+def test_coarse_then_fine_and_then_it_rests(screen):
+    assert screen.frame()
+    coarse = screen.session.renderer.size
+    assert coarse[0] <= SIZE[0]
+    screen.session.quality.samples = 3
+    assert screen.frame(0.5)
+    assert screen.session.renderer.size == SIZE
+    wants_more = [screen.frame(0.1) for _ in range(4)]
+    assert wants_more[-1] is False
+    assert screen.pixels.max() > 100
+
+
+def test_a_drag_changes_the_picture_and_the_sun_its_shadow(screen):
+    before = screen.settle()
+    controls = screen.session.controls
+    controls.handle({"event_type": "pointer_down", "x": 10, "y": 10, "button": 1})
+    controls.handle({"event_type": "pointer_move", "x": 18, "y": 10})
+    controls.handle({"event_type": "pointer_up", "button": 1})
+    turned = screen.settle()
+    assert np.abs(turned - before).mean() > 2.0
+    controls.turn = Turn(120.0, -20.0)
+    sunny = screen.settle()
+    assert np.abs(sunny - turned).mean() > 1.0
+    light = screen.session.state.scene.lights[0]
+    assert np.linalg.norm(light.direction) == pytest.approx(1.0)
+
+
+def test_solving_is_skipped_while_only_the_camera_moves(screen):
+    screen.settle()
+    solved = []
+    technique = screen.session.renderer.technique
+    inner = technique.solve
+    technique.solve = lambda *a: (solved.append(1), inner(*a))
+    screen.session.controls.camera = replace(screen.session.controls.camera, fov_y_deg=40.0)
+    screen.settle()
+    assert not solved
+    screen.session.state.turn_light(Turn(1.0, 0.0))
+    screen.settle()
+    # on a software driver coarsely while a hand turns it, then whole
+    assert len(solved) == (2 if screen.session.renderer.gpu.is_cpu else 1)
+
+
+def test_exposure_and_curve_only_tone_anew(screen):
+    before = screen.settle()
+    state = screen.session.state
+    drawn = screen.session._seen
+    state.look = replace(state.look, exposure_stops=2.0)
+    screen.session.quality._done = screen.session.quality.samples  # resting
+    screen.frame()
+    assert screen.session._seen is drawn
+    assert screen.pixels.mean() > before.mean() + 10
+
+
+def test_a_broken_edit_says_so_and_keeps_the_picture(screen, scene_file):
+    before = screen.settle()
+    scene_file.write_text(SCENE.replace("irradiance", "iradiance"))
+    screen.session.reload()
+    assert "iradiance" in screen.session.state.message
+    assert "irradiance" in screen.session.state.message  # the nearest known name
+    assert np.abs(screen.settle() - before).mean() < 1.0  # only refined a little more
+    scene_file.write_text(SCENE.replace("[0.8, 0.3, 0.2]", "[0.1, 0.1, 0.9]"))
+    screen.session.reload()
+    blue = screen.settle()
+    assert screen.session.state.message == ""
+    box = before[..., 0] > before[..., 2] + 30
+    assert box.any()
+    assert (blue[box][:, 2] > blue[box][:, 0] + 20).mean() > 0.8
+
+
+def test_an_edit_keeps_what_was_changed_by_hand(screen, scene_file):
+    screen.settle()
+    session = screen.session
+    session.state.turn_light(Turn(40.0, 0.0))
+    light, camera = session.state.scene.lights[0], session.controls.camera
+    scene_file.write_text(SCENE.replace("radiance = 0.3", "radiance = 0.6"))
+    session.reload()
+    assert session.state.scene.environment.radiance == (0.6, 0.6, 0.6)
+    assert session.state.scene.lights[0] is light
+    assert session.controls.camera is camera
+    scene_file.write_text(SCENE.replace("target = [0, 0.4, 0]", "target = [0, 0.9, 0]"))
+    session.reload()
+    assert session.controls.camera.target == (0.0, 0.9, 0.0)
+
+
+def test_a_refused_setting_says_so_and_the_old_renderer_goes_on(screen):
+    screen.settle()
+    before = screen.session.renderer
+    screen.session.state.settings["direct"] = {**SMALL, "bounds": "1,2"}
+    shown = screen.settle()
+    assert "setting bounds has 2 numbers" in screen.session.state.message
+    assert screen.session.renderer is before
+    assert shown.max() > 100
+    screen.session.state.settings["direct"] = {**SMALL, "resolution": 9}
+    screen.settle()
+    assert screen.session.state.message == ""
+    assert screen.session.renderer is not before
+
+
+def test_fog_can_be_added_thickened_and_taken_away(gpu, scene_file):
+    session = Session(load(scene_file), technique="single", settings=SMALL)
+    screen = Screen(gpu, session)
+    clear = screen.settle(2)
+    from airlight.app.view.state import fog_for
+
+    session.state.scene = replace(session.state.scene, medium=fog_for(session.state.scene))
+    thin = screen.settle(2)
+    fog = session.state.scene.medium
+    session.state.scene = replace(session.state.scene, medium=replace(fog, sigma_t=(2, 2, 2)))
+    thick = screen.settle(2)
+    assert session.state.message == ""
+    assert np.abs(thin - clear).mean() < np.abs(thick - clear).mean()
+    session.close()
+
+
+def test_times_of_passes_are_measured_when_wanted(screen):
+    screen.settle()
+    assert screen.session.times_ms == {}
+    screen.session.state.shows_times = True
+    screen.settle(1)
+    assert {"g-buffer", "lighting", "combine"} <= screen.session.times_ms.keys()
+
+
+def test_pictures_and_scenes_are_saved_under_new_names(screen, tmp_path):
+    screen.settle()
+    screen.session.state.look = replace(screen.session.state.look, exposure_stops=1.0)
+    screen.session.state.turn_light(Turn(15.0, 0.0))
+    copied: list[str] = []
+    saver = Saver(screen.session, tmp_path, copied.append)
+    first, second = saver.save_picture(".exr"), saver.save_picture(".exr")
+    assert (first.name, second.name) == ("scene-view-0001.exr", "scene-view-0002.exr")
+    image = load_image(first)
+    assert image.radiance.shape == (SIZE[1], SIZE[0], 3)
+    assert "direct" in image.layers
+    assert saver.save_picture(".png").stat().st_size > 100
+    again = load(saver.save_scene())
+    assert again.camera.exposure_stops == 1.0
+    assert again.lights[0].direction == pytest.approx(
+        screen.session.state.scene.lights[0].direction, rel=1e-5
+    )
+    assert again.settings["direct"]["resolution"] == 8
+    saver.copy_scene()
+    assert copied and copied[0].startswith("[camera]")
+    assert "clipboard" in screen.session.state.notice
+
+
+def test_a_folder_that_cannot_be_written_is_said(screen, tmp_path):
+    saver = Saver(screen.session, tmp_path / "missing")
+    screen.settle(1)
+    assert saver.save_picture(".png") is None
+    assert "missing" in screen.session.state.message
+    screen.session.state.message = ""
+    assert saver.save_scene() is None
+    assert "missing" in screen.session.state.message
+
+
+def test_an_unknown_technique_is_refused_at_once(scene_file):
+    with pytest.raises(SettingsError, match="unknown technique 'lvp'"):
+        Session(load(scene_file), technique="lvp")
+
+
+def test_time_moves_what_the_scene_moves(gpu, scene_file):
+    scene = load(scene_file)
+    turning = Animation((Turning(),), end_s=2.0)
+    session = Session(replace(scene, animation=turning), technique="direct", settings=SMALL)
+    screen = Screen(gpu, session)
+    before = screen.settle(2)
+    session.state.time_s = 1.0
+    moved = screen.settle(2)
+    assert np.abs(moved - before).mean() > 1.0
+    assert session.scene_now().lights[0].direction[0] == pytest.approx(-np.sqrt(0.5))
+    session.state.is_playing = True
+    assert screen.frame(0.1) and screen.frame(0.25)
+    assert session.state.time_s == pytest.approx(1.25)
+    for _ in range(4):
+        screen.frame(0.25)
+    assert session.state.time_s == pytest.approx(0.25)  # round
+    session.close()
+
+
+class Turning:
+    """A sun that goes from over the right to over the left shoulder in two seconds."""
+
+    end_s = 2.0
+
+    def apply(self, scene, time_s):
+        side = np.sqrt(0.5) * (1.0 if time_s < 0.5 else -1.0)
+        sun = replace(scene.lights[0], direction=(side, -np.sqrt(0.5), 0.0))
+        return replace(scene, lights=(sun,))
+
+
+def test_the_old_picture_stays_live_while_another_renderer_is_made(screen):
+    before, session = screen.settle(), screen.session
+    old = session.renderer
+    session.state.settings["direct"] = {**SMALL, "resolution": 10}
+    held = session._turns._device
+    with held:  # so that the new one cannot be done before it was looked at
+        screen.frame(0.5)
+        assert session.state.notice == "rebuilding ..."
+        session.controls.camera = replace(session.controls.camera, fov_y_deg=25.0)
+        screen.frame(0.5)
+        screen.frame(0.5)
+        assert session.renderer is old
+        assert np.abs(screen.pixels - before).mean() > 2.0  # it follows the camera
+    session.wait()
+    screen.frame(0.5)
+    assert session.state.notice == ""
+    assert session.renderer is not old
+
+
+def test_a_wish_taken_back_keeps_the_renderer(screen):
+    screen.settle()
+    session, old = screen.session, screen.session.renderer
+    session.state.settings["direct"] = {**SMALL, "resolution": 10}
+    screen.frame(0.5)
+    session.state.settings["direct"] = dict(SMALL)
+    screen.settle()
+    assert session.renderer is old
+    assert session.state.notice == ""
+
+
+def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, scene_file):
+    fog = Medium((0.3, 0.3, 0.3))
+    session = Session(replace(load(scene_file), medium=fog), technique="single", settings=SMALL)
+    screen = Screen(gpu, session)
+    end = time.monotonic() + 240.0
+    while session.share < 1.0 or session.has_news():
+        assert time.monotonic() < end
+        if not screen.frame(0.3):
+            time.sleep(0.02)
+    assert session.fine.is_shown
+    assert not session.has_news()
+    assert session.status == "refining   64 of 64"
+    shown = screen.pixels
+    with Renderer(session.scene_now(), "single", SIZE, settings={
+            **SMALL, "march_resolution": "full", "shaft_resolution": "full", "resolution": 16},
+    ) as renderer:  # fmt: skip
+        image = renderer.frame(samples=64)
+    expected = display_srgb8(image.radiance, 0.0, "agx", dither=True).astype(int)
+    assert np.abs(shown - expected).mean() < 0.5
+    saved = session.picture(samples=64)
+    assert np.abs(saved.radiance - image.radiance).max() < 1e-5 * image.radiance.max()
+    session.controls.camera = replace(session.controls.camera, fov_y_deg=25.0)
+    screen.frame(0.01)
+    assert not session.fine.is_shown
+    assert np.abs(screen.pixels - shown).mean() > 2.0
+    session.close()
+
+
+def test_a_lost_device_is_said_in_the_panel_and_ends_the_viewer(child, scene_file):
+    said = child(f"""
+    from airlight.app.view.session import Session
+    from airlight.gpu.memory import Texture
+    from airlight.scene.io import load
+    session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
+    surface = Texture(session.gpu, "surface", (16, 16), "rgba8unorm", target=True)
+    session.attach("rgba8unorm")
+    for now_s in (0.0, 0.1, 0.2):
+        session.frame(surface.resource, (16, 16), now_s)
+        session.wait()
+    session.gpu.device.destroy()
+    session.state.look = __import__("dataclasses").replace(session.state.look, layer="direct")
+    try:
+        session.frame(surface.resource, (16, 16), 0.3)
+    except al.DeviceError as error:
+        print("raised", str(error).partition(":")[0])
+    print("said", session.state.message.partition(":")[0])
+    session.close()
+    """)
+    assert said == ["raised the device was lost", "said the device was lost"]
+
+
+@pytest.mark.slow
+def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene_file):
+    said = child(f"""
+    from airlight.app.view.session import Session
+    from airlight.gpu.memory import Texture
+    from airlight.scene.io import load
+    session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
+    surface = Texture(session.gpu, "surface", (16, 16), "rgba8unorm", target=True)
+    session.attach("rgba8unorm")
+    now_s, pictures, other = 0.0, {{}}, made()
+    for turn in range(4):
+        session.state.technique = ("direct", "lpv")[turn % 2]
+        while True:
+            now_s += 0.1
+            session.frame(surface.resource, (16, 16), now_s)
+            other.frame()  # beside the viewer's, and the one that it makes
+            if not session._making.is_under_way:
+                break
+        pictures.setdefault(session.state.technique, []).append(session.picture(2).radiance)
+    for name, found in pictures.items():
+        print(name, len(found), all(np.array_equal(one, found[0]) for one in found))
+    print(session.state.message or "well")
+    session.close()
+    """)
+    assert said == ["direct 2 True", "lpv 2 True", "well"]
