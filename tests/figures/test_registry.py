@@ -58,7 +58,7 @@ class Renderer:
         return {
             "lattice": [side, side, side], "iterations": self.settings.get("iterations", 64),
             "device": "a test", "adapter_type": "CPU", "peak_gpu_bytes": 1, "triangles": 2,
-            "size": list(self.size), "frame_ms": 10.0,
+            "size": list(self.size), "frame_ms": 10.0, "first_image_s": 1.0,
         }  # fmt: skip
 
 
@@ -73,6 +73,7 @@ def pretended_layers(scene, names, *, size, spp, seed, timeout_s, progress):
 def pretended(monkeypatch, tmp_path):
     import airlight.rendering
 
+    monkeypatch.setattr("airlight.app.bench.frames.counted", lambda renderer: {})
     monkeypatch.setattr(airlight.rendering, "Renderer", Renderer)
     monkeypatch.setattr(mitsuba, "render_layers", pretended_layers)
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path / "cache"))

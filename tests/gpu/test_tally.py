@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from airlight.app.bench_frames import counted
+
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.memory import Buffer

@@ -16,8 +16,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from airlight import __version__
 from airlight.app.bench_frames import Case, measure
+
+from airlight import __version__
 from airlight.app.outputs import check_writable
 from airlight.errors import AirlightError
 from airlight.gpu.device import open_gpu

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from airlight.app.bench_tables import Table, milliseconds, table_markdown
+
 from airlight.gpu.asked import DEFAULT_LIMITS, FEATURES
 from airlight.gpu.device import Gpu
 

@@ -360,7 +360,7 @@ def test_without_a_reference_there_is_one_message(monkeypatch, tmp_path, capsys)
 def test_a_folder_that_is_a_file_is_refused(tmp_path, capsys):
     (tmp_path / "out").write_text("here")
     assert cli.run(["compare", "builtin:cornell", "-o", str(tmp_path / "out")]) == 2
-    assert "cannot be made a folder" in capsys.readouterr().err
+    assert "this is a file, not a folder" in capsys.readouterr().err
 
 
 def test_differences_are_green_where_too_bright_and_red_where_too_dark():

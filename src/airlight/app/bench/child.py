@@ -17,9 +17,9 @@ _TIMEOUT_S = 1800.0
 _CODE = """
 import json, sys
 from airlight.app import cli
-from airlight.app.bench import child as bench_child
+from airlight.app.bench import child
 code = cli.run(sys.argv[1:])
-print(json.dumps({"code": code, "peak_host_bytes": bench_child.peak_host_bytes()}))
+print(json.dumps({"code": code, "peak_host_bytes": child.peak_host_bytes()}))
 """
 
 
