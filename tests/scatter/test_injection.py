@@ -7,9 +7,10 @@ import pytest
 
 from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lattice.blockers import Blockers
-from airlight.lattice.inject import Resolve, new_sums
+from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
 from airlight.lattice.placement import Placement
 from airlight.lighting.lights import Lights
+from airlight.maths.lattice26_walls import returned_sharpness
 from airlight.maths.medium import ray_box_interval
 from airlight.maths.sampling import fibonacci_sphere
 from airlight.media.gpu_media import GpuMedia
@@ -17,7 +18,6 @@ from airlight.scatter.cell_medium import CellMedium
 from airlight.scatter.inject_maps import (
     InjectRays,
     InjectReflected,
-    fixed_point_scale,
     owner_rows,
 )
 from airlight.scatter.inject_single import InjectSingle
@@ -70,7 +70,7 @@ class Place:
         maps = ReflectiveShadowMaps(self.gpu, "test", side, len(views))
         maps.encode(self.commands, self.meshes, self.scene.lights, views)
         owners = buffer_of(self.gpu, "owners", owner_rows([v.light for v in views]))
-        sums, scale = new_sums(self.gpu, PLACEMENT), fixed_point_scale(500.0)
+        sums, scale = new_sums(self.gpu, PLACEMENT), fixed_point_scale(500.0, returned_sharpness())
         make(self.gpu, self.air).encode(
             self.commands, maps, self.lights.table, owners, PLACEMENT, self.blockers.walls, sums,
             scale, **options,

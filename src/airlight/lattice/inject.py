@@ -161,9 +161,12 @@ def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[flo
     return total
 
 
-def fixed_point_scale(flux: float) -> float:
-    """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits."""
-    largest = SHAPED_LOBE * max(flux, 1e-24) / (4.0 * math.pi)
+def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:
+    """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits.
+
+    `sharpness`: the largest |b| over a of the lobes that are put in.
+    """
+    largest = sharpness * max(flux, 1e-24) / (4.0 * math.pi)
     return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
 
 

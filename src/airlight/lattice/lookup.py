@@ -49,21 +49,42 @@ class Pack(ComputePass):
     file = "pack.wgsl"
 
 
-class LatticeTextures:
+class ChannelTextures:
+    """A state (a, bx, by, bz) per cell, a texture for each channel of colour.
+
+    They are what `wgsl/lattice.wgsl` reads; solvers differ in how they fill them.
+    """
+
+    def __init__(self, gpu: Gpu, name: str, size: tuple[int, int, int]) -> None:
+        """`size` in cells (x, y, z)."""
+
+        def made(channel: str) -> Texture:
+            label = f"{name} {channel}"
+            return Texture(gpu, label, size, gpu.filtered, dimension="3d", written=True)
+
+        self.red, self.green, self.blue = made("red"), made("green"), made("blue")
+
+    @property
+    def bound(self) -> dict[str, Texture]:
+        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for texture in (self.red, self.green, self.blue):
+            texture.release()
+
+
+class LatticeTextures(ChannelTextures):
     """What a solved lattice hands on; nested ones share it."""
 
     def __init__(
         self, gpu: Gpu, placement: Placement, size: tuple[int, int, int] | None = None
     ) -> None:
         """`size` in cells, if not the lattice's own: that of all who share the textures."""
+        super().__init__(gpu, "lattice", size or placement.count)
         self.placement = placement
         self.pack = Pack(gpu)
-
-        self.red, self.green, self.blue = (
-            Texture(gpu, f"lattice {name}", size or placement.count, gpu.filtered,
-                    dimension="3d", written=True)
-            for name in ("red", "green", "blue")
-        )  # fmt: skip
 
     def encode(
         self, commands: Commands, injected: Buffer, propagated: Buffer, scale: float,
@@ -84,16 +105,6 @@ class LatticeTextures:
             injected=injected, propagated=propagated, red=self.red, green=self.green,
             blue=self.blue,
         )  # fmt: skip
-
-    @property
-    def bound(self) -> dict[str, Texture]:
-        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
-        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for texture in (self.red, self.green, self.blue):
-            texture.release()
 
 
 def texture_scale(flux: float) -> float:

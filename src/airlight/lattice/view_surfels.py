@@ -39,9 +39,24 @@ class ViewSurfelParams(Struct):
     first_layer = u32()
     finer = f32("those units over those of the merged sums")
     corners = u32("around the lattice's cells")
+    first_row = u32("where its cells begin along y of the textures")
+
+    @classmethod
+    def of_view(
+        cls, blockers: Blockers, maps: SurfelViews, view: int, units: float, finer: float = 1.0
+    ) -> ViewSurfelParams:
+        """Those of the view numbered `view` of `maps`, around the lattice of `blockers`."""
+        placement = blockers.placement
+        return cls(
+            origin=placement.origin, cell=placement.cell, count=placement.count,
+            first_row=placement.first_row, corners=blockers.corners, units=units, finer=finer,
+            resolution=maps.resolution, view=view, first_layer=view * maps.peels,
+        )  # fmt: skip
 
 
-class _SumTexels(ComputePass):
+class SumTexels(ComputePass):
+    """Each texel of a view's layers is a surfel that adds to sums around the lattice's corners."""
+
     slots = (
         uniform("params", ViewSurfelParams),
         storage("views", LightViewData),
@@ -51,6 +66,19 @@ class _SumTexels(ComputePass):
         storage("sums", "atomic<i32>", "read_write"),
     )
     workgroup = (16, 16, 1)
+
+    def encode(
+        self, commands: Commands, maps: SurfelViews, sums: Buffer, params: ViewSurfelParams
+    ) -> None:
+        """Add all layers of the view that `params` names."""
+        self.dispatch(
+            commands, (maps.resolution, maps.resolution, maps.peels), params=params,
+            views=maps.views, depth=maps.depth, normal=maps.normal, reflectance=maps.reflectance,
+            sums=sums,
+        )  # fmt: skip
+
+
+class _SumSides(SumTexels):
     file = "view_surfels.wgsl"
 
 
@@ -74,7 +102,7 @@ class ViewSurfels:
     def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool, has_meshes: bool) -> None:
         self.blockers, self.keeps, self.has_meshes = blockers, keeps, has_meshes
         self._sums = Buffer(gpu, "surfels of a buffer", blockers.sums.nbytes)
-        self._sum, self._merge = _SumTexels(gpu), _MergeSums(gpu)
+        self._sum, self._merge = _SumSides(gpu), _MergeSums(gpu)
         self._made: tuple[int, Placement] | None = None
 
     def encode(
@@ -95,28 +123,17 @@ class ViewSurfels:
                 blockers.sum_meshes(commands)
         commands.encoder.clear_buffer(self._sums.handle)
         for index, view in enumerate(views):
-            self._sum.dispatch(
-                commands, (maps.resolution, maps.resolution, maps.peels),
-                params=self._params(maps, index), views=maps.views, depth=maps.depth,
-                normal=maps.normal, reflectance=maps.reflectance, sums=self._sums,
-            )  # fmt: skip
+            params = ViewSurfelParams.of_view(blockers, maps, index, _FINER * UNITS, _FINER)
+            self._sum.encode(commands, maps, self._sums, params)
             # The faces of one light's cube see what is beside each other: one buffer.
             is_last = index + 1 == len(views) or views[index + 1].light != view.light
             if index == 0 or is_last:
                 self._merge.dispatch(
-                    commands, (blockers.corners,), params=self._params(maps, index),
+                    commands, (blockers.corners,), params=params,
                     sums=self._sums, merged=blockers.sums,
                 )  # fmt: skip
         blockers.open(commands)
         return True
-
-    def _params(self, maps: SurfelViews, index: int) -> ViewSurfelParams:
-        placement = self.blockers.placement
-        return ViewSurfelParams(
-            origin=placement.origin, cell=placement.cell, count=placement.count,
-            units=_FINER * UNITS, resolution=maps.resolution, view=index,
-            first_layer=index * maps.peels, finer=_FINER, corners=self.blockers.corners,
-        )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back."""

@@ -13,53 +13,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer
-from ..gpu.slots import image, storage, texture, uniform
+from ..gpu.slots import image, storage, uniform
 from ..lattice.blockers import Blockers
 from ..lattice.placement import Placement
+from ..lattice.view_surfels import SumTexels, ViewSurfelParams
 from ..surface.geometry import GpuScene
-from ..surface.light_views import LightView, LightViewData
+from ..surface.light_views import LightView
 from ..surface.surfel_views import SurfelViews
 
 _UNITS = 2.0**20  # fixed-point units per fully covered cell face
 _VALUES = 5  # (a, b) and a times reflectance
 
 
-class VolumeParams(Struct):
-    """Where corners are, and which view's layers are put in."""
-
-    origin = vec3f("m")
-    cell = f32("m")
-    count = vec3u("cells")
-    units = f32("fixed-point units per fully covered face")
-    resolution = u32("texels")
-    view = u32()
-    first_layer = u32()
-    first_row = u32("where its cells begin along y of the textures")
-
-
-class _Inject(ComputePass):
-    slots = (
-        uniform("params", VolumeParams),
-        storage("views", LightViewData),
-        texture("depth", "2d-array", "depth"),
-        texture("normal", "2d-array", "unfilterable-float"),
-        texture("reflectance", "2d-array", "unfilterable-float"),
-        storage("sums", "atomic<i32>", "read_write"),
-    )
-    workgroup = (16, 16, 1)
+class _Inject(SumTexels):
     file = "geometry_inject.wgsl"
 
 
 class _Merge(ComputePass):
     slots = (
-        uniform("params", VolumeParams),
+        uniform("params", ViewSurfelParams),
         storage("sums", "i32", "read_write"),
         storage("volume", "vec4f", "read_write"),
         storage("reflected", "f32", "read_write"),
@@ -70,7 +46,7 @@ class _Merge(ComputePass):
 
 class _Faces(ComputePass):
     slots = (
-        uniform("params", VolumeParams),
+        uniform("params", ViewSurfelParams),
         storage("volume", "vec4f"),
         storage("reflected", "f32"),
         storage("faces", "vec4u", "read_write"),
@@ -89,8 +65,7 @@ class GeometryVolume:
 
     def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool) -> None:
         self.blockers, self.keeps = blockers, keeps
-        corners = int(np.prod([n + 1 for n in blockers.placement.count]))
-        self._corners = corners
+        corners = blockers.corners
         self._sums = Buffer(gpu, "surfels of a view", corners * _VALUES * 4)
         self._volume = Buffer(gpu, "geometry volume", corners * 16)
         self._reflected = Buffer(gpu, "its reflectance", corners * 4)
@@ -118,30 +93,19 @@ class GeometryVolume:
         blockers = self.blockers
         blockers.note_change()
         self._faces.dispatch(
-            commands, blockers.placement.count, params=self._params(maps, 0),
+            commands, blockers.placement.count,
+            params=ViewSurfelParams.of_view(blockers, maps, 0, _UNITS),
             volume=self._volume, reflected=self._reflected, faces=blockers.faces,
             open_a=blockers.open_a, open_b=blockers.open_b,
         )  # fmt: skip
         return True
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
-        params = self._params(maps, index)
-        self._inject.dispatch(
-            commands, (maps.resolution, maps.resolution, maps.peels), params=params,
-            views=maps.views, depth=maps.depth, normal=maps.normal, reflectance=maps.reflectance,
-            sums=self._sums,
-        )  # fmt: skip
+        params = ViewSurfelParams.of_view(self.blockers, maps, index, _UNITS)
+        self._inject.encode(commands, maps, self._sums, params)
         self._merge.dispatch(
-            commands, (self._corners,), params=params, sums=self._sums, volume=self._volume,
+            commands, (self.blockers.corners,), params=params, sums=self._sums, volume=self._volume,
             reflected=self._reflected,
-        )  # fmt: skip
-
-    def _params(self, maps: SurfelViews, index: int) -> VolumeParams:
-        placement = self.blockers.placement
-        return VolumeParams(
-            origin=placement.origin, cell=placement.cell, count=placement.count, units=_UNITS,
-            resolution=maps.resolution, view=index, first_layer=index * maps.peels,
-            first_row=placement.first_row,
         )  # fmt: skip
 
     def release(self) -> None:

@@ -1,12 +1,13 @@
-"""Reflective shadow maps as the air lets their lights through to them.
+"""Reflective shadow maps attenuated by participating media.
 
-The maps themselves know no air; a copy of their flux is made that does, anew in every frame.
-Elek2014 section 6 samples them by such attenuated flux.
+The maps themselves know no media; a copy of their flux that does is recomputed in every frame.
+Elek2014 section 6 samples the maps by such attenuated flux.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -63,63 +64,61 @@ class _AttenuateSky(ComputePass):
         super().__init__(gpu, generated=air.medium_wgsl)
 
 
-class AttenuatedMaps(ReflectiveShadowMaps):
+class _Attenuated(ReflectiveShadowMaps):
     """`of`, their flux attenuated; drawn by `of`, read like it."""
 
     def __init__(
-        self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia, owners: Sequence[int]
+        self, gpu: Gpu, name: str, of: ReflectiveShadowMaps, attenuate: ComputePass
     ) -> None:
-        """`owners`: each layer's row among the scene's lights."""
         self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
         self.depth, self.normal = of.depth, of.normal
-        self._from, self._air = of, air
+        self._from, self._attenuate = of, attenuate
         size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
-        self.flux = Texture(gpu, "dimmed flux", size, "rgba16float", dimension="2d-array",
-                            written=True)  # fmt: skip
-        self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
-        self._dim = _Attenuate(gpu, air)
+        self.flux = Texture(gpu, name, size, "rgba16float", dimension="2d-array", written=True)
 
-    def dim(self, commands: Commands, lights: Buffer) -> None:
-        """Take the maps and the air as they are; `lights`: the scene's table."""
-        if not self.layers:
-            return
-        self._dim.dispatch(
-            commands, (self.resolution, self.resolution, self.layers),
-            params=AttenuationParams(resolution=self.resolution, layers=self.layers),
-            views=self.views,
-            lights=lights, owners=self._owners, depth=self.depth, flux=self._from.flux,
-            dimmed=self.flux, **self._air.bound,
-        )  # fmt: skip
-
-    def release(self) -> None:
-        """Give the memory back; the maps are their owner's."""
-        self.flux.release()
-        self._owners.release()
-
-
-class AttenuatedSkyMaps(ReflectiveShadowMaps):
-    """The maps of the sky's lights, their flux attenuated; drawn by `of`, read like it."""
-
-    def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia) -> None:
-        self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
-        self.depth, self.normal = of.depth, of.normal
-        self._from, self._air = of, air
-        size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
-        self.flux = Texture(gpu, "dimmed flux of the sky", size, "rgba16float",
-                            dimension="2d-array", written=True)  # fmt: skip
-        self._dim = _AttenuateSky(gpu, air)
-
-    def dim(self, commands: Commands) -> None:
-        """Take the maps and the air as they are."""
+    def _copy(self, commands: Commands, **bound: Any) -> None:
+        """Attenuate the flux of each texel; `bound`: what the pass reads besides the maps."""
         if self.layers:
-            self._dim.dispatch(
+            self._attenuate.dispatch(
                 commands, (self.resolution, self.resolution, self.layers),
                 params=AttenuationParams(resolution=self.resolution, layers=self.layers),
-                views=self.views,
-                depth=self.depth, flux=self._from.flux, dimmed=self.flux,
-                **self._air.medium_bound,
+                views=self.views, depth=self.depth, flux=self._from.flux, dimmed=self.flux,
+                **bound,
             )  # fmt: skip
 
     def release(self) -> None:
         """Give the memory back; the maps are their owner's."""
         self.flux.release()
+
+
+class AttenuatedMaps(_Attenuated):
+    """The maps of the scene's lights, attenuated by media from each light to the texel."""
+
+    def __init__(
+        self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia, owners: Sequence[int]
+    ) -> None:
+        """`owners`: each layer's row among the scene's lights."""
+        super().__init__(gpu, "dimmed flux", of, _Attenuate(gpu, air))
+        self._air = air
+        self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
+
+    def dim(self, commands: Commands, lights: Buffer) -> None:
+        """Take the maps and the media as they are; `lights`: the scene's table."""
+        self._copy(commands, lights=lights, owners=self._owners, **self._air.bound)
+
+    def release(self) -> None:
+        """Give the memory back; the maps are their owner's."""
+        super().release()
+        self._owners.release()
+
+
+class AttenuatedSkyMaps(_Attenuated):
+    """The maps of the sky's lights, attenuated by media along the maps' depth."""
+
+    def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia) -> None:
+        super().__init__(gpu, "dimmed flux of the sky", of, _AttenuateSky(gpu, air))
+        self._air = air
+
+    def dim(self, commands: Commands) -> None:
+        """Take the maps and the media as they are."""
+        self._copy(commands, **self._air.medium_bound)

@@ -18,6 +18,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
+from ..lattice.lookup import ChannelTextures
 from ..lattice.placement import Placement
 from ..maths.lattice26 import true_share
 from ..scene.checks import Rgb
@@ -48,18 +49,15 @@ class _Pack(ComputePass):
     file = "emission.wgsl"
 
 
-class Emission:
+class Emission(ChannelTextures):
     """What a solved lattice hands on, for as long as its placement stands."""
 
     def __init__(self, gpu: Gpu, placement: Placement) -> None:
-        self.placement = placement
-        self.scale = 1.0
+        super().__init__(gpu, "track", placement.count)
+        self.placement, self.scale = placement, 1.0
         self._pack = _Pack(gpu)
-        self.red, self.green, self.blue, self.mean = (
-            Texture(gpu, f"track {name}", placement.count, gpu.filtered, dimension="3d",
-                    written=True)
-            for name in ("red", "green", "blue", "mean")
-        )  # fmt: skip
+        self.mean = Texture(gpu, "track mean", placement.count, gpu.filtered, dimension="3d",
+                            written=True)  # fmt: skip
 
     def encode(
         self, commands: Commands, track: Buffer, flux: float, forward: Buffer | None = None, *,
@@ -87,11 +85,6 @@ class Emission:
         """W m^-2 sr^-1 of mean radiance per stored unit of `mean`; times sigma_s it is J."""
         return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
 
-    @property
-    def bound(self) -> dict[str, Texture]:
-        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
-        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
-
     def source(
         self, walls: dict[str, Any], forward: ForwardSource | None = None, *,
         is_similar: bool = False,
@@ -104,5 +97,5 @@ class Emission:
 
     def release(self) -> None:
         """Give the memory back."""
-        for texture in (self.red, self.green, self.blue, self.mean):
-            texture.release()
+        super().release()
+        self.mean.release()

@@ -6,8 +6,6 @@ InjectRays        random points of every texel's ray, scattering (Billeter2012 s
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ..gpu.commands import Commands
@@ -23,8 +21,6 @@ from ..media.gpu_media import GpuMedia
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
-
-_HEADROOM_BITS = 30
 
 
 class MapParams(Struct):
@@ -94,12 +90,6 @@ class InjectRays(_InjectMaps):
             is_stratified=int(is_stratified),
         )  # fmt: skip
         self._add(commands, maps, lights, owners, placement, walls, sums, scale, params, 0.0)
-
-
-def fixed_point_scale(flux: float) -> float:
-    """Units per W sr^-1 such that a cell holding all of `flux` (W) stays within 31 bits."""
-    largest = returned_sharpness() * max(flux, 1e-24) / (4.0 * math.pi)
-    return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
 
 
 def owner_rows(owners: list[int]) -> np.ndarray:

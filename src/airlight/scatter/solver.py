@@ -14,11 +14,12 @@ from ..fields import Fields, Frame, LatticeSource, ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.emission import InjectEmission, emitted_flux
-from ..lattice.inject import Resolve, flux_bound, new_sums
+from ..lattice.inject import Resolve, fixed_point_scale, flux_bound, new_sums
 from ..lattice.irradiance import Irradiance
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.view import View
+from ..maths.lattice26_walls import returned_sharpness
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
 from ..scene.medium import medium_box
@@ -29,7 +30,7 @@ from .cell_medium import CellMedium
 from .emission import Emission
 from .forward import ForwardLight
 from .inject_border import InjectBorder
-from .inject_maps import InjectRays, InjectReflected, fixed_point_scale, owner_rows
+from .inject_maps import InjectRays, InjectReflected, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
 from .schedule import Schedule, cycles_to, iterations_to, schedule
@@ -120,7 +121,7 @@ class ScatterSolver:
         scene, (low, high) = self._seen(frame.scene), frame.bounds
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
         flux += self.points.take(scene.light_groups)
-        scale = fixed_point_scale(flux)
+        scale = fixed_point_scale(flux, returned_sharpness())
         with commands.stage("air"):
             is_new = self._take_air(commands, scene, low, high)
         with commands.stage("prepare blockers"):

@@ -13,8 +13,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
-from ..gpu.memory import Buffer, Texture
+from ..gpu.memory import Buffer
 from ..gpu.slots import FILTERED, image, storage, uniform
+from ..lattice.lookup import ChannelTextures
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length, scattered_lookup_scale
 from ..scene.checks import Rgb
@@ -50,18 +51,14 @@ class _Pack(ComputePass):
     file = "surface_light.wgsl"
 
 
-class SurfaceLight:
+class SurfaceLight(ChannelTextures):
     """Three textures that `wgsl/lattice.wgsl` reads."""
 
     def __init__(self, gpu: Gpu, placement: Placement) -> None:
+        super().__init__(gpu, "surface", placement.count)
         self.placement, self.scale = placement, 1.0
         gain = f"const SCATTERED_GAIN = {literal(scattered_lookup_scale() / LOOKUP_SCALE - 1.0)};"
         self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}\n{gain}")
-        self.red, self.green, self.blue = (
-            Texture(gpu, f"surface {name}", placement.count, gpu.filtered, dimension="3d",
-                    written=True)
-            for name in ("red", "green", "blue")
-        )  # fmt: skip
 
     def encode(
         self, commands: Commands, total: Buffer, flux: float, *, medium: Buffer | None,
@@ -90,16 +87,6 @@ class SurfaceLight:
         """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
         # Textures hold power, lattice.wgsl reads intensity.
         return self.placement.params(self.scale * 4.0 * math.pi, lookup_scale=LOOKUP_SCALE)
-
-    @property
-    def bound(self) -> dict[str, Texture]:
-        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
-        return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for texture in (self.red, self.green, self.blue):
-            texture.release()
 
 
 def _mean_chord(placement: Placement) -> float:
