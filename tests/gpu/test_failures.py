@@ -9,7 +9,7 @@ import wgpu
 
 from airlight.errors import DeviceError, SettingsError
 from airlight.gpu.device import AdapterInfo, adapters
-from airlight.gpu.failures import MEMORY_REMEDY, refused
+from airlight.gpu.failures import MEMORY_REMEDY, is_alive, refused
 
 LOST = "Make a new Renderer; if it is lost again, take another adapter ('cpu' needs no GPU)"
 
@@ -73,6 +73,16 @@ def test_a_lost_device_says_so_and_the_next_one_asked_for_is_another(child):
     """)
     name = said[0].removeprefix("the device was lost: ").removesuffix(f". {LOST}")
     assert name and said == [f"the device was lost: {name}. {LOST}"] * 9 + ["True True True"]
+
+
+def test_to_ask_whether_a_device_is_alive_leaves_nothing_behind(gpu):
+    def kept():
+        counts = wgpu.diagnostics.wgpu_native_counts.get_dict()
+        return {kind: row["count"] for kind, row in counts.items()}
+
+    before = kept()
+    assert all(is_alive(gpu) for _ in range(3))
+    assert kept() == before
 
 
 @pytest.fixture(scope="module")

@@ -34,13 +34,16 @@ def level(gpu: Gpu) -> Level:
     """The level now, with what Python can free freed."""
     gc.collect()
     gpu.wait()
-    counts = wgpu.diagnostics.object_counts.get_dict()
-    objects = {
-        kind: int(row["count"])
-        for kind, row in counts.items()
-        if kind != "total" and kind not in SHORT_LIVED
-    }
-    return Level(resident_bytes(), gpu.allocated_bytes, objects)
+    return Level(resident_bytes(), gpu.allocated_bytes, objects_now())
+
+
+def objects_now() -> dict[str, int]:
+    """How many objects there are of each kind: wgpu-py's, and those that wgpu-native keeps."""
+    held = wgpu.diagnostics.object_counts.get_dict()
+    kept = wgpu.diagnostics.wgpu_native_counts.get_dict()
+    ours = {kind: int(row["count"]) for kind, row in held.items() if kind not in SHORT_LIVED}
+    native = {f"native {kind}": int(row["count"]) for kind, row in kept.items()}
+    return {kind: n for kind, n in {**ours, **native}.items() if not kind.endswith("total")}
 
 
 def resident_bytes() -> int:

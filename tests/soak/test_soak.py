@@ -6,7 +6,7 @@ import pytest
 
 from airlight.techniques import TECHNIQUES
 from soak.__main__ import main
-from soak.levels import Course, Level
+from soak.levels import Course, Level, objects_now
 from soak.moving import SETTINGS, moved, scene
 
 MIB = 2**20
@@ -70,6 +70,14 @@ def test_a_leak_is_heard(gpu, monkeypatch, capsys):
             texture.release()
     told = capsys.readouterr().out
     assert "grew: memory of the device" in told and "grew: Texture objects" in told
+
+
+def test_what_wgpu_native_keeps_is_counted(gpu):
+    """A command buffer that is never submitted stays there when Python's object is gone."""
+    before = objects_now()["native CommandBuffer"]
+    for _ in range(3):
+        gpu.device.create_command_encoder().finish()
+    assert objects_now()["native CommandBuffer"] == before + 3
 
 
 def test_a_drop_of_it_is_flat(gpu, capsys):
