@@ -7,10 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from airlight.gpu.device import Gpu
-from airlight.lighting.lights import Lights
-from airlight.media.media_image import MediaImage
-from airlight.media.settings import MediaSettings
 from airlight.reference.quadrature import box_path, henyey_greenstein, panels, spot_falloff
 from airlight.scene import (
     Camera,
@@ -25,12 +21,11 @@ from airlight.scene import (
 )
 from airlight.scene.shapes import quad
 
+from .shaft_setups import BOX, RGB, SHEET_Y, TRAVEL, is_lit
+
 SIZE = (10, 8)
-BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
+MAPS = (1024, 512)
 PUFF = ((-1.3, -1.2, -1.3), (1.4, 1.5, 1.2))
-RGB = (3.0, 2.0, 1.0)
-SHEET_Y = 0.5  # of a dark sheet that fills the half plane x < 0
-TRAVEL = tuple(np.array([0.35, -0.8, -0.3]) / np.linalg.norm([0.35, -0.8, -0.3]))
 LIGHTS: dict[str, Light] = {
     "directional": DirectionalLight(TRAVEL, RGB),
     "point": PointLight((0.3, 1.3, -0.2), RGB),
@@ -88,16 +83,6 @@ def depth(scene: Scene, p: np.ndarray, way: np.ndarray, reach: np.ndarray) -> np
     return np.asarray(even[..., None] * fog.sigma_t + column[..., None] * smoke.sigma_t)
 
 
-def lit(light: Light, p: np.ndarray) -> np.ndarray:
-    """Whether the sheet leaves points (..., 3) in the light."""
-    towards = -np.array(TRAVEL) if isinstance(light, DirectionalLight) else light.position - p
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (SHEET_Y - p[..., 1]) / towards[..., 1]
-    x = p[..., 0] + s * towards[..., 0]
-    reach = np.inf if isinstance(light, DirectionalLight) else 1.0
-    return ~((s > 0.0) & (s < reach) & (x < 0.0))
-
-
 def truth(scene: Scene, d: np.ndarray, count: int = 120) -> np.ndarray:
     """(H, W, 3): the midpoint rule along each eye ray, to the sheet or out of the fog."""
     light, fog, smoke = scene.lights[0], scene.medium, scene.volumes[0]
@@ -125,40 +110,27 @@ def truth(scene: Scene, d: np.ndarray, count: int = 120) -> np.ndarray:
     phase = np.stack([henyey_greenstein(mu, g) for g in smoke.g], axis=-1)
     sent = sent + smoke_here * smoke.albedo * phase
     sent *= np.exp(-passed * dt[..., None] - depth(scene, p, way, reach))
-    return np.asarray((sent * (gain * lit(light, p))[..., None]).sum(axis=-2) * dt * color)
-
-
-def drawn(gpu: Gpu, seen: Any, owned: Any, frame: int = 0, **settings: Any) -> np.ndarray:
-    scene = seen.scene
-    lights = owned(Lights(gpu, scene.lights, None, 1024, 512))
-    low, high = (np.array(corner) for corner in BOX)
-    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    given = {"shaft_resolution": "full", "march_resolution": "full", **settings}
-    air = owned(MediaImage(gpu, scene, SIZE, lights, MediaSettings(**given)))
-    air.solve(seen.commands, scene, low, high)
-    air.encode(seen.commands, seen.view, lights, frame=frame)
-    return np.asarray(seen.read(air.single_scatter))
+    return np.asarray((sent * (gain * is_lit(light, p))[..., None]).sum(axis=-2) * dt * color)
 
 
 @pytest.mark.parametrize("eye", EYES.values(), ids=EYES.keys())
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
-def test_smoke_in_fog_under_a_sheet(
-    gpu: Gpu, look: Any, owned: Any, light: Light, eye: Any
-) -> None:
+def test_smoke_in_fog_under_a_sheet(look: Any, scattered_once: Any, light: Light, eye: Any) -> None:
     seen = look(smoky(light, eye, puff()), SIZE)
-    image, expected = drawn(gpu, seen, owned), truth(seen.scene, seen.directions())
+    image, expected = scattered_once(seen, maps=MAPS), truth(seen.scene, seen.directions())
     # Measured .001 to .006; jitter .05 to .75.
     assert np.linalg.norm(image - expected) < 0.01 * np.linalg.norm(expected)
     assert image.sum() == pytest.approx(expected.sum(), rel=0.005)
 
 
-def test_nothing_is_jittered(gpu: Gpu, look: Any, owned: Any) -> None:
+def test_nothing_is_jittered(look: Any, scattered_once: Any) -> None:
     """Pictures of one thing are the same; those of an eye a little on differ by as little."""
     seen = look(smoky(LIGHTS["directional"], EYES["outside"], puff()), SIZE)
-    first = drawn(gpu, seen, owned)
-    np.testing.assert_array_equal(drawn(gpu, seen, owned, frame=3), first)
+    first = scattered_once(seen, maps=MAPS)
+    np.testing.assert_array_equal(scattered_once(seen, maps=MAPS, frame=3), first)
     x, y, z = EYES["outside"]
-    on = drawn(gpu, look(smoky(LIGHTS["directional"], (x, y, z - 0.01), puff()), SIZE), owned)
+    seen = look(smoky(LIGHTS["directional"], (x, y, z - 0.01), puff()), SIZE)
+    on = scattered_once(seen, maps=MAPS)
     smooth = slice(0, 5)  # above the sheet's edge, which moves over pixels
     off = np.linalg.norm(on[smooth] - first[smooth]) / np.linalg.norm(first[smooth])
     assert 0.0 < off < 0.01

@@ -9,10 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from airlight.gpu.device import Gpu
-from airlight.lighting.lights import Lights
-from airlight.media.media_image import MediaImage
-from airlight.media.settings import MediaSettings
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -25,9 +21,9 @@ from airlight.scene import (
     Volume,
 )
 
+from .shaft_setups import BOX, RGB, compressed_l2
+
 SIZE = (40, 28)
-BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
-RGB = (3.0, 2.0, 1.0)
 LIGHTS: dict[str, Light] = {
     "directional": DirectionalLight((0.35, -0.8, -0.3), RGB),
     "point": PointLight((0.3, 1.2, -0.2), RGB),
@@ -51,43 +47,25 @@ def as_grid(scene: Scene) -> Scene:
     return dataclasses.replace(scene, medium=None, volumes=(volume,))
 
 
-def single(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], **settings: Any) -> np.ndarray:
-    scene = seen.scene
-    low, high = (np.array(corner) for corner in BOX)
-    lights = owned(Lights(gpu, scene.lights, None, 512, 512))
-    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    given = MediaSettings(shaft_resolution="full", march_resolution="full", **settings)
-    air = owned(MediaImage(gpu, scene, SIZE, lights, given))
-    air.solve(seen.commands, scene, low, high)
-    air.encode(seen.commands, seen.view, lights)
-    return np.asarray(seen.read(air.single_scatter))
-
-
-def l2(a: np.ndarray, b: np.ndarray) -> float:
-    """Of what is seen: the peak at a lamp, a pixel wide, is compressed."""
-    a, b = a / (a + b.mean()), b / (b + b.mean())
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
-
-
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
 def test_both_schemes_agree(
-    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: Light
+    look: Any, scattered_once: Any, square: Callable[..., Mesh], light: Light
 ) -> None:
     seen = look(fog(square, light), SIZE)
-    exact = single(gpu, seen, owned, shafts="minmax")
-    jittered = single(gpu, seen, owned, shafts="jitter", shaft_steps=64)
+    exact = scattered_once(seen, shafts="minmax")
+    jittered = scattered_once(seen, shafts="jitter", shaft_steps=64)
     # At 40 x 28 pixels the scheme's blur is as wide as shafts are, so the exact one gets it too.
     padded = np.pad(exact, ((1, 2), (1, 2), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, (4, 4), axis=(0, 1))
-    assert l2(jittered, windows.mean(axis=(-2, -1))) < 0.12
+    assert compressed_l2(jittered, windows.mean(axis=(-2, -1))) < 0.12
     assert jittered.sum() == pytest.approx(exact.sum(), rel=0.02)
 
 
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
 def test_a_grid_of_ones_is_even_air(
-    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: Light
+    look: Any, scattered_once: Any, square: Callable[..., Mesh], light: Light
 ) -> None:
     scene = fog(square, light)
-    even = single(gpu, look(scene, SIZE), owned, shafts="jitter", shaft_steps=48)
-    grid = single(gpu, look(as_grid(scene), SIZE), owned, shafts="jitter", shaft_steps=48)
-    assert l2(grid, even) < 1e-4
+    even = scattered_once(look(scene, SIZE), shafts="jitter", shaft_steps=48)
+    grid = scattered_once(look(as_grid(scene), SIZE), shafts="jitter", shaft_steps=48)
+    assert compressed_l2(grid, even) < 1e-4

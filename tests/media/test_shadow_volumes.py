@@ -11,9 +11,6 @@ import pytest
 
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
-from airlight.lighting.lights import Lights
-from airlight.media.media_image import MediaImage
-from airlight.media.settings import MediaSettings
 from airlight.reference.quadrature import box_path, henyey_greenstein, panels, spot_falloff
 from airlight.scene import (
     Camera,
@@ -27,11 +24,10 @@ from airlight.scene import (
     Volume,
 )
 
+from .shaft_setups import BOX, RGB, TRAVEL, compressed_l2
+
 SIZE = (48, 36)
-BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
 SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
-RGB = (3.0, 2.0, 1.0)
-TRAVEL = tuple(np.array([0.35, -0.8, -0.3]) / np.linalg.norm([0.35, -0.8, -0.3]))
 LIGHTS: dict[str, Light] = {
     "directional": DirectionalLight(TRAVEL, RGB),
     "point": PointLight((0.3, 1.2, -0.2), RGB),
@@ -45,25 +41,6 @@ def fog(light: Light, eye: Any, *meshes: Mesh) -> Scene:
     medium = Medium(tuple(SIGMA_T), tuple(ALBEDO), (G, G, G), BOX)
     camera = Camera(eye, (0.0, 0.2, -1.0), fov_y_deg=50)
     return Scene(meshes=meshes, lights=(light,), medium=medium, camera=camera)
-
-
-def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], scheme: str, side: int = 256,
-          **settings: Any) -> np.ndarray:  # fmt: skip
-    scene = seen.scene
-    low, high = (np.array(corner) for corner in BOX)
-    lights = owned(Lights(gpu, scene.lights, None, side, side))
-    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    given = {"shaft_resolution": "full", "march_resolution": "full", **settings}
-    air = owned(MediaImage(gpu, scene, SIZE, lights, MediaSettings(shafts=scheme, **given)))
-    air.solve(seen.commands, scene, low, high)
-    air.encode(seen.commands, seen.view, lights)
-    return np.asarray(seen.read(air.single_scatter))
-
-
-def l2(a: np.ndarray, b: np.ndarray) -> float:
-    """Of what is seen: the peak at a lamp, a pixel wide, is compressed."""
-    a, b = a / (a + b.mean()), b / (b + b.mean())
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 def truth(light: Light, seen: Any) -> np.ndarray:
@@ -105,47 +82,48 @@ def truth(light: Light, seen: Any) -> np.ndarray:
      ("spot", "outside")],
 )  # fmt: skip
 def test_agrees_with_quadrature(
-    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: str, eye: str
+    look: Any, scattered_once: Any, square: Callable[..., Mesh], light: str, eye: str
 ) -> None:
     seen = look(
         fog(LIGHTS[light], EYES[eye], square((0, SHEET_Y, 0), (0.7, 0, 0), (0, 0, -0.7))), SIZE
     )
-    image, expected = drawn(gpu, seen, owned, "volumes"), truth(LIGHTS[light], seen)
-    assert l2(image, expected) < 0.01
+    image = scattered_once(seen, shafts="volumes", maps=(256, 256))
+    expected = truth(LIGHTS[light], seen)
+    assert compressed_l2(image, expected) < 0.01
 
 
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
 def test_no_pixel_leaks_among_clutter(
-    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh], light: Light
+    look: Any, scattered_once: Any, square: Callable[..., Mesh], light: Light
 ) -> None:
     """A crack between faces is one pixel far off; steps at single texels make thousands of them."""
     rng = np.random.default_rng(5)
     sheets = [square(rng.uniform(-1.8, 1.6, 3), rng.uniform(-0.5, 0.5, 3),
                      rng.uniform(-0.5, 0.5, 3)) for _ in range(25)]  # fmt: skip
     seen = look(fog(light, EYES["inside"], *sheets), SIZE)
-    exact = drawn(gpu, seen, owned, "minmax", side=64, shaft_nodes=65536)
-    image = drawn(gpu, seen, owned, "volumes", side=64, volume_tolerance=0.0)
-    assert l2(image, exact) < 0.01
+    exact = scattered_once(seen, shafts="minmax", maps=(64, 64), shaft_nodes=65536)
+    image = scattered_once(seen, shafts="volumes", maps=(64, 64), volume_tolerance=0.0)
+    assert compressed_l2(image, exact) < 0.01
     np.testing.assert_allclose(image, exact, atol=0.1 * exact.max())
 
 
 def test_half_resolution_is_near_the_full_one(
-    gpu: Gpu, look: Any, owned: Any, square: Callable[..., Mesh]
+    look: Any, scattered_once: Any, square: Callable[..., Mesh]
 ) -> None:
     sheet = square((0, SHEET_Y, 0), (0.7, 0, 0), (0, 0, -0.7))
     seen = look(fog(LIGHTS["directional"], EYES["outside"], sheet), SIZE)
-    full = drawn(gpu, seen, owned, "volumes")
-    half = drawn(gpu, seen, owned, "volumes", shaft_resolution="half")
-    assert 0.0 < l2(half, full) < 0.15
+    full = scattered_once(seen, shafts="volumes", maps=(256, 256))
+    half = scattered_once(seen, shafts="volumes", maps=(256, 256), shaft_resolution="half")
+    assert 0.0 < compressed_l2(half, full) < 0.15
     assert half.sum() == pytest.approx(full.sum(), rel=0.02)
 
 
-def test_other_air_is_refused(gpu: Gpu, look: Any, owned: Any) -> None:
+def test_other_air_is_refused(look: Any, scattered_once: Any) -> None:
     scene = fog(LIGHTS["point"], EYES["inside"])
     ball = Volume((1.0, 1.0, 1.0), shape="sphere", bounds=BOX)
     seen = look(dataclasses.replace(scene, volumes=(ball,)), SIZE)
     with pytest.raises(SettingsError) as told:
-        drawn(gpu, seen, owned, "volumes", side=16)
+        scattered_once(seen, shafts="volumes", maps=(16, 16))
     assert str(told.value) == (
         "shafts = 'volumes' knows one box of even air, and the scene has other air. "
         "Use shafts = 'minmax', the same light by another way"
@@ -153,9 +131,9 @@ def test_other_air_is_refused(gpu: Gpu, look: Any, owned: Any) -> None:
 
 
 def test_a_device_that_cannot_add_floats_is_told(
-    gpu: Gpu, look: Any, owned: Any, monkeypatch: pytest.MonkeyPatch
+    gpu: Gpu, look: Any, scattered_once: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(gpu, "features", [])
     seen = look(fog(LIGHTS["point"], EYES["inside"]), SIZE)
     with pytest.raises(SettingsError, match="adds up in a 32-bit float target"):
-        drawn(gpu, seen, owned, "volumes", side=16)
+        scattered_once(seen, shafts="volumes", maps=(16, 16))

@@ -30,17 +30,16 @@ from airlight.scene.mesh import Mesh
 from airlight.scene.scene import Scene
 from airlight.scene.shapes import quad
 
+from .shaft_setups import BOX, SHEET_Y, TRAVEL, is_lit
+
 SIZE = (27, 18)
-BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
+MAPS = (1024, 1024)
 SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
 EYES = {"outside": (0.6, 0.4, 5.5), "inside": (0.5, 0.2, 1.6)}
-TRAVEL = tuple(np.array([0.35, -0.8, -0.3]) / np.linalg.norm([0.35, -0.8, -0.3]))
 SUN = DirectionalLight(TRAVEL, (3.0, 2.0, 1.0))
 LAMP = PointLight((0.3, 0.8, -0.2), (3.0, 2.0, 1.0))
 SPOT = SpotLight((0.3, 1.4, -0.2), (-0.2, -1.0, 0.1), (3.0, 2.0, 1.0), 15.0, 28.0)
 LIGHTS = {"directional": SUN, "point": LAMP, "spot": SPOT}
-# A dark sheet that fills the half plane x < 0 at this height.
-SHEET_Y = 0.5
 
 
 def fog(eye: tuple[float, float, float], *lights: Light, sheet: bool = False) -> Scene:
@@ -53,27 +52,6 @@ def fog(eye: tuple[float, float, float], *lights: Light, sheet: bool = False) ->
         medium=Medium(tuple(SIGMA_T), tuple(ALBEDO), (G, G, G), BOX),
         camera=Camera(eye, (0.0, 0.2, -1.0), fov_y_deg=60),
     )
-
-
-def scattered(gpu: Gpu, seen: Any, settings: MediaSettings, bounds: Any = BOX) -> np.ndarray:
-    scene = seen.scene
-    lights = Lights(gpu, scene.lights, None, 1024, 1024)
-    low, high = (np.array(c) for c in bounds)
-    lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    air = MediaImage(gpu, scene, seen.size, lights, settings)
-    air.solve(seen.commands, scene, low, high)
-    air.encode(seen.commands, seen.view, lights)
-    return np.asarray(seen.read(air.single_scatter))
-
-
-def visible(light: Light, p: np.ndarray) -> np.ndarray:
-    """Whether the sheet leaves points (..., 3) in the light."""
-    towards = -np.array(TRAVEL) if isinstance(light, DirectionalLight) else light.position - p
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (SHEET_Y - p[..., 1]) / towards[..., 1]
-    x = p[..., 0] + s * towards[..., 0]
-    reach = np.inf if isinstance(light, DirectionalLight) else 1.0
-    return ~((s > 0.0) & (s < reach) & (x < 0.0))
 
 
 def truth(light: Light, seen: Any, lit: Callable[..., np.ndarray], box: Any = BOX) -> np.ndarray:
@@ -117,23 +95,20 @@ def l2(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
-FULL = MediaSettings(shaft_resolution="full", march_resolution="full")
-
-
 @pytest.mark.parametrize("eye", EYES.values(), ids=EYES.keys())
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
-def test_without_a_blocker(gpu: Gpu, look: Any, light: Light, eye: Any) -> None:
+def test_without_a_blocker(look: Any, scattered_once: Any, light: Light, eye: Any) -> None:
     seen = look(fog(eye, light), SIZE)
-    image = scattered(gpu, seen, FULL)
+    image = scattered_once(seen, maps=MAPS)
     expected = truth(light, seen, everywhere)
     assert l2(image, expected) < 0.004
     np.testing.assert_allclose(image, expected, rtol=0.02, atol=2e-3 * expected.max())
 
 
-def test_agrees_with_the_reference_functions(gpu: Gpu, look: Any) -> None:
+def test_agrees_with_the_reference_functions(look: Any, scattered_once: Any) -> None:
     """The same truth once more from reference.quadrature, for one channel and an eye in the fog."""
     seen = look(fog(EYES["inside"], SUN), SIZE)
-    image = scattered(gpu, seen, FULL)
+    image = scattered_once(seen, maps=MAPS)
     eye, d = np.array(EYES["inside"]), seen.directions()
     for k in range(3):
         expected = directional_single_scatter(
@@ -141,7 +116,7 @@ def test_agrees_with_the_reference_functions(gpu: Gpu, look: Any) -> None:
         )
         np.testing.assert_allclose(image[..., k], expected, rtol=2e-3)
     seen = look(fog(EYES["inside"], LAMP), SIZE)
-    image = scattered(gpu, seen, FULL)
+    image = scattered_once(seen, maps=MAPS)
     length = box_path(eye, d, BOX)[1]
     expected = point_single_scatter(
         eye, d, length, LAMP.position, LAMP.intensity[1], SIGMA_T[1], ALBEDO[1], G
@@ -151,10 +126,10 @@ def test_agrees_with_the_reference_functions(gpu: Gpu, look: Any) -> None:
 
 @pytest.mark.parametrize("eye", EYES.values(), ids=EYES.keys())
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
-def test_the_shadow_of_a_half_plane(gpu: Gpu, look: Any, light: Light, eye: Any) -> None:
+def test_the_shadow_of_a_half_plane(look: Any, scattered_once: Any, light: Light, eye: Any) -> None:
     seen = look(fog(eye, light, sheet=True), SIZE)
-    image = scattered(gpu, seen, FULL)
-    expected = truth(light, seen, visible)
+    image = scattered_once(seen, maps=MAPS)
+    expected = truth(light, seen, is_lit)
     assert l2(image, expected) < 0.01
 
 
