@@ -51,7 +51,7 @@ def test_an_unknown_library_names_who_asked(library, nested):
 
 def test_a_compile_error_names_the_pass_file_and_line(kernel, tmp_path):
     body = (
-        "//! use sh\n"
+        "//! use phase\n"
         "@compute @workgroup_size(WX, WY, WZ)\n"
         "fn main(@builtin(global_invocation_id) id: vec3u) {\n"
         "    results[id.x] = no_such_name;\n"

@@ -1,14 +1,4 @@
-//! use blocker_sums
-
-fn add_side(first: u32, side: u32, units: i32, offset: f32, reflectance: vec3f) {
-    atomicAdd(&sums[first + side], units);
-    let outward = select(-offset, offset, (side & 1u) == 0u);
-    atomicMax(&sums[first + SIDE_BEHIND + side], behind_code(outward));
-    let reflected = vec3i(round(f32(units) * reflectance));
-    for (var channel = 0u; channel < 3u; channel++) {
-        atomicAdd(&sums[first + SIDE_REFLECTED + 3u * side + channel], reflected[channel]);
-    }
-}
+//! use blocker_side
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
