@@ -212,8 +212,6 @@ def test_a_farm_that_does_not_answer(gpu, scene, tmp_path, capsys, monkeypatch):
         f"error: no dask scheduler answers at {address}. Start one by `dask scheduler`, and "
         "workers by `dask worker ADDRESS`."
     )
-    assert sequence(scene, tmp_path / "out", "--resume", "--farm", "nonsense://x") == 2
-    assert "no dask scheduler answers at nonsense://x" in capsys.readouterr().err
 
 
 class Farm:

@@ -298,21 +298,21 @@ def test_a_video_of_broken_frames_is_refused_whole(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("package", "check", "message"),
+    ("package", "check", "given", "message"),
     [
-        ("av", "airlight.app.sequence.video:check_video",
+        ("av", "airlight.app.sequence.video:check_video", (),
          "videos need the package 'av'. pip install 'airlight[video]', or give a folder for "
          "frames."),
-        ("distributed", "airlight.app.sequence.farm:check_farm",
+        ("distributed", "airlight.app.sequence.farm:check_farm", ("tcp://127.0.0.1:8786",),
          "--farm needs the package 'distributed'. pip install 'airlight[farm]'."),
     ],
 )  # fmt: skip
-def test_missing_packages_are_named(monkeypatch, package, check, message):
+def test_missing_packages_are_named(monkeypatch, package, check, given, message):
     find = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name, *a: None if name == package else find(name, *a)
     )
     module, _, name = check.partition(":")
     with pytest.raises(SettingsError) as caught:
-        getattr(importlib.import_module(module), name)()
+        getattr(importlib.import_module(module), name)(*given)
     assert str(caught.value) == message

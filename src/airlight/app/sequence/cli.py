@@ -152,7 +152,7 @@ def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> 
     if options["farm"]:
         from .farm import check_farm
 
-        check_farm()
+        check_farm(options["farm"])
     if is_video:
         if options["kind"] == "exr":
             raise SettingsError("a video has no EXR frames", remedy="Give a folder for frames.")

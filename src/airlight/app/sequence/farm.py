@@ -13,13 +13,14 @@ import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from ...errors import AirlightError, SettingsError
 from .frames import FrameMaker
 from .plan import Plan
+from .scheduler import check_address, check_scheduler, no_answer
 
 if TYPE_CHECKING:
     from ...scene import Scene
@@ -29,12 +30,13 @@ PATIENCE_S = 60.0  # without any worker
 _POLL_S = 1.0
 
 
-def check_farm() -> None:
-    """Raise SettingsError where clusters cannot be spoken to."""
+def check_farm(address: str) -> None:
+    """Raise SettingsError where clusters, or this address, cannot be spoken to."""
     if importlib.util.find_spec("distributed") is None:
         raise SettingsError(
             "--farm needs the package 'distributed'", remedy="pip install 'airlight[farm]'."
         )
+    check_address(address)
 
 
 def farm_frames(
@@ -67,22 +69,20 @@ def _client(address: str, answer_s: float) -> Iterator[Any]:
     from distributed import Client
     from distributed.comm import CommClosedError
 
-    lost = SettingsError(
-        f"no dask scheduler answers at {address}",
-        remedy="Start one by `dask scheduler`, and workers by `dask worker ADDRESS`.",
-    )
     _silence()
+    check_scheduler(address, answer_s)
     try:
         client = Client(address, timeout=answer_s, set_as_default=False)
-    except (OSError, ValueError, TimeoutError, CommClosedError):
-        raise lost from None
+    except (OSError, ValueError, TypeError, RuntimeError, MemoryError, CommClosedError):
+        raise no_answer(address) from None
     try:
         with client.as_current():
             yield client
     except (OSError, CommClosedError, asyncio.CancelledError, CancelledError):
         raise _gone(address) from None
     finally:
-        client.close(timeout=2)
+        with suppress(OSError, TimeoutError, CommClosedError):
+            client.close(timeout=2)
 
 
 def _silence() -> None:
