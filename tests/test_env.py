@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from airlight import env
+from airlight.errors import SettingsError
 
 
 def test_unset_and_empty_mean_the_default():
@@ -45,3 +46,21 @@ def test_every_switch_says_what_it_does():
     for switch in env.SWITCHES:
         assert switch.name.startswith("AIRLIGHT_")
         assert switch.meaning
+
+
+def test_a_cache_in_the_home_of_nobody_is_one_message():
+    with pytest.raises(SettingsError) as caught:
+        env.cache_folder({"AIRLIGHT_CACHE": "~no-such-user/x"}, "linux")
+    assert str(caught.value) == (
+        "AIRLIGHT_CACHE: there is no home folder for the cache '~no-such-user/x'. "
+        "Set it to a folder's whole path."
+    )
+
+
+def test_a_user_without_a_home_is_told_what_to_set(monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    with pytest.raises(SettingsError, match=r"no home folder for the cache\. Set it to a folder"):
+        env.cache_folder({}, "linux")

@@ -31,8 +31,8 @@ _MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "display": ("maths", "scene", "gpu", "surface", "lattice", "lighting"),
     "reference": ("maths", "scene"),
 }
-"""Room -> the other rooms it may import. Everyone may import `errors` and `env`, which import
-nothing; what is not listed here may import everything but `figures` and `app`."""
+"""Room -> the other rooms it may import. Everyone may import `errors`, which imports nothing,
+and `env`, which imports `errors`; what is not listed may import all but `figures` and `app`."""
 TOP = ("figures", "app")
 
 

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from .errors import SettingsError
+
 
 @dataclass(frozen=True)
 class Switch:
@@ -44,10 +46,22 @@ def is_on(name: str, environment: Mapping[str, str] = os.environ) -> bool:
 
 
 def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sys.platform) -> Path:
-    """AIRLIGHT_CACHE, else airlight's folder where the system keeps caches; not created here."""
+    """AIRLIGHT_CACHE, else airlight's folder where the system keeps caches; not created here.
+
+    Raises SettingsError where the home folder that it is in cannot be found.
+    """
     chosen = value("AIRLIGHT_CACHE", environment)
-    if chosen:
-        return Path(chosen).expanduser()
+    try:
+        return Path(chosen).expanduser() if chosen else _system_caches(environment, platform)
+    except RuntimeError:  # no such user, or one without a home
+        raise SettingsError(
+            f"there is no home folder for the cache{f' {chosen!r}' if chosen else ''}",
+            where="AIRLIGHT_CACHE", remedy="Set it to a folder's whole path.",
+        ) from None  # fmt: skip
+
+
+def _system_caches(environment: Mapping[str, str], platform: str) -> Path:
+    """airlight's folder where the system keeps caches."""
     if platform == "darwin":
         return Path.home() / "Library" / "Caches" / "airlight"
     if platform == "win32":
