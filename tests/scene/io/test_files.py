@@ -74,6 +74,19 @@ def test_a_file_names_no_other_outside_its_folder(tmp_path, name):
         inside(root, name, "scene.gltf")
 
 
+def test_a_link_out_of_the_folder_is_called_one(tmp_path):
+    root = tmp_path / "root"
+    root.mkdir()
+    (root / "a.bin").symlink_to(tmp_path / "store.bin")
+    with pytest.raises(SceneError) as caught:
+        inside(root, "a.bin", "scene.gltf")
+    store = tmp_path.resolve() / "store.bin"
+    assert str(caught.value) == (
+        f"scene.gltf: it names 'a.bin', a link to '{store}', which is outside its folder. "
+        "Copy the file beside it."
+    )
+
+
 @pytest.mark.parametrize("name", ["a", "b/a", "b\\a", "./a", "b/../a", "console", "..a", "ab:c"])
 def test_a_file_names_others_in_its_folder(tmp_path, name):
     assert inside(tmp_path, name, "").is_relative_to(tmp_path.resolve())

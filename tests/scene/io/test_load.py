@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from airlight.errors import SceneError
+from airlight.scene.builtin import BUILTIN
 from airlight.scene.camera import Camera
 from airlight.scene.io import load, load_meshes
 
@@ -67,3 +68,16 @@ def test_living_room_loads_as_the_acceptance_scene(shared_data):
     assert np.isfinite(scene.environment.map).all()
     assert any("0.5 opaque" in w for w in scene.warnings)
     assert any("a default sun and sky were added" in w for w in scene.warnings)
+
+
+def test_a_builtin_scene_that_does_not_fit_is_one_message(monkeypatch):
+    def too_large():
+        raise MemoryError("Unable to allocate 3.00 GiB for an array with shape (1,)")
+
+    monkeypatch.setitem(BUILTIN, "cornell", too_large)
+    with pytest.raises(SceneError) as caught:
+        load("builtin:cornell")
+    assert str(caught.value) == (
+        "builtin:cornell: the scene does not fit into memory (3.00 GiB were wanted at once). "
+        "Free some memory."
+    )

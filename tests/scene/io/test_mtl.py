@@ -33,7 +33,7 @@ def material(folder: Path):
 
     def load(text: str):
         (folder / "a.mtl").write_text("newmtl m\n" + text)
-        textures = TextureFiles(folder)
+        textures = TextureFiles(folder / "a.obj")
         return load_mtl(folder / "a.mtl", textures)["m"], textures.warnings
 
     return load
@@ -140,7 +140,7 @@ def test_kd_above_one_is_cut_and_said(material):
 def test_bad_number_names_the_line(folder):
     (folder / "b.mtl").write_text("newmtl m\nKd 1 red 0\n")
     with pytest.raises(SceneError) as error:
-        load_mtl(folder / "b.mtl", TextureFiles(folder))
+        load_mtl(folder / "b.mtl", TextureFiles(folder / "a.obj"))
     assert str(error.value).endswith("b.mtl, line 2: 'kd 1 red 0' is not a list of numbers")
 
 

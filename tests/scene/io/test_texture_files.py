@@ -9,7 +9,7 @@ from airlight.scene.io.texture_files import TextureFiles, missing_texture
 
 def test_each_image_is_read_once(tmp_path):
     PIL.Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
-    files = TextureFiles(tmp_path)
+    files = TextureFiles(tmp_path / "a.obj")
     assert files.color("a.png") is files.color("a.png")
     assert files.data("a.png") is files.data("a.png")
     assert files.data("a.png").is_srgb is False
@@ -20,7 +20,7 @@ def test_case_slashes_and_foreign_absolute_paths(tmp_path):
     (tmp_path / "textures").mkdir()
     target = tmp_path / "textures" / "Wood.JPG"
     PIL.Image.new("RGB", (2, 2)).save(target)
-    files = TextureFiles(tmp_path)
+    files = TextureFiles(tmp_path / "a.obj")
     for name in ("textures/Wood.JPG", "TEXTURES\\wood.jpg", "C:\\Users\\me\\wood.jpg", "wood.jpg"):
         assert files.find(name) == target
     assert files.find("oak.jpg") is None
@@ -30,7 +30,7 @@ def test_case_slashes_and_foreign_absolute_paths(tmp_path):
 
 def test_a_broken_image_is_as_good_as_missing(tmp_path):
     (tmp_path / "a.png").write_bytes(b"\x89PNG nothing more")
-    files = TextureFiles(tmp_path)
+    files = TextureFiles(tmp_path / "a.obj")
     assert files.color("a.png").source == "stand-in for a.png"
     assert files.data("a.png") is None
     assert len(files.warnings) == 2

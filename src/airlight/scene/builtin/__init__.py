@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ...errors import SceneError, nearest
+from ...errors import SceneError, nearest, within_memory
 from ..scene import Scene
 from .atrium import atrium, atrium_fog
 from .cloud import cloud
@@ -71,7 +71,7 @@ BUILTIN: dict[str, Callable[..., Scene]] = {
 def builtin_scene(name: str, **options: Any) -> Scene:
     """The shipped scene called `name`, with its function's options.
 
-    Raises SceneError for an unknown name (naming the nearest) or option.
+    Raises SceneError for an unknown name (naming the nearest) or option, and without memory for it.
     """
     if name not in BUILTIN:
         raise SceneError(f"there is no builtin scene '{name}'", remedy=nearest(name, BUILTIN))
@@ -82,4 +82,6 @@ def builtin_scene(name: str, **options: Any) -> Scene:
             raise SceneError(
                 f"builtin scene '{name}' has no option '{option}'", remedy=nearest(option, known)
             )
-    return make(**options)
+    where = f"builtin:{name}"
+    with within_memory("the scene", where=where, remedy="Free some memory.", kind=SceneError):
+        return make(**options)

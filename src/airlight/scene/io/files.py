@@ -107,7 +107,12 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
     except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte
         raise SceneError(f"it names '{name}', which is no file", where=where) from None
     if not path.is_relative_to(folder):
-        raise outside
+        if ".." in plain.parts:
+            raise outside
+        raise SceneError(
+            f"it names '{name}', a link to '{path}', which is outside its folder",
+            where=where, remedy=outside.remedy,
+        )  # fmt: skip
     return path
 
 

@@ -32,7 +32,7 @@ def load_obj(path: Path) -> Scene:
     What had to be approximated or replaced is in the scene's warnings.
     """
     data = parse_obj(read_bytes(path), path)
-    textures = TextureFiles(path.parent)
+    textures = TextureFiles(path)
     if data.unread:
         listed = ", ".join(f"'{keyword}'" for keyword in data.unread)
         textures.warnings.append(f"{path}: its statements {listed} are not read and left out")

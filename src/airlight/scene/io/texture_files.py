@@ -22,10 +22,11 @@ def missing_texture(source: str) -> Texture:
 
 
 class TextureFiles:
-    """The images beside a mesh file. Each is read once; trouble goes to `warnings`."""
+    """The images beside the mesh file `named_by`. Each is read once; trouble goes to `warnings`."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, named_by: Path) -> None:
+        self.folder = named_by.parent
+        self._named_by = named_by
         self.warnings: list[str] = []
         self._read: dict[tuple[str, bool], Texture | None] = {}
 
@@ -65,7 +66,7 @@ class TextureFiles:
             texture: Texture | None = None
             try:
                 if path is None:
-                    inside(self.folder, name, self.folder)  # says that it lies outside
+                    inside(self.folder, name, self._named_by)  # says that it lies outside
                     raise SceneError("texture is missing", where=self.folder / name)
                 texture = read_texture(path, is_srgb=is_srgb)
             except SceneError as error:
