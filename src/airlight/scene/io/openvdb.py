@@ -11,6 +11,7 @@ from ...errors import SceneError, nearest
 from ..checks import F32, F64
 from .files import regular_file
 from .nanovdb import SparseGrid, check_span
+from .openvdb_counts import check_counts
 
 _FLOAT_TREE = "Tree_float_5_4_3"
 _AS_HALF = "_HalfFloat"
@@ -27,6 +28,7 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         raise SceneError(
             ".vdb files need the package tinyvdb", remedy="Run: pip install 'airlight[vdb]'."
         ) from None
+    check_counts(path)
     try:
         with tinyvdb.open(str(regular_file(path))) as file:
             file.read_grids()
