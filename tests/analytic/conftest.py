@@ -22,7 +22,7 @@ from airlight.techniques import TECHNIQUES, technique_settings
 SMALL = {
     "resolution": 16, "shadow_resolution": 1024, "lamp_resolution": 256, "map_resolution": 128,
     "sky_lights": 64, "sky_resolution": 48, "surfels": 30_000,
-    "shaft_resolution": "full", "march_resolution": "full",
+    "shaft_resolution": "full", "march_resolution": "full", "march": "full",
 }  # fmt: skip
 MITSUBA = "mitsuba"
 

@@ -13,7 +13,7 @@ from airlight.scene import Environment, Medium
 
 SIZE = (16, 16)
 AT_MOST = 2e-3
-"""Relative L2: half floats instead of whole ones where light is filtered; measured 4e-4."""
+"""Relative L2: half floats instead of whole ones where light is filtered round by 5e-4."""
 
 
 @pytest.fixture
