@@ -216,7 +216,9 @@ class Renderer:
 
     @contextmanager
     def used(self) -> Iterator[None]:
-        """The device as this thread's own, made anew what was broken off; `frame` enters it itself.
+        """The device as this thread's own; resources of a frame that broke off are made again.
+
+        `frame` enters it itself.
 
         Raises DeviceError: another thread is in it, this process was forked, the renderer is
         closed, the device was lost or has no memory left.
