@@ -35,6 +35,17 @@ def test_the_best_adapter_is_used_and_why_is_said(machine, capsys):
     assert "AIRLIGHT_ADAPTER=auto" in out
 
 
+def test_without_a_cache_folder_all_else_is_said(machine, capsys, monkeypatch):
+    machine(GPU)
+    monkeypatch.setenv("AIRLIGHT_CACHE", "~nosuchuser/x")
+    assert cli.run(["doctor"]) == 2
+    out, err = capsys.readouterr()
+    assert "  used: Fast Card; " in out
+    assert "  cache: none: AIRLIGHT_CACHE: there is no home folder for the cache '~nosuc" in out
+    (line,) = err.splitlines()
+    assert line.startswith("error: AIRLIGHT_CACHE: there is no home folder for the cache")
+
+
 def test_the_switch_chooses(machine, capsys, monkeypatch):
     machine(GPU, CPU)
     monkeypatch.setenv("AIRLIGHT_ADAPTER", "cpu")

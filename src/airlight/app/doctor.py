@@ -37,6 +37,7 @@ def command(adapter: str, as_json: bool) -> None:
     Lists the graphics adapters, why one is used, the extras, and how to get what is missing.
     """
     graphics, problem = graphics_facts(adapter)
+    cache, no_cache = cache_facts()
     facts = {
         "airlight": __version__,
         "python": platform.python_version(),
@@ -46,10 +47,10 @@ def command(adapter: str, as_json: bool) -> None:
         "extras": extras(),
         "llvm": llvm_facts(),
         "switches": {switch.name: env.value(switch.name) for switch in env.SWITCHES},
-        "cache": str(env.cache_folder()),
+        "cache": cache,
     }
     click.echo(json_text(facts) if as_json else _text(facts))
-    if problem is not None:
+    if problem := problem or no_cache:
         raise problem
 
 
@@ -66,6 +67,14 @@ def graphics_facts(wanted: str) -> tuple[dict[str, Any], AirlightError | None]:
         return {"adapters": listed, "used": None, "because": str(error), "paths": None}, error
     because = device.chosen_reason(found, chosen, wanted)
     return {"adapters": listed, "used": chosen.name, "because": because, "paths": paths}, None
+
+
+def cache_facts() -> tuple[str, AirlightError | None]:
+    """The cache folder, or why there is none, which is an error."""
+    try:
+        return str(env.cache_folder()), None
+    except AirlightError as error:
+        return f"none: {error}", error
 
 
 def extras() -> dict[str, dict[str, Any]]:

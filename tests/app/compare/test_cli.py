@@ -210,6 +210,33 @@ def test_a_reference_is_rendered_once_and_refined_with_new_samples(truth):
     assert np.std(z) == pytest.approx(1.0, abs=0.1)
 
 
+def test_a_cache_that_is_a_file_costs_a_warning_and_the_work(
+    truth, techniques, tmp_path, capsys, monkeypatch
+):
+    (tmp_path / "cache").write_bytes(b"mine")
+    for _ in range(2):
+        made = reference_for(triangle_scene(), SIZE, 16)
+        assert "cache" in made.not_kept and "Not a directory" in made.not_kept
+        assert not made.is_from_cache
+    assert truth.asked == [(16, 0), (16, 0)]
+    words = ["compare", "builtin:cornell", "-t", "exact", "--spp", "16", "--size", "32x20", "-q"]
+    assert cli.run([*words, "-o", str(tmp_path / "out")]) == 0
+    warnings = [line for line in capsys.readouterr().err.splitlines() if "not kept" in line]
+    (warning,) = warnings
+    assert warning.startswith("warning: the reference is not kept for the next time: ")
+    assert warning.endswith("Set AIRLIGHT_CACHE to a folder that can be written.")
+    assert (tmp_path / "cache").read_bytes() == b"mine"
+    monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path / "writable"))
+    assert reference_for(triangle_scene(), SIZE, 16).not_kept == ""
+
+
+def test_a_cache_of_nobodys_is_refused_before_any_work(truth, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("AIRLIGHT_CACHE", "~nosuchuser/x")
+    assert cli.run(["compare", "builtin:cornell", "-q", "-o", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.startswith("error: AIRLIGHT_CACHE: there is no home folder")
+    assert truth.asked == []
+
+
 def test_without_a_libllvm_the_whole_has_a_reference_and_layers_come_with_one(truth, monkeypatch):
     scene, all_layers = triangle_scene(medium=Medium((0.1, 0.1, 0.1))), truth.render_layers
 

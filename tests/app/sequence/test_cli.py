@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import PIL.Image
 import pytest
 
@@ -313,13 +314,44 @@ def test_errors_of_a_frame_come_through_a_farm(scene):
     assert not isinstance(caught.value, AirlightError)
 
 
+def test_what_is_doubtful_of_farmed_frames_is_said_as_of_local_ones(
+    gpu, scene, tmp_path, capsys, monkeypatch
+):
+    from airlight.app.sequence import farm as sequence_farm
+
+    image = FrameMaker.image
+
+    def doubtful(self, frame):
+        made = image(self, frame)
+        made.radiance[frame, 0] = np.nan
+        return made
+
+    def here(address, plan, scene, frames, take):
+        sent = sequence_farm._Sent(plan, scene)
+        for frame in reversed(frames):
+            take(frame, *sequence_farm._made(sent, frame))
+        sequence_farm._MAKER.pop()[1].close()
+
+    monkeypatch.setattr(FrameMaker, "image", doubtful)
+    assert sequence(scene, tmp_path / "local", "--frames", "2") == 0
+    local = capsys.readouterr().err.splitlines()
+    warned = [line for line in local if line.startswith("warning: ")]
+    assert [line[:39] for line in warned] == [
+        "warning: frame 0: 1 of 384 pixels are N", "warning: frame 1: 1 of 384 pixels are N",
+    ]  # fmt: skip
+    monkeypatch.setattr(sequence_farm, "farm_frames", here)
+    monkeypatch.setattr(sequence_farm, "check_farm", lambda address: None)
+    assert sequence(scene, tmp_path / "farmed", "--frames", "2", "--farm", "tcp://there:1") == 0
+    assert capsys.readouterr().err.splitlines() == local
+
+
 def test_a_worker_makes_frames_one_maker_for_all(gpu, scene):
     from airlight.app.sequence import farm as sequence_farm
     from airlight.scene.io import load
 
     plan = Plan("direct", (24, 16), 0.0, 10.0, 0, 9, settings={"surfels": "500"}, samples=1)
     sent = sequence_farm._Sent(plan, load(scene))
-    data, device = sequence_farm._made(sent, 3)
+    data, device, _ = sequence_farm._made(sent, 3)
     (kept,) = sequence_farm._MAKER
     assert device == gpu.info.name and data == sequence_farm._made(sent, 3)[0]
     assert [kept] == sequence_farm._MAKER

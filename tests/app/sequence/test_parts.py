@@ -316,3 +316,41 @@ def test_missing_packages_are_named(monkeypatch, package, check, given, message)
     with pytest.raises(SettingsError) as caught:
         getattr(importlib.import_module(module), name)(*given)
     assert str(caught.value) == message
+
+
+_VIDEO_UNDER_A_LIMIT = """
+import resource, sys
+from pathlib import Path
+from airlight.app.sequence.video import write_video
+from airlight.errors import OutputError
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
+try:
+    write_video([Path(name) for name in sys.argv[3:]], 24.0, Path(sys.argv[2]), "told")
+except OutputError as error:
+    print(error)
+"""
+
+
+@pytest.mark.needs("av")
+@pytest.mark.skipif(os.name != "posix", reason="RLIMIT_FSIZE")
+@pytest.mark.parametrize("limit", [0, 9000])
+def test_a_disk_that_fills_under_a_video_leaves_the_old_one(tmp_path, limit):
+    files = []
+    for k in range(4):
+        files.append(tmp_path / f"{k}.png")
+        noise = np.random.default_rng(k).integers(0, 256, (48, 64, 3), np.uint8)
+        PIL.Image.fromarray(noise).save(files[-1])
+    (tmp_path / "out").mkdir()
+    path = tmp_path / "out" / "a.mp4"
+    path.write_bytes(b"the old one")
+    done = subprocess.run(
+        [sys.executable, "-c", _VIDEO_UNDER_A_LIMIT, str(limit), str(path), *map(str, files)],
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == (
+        f"{path}: the video cannot be written (File too large). The frames are kept; check the "
+        "free space, and go on by --resume.\n"
+    )
+    assert [file.name for file in path.parent.iterdir()] == ["a.mp4"]
+    assert path.read_bytes() == b"the old one"

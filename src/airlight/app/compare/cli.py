@@ -17,7 +17,7 @@ from ...errors import AirlightError, SettingsError
 from ..options import Number, adapter_option, settings_option, shared_settings, size_option
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
-from ..scene_argument import load_scene, reads, show_warnings
+from ..scene_argument import load_scene, reads, show_warnings, warn
 
 if TYPE_CHECKING:
     from ...reference.metrics import EqualTime
@@ -119,6 +119,7 @@ def command(scene: str, techniques: tuple[str, ...], output: Path, **options: An
         report("writing", 0.0)
         write(comparison, output)
     show_warnings(loaded)
+    warn([text for text in [comparison.reference.not_kept] if text])
     _say(comparison, output)
 
 

@@ -21,6 +21,7 @@ from ...scene.checks import F32
 from ...scene.image import Image
 from ...scene.io.ledger import own_files
 from ...scene.io.numpy_files import opened_npz
+from ..cache import keep
 
 if TYPE_CHECKING:
     from ...scene.scene import Scene
@@ -39,7 +40,8 @@ class Reference:
     """The truth of a comparison: `image` holds the layers, "variance" and "NAME_variance".
 
     `seconds` is what rendering its `spp` samples per pixel took, when it was rendered;
-    `notes` what Mitsuba's picture leaves out or approximates.
+    `notes` what Mitsuba's picture leaves out or approximates; `not_kept` warns where the cache
+    could not take it, and is empty elsewhere.
     """
 
     image: Image
@@ -47,6 +49,7 @@ class Reference:
     seconds: float
     is_from_cache: bool
     notes: tuple[str, ...] = ()
+    not_kept: str = ""
 
     @property
     def has_layers(self) -> bool:
@@ -73,7 +76,8 @@ def reference_for(
 
     Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
     and else refined with new samples. Where Mitsuba cannot tell layers (`NoLayers`) the reference
-    is of the whole picture alone, and its `notes` say so. Raises ReferenceFailure.
+    is of the whole picture alone, and its `notes` say so. Raises ReferenceFailure, and
+    SettingsError where AIRLIGHT_CACHE leads nowhere.
     """
     from ...reference.mitsuba import LAYERS, NoLayers
 
@@ -109,7 +113,8 @@ def _kept_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference
     while (missing := _samples_missing(have, job.spp, job.noise)) > 0:
         fresh = _render(job, names, missing, have.spp if have else 0)
         have = fresh if have is None else _merged(have, fresh)
-        _keep(have, path)
+        not_kept = _keep(have, path)
+        have = dataclasses.replace(have, not_kept=not_kept)
     assert have is not None
     return dataclasses.replace(have, is_from_cache=have is kept)
 
@@ -181,18 +186,12 @@ def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
         return None
 
 
-def _keep(reference: Reference, path: Path) -> None:
-    """Write it for the next time; a cache that cannot be written is no reason to fail."""
-    from ...scene.io.writing import whole_file
-
+def _keep(reference: Reference, path: Path) -> str:
+    """Write it for the next time; empty, or a warning where the cache cannot be written."""
     about = {"spp": reference.spp, "seconds": reference.seconds, "notes": reference.notes}
     arrays: dict[str, Any] = {"about": json.dumps(about), "radiance": reference.image.radiance}
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as part:
-            np.savez(part, **{**arrays, **reference.image.layers})
-    except (OSError, AirlightError):
-        return
+    arrays |= reference.image.layers
+    return keep(path, "the reference", lambda part: np.savez(part, **arrays))
 
 
 def scene_hash(scene: Scene, size: tuple[int, int]) -> str:

@@ -124,13 +124,17 @@ def _farmed(
     from ...scene.io.writing import whole_file
     from .farm import farm_frames
 
-    def take(frame: int, data: bytes, device: str) -> None:
+    doubts: dict[int, list[str]] = {}
+
+    def take(frame: int, data: bytes, device: str, said: list[str]) -> None:
         _note_device(folder, device)
+        doubts[frame] = said
         with whole_file(folder.file(plan, frame)) as part:
             part.write_bytes(data)
         count()
 
     farm_frames(address, plan, scene, missing, take)
+    warn([text for frame in missing for text in doubts[frame]])
 
 
 def _note_device(folder: FrameFolder, device: str) -> None:

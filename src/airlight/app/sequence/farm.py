@@ -41,13 +41,13 @@ def check_farm(address: str) -> None:
 
 def farm_frames(
     address: str, plan: Plan, scene: Scene, frames: Sequence[int],
-    take: Callable[[int, bytes, str], None], *, answer_s: float = ANSWER_S,
+    take: Callable[[int, bytes, str, list[str]], None], *, answer_s: float = ANSWER_S,
     patience_s: float = PATIENCE_S,
 ) -> None:  # fmt: skip
-    """Make `frames` on the cluster at `address`; `take(frame, bytes, device)` gets each once.
+    """Make `frames` on the cluster at `address`, each once.
 
-    Frames come in any order. Raises SettingsError where the cluster does not answer, is lost or
-    has no workers, and what a frame's making raises.
+    `take(frame, bytes, device, doubts)` gets them, in any order. Raises SettingsError where
+    the cluster does not answer, is lost or has no workers, and what a frame's making raises.
     """
     with _client(address, answer_s) as client:
         sent = client.submit(_Sent, plan, scene, pure=False)
@@ -57,8 +57,7 @@ def farm_frames(
         }
         try:
             for future in _finished(client, set(futures), address, patience_s):
-                data, device = future.result()
-                take(futures.pop(future), data, device)
+                take(futures.pop(future), *future.result())
                 future.release()
         finally:
             client.cancel(list(futures))
@@ -161,12 +160,14 @@ _LOCK = threading.Lock()
 _MAKER: list[tuple[_Sent, FrameMaker]] = []
 
 
-def _made(sent: _Sent, frame: int) -> tuple[bytes, str]:
-    """On a worker: a frame's file, and the device that made it. One frame at a time."""
+def _made(sent: _Sent, frame: int) -> tuple[bytes, str, list[str]]:
+    """On a worker: a frame's file, the device that made it, doubts about it. One at a time."""
     with _LOCK:
         if not _MAKER or _MAKER[0][0] is not sent:
             for _, old in _MAKER:
                 old.close()
             _MAKER[:] = [(sent, FrameMaker(sent.plan, sent.scene))]
         maker = _MAKER[0][1]
-        return maker.encoded(frame), maker.renderer.gpu.info.name
+        data, doubts = maker.encoded(frame), maker.doubts
+        maker.doubts = []
+        return data, maker.renderer.gpu.info.name, doubts

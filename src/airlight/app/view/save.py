@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -75,7 +76,7 @@ class Saver:
         safe = "".join(c if c.isalnum() or c in "-_" else "-" for c in name[:_NAME_LETTERS])
         for number in range(1, 10_000):
             path = self.folder / f"{safe}-view-{number:04d}{suffix}"
-            if not path.exists():
+            if not os.path.lexists(path):  # what a broken link leads to is not made either
                 return path
         raise OutputError("ten thousand pictures are here already", where=self.folder)
 
