@@ -180,15 +180,20 @@ def test_gltf_reads_what_lies_below_it(tmp_path, draft):
         assert load(path).triangle_count == 1
 
 
-def test_obj_reads_nothing_outside_its_folder(tmp_path):
-    (tmp_path / "inner").mkdir()
-    PIL.Image.fromarray(np.zeros((32, 32, 3), np.uint8)).save(tmp_path / "secret.png")
-    path = tmp_path / "inner" / "a.obj"
+def test_obj_follows_relative_paths_and_no_absolute_ones(tmp_path):
+    (tmp_path / "models").mkdir()
+    (tmp_path / "images").mkdir()
+    kept = tmp_path / "images" / "x.png"
+    PIL.Image.fromarray(np.full((32, 32, 3), 90, np.uint8)).save(kept)
+    path = tmp_path / "models" / "a.obj"
     path.write_text("mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    for name in ("../secret.png", str(tmp_path / "secret.png"), "..\\secret.png"):
-        (tmp_path / "inner" / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+    for name in ("../images/x.png", "..\\Images\\X.png"):
+        (tmp_path / "models" / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+        assert not load(path).warnings
+    for name in (str(kept), "C:\\images\\x.png"):
+        (tmp_path / "models" / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
         (warning,) = load(path).warnings
-        assert warning.startswith(f"{path}: it names '{name}', which is outside its folder. ")
+        assert warning.startswith(f"{path}: texture '{name}' is missing")
         assert "a magenta checker stands in" in warning
 
 

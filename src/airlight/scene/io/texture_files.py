@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import numpy as np
 
 from ...errors import SceneError
 from ..material import Texture
-from .files import inside, regular_file
+from .files import regular_file
 from .images import read_texture
 
 
@@ -41,8 +41,9 @@ class TextureFiles:
     def find(self, name: str) -> Path | None:
         """The file called `name`, whatever its case and slashes, or None.
 
-        Materials from other machines name absolute paths; the bare name is then looked for
-        in this folder and in `textures`. Files outside the folder are not read.
+        A path that goes up and down again is followed, because models and their images commonly lie
+        in folders side by side. Absolute paths are those of other machines: the bare name is then
+        looked for in this folder and in `textures`.
         """
         plain = PurePosixPath(name.strip().strip('"').replace("\\", "/"))
         if not plain.name:
@@ -51,10 +52,11 @@ class TextureFiles:
         return next((hit for path in tries if (hit := self._found(path))), None)
 
     def _found(self, name: PurePosixPath) -> Path | None:
-        """The file of that name in the folder or below it."""
+        """The file of that name as seen from the folder."""
+        if name.is_absolute() or PureWindowsPath(name).drive:
+            return None
+        hit = _cased(self.folder, name)
         try:
-            inside(self.folder, str(name), self.folder)
-            hit = _cased(self.folder, name)
             return None if hit is None else regular_file(hit)
         except SceneError:
             return None
@@ -66,8 +68,7 @@ class TextureFiles:
             texture: Texture | None = None
             try:
                 if path is None:
-                    inside(self.folder, name, self._named_by)  # says that it lies outside
-                    raise SceneError("texture is missing", where=self.folder / name)
+                    raise SceneError(f"texture '{name}' is missing", where=self._named_by)
                 texture = read_texture(path, is_srgb=is_srgb)
             except SceneError as error:
                 self.warnings.append(f"{str(error).rstrip('.')}; {consequence}")

@@ -281,8 +281,9 @@ are relative to the scene file. Vectors are arrays of three numbers, a colour is
 Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are the ways light goes.
 
 A scene file may name any file of the machine, because its author is its user. What comes from \
-elsewhere may not: a glTF's buffers and images, an OBJ's materials and textures, and all that a \
-Mitsuba XML names must lie in that file's own folder or below it, links followed. Only \
+elsewhere may not: a glTF's buffers and images, and all that a Mitsuba XML names, must lie in that \
+file's own folder or below it, links followed; an OBJ's materials and textures are found by \
+relative paths alone. Only \
 regular files are read, no pipes, sockets or devices, and a file that claims to unpack to far \
 more than its size bears out is refused.
 
