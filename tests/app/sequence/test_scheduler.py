@@ -153,14 +153,23 @@ time.sleep(0.5)
 
 
 @pytest.mark.needs("distributed")
-def test_nothing_is_printed_after_the_message():
-    with server(b"SSH-2.0-OpenSSH_9.7\r\n") as address:
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        (b"SSH-2.0-OpenSSH_9.7\r\n", "what answers at {} is no dask scheduler. "),
+        (framed(GREETING), "no dask scheduler answers at {}. "),  # speaks dask, then no more
+    ],
+)
+def test_nothing_is_printed_after_the_message(said, message):
+    with server(said) as address:
+        began = time.monotonic()
         done = subprocess.run(
             [sys.executable, "-c", _IN_CHILD, address],
             capture_output=True, text=True, timeout=60, env=os.environ, check=False,
         )  # fmt: skip
+    assert time.monotonic() - began < 15.0  # an end that was waited for took 20 s
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith(f"what answers at {address} is no dask scheduler")
+    assert done.stdout.startswith(message.format(address))
     assert len(done.stdout.splitlines()) == 1
 
 
