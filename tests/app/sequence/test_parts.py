@@ -12,7 +12,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from airlight.app.sequence.folder import FrameFolder
+from airlight.app.sequence.folder import FrameFolder, sweep_video
 from airlight.app.sequence.plan import Plan, digest, frame_span
 from airlight.app.sequence.progress import Lines, counted
 from airlight.errors import OutputError, SettingsError
@@ -118,6 +118,18 @@ def test_a_folder_knows_what_is_missing_and_drops_what_is_half_written(tmp_path)
     assert opened(tmp_path / "out", resume=True).missing(plan) == [2, 3]
     assert own.exists() and other.exists()
     assert half.exists() == (os.name != "posix")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="whether a process lives is not known")
+def test_half_videos_of_killed_runs_go_and_others_stay(tmp_path):
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    half = tmp_path / f".a.{gone.pid}.part.mp4"
+    others = {f".a.{os.getpid()}.part.mp4", f".b.{gone.pid}.part.mp4", "a.mp4", "a.1.part.mp4"}
+    for name in (half.name, *others):
+        (tmp_path / name).touch()
+    sweep_video(tmp_path / "a.mp4")
+    assert {file.name for file in tmp_path.iterdir()} == others
 
 
 def test_a_folder_without_frames_is_begun_anew(tmp_path):

@@ -12,7 +12,7 @@ from ...errors import OutputError, SettingsError
 from ..options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
-from .folder import FrameFolder
+from .folder import FrameFolder, sweep_video
 from .plan import FORMATS, Plan, digest, frame_span
 from .progress import counted
 from .video import VIDEO_SUFFIXES, check_video, video_comment, write_video
@@ -71,6 +71,8 @@ def command(scene: str, output: Path, **options: Any) -> None:
     asked = plan.asked(loaded)
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
+    if is_video:
+        sweep_video(output)
     if is_video and options["resume"] and video_comment(output) == comment:
         if not options["keep_frames"]:
             folder.clear()  # all done, but perhaps for the clearing up

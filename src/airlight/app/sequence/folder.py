@@ -17,7 +17,7 @@ from typing import Any
 from ...errors import OutputError, SceneError
 from ...scene.io.files import read_text
 from ...scene.io.ledger import check_output, own_files
-from ...scene.io.writing import whole_file
+from ...scene.io.writing import part_words, whole_file
 from ..outputs import json_text
 from .plan import Plan
 from .whole import is_whole
@@ -120,10 +120,21 @@ class FrameFolder:
 
     def _sweep(self) -> None:
         """Remove what killed runs left half-written."""
-        for file in self.path.iterdir():
-            part = _PART.fullmatch(file.name)
-            if part and not _is_alive(int(part[1])):
-                file.unlink(missing_ok=True)
+        _sweep(self.path, _PART)
+
+
+def sweep_video(path: Path) -> None:
+    """Remove what killed runs left of the video at `path`, which they had not written whole."""
+    stem, suffix = part_words(path)
+    _sweep(path.parent, re.compile(rf"\.{re.escape(stem)}\.(\d+)\.part{re.escape(suffix)}"))
+
+
+def _sweep(folder: Path, parts: re.Pattern[str]) -> None:
+    """Remove files whose names are like `parts`, and whose process (its first group) has ended."""
+    for file in folder.iterdir():
+        part = parts.fullmatch(file.name)
+        if part and not _is_alive(int(part[1])):
+            file.unlink(missing_ok=True)
 
 
 def _difference(name: str, there: Any, now: Any) -> str:

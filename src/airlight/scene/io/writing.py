@@ -124,8 +124,13 @@ def _check_state(path: Path, state: os.stat_result) -> None:
 
 def _part(target: Path) -> Path:
     """A hidden name beside `target`, short enough for every file system."""
-    name = f".{target.stem[:_STEM_LETTERS]}.{os.getpid()}.part{target.suffix[:_SUFFIX_LETTERS]}"
-    return target.with_name(name)
+    stem, suffix = part_words(target)
+    return target.with_name(f".{stem}.{os.getpid()}.part{suffix}")
+
+
+def part_words(target: Path) -> tuple[str, str]:
+    """(stem, suffix) of the half-written file's name `.STEM.PID.partSUFFIX` beside `target`."""
+    return target.stem[:_STEM_LETTERS], target.suffix[:_SUFFIX_LETTERS]
 
 
 def _create(part: Path) -> None:
