@@ -34,8 +34,11 @@ def make(name: str, folder: Path) -> None:
     layers = {"whole": scores, **scores.layers}
     floors = ", ".join(f"{k} {m.noise_floor_l2 or 0.0:.4f}" for k, m in layers.items())
     size_kb = path.stat().st_size // 1024
-    print(f"{name}: {reference.spp} spp, {reference.seconds:.0f} s, {size_kb} kB; "
-          f"noise floor as relative L2: {floors}", flush=True)  # fmt: skip
+    print(
+        f"{name}: {reference.spp} spp, {reference.seconds:.0f} s, {size_kb} kB; "
+        f"noise floor as relative L2: {floors}",
+        flush=True,
+    )
 
 
 def main() -> int:

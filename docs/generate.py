@@ -54,10 +54,13 @@ def generated_pages() -> dict[Path, str]:
 
 def _filled(part: re.Match[str]) -> str:
     kinds: dict[str, Callable[[str], str]] = {
-        "settings": settings_table, "errors": errors_table, "switches": lambda _: switches_table(),
-        "scenes": lambda _: scenes_table(), "figures": lambda _: figures_table(),
+        "settings": settings_table,
+        "errors": errors_table,
+        "switches": lambda _: switches_table(),
+        "scenes": lambda _: scenes_table(),
+        "figures": lambda _: figures_table(),
         "summary": lambda _: summary_table(),
-    }  # fmt: skip
+    }
     return f"{part[1]}{kinds[part['kind']](part['name'] or '')}\n{part[5]}"
 
 
@@ -79,13 +82,15 @@ def settings_table(name: str) -> str:
         field.name: field.default for base in _SHARED.values() for field in dataclasses.fields(base)
     }
     own = [
-        field for field in dataclasses.fields(cls)
+        field
+        for field in dataclasses.fields(cls)
         if field.name not in shared or field.default != shared[field.name]
-    ]  # fmt: skip
+    ]
     beside = [
-        f"[{key}](index.md#settings-of-{key})" for key, base in _SHARED.items()
+        f"[{key}](index.md#settings-of-{key})"
+        for key, base in _SHARED.items()
         if {f.name for f in dataclasses.fields(base)} <= {f.name for f in dataclasses.fields(cls)}
-    ]  # fmt: skip
+    ]
     also = f"And those of {' and '.join(beside)}, which several techniques share."
     return f"{_settings_rows(own)}\n\n{also}" if own else also
 
@@ -264,8 +269,12 @@ def python_page() -> str:
 
 def _by_kind(names: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     groups: dict[str, dict[str, Any]] = {
-        "Functions": {}, "Classes": {}, "Modules": {}, "Errors": {}, "Types": {},
-    }  # fmt: skip
+        "Functions": {},
+        "Classes": {},
+        "Modules": {},
+        "Errors": {},
+        "Types": {},
+    }
     for name, value in names.items():
         if isinstance(value, types.ModuleType):
             groups["Modules"][name] = value
@@ -280,8 +289,9 @@ def _entry(name: str, value: Any) -> str:
     if isinstance(value, types.ModuleType):
         functions = [
             _function(f"{name}.{key}", getattr(value, key), "####")
-            for key in value.__all__ if inspect.isfunction(getattr(value, key))
-        ]  # fmt: skip
+            for key in value.__all__
+            if inspect.isfunction(getattr(value, key))
+        ]
         return f"### {name}\n\n{_prose(value)}\n\n" + "\n".join(functions)
     if isinstance(value, type):
         return _class(name, value)
@@ -294,10 +304,11 @@ def _class(name: str, cls: type) -> str:
     if issubclass(cls, Exception):
         return f"### {name}\n\n{_prose(cls)}\n"
     methods = [
-        _method(key, member) for key, member in vars(cls).items()
-        if not key.startswith("_") and isinstance(member, (types.FunctionType, property,
-                                                           staticmethod, classmethod))
-    ]  # fmt: skip
+        _method(key, member)
+        for key, member in vars(cls).items()
+        if not key.startswith("_")
+        and isinstance(member, (types.FunctionType, property, staticmethod, classmethod))
+    ]
     body = f"### {name}\n\n```text\n{_signature(name, cls)}\n```\n\n{_prose(cls)}\n"
     return "\n".join([body, *methods])
 
@@ -328,9 +339,11 @@ def _signature(name: str, value: Any) -> str:
             starred = True
         shown.append(_plain(parameter))
     plain = _short(str(signature.return_annotation))
-    result = "" if signature.return_annotation is signature.empty or isinstance(value, type) else (
-        f" -> {plain}"
-    )  # fmt: skip
+    result = (
+        ""
+        if signature.return_annotation is signature.empty or isinstance(value, type)
+        else (f" -> {plain}")
+    )
     line = f"{name}({', '.join(shown)}){result}"
     if len(line) <= _LONGEST_LINE:
         return line

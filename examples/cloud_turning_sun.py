@@ -44,7 +44,11 @@ with al.Renderer(scene, technique="pop", size=SIZE) as renderer:
 
 frames = [PIL.Image.open(path) for path in sorted(folder.glob("*.png"))]
 frames[0].save(
-    "cloud.webp", save_all=True, append_images=frames[1:], loop=0,
-    duration=round(1000 * SECONDS / FRAMES), quality=85,
-)  # fmt: skip
+    "cloud.webp",
+    save_all=True,
+    append_images=frames[1:],
+    loop=0,
+    duration=round(1000 * SECONDS / FRAMES),
+    quality=85,
+)
 print(Path("cloud.webp").resolve())

@@ -41,9 +41,11 @@ _ADAPTER, _PATHS = env.value("AIRLIGHT_ADAPTER"), env.value("AIRLIGHT_PATHS")
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the tests that take minutes, too")
     parser.addoption(
-        "--shuffle", type=int, metavar="SEED",
+        "--shuffle",
+        type=int,
+        metavar="SEED",
         help="files in another order, and the tests in each, too: none may lean on another",
-    )  # fmt: skip
+    )
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -201,8 +203,11 @@ def child(gpu: Gpu) -> Callable[[str], list[str]]:
     def run(code: str) -> list[str]:
         done = subprocess.run(
             [sys.executable, "-c", _CHILD + textwrap.dedent(code)],
-            capture_output=True, text=True, timeout=120, check=False,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
         ended = [f"exit code {done.returncode}"] if done.returncode else []
         return done.stdout.splitlines() + done.stderr.splitlines() + ended
 

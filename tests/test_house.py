@@ -279,11 +279,18 @@ def opens_for_reading(node: ast.Call) -> bool:
         )
     else:
         return False
-    texts = [a.value for a in [*node.args, *(k.value for k in node.keywords)]
-             if isinstance(a, ast.Constant) and isinstance(a.value, str)]  # fmt: skip
+    texts = [
+        a.value
+        for a in [*node.args, *(k.value for k in node.keywords)]
+        if isinstance(a, ast.Constant) and isinstance(a.value, str)
+    ]
     is_written = any(set(text) <= set("wxab+t") and set(text) & set("wxa") for text in texts)
-    made_by = {n.id if isinstance(n, ast.Name) else n.attr for a in node.args for n in ast.walk(a)
-               if isinstance(n, (ast.Name, ast.Attribute))}  # fmt: skip
+    made_by = {
+        n.id if isinstance(n, ast.Name) else n.attr
+        for a in node.args
+        for n in ast.walk(a)
+        if isinstance(n, (ast.Name, ast.Attribute))
+    }
     is_made = name == "File" and len(node.args) > 1  # OpenEXR's of a header and channels
     return is_reader and not is_written and not made_by & _OF_A_CHECKED_FILE and not is_made
 
@@ -302,14 +309,23 @@ def test_one_module_opens_files_for_reading():
 @pytest.mark.parametrize(
     ("text", "opens"),
     [
-        ("open(p)", True), ("p.open('rb')", True), ("path.open('rb')", True),
-        ("path.open('wb')", False), ("open(p, mode='w')", False), ("x.read_text()", True),
-        ("np.load(p)", True), ("PIL.Image.open(p)", True), ("zipfile.ZipFile(p)", True),
-        ("PIL.Image.open(io.BytesIO(raw))", False), ("OpenEXR.File(str(path))", True),
-        ("OpenEXR.File(header, channels).write(str(path))", False), ("folder.open(asked)", False),
-        ("tinyvdb.open(str(regular_file(path)))", False), ("os.open(path, 0)", True),
+        ("open(p)", True),
+        ("p.open('rb')", True),
+        ("path.open('rb')", True),
+        ("path.open('wb')", False),
+        ("open(p, mode='w')", False),
+        ("x.read_text()", True),
+        ("np.load(p)", True),
+        ("PIL.Image.open(p)", True),
+        ("zipfile.ZipFile(p)", True),
+        ("PIL.Image.open(io.BytesIO(raw))", False),
+        ("OpenEXR.File(str(path))", True),
+        ("OpenEXR.File(header, channels).write(str(path))", False),
+        ("folder.open(asked)", False),
+        ("tinyvdb.open(str(regular_file(path)))", False),
+        ("os.open(path, 0)", True),
     ],
-)  # fmt: skip
+)
 def test_the_rule_of_opening_catches_what_it_forbids(text, opens):
     call = next(n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Call))
     assert opens_for_reading(call) == opens

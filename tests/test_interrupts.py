@@ -30,9 +30,17 @@ print("was not interrupted")
 
 @pytest.mark.parametrize(
     "module",
-    ["airlight.app", "click", "airlight.app.cli", "airlight.scene", "numpy", "numpy._core",
-     "airlight.app.scenes", "airlight.scene.builtin"],
-)  # fmt: skip
+    [
+        "airlight.app",
+        "click",
+        "airlight.app.cli",
+        "airlight.scene",
+        "numpy",
+        "numpy._core",
+        "airlight.app.scenes",
+        "airlight.scene.builtin",
+    ],
+)
 def test_an_interrupted_import_is_quiet(module):
     done = subprocess.run(
         [sys.executable, "-c", CHILD, module, "scenes"], capture_output=True, text=True, check=False

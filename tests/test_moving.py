@@ -27,9 +27,12 @@ from airlight.scene.animation.tracks import CameraTrack, EnvironmentTrack, Light
 
 SIZE = (48, 32)
 SURFACES = {
-    "resolution": 12, "shadow_resolution": 128, "sky_lights": 12, "sky_resolution": 16,
+    "resolution": 12,
+    "shadow_resolution": 128,
+    "sky_lights": 12,
+    "sky_resolution": 16,
     "surfels": 4_000,
-}  # fmt: skip
+}
 SETTINGS = {
     "direct": SURFACES,
     "lpv": {**SURFACES, "map_resolution": 32, "iterations": 8},
@@ -86,17 +89,17 @@ def moving(square):
         lights=(DirectionalLight((0.3, -1, 0.2), (6, 6, 6)),),
         environment=Environment(map=sky),
         camera=Camera((0, 1.5, 5), (0, 0.7, 0)),
-        volumes=(
-            Volume((2, 2, 2), density=drifting(0.0), bounds=((-1, 0.9, -1), (1, 2.5, 1))),
+        volumes=(Volume((2, 2, 2), density=drifting(0.0), bounds=((-1, 0.9, -1), (1, 2.5, 1))),),
+        animation=Animation(
+            (
+                CameraTrack({"position": line((0, 1.5, 5), (2, 1.5, 4))}),
+                LightTrack(0, {"direction": line((0.3, -1, 0.2), (-0.8, -1, 0.2))}),
+                EnvironmentTrack({"rotation_deg": line(0, 120)}),
+                VolumeTrack(0, MadeDensity(partial(drifting))),
+                Wave(),
+            )
         ),
-        animation=Animation((
-            CameraTrack({"position": line((0, 1.5, 5), (2, 1.5, 4))}),
-            LightTrack(0, {"direction": line((0.3, -1, 0.2), (-0.8, -1, 0.2))}),
-            EnvironmentTrack({"rotation_deg": line(0, 120)}),
-            VolumeTrack(0, MadeDensity(partial(drifting))),
-            Wave(),
-        )),
-    )  # fmt: skip
+    )
 
 
 def without_air(scene):

@@ -22,9 +22,13 @@ from airlight.scene.io import load
 
 SIZE = (64, 48)
 DIRECT = {
-    "resolution": 16, "shadow_resolution": 256, "lamp_resolution": 64, "sky_lights": 16,
-    "sky_resolution": 16, "surfels": 20_000,
-}  # fmt: skip
+    "resolution": 16,
+    "shadow_resolution": 256,
+    "lamp_resolution": 64,
+    "sky_lights": 16,
+    "sky_resolution": 16,
+    "surfels": 20_000,
+}
 LPV = {**DIRECT, "map_resolution": 64, "iterations": 16}
 CAMERA = Camera(position=(0.0, 1.5, 5.0), target=(0.0, 1.0, 0.0), fov_y_deg=60.0)
 WHITE = Material(base_color=(0.8, 0.8, 0.8), specular=0.0)
@@ -91,8 +95,9 @@ def test_normals_and_albedo_are_the_surfaces(lit):
     floor, wall = normal[..., 1] > 0.5, normal[..., 0] < -0.5
     np.testing.assert_array_equal(floor | wall, np.isfinite(lit.layers["depth"]))
     for mask, direction, color in (
-        (floor, (0, 1, 0), WHITE.base_color), (wall, (-1, 0, 0), RED.base_color)
-    ):  # fmt: skip
+        (floor, (0, 1, 0), WHITE.base_color),
+        (wall, (-1, 0, 0), RED.base_color),
+    ):
         assert mask.sum() > 200
         np.testing.assert_allclose(normal[mask], np.tile(direction, (mask.sum(), 1)), atol=1e-3)
         np.testing.assert_allclose(albedo[mask], np.tile(color, (mask.sum(), 1)), rtol=1e-3)
@@ -183,8 +188,15 @@ def test_other_kinds_of_lights_are_refused(gpu, corner):
         )
 
 
-_MADE = ("create_buffer", "create_texture", "create_bind_group", "create_compute_pipeline",
-         "create_render_pipeline", "create_shader_module", "create_sampler")  # fmt: skip
+_MADE = (
+    "create_buffer",
+    "create_texture",
+    "create_bind_group",
+    "create_compute_pipeline",
+    "create_render_pipeline",
+    "create_shader_module",
+    "create_sampler",
+)
 
 
 @pytest.mark.parametrize("technique", ["direct", "lpv"])
@@ -216,9 +228,12 @@ def test_a_moving_light_changes_the_picture_and_allocates_nothing(
         assert gpu.allocated_bytes == held
         after = renderer.frame()
         fresh = render(
-            dataclasses.replace(corner, lights=(moved,)), technique, SIZE, settings=settings,
+            dataclasses.replace(corner, lights=(moved,)),
+            technique,
+            SIZE,
+            settings=settings,
             samples=1,
-        )  # fmt: skip
+        )
         assert not np.allclose(after.radiance, still.radiance, rtol=0.05)
         np.testing.assert_array_equal(after.radiance, fresh.radiance)
     assert gpu.allocated_bytes == before
@@ -233,9 +248,12 @@ def test_what_moves_is_seen_where_it_is(gpu, corner):
         r.frame()
         animated = r.frame(meshes=meshes)
     fresh = render(
-        dataclasses.replace(corner, meshes=meshes), "lpv", SIZE, samples=1,
+        dataclasses.replace(corner, meshes=meshes),
+        "lpv",
+        SIZE,
+        samples=1,
         settings={**LPV, "bounds": (-3, -1, -3, 3, 5, 3)},
-    )  # fmt: skip
+    )
     np.testing.assert_array_equal(animated.layers["direct"], fresh.layers["direct"])
     np.testing.assert_allclose(
         animated.layers["indirect"], fresh.layers["indirect"], atol=1e-3 * fresh.radiance.max()
@@ -253,9 +271,14 @@ def test_another_camera_sees_from_elsewhere(gpu, corner, lit):
 def test_progress_and_stats(gpu, corner):
     seen = []
     image = render(
-        corner, "lpv", SIZE, settings=LPV, samples=2, timed=True,
+        corner,
+        "lpv",
+        SIZE,
+        settings=LPV,
+        samples=2,
+        timed=True,
         progress=lambda stage, share: seen.append((stage, share)),
-    )  # fmt: skip
+    )
     assert seen == [("upload", 0.0), ("render", 0.5), ("render", 1.0)]
     stats = json.loads(json.dumps(image.stats))
     assert stats["device"] == gpu.info.name

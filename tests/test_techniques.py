@@ -41,20 +41,29 @@ def test_an_unknown_technique_is_refused(name, remedy):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"iteration": 3},
-         "technique lpv: unknown setting 'iteration'. Did you mean 'iterations'?"),
-        ({"iterations": -1},
-         "technique lpv: setting iterations = -1 is out of range. It goes from 0 to 1024."),
-        ({"iterations": "many"},
-         "technique lpv: setting iterations = 'many' is not a whole number"),
-        ({"resolution": 3},
-         "technique lpv: setting resolution = 3 is out of range. It goes from 4 to 256."),
-        ({"scheme": "dom"},
-         "technique lpv: setting scheme = 'dom' is unknown. Choose from centroid, paper."),
-        ({"occlusion": "maybe"},
-         "technique lpv: setting occlusion = 'maybe' is not true or false"),
+        (
+            {"iteration": 3},
+            "technique lpv: unknown setting 'iteration'. Did you mean 'iterations'?",
+        ),
+        (
+            {"iterations": -1},
+            "technique lpv: setting iterations = -1 is out of range. It goes from 0 to 1024.",
+        ),
+        (
+            {"iterations": "many"},
+            "technique lpv: setting iterations = 'many' is not a whole number",
+        ),
+        (
+            {"resolution": 3},
+            "technique lpv: setting resolution = 3 is out of range. It goes from 4 to 256.",
+        ),
+        (
+            {"scheme": "dom"},
+            "technique lpv: setting scheme = 'dom' is unknown. Choose from centroid, paper.",
+        ),
+        ({"occlusion": "maybe"}, "technique lpv: setting occlusion = 'maybe' is not true or false"),
     ],
-)  # fmt: skip
+)
 def test_bad_settings_are_refused_before_anything_is_made(values, message):
     with pytest.raises(SettingsError) as caught:
         make_technique(None, Scene(), None, "lpv", values, (64, 48))  # type: ignore[arg-type]

@@ -57,13 +57,29 @@ __version__ = "0.1.0"
 
 # Everything is imported on first use, so that `import airlight` takes a moment and Ctrl-C is heard.
 _ERRORS = (
-    "AirlightError", "DeviceError", "OutputError", "ReferenceFailure", "SceneError",
+    "AirlightError",
+    "DeviceError",
+    "OutputError",
+    "ReferenceFailure",
+    "SceneError",
     "SettingsError",
-)  # fmt: skip
+)
 _SCENE = (
-    "Camera", "DirectionalLight", "Environment", "Geometry", "Light", "Material", "Medium", "Mesh",
-    "PointLight", "PointLights", "Scene", "SpotLight", "Texture", "Volume",
-)  # fmt: skip
+    "Camera",
+    "DirectionalLight",
+    "Environment",
+    "Geometry",
+    "Light",
+    "Material",
+    "Medium",
+    "Mesh",
+    "PointLight",
+    "PointLights",
+    "Scene",
+    "SpotLight",
+    "Texture",
+    "Volume",
+)
 _LATER = {
     **dict.fromkeys(_ERRORS, "errors"),
     **dict.fromkeys(_SCENE, "scene"),

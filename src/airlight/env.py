@@ -56,8 +56,9 @@ def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sy
     except RuntimeError:  # no such user, or one without a home
         raise SettingsError(
             f"there is no home folder for the cache{f' {chosen!r}' if chosen else ''}",
-            where="AIRLIGHT_CACHE", remedy="Set it to a folder's whole path.",
-        ) from None  # fmt: skip
+            where="AIRLIGHT_CACHE",
+            remedy="Set it to a folder's whole path.",
+        ) from None
 
 
 def _system_caches(environment: Mapping[str, str], platform: str) -> Path:

@@ -60,10 +60,14 @@ class Renderer:
     """
 
     def __init__(
-        self, scene: Scene | str | Path, technique: str = "auto",
-        size: tuple[int, int] = (1280, 720), *, settings: Mapping[str, Any] | None = None,
+        self,
+        scene: Scene | str | Path,
+        technique: str = "auto",
+        size: tuple[int, int] = (1280, 720),
+        *,
+        settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._began_s = perf_counter()
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
@@ -99,12 +103,19 @@ class Renderer:
         self._is_torn = False
 
     def frame(
-        self, *, time: float | None = None, camera: Camera | None = None,
-        lights: Sequence[Light] | None = None, environment: Environment | None = None,
-        meshes: Sequence[Mesh] | None = None, volumes: Sequence[Volume] | None = None,
+        self,
+        *,
+        time: float | None = None,
+        camera: Camera | None = None,
+        lights: Sequence[Light] | None = None,
+        environment: Environment | None = None,
+        meshes: Sequence[Mesh] | None = None,
+        volumes: Sequence[Volume] | None = None,
         light_groups: Sequence[PointLights] | None = None,
-        samples: int = 1, read: bool = True, progress: Progress | None = None,
-    ) -> Image | None:  # fmt: skip
+        samples: int = 1,
+        read: bool = True,
+        progress: Progress | None = None,
+    ) -> Image | None:
         """One picture, with what is given changed for good.
 
         `time`, seconds, moves what the scene's animation moves; what else is given holds over it.
@@ -115,9 +126,14 @@ class Renderer:
         begin = perf_counter()
         with self.used():
             scene = self._asked(
-                self.scene if time is None else self.scene.at(time), camera=camera, lights=lights,
-                environment=environment, meshes=meshes, volumes=volumes, light_groups=light_groups,
-            )  # fmt: skip
+                self.scene if time is None else self.scene.at(time),
+                camera=camera,
+                lights=lights,
+                environment=environment,
+                meshes=meshes,
+                volumes=volumes,
+                light_groups=light_groups,
+            )
             with self.whole():
                 self._draw(scene, samples, progress)
                 encoded = perf_counter()
@@ -184,13 +200,17 @@ class Renderer:
         """
         self._check_open()
         return {
-            "device": self.gpu.info.name, "adapter_type": self.gpu.info.adapter_type,
+            "device": self.gpu.info.name,
+            "adapter_type": self.gpu.info.adapter_type,
             "paths": self.gpu.paths,
-            "frame_ms": _median(self.frame_ms[1:]), "python_ms": _median(self.python_ms[1:]),
+            "frame_ms": _median(self.frame_ms[1:]),
+            "python_ms": _median(self.python_ms[1:]),
             "first_image_s": self._first_image_s,
-            "peak_gpu_bytes": self.gpu.peak_bytes, "size": list(self.size),
-            "triangles": self.scene.triangle_count, **self.technique.stats,
-        }  # fmt: skip
+            "peak_gpu_bytes": self.gpu.peak_bytes,
+            "size": list(self.size),
+            "triangles": self.scene.triangle_count,
+            **self.technique.stats,
+        }
 
     def close(self) -> None:
         """Give the device's memory back; once more it does nothing.
@@ -209,9 +229,11 @@ class Renderer:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
         trace: TracebackType | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.close()
 
     @contextmanager
@@ -285,10 +307,13 @@ class Renderer:
     def _image(self, samples: int) -> Image:
         pictures = self.technique.pictures(self.view)
         layers = {
-            name: (self._accumulator.read(name) if samples > 1 and self._accumulator
-                   else texture.read())[..., :3].astype(np.float32)
+            name: (
+                self._accumulator.read(name)
+                if samples > 1 and self._accumulator
+                else texture.read()
+            )[..., :3].astype(np.float32)
             for name, texture in pictures.items()
-        }  # fmt: skip
+        }
         radiance = np.sum([layers[n] for n in pictures if n not in NOT_ADDED], axis=0)
         g = self.view.gbuffer
         layers |= {
@@ -316,11 +341,17 @@ class Renderer:
 
 
 def render(
-    scene: Scene | str | Path, technique: str = "auto", size: tuple[int, int] = (1280, 720), *,
-    settings: Mapping[str, Any] | None = None, samples: int = STILL_SAMPLES,
-    adapter: str = "auto", progress: Progress | None = None, timed: bool = False,
+    scene: Scene | str | Path,
+    technique: str = "auto",
+    size: tuple[int, int] = (1280, 720),
+    *,
+    settings: Mapping[str, Any] | None = None,
+    samples: int = STILL_SAMPLES,
+    adapter: str = "auto",
+    progress: Progress | None = None,
+    timed: bool = False,
     time: float | None = None,
-) -> Image:  # fmt: skip
+) -> Image:
     """One anti-aliased picture of `scene`, which may also be a file or builtin:NAME.
 
     `size` (width, height) in pixels; `samples` jittered pictures are averaged; `settings` as in

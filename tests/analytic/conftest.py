@@ -20,10 +20,17 @@ from airlight.scene.image import Image
 from airlight.techniques import TECHNIQUES, technique_settings
 
 SMALL = {
-    "resolution": 16, "shadow_resolution": 1024, "lamp_resolution": 256, "map_resolution": 128,
-    "sky_lights": 64, "sky_resolution": 48, "surfels": 30_000,
-    "shaft_resolution": "full", "march_resolution": "full", "march": "full",
-}  # fmt: skip
+    "resolution": 16,
+    "shadow_resolution": 1024,
+    "lamp_resolution": 256,
+    "map_resolution": 128,
+    "sky_lights": 64,
+    "sky_resolution": 48,
+    "surfels": 30_000,
+    "shaft_resolution": "full",
+    "march_resolution": "full",
+    "march": "full",
+}
 MITSUBA = "mitsuba"
 
 BASELINES = {
@@ -54,9 +61,13 @@ class Judged:
         return self.pictures(scene, [scene.camera], size, spp, **settings)[0]
 
     def pictures(
-        self, scene: Scene, cameras: Sequence[Camera], size: tuple[int, int] = (24, 24),
-        spp: int = 256, **settings: Any,
-    ) -> list[Image]:  # fmt: skip
+        self,
+        scene: Scene,
+        cameras: Sequence[Camera],
+        size: tuple[int, int] = (24, 24),
+        spp: int = 256,
+        **settings: Any,
+    ) -> list[Image]:
         """The scene solved once and seen by each camera."""
         if self.name == MITSUBA:
             return [_reference(dataclasses.replace(scene, camera=c), size, spp) for c in cameras]
@@ -66,9 +77,12 @@ class Judged:
             return [renderer.frame(camera=camera) for camera in cameras]
 
     def air_picture(
-        self, scene: Scene, size: tuple[int, int] = (24, 24), needs: Sequence[str] = (),
+        self,
+        scene: Scene,
+        size: tuple[int, int] = (24, 24),
+        needs: Sequence[str] = (),
         **settings: Any,
-    ) -> Image:  # fmt: skip
+    ) -> Image:
         """The same; skips the test where air is not drawn, or wrong by design.
 
         `needs` are layers without which the question cannot be put.

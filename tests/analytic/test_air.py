@@ -119,8 +119,12 @@ def test_even_air_is_a_grid_of_one_density(judged, error):
     varied = judged.air_picture(scene, bounds=AROUND)
     # Measured 1e-6, single scattering below .01 (jittered .18), multiple .067 (lpv-scatter takes
     # half hops in varying air).
-    limits = {"transmittance": 1e-3, "single_scatter": 0.01, "multiple_scatter": 0.1,
-              "scattered": 1e-3}  # fmt: skip
+    limits = {
+        "transmittance": 1e-3,
+        "single_scatter": 0.01,
+        "multiple_scatter": 0.1,
+        "scattered": 1e-3,
+    }
     for layer, limit in limits.items():
         if layer in even.layers and even.layers[layer].any():
             truth = even.layers[layer]

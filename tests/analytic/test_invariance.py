@@ -80,9 +80,10 @@ def moved(scene: Scene, linear: np.ndarray, scale: float = 1.0) -> Scene:
         meshes=tuple(_mesh(m, matrix) for m in scene.meshes),
         lights=tuple(light(x) for x in scene.lights),
         medium=medium,
-        camera=Camera(at(camera.position, scale), at(camera.target, scale), at(camera.up),
-                      camera.fov_y_deg),
-    )  # fmt: skip
+        camera=Camera(
+            at(camera.position, scale), at(camera.target, scale), at(camera.up), camera.fov_y_deg
+        ),
+    )
 
 
 def _mesh(mesh: Mesh, matrix: np.ndarray) -> Mesh:

@@ -58,10 +58,11 @@ def test_far_air_that_scatters_forwards(gpu, way, g):
     """The sun behind the eye and before it. Measured 1.03, .94, 1.11, .94; noise .03 at most."""
     black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
     scene = Scene(
-        meshes=(Mesh(box(), black),), lights=(DirectionalLight((0.0, -0.6, way), (3.0, 2.0, 1.0)),),
+        meshes=(Mesh(box(), black),),
+        lights=(DirectionalLight((0.0, -0.6, way), (3.0, 2.0, 1.0)),),
         camera=Camera((0, 2, 20), (0, 4, -10), fov_y_deg=50.0),
         medium=Medium(0.1, 0.9, g, endless=True, top=10.0),
-    )  # fmt: skip
+    )
     name, size = "multiple_scatter", (48, 27)
     truth = render_layers(scene, (name,), size=size, spp=64)[name].radiance
     settings = {"shaft_resolution": "full", "march_resolution": "full", "resolution": 8}

@@ -16,8 +16,13 @@ SCENES = {
     "haze-box": {},
     "smoke": {},
 }
-AIR = {"haze-box": "lpv-scatter", "smoke": "pop", "cloud": "pop", "foggy-room": "lpv-scatter",
-       "atrium-fog": "lpv-scatter"}  # fmt: skip
+AIR = {
+    "haze-box": "lpv-scatter",
+    "smoke": "pop",
+    "cloud": "pop",
+    "foggy-room": "lpv-scatter",
+    "atrium-fog": "lpv-scatter",
+}
 SLOW = ("room", "foggy-room", "atrium", "atrium-fog", "cloud")
 LIMITS = {"direct": 2e-3, "indirect": 0.01, "multiple_scatter": 2e-3, "albedo": 0.01}
 OTHER_LIMIT = 1e-3

@@ -140,8 +140,10 @@ def _render_within(limit_bytes, scene, folder):
     arguments = ["render", str(scene), "-o", str(folder / "o.png"), "--size", "64x36", "-q"]
     done = subprocess.run(
         [sys.executable, "-c", _LIMITED, str(limit_bytes), *arguments, "--samples", "1"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     return done.stderr, done.returncode
 
 

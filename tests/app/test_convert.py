@@ -58,20 +58,24 @@ def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["{in}.exr", "{in}.tga"],
-         "error: {in}.tga: cannot write a picture that ends in '.tga'. "
-         "End its name in one of .exr, .hdr, .png, .jpg, .jpeg."),
-        (["builtin:cornell", "{in}.obj"],
-         "error: {in}.obj: a scene cannot be written as '.obj'. "
-         "End its name in .xml, for Mitsuba 3, or in .toml."),
-        (["nowhere.toml", "{in}.xml"],
-         "error: nowhere.toml: file not found. Check the path."),
-        (["builtin:cornell", "{in}.xml", "--exposure", "1"],
-         "error: builtin:cornell: --exposure and --tone-map are for pictures"),
-        (["{in}.blend", "{in}.xml"],
-         "error: {in}.blend: a scene file cannot end in '.blend'."),
+        (
+            ["{in}.exr", "{in}.tga"],
+            "error: {in}.tga: cannot write a picture that ends in '.tga'. "
+            "End its name in one of .exr, .hdr, .png, .jpg, .jpeg.",
+        ),
+        (
+            ["builtin:cornell", "{in}.obj"],
+            "error: {in}.obj: a scene cannot be written as '.obj'. "
+            "End its name in .xml, for Mitsuba 3, or in .toml.",
+        ),
+        (["nowhere.toml", "{in}.xml"], "error: nowhere.toml: file not found. Check the path."),
+        (
+            ["builtin:cornell", "{in}.xml", "--exposure", "1"],
+            "error: builtin:cornell: --exposure and --tone-map are for pictures",
+        ),
+        (["{in}.blend", "{in}.xml"], "error: {in}.blend: a scene file cannot end in '.blend'."),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_one_message(tmp_path, capsys, words, message):
     place = str(tmp_path / "a")
     Image(RAMP).save(f"{place}.exr")

@@ -56,9 +56,15 @@ def test_the_switch_chooses(machine, capsys, monkeypatch):
     assert told["switches"]["AIRLIGHT_ADAPTER"] == "cpu"
 
 
-@pytest.mark.parametrize(("adapter", "switch", "expected"), [
-    (GPU, "", "gpu"), (CPU, "auto", "cpu"), (GPU, "cpu", "cpu"), (CPU, "GPU", "gpu"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("adapter", "switch", "expected"),
+    [
+        (GPU, "", "gpu"),
+        (CPU, "auto", "cpu"),
+        (GPU, "cpu", "cpu"),
+        (CPU, "GPU", "gpu"),
+    ],
+)
 def test_the_code_paths_are_said(machine, capsys, monkeypatch, adapter, switch, expected):
     machine(adapter)
     monkeypatch.setenv("AIRLIGHT_PATHS", switch)
@@ -100,9 +106,15 @@ def test_a_wish_that_nothing_grants_is_exit_2(machine, capsys):
 
 def test_missing_extras_say_how_to_get_them(machine, capsys, monkeypatch):
     machine(CPU)
-    monkeypatch.setattr(doctor.metadata, "requires", lambda _: [
-        "numpy>=1.26", 'mitsuba>=3.6; extra == "reference"', "glfw>=2; extra == 'view'",
-    ])  # fmt: skip
+    monkeypatch.setattr(
+        doctor.metadata,
+        "requires",
+        lambda _: [
+            "numpy>=1.26",
+            'mitsuba>=3.6; extra == "reference"',
+            "glfw>=2; extra == 'view'",
+        ],
+    )
     monkeypatch.setattr(doctor, "_installed_version", {"mitsuba": None, "glfw": "2.8"}.get)
     assert cli.run(["doctor"]) == 0
     out = capsys.readouterr().out

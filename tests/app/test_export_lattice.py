@@ -11,8 +11,18 @@ from airlight.app.export_lattice import command
 
 
 def test_a_folder_of_arrays_with_a_header(gpu, tmp_path, capsys):
-    words = ["export-lattice", "builtin:cornell", "-o", str(tmp_path / "light"), "-t", "lpv",
-             "-D", "resolution=8", "-D", "surfels=2000"]  # fmt: skip
+    words = [
+        "export-lattice",
+        "builtin:cornell",
+        "-o",
+        str(tmp_path / "light"),
+        "-t",
+        "lpv",
+        "-D",
+        "resolution=8",
+        "-D",
+        "surfels=2000",
+    ]
     assert cli.run(words) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'light'}\n"
     header = json.loads((tmp_path / "light" / "header.json").read_text())
@@ -24,14 +34,17 @@ def test_a_folder_of_arrays_with_a_header(gpu, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["-o", "{in}/light.vdb"], "cannot write a light field that ends in '.vdb'. "
-                                   "End its name in .npz, or name a folder."),
+        (
+            ["-o", "{in}/light.vdb"],
+            "cannot write a light field that ends in '.vdb'. "
+            "End its name in .npz, or name a folder.",
+        ),
         (["-o", "{in}/file"], "this is a file, not a folder"),
         (["-o", "{in}/nowhere/light.npz"], "does not exist"),
         (["-o", "{in}/light.npz", "-t", "direct"], "technique 'direct' keeps no light"),
         (["-o", "{in}/light.npz", "-t", "lpw"], "unknown technique 'lpw'. Did you mean 'lpv'?"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_one_message(tmp_path, capsys, words, message):
     (tmp_path / "file").write_text("")
     chosen = [word.replace("{in}", str(tmp_path)) for word in words]

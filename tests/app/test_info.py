@@ -78,14 +78,21 @@ def test_what_cannot_be_read(tmp_path, capsys):
 
 
 def test_when_a_scene_moves(tmp_path, capsys):
-    first, last = (f"[[camera.key]]\ntime_s = {t}\nposition = [{x}, 0, 5]\n"
-                   for t, x in ((1, 0), (3.5, 1)))  # fmt: skip
+    first, last = (
+        f"[[camera.key]]\ntime_s = {t}\nposition = [{x}, 0, 5]\n" for t, x in ((1, 0), (3.5, 1))
+    )
     keys = first + last
     moving = SCENE.replace("[[mesh]]", f"{keys}[animation]\nstart_s = 1\nfps = 10\n[[mesh]]")
     (tmp_path / "a.toml").write_text(moving)
     told = facts(capsys, str(tmp_path / "a.toml"))["animation"]
-    assert told == {"start_s": 1.0, "end_s": 3.5, "fps": 10.0, "loop": False, "frames": 25,
-                    "moving": ["camera"]}  # fmt: skip
+    assert told == {
+        "start_s": 1.0,
+        "end_s": 3.5,
+        "fps": 10.0,
+        "loop": False,
+        "frames": 25,
+        "moving": ["camera"],
+    }
     assert cli.run(["info", str(tmp_path / "a.toml")]) == 0
     said = capsys.readouterr().out
     assert "animation: start_s 1, end_s 3.5, fps 10, loop False, frames 25, moving (camera)" in said

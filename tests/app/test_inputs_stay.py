@@ -38,8 +38,19 @@ GLTF = """{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
 "min": [0, 0, 0], "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
 "buffers": [{"uri": "tile.bin", "byteLength": 36}]}"""
-INPUTS = ("s.toml", "sky.exr", "wall.obj", "wall.mtl", "brick.png", "tile.gltf", "tile.bin",
-          "smoke_0.npy", "smoke_1.npy", "smoke_2.npy", "sparks.npz")  # fmt: skip
+INPUTS = (
+    "s.toml",
+    "sky.exr",
+    "wall.obj",
+    "wall.mtl",
+    "brick.png",
+    "tile.gltf",
+    "tile.bin",
+    "smoke_0.npy",
+    "smoke_1.npy",
+    "smoke_2.npy",
+    "sparks.npz",
+)
 REFUSAL = "the command reads this file, and will not write over it"
 
 
@@ -62,8 +73,13 @@ def folder(tmp_path) -> Path:
 @pytest.fixture(autouse=True)
 def no_rendering(monkeypatch):
     """A refusal comes before any work."""
-    for work in ("rendering.render", "app.sequence.frames.FrameMaker", "app.bench.cli.measured",
-                 "app.compare.cli.compare_scene", "exports.solved.export_lattice"):  # fmt: skip
+    for work in (
+        "rendering.render",
+        "app.sequence.frames.FrameMaker",
+        "app.bench.cli.measured",
+        "app.compare.cli.compare_scene",
+        "exports.solved.export_lattice",
+    ):
         monkeypatch.setattr(
             f"airlight.{work}", lambda *_, **__: pytest.fail("something was rendered")
         )
@@ -116,11 +132,16 @@ def command_words(command: str, scene: Path, target: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("command", "name"),
     [
-        ("compare", "contact_sheet.png"), ("compare", "results.json"), ("compare", "index.html"),
-        ("sequence", "frame-00000.png"), ("video", "a.mp4"), ("export", "a.npz"),
-        ("convert-scene", "a.xml"), ("convert-scene", "a.toml"),
+        ("compare", "contact_sheet.png"),
+        ("compare", "results.json"),
+        ("compare", "index.html"),
+        ("sequence", "frame-00000.png"),
+        ("video", "a.mp4"),
+        ("export", "a.npz"),
+        ("convert-scene", "a.xml"),
+        ("convert-scene", "a.toml"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("source", ["s.toml", "brick.png", "smoke_2.npy"])
 def test_no_command_replaces_an_input(folder, capsys, monkeypatch, command, name, source):
     if command == "video":
@@ -177,11 +198,14 @@ def test_the_folder_beside_a_mitsuba_scene_is_not_cleared_of_others_files(folder
     beside = folder / "room_files"
     beside.mkdir()
     kept = beside / ("mesh_0000.ply" if is_input else "notes.txt")
-    kept.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                    "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                    "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")  # fmt: skip
-    (folder / "room.toml").write_text('[[mesh]]\nfile = "room_files/mesh_0000.ply"\n'
-                                      if is_input else '[[mesh]]\nshape = "box"\n')  # fmt: skip
+    kept.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    )
+    (folder / "room.toml").write_text(
+        '[[mesh]]\nfile = "room_files/mesh_0000.ply"\n' if is_input else '[[mesh]]\nshape = "box"\n'
+    )
     before = kept.read_bytes()
     assert run(["convert", str(folder / "room.toml"), str(folder / "room.xml")]) == 2
     assert (REFUSAL if is_input else "holds 'notes.txt'") in capsys.readouterr().err
@@ -194,19 +218,22 @@ def test_the_folder_beside_a_mitsuba_scene_is_not_cleared_of_others_files(folder
 
 
 @pytest.mark.parametrize("length", [250, 255, 256, 300])
-@pytest.mark.parametrize("words", [
-    ["render", "builtin:cornell", "-o", "{long}.png"],
-    ["render", "builtin:cornell", "-o", "a.png", "--stats", "{long}.json"],
-    ["sequence", "builtin:smoke", "-o", "{long}.mp4"],
-    ["sequence", "builtin:smoke", "-o", "{long}"],
-    ["compare", "builtin:cornell", "-o", "{long}"],
-    ["convert", "builtin:cornell", "{long}.xml"],
-    ["convert", "builtin:cornell", "{long}.toml"],
-    ["export-lattice", "builtin:cornell", "-o", "{long}.npz"],
-    ["export-lattice", "builtin:cornell", "-o", "{long}"],
-    ["bench", "-o", "{long}.json", "--scene", "none.toml", "-q"],
-    ["figure", "clpv-1", "-o", "{long}"],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["render", "builtin:cornell", "-o", "{long}.png"],
+        ["render", "builtin:cornell", "-o", "a.png", "--stats", "{long}.json"],
+        ["sequence", "builtin:smoke", "-o", "{long}.mp4"],
+        ["sequence", "builtin:smoke", "-o", "{long}"],
+        ["compare", "builtin:cornell", "-o", "{long}"],
+        ["convert", "builtin:cornell", "{long}.xml"],
+        ["convert", "builtin:cornell", "{long}.toml"],
+        ["export-lattice", "builtin:cornell", "-o", "{long}.npz"],
+        ["export-lattice", "builtin:cornell", "-o", "{long}"],
+        ["bench", "-o", "{long}.json", "--scene", "none.toml", "-q"],
+        ["figure", "clpv-1", "-o", "{long}"],
+    ],
+)
 def test_long_names_are_written_or_one_message(tmp_path, monkeypatch, capsys, length, words):
     monkeypatch.chdir(tmp_path)
     reached = RuntimeError("the work began")

@@ -51,11 +51,17 @@ def test_numbers_are_finite(text, kind):
 @pytest.mark.parametrize(
     ("command", "option"),
     [
-        ("sequence", "--start"), ("sequence", "--end"), ("sequence", "--fps"),
-        ("sequence", "--exposure"), ("render", "--time"), ("render", "--exposure"),
-        ("compare", "--noise"), ("compare", "--timeout"), ("convert", "--exposure"),
+        ("sequence", "--start"),
+        ("sequence", "--end"),
+        ("sequence", "--fps"),
+        ("sequence", "--exposure"),
+        ("render", "--time"),
+        ("render", "--exposure"),
+        ("compare", "--noise"),
+        ("compare", "--timeout"),
+        ("convert", "--exposure"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("text", ["nan", "inf", "-inf"])
 def test_every_number_of_the_command_line_is_finite(command, option, text, capsys, tmp_path):
     place = [str(tmp_path / "out.png")] if command == "convert" else ["-o", str(tmp_path / "o.png")]

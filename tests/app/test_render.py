@@ -48,9 +48,26 @@ def calls(monkeypatch):
 def test_every_option_reaches_the_renderer(scene_file, tmp_path, calls, capsys):
     out, stats = tmp_path / "box.exr", tmp_path / "stats.json"
     code = cli.run(
-        ["render", scene_file, "-o", str(out), "--technique", "lpv", "--size", "8x4", "--samples",
-         "3", "-D", "resolution=16", "--layers", "--stats", str(stats), "--adapter", "cpu"]
-    )  # fmt: skip
+        [
+            "render",
+            scene_file,
+            "-o",
+            str(out),
+            "--technique",
+            "lpv",
+            "--size",
+            "8x4",
+            "--samples",
+            "3",
+            "-D",
+            "resolution=16",
+            "--layers",
+            "--stats",
+            str(stats),
+            "--adapter",
+            "cpu",
+        ]
+    )
     assert code == 0
     (call,) = calls
     assert call["scene"].name == "box"
@@ -101,21 +118,33 @@ def test_exposure_brightens_the_display_and_layers_stay_out_unasked(scene_file, 
 
 
 MISTAKES = [
-    (["-o", "{out}/a.bmp"], "error: {out}/a.bmp: cannot write a picture that ends in '.bmp'. "
-     "End its name in one of .exr, .hdr, .png, .jpg, .jpeg."),
-    (["-o", "{out}/gone/a.png"], "error: {out}/gone/a.png: the folder '{out}/gone' does not exist. "
-     "Create it first."),
+    (
+        ["-o", "{out}/a.bmp"],
+        "error: {out}/a.bmp: cannot write a picture that ends in '.bmp'. "
+        "End its name in one of .exr, .hdr, .png, .jpg, .jpeg.",
+    ),
+    (
+        ["-o", "{out}/gone/a.png"],
+        "error: {out}/gone/a.png: the folder '{out}/gone' does not exist. Create it first.",
+    ),
     (["-o", "{out}/folder.png"], "error: {out}/folder.png: this is a folder, not a file"),
-    (["-o", "{out}/a.png", "--layers"],
-     "error: {out}/a.png: --layers needs an .exr, .png holds one picture"),
-    (["-o", "{out}/a.exr", "--stats", "{out}/a.exr"],
-     "error: {out}/a.exr: two outputs of the command are one file"),
-    (["-o", "{out}/a.png", "--stats", "{out}/gone/s.json"],
-     "error: {out}/gone/s.json: the folder '{out}/gone' does not exist. Create it first."),
-    (["-o", "{out}/a.png", "-t", "lpw"],
-     "error: unknown technique 'lpw'. Did you mean 'lpv'?"),
-    (["-o", "{out}/a.png", "-t", "lpv", "-D", "resolutoin=3"],
-     "error: technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?"),
+    (
+        ["-o", "{out}/a.png", "--layers"],
+        "error: {out}/a.png: --layers needs an .exr, .png holds one picture",
+    ),
+    (
+        ["-o", "{out}/a.exr", "--stats", "{out}/a.exr"],
+        "error: {out}/a.exr: two outputs of the command are one file",
+    ),
+    (
+        ["-o", "{out}/a.png", "--stats", "{out}/gone/s.json"],
+        "error: {out}/gone/s.json: the folder '{out}/gone' does not exist. Create it first.",
+    ),
+    (["-o", "{out}/a.png", "-t", "lpw"], "error: unknown technique 'lpw'. Did you mean 'lpv'?"),
+    (
+        ["-o", "{out}/a.png", "-t", "lpv", "-D", "resolutoin=3"],
+        "error: technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?",
+    ),
     (["-o", "{out}/a.png", "--size", "0x5"], "'0x5' is outside 1x1 to 16384x16384"),
     (["-o", "{out}/a.png", "--size", "99999999999999999999x5"], "is outside 1x1 to 16384x16384"),
     (["-o", "{out}/a.png", "--size", "12"], "'12' is not a size such as 1280x720"),
@@ -124,7 +153,7 @@ MISTAKES = [
     (["-o", "{out}/a.png", "--samples", "0"], "0 is not in the range 1<=x<=4096"),
     (["-o", "{out}/a.png", "--tone-map", "flat"], "'flat' is not one of"),
     ([], "Missing option '-o' / '--output'"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("options", "expected"), MISTAKES, ids=[m[1][:60] for m in MISTAKES])
@@ -213,8 +242,10 @@ def test_a_time_is_that_of_the_scenes_animation(scene_file, tmp_path, calls, cap
 def test_a_picture_at_a_time_is_that_frame_of_a_sequence(tmp_path):
     small = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
     moving = tmp_path / "moving.toml"
-    moving.write_text(SCENE + "[[light.key]]\ntime_s = 0\nintensity = 1\n[[light.key]]\n"
-                      "time_s = 2\nintensity = 9\n")  # fmt: skip
+    moving.write_text(
+        SCENE + "[[light.key]]\ntime_s = 0\nintensity = 1\n[[light.key]]\n"
+        "time_s = 2\nintensity = 9\n"
+    )
     scene = load(moving)
     try:
         image = airlight.rendering.render(

@@ -66,12 +66,16 @@ def test_a_bad_scene_as_json(validate):
 @pytest.mark.parametrize(
     ("table", "expected"),
     [
-        ("[technique.lpw]\n",
-         "a.toml: [technique.lpw]: unknown technique 'lpw'. Did you mean 'lpv'?"),
-        ("[technique.lpv]\nresolutoin = 3\n",
-         "a.toml: [technique.lpv]: unknown setting 'resolutoin'. Did you mean 'resolution'?"),
+        (
+            "[technique.lpw]\n",
+            "a.toml: [technique.lpw]: unknown technique 'lpw'. Did you mean 'lpv'?",
+        ),
+        (
+            "[technique.lpv]\nresolutoin = 3\n",
+            "a.toml: [technique.lpv]: unknown setting 'resolutoin'. Did you mean 'resolution'?",
+        ),
     ],
-)  # fmt: skip
+)
 def test_technique_settings_are_checked(validate, table, expected):
     assert validate(BOX + table) == (2, "", f"error: {expected}\n")
 

@@ -48,8 +48,7 @@ class Screen:
 @pytest.mark.parametrize("curve", list(TONE_CURVES))
 def test_the_picture_is_the_hosts(gpu, curve):
     a, b = radiance(1), radiance(2)
-    pictures = {"direct": layer(gpu, a), "indirect": layer(gpu, b),
-                "transmittance": layer(gpu, a)}  # fmt: skip
+    pictures = {"direct": layer(gpu, a), "indirect": layer(gpu, b), "transmittance": layer(gpu, a)}
     shown = Screen(gpu).shown([pictures], Look(exposure_stops=-1.0, curve=curve))
     wanted = display_srgb8((a + b).astype(np.float32), -1.0, curve, dither=True)
     off = np.abs(shown - wanted.astype(int))
@@ -61,8 +60,13 @@ def test_one_layer_and_the_raw_ones(gpu):
     a, b = radiance(3), radiance(4, stops=0.0) * 0.25
     pictures = {"direct": layer(gpu, a), "transmittance": layer(gpu, b)}
     assert layer_names(pictures) == (
-        "picture", "direct", "transmittance", "albedo", "normal", "depth",
-    )  # fmt: skip
+        "picture",
+        "direct",
+        "transmittance",
+        "albedo",
+        "normal",
+        "depth",
+    )
     screen = Screen(gpu)
     direct = screen.shown([pictures], Look("direct", curve="none"))
     assert np.abs(direct - display_srgb8(a, 0.0, "none", dither=True).astype(int)).max() <= 1

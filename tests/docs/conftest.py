@@ -15,10 +15,20 @@ from airlight.techniques import technique_settings
 REPOSITORY = Path(__file__).parents[2]
 LARGEST_PX = (48, 27)
 LEAST: dict[str, Any] = {
-    "resolution": 8, "iterations": 4, "surfels": 2000, "map_resolution": 32, "grid": 6,
-    "shadow_resolution": 128, "lamp_resolution": 32, "sky_lights": 8, "sky_resolution": 16,
-    "ordinates": 8, "solver_steps": 8, "shaft_steps": 4, "march_steps": 16,
-}  # fmt: skip
+    "resolution": 8,
+    "iterations": 4,
+    "surfels": 2000,
+    "map_resolution": 32,
+    "grid": 6,
+    "shadow_resolution": 128,
+    "lamp_resolution": 32,
+    "sky_lights": 8,
+    "sky_resolution": 16,
+    "ordinates": 8,
+    "solver_steps": 8,
+    "shaft_steps": 4,
+    "march_steps": 16,
+}
 
 
 @pytest.fixture
@@ -26,8 +36,9 @@ def small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Renderers are made small, whatever they are asked for; the folder that is the current one."""
     whole_init, whole_frame = rendering.Renderer.__init__, rendering.Renderer.frame
 
-    def init(self: Any, scene: Any, technique: str = "auto", size: Any = LARGEST_PX,
-             **options: Any) -> None:  # fmt: skip
+    def init(
+        self: Any, scene: Any, technique: str = "auto", size: Any = LARGEST_PX, **options: Any
+    ) -> None:
         known = {field.name for field in dataclasses.fields(technique_settings(technique))}
         least = {name: value for name, value in LEAST.items() if name in known}
         asked = options.pop("settings", None) or {}

@@ -86,18 +86,45 @@ def test_numbers_that_a_page_quotes_are_the_code_s():
 
 
 COMMON = {
-    "unknown technique 'lpw'. Did you mean 'lpv'?":
-        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpw"],
-    "technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?":
-        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpv", "-D", "resolutoin=8"],
-    "setting resolution = '1000' is out of range. It goes from 4 to 256.":
-        ["render", "builtin:cornell", "-o", "a.png", "-t", "lpv", "-D", "resolution=1000"],
+    "unknown technique 'lpw'. Did you mean 'lpv'?": [
+        "render",
+        "builtin:cornell",
+        "-o",
+        "a.png",
+        "-t",
+        "lpw",
+    ],
+    "technique lpv: unknown setting 'resolutoin'. Did you mean 'resolution'?": [
+        "render",
+        "builtin:cornell",
+        "-o",
+        "a.png",
+        "-t",
+        "lpv",
+        "-D",
+        "resolutoin=8",
+    ],
+    "setting resolution = '1000' is out of range. It goes from 4 to 256.": [
+        "render",
+        "builtin:cornell",
+        "-o",
+        "a.png",
+        "-t",
+        "lpv",
+        "-D",
+        "resolution=1000",
+    ],
     "a scene file cannot end in '.fbx'": ["render", "a.fbx", "-o", "a.png"],
     "room.obj: file not found. Check the path.": ["render", "room.obj", "-o", "a.png"],
-    "--layers needs an .exr, .png holds one picture":
-        ["render", "builtin:cornell", "-o", "a.png", "--layers"],
+    "--layers needs an .exr, .png holds one picture": [
+        "render",
+        "builtin:cornell",
+        "-o",
+        "a.png",
+        "--layers",
+    ],
     "nothing moves in 'room'": ["sequence", "builtin:room", "-o", "frames"],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("message", COMMON)

@@ -52,9 +52,10 @@ def name_of(page: Path) -> str:
 RUN = ("python", "sh", "toml")
 PRINTED = ("scene-file.md", "command-line.md", "python.md")
 WITH_EXAMPLES = [
-    page for page in PAGES
+    page
+    for page in PAGES
     if page.name not in PRINTED and any(block.language in RUN for block in blocks(page))
-]  # fmt: skip
+]
 
 
 def _parameter(page: Path) -> object:

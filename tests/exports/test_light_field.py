@@ -18,11 +18,14 @@ UP = np.array([[0.0, 1.0, 0.0]])
 def lattice(state, rule="lobe", openness=1.0, walls=0.0):
     """The same state (3, 4), or states (Z, Y, X, 3, 4), in open cells of .5 m from LOW."""
     return LatticeLight(
-        origin=tuple(LOW), cell=0.5, fade=FADE, rule=rule,
+        origin=tuple(LOW),
+        cell=0.5,
+        fade=FADE,
+        rule=rule,
         surfaces=np.broadcast_to(np.asarray(state, np.float32), (*SHAPE, 3, 4)),
         openness=np.broadcast_to(np.asarray(openness, np.float32), (*SHAPE, 6)),
         walls=np.broadcast_to(np.asarray(walls, np.float32), (*SHAPE, 3)),
-    )  # fmt: skip
+    )
 
 
 def even(red, green, blue):

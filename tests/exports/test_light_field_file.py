@@ -17,15 +17,18 @@ SHAPE = (4, 3, 2)
 @pytest.fixture
 def field() -> LightField:
     cells = LatticeLight(
-        origin=(1.0, 2.0, 3.0), cell=0.25, fade=RNG.random((4, 3)),
+        origin=(1.0, 2.0, 3.0),
+        cell=0.25,
+        fade=RNG.random((4, 3)),
         openness=RNG.random((*SHAPE, 6)).astype(np.float32),
         surfaces=RNG.random((*SHAPE, 3, 4)).astype(np.float32),
         walls=RNG.random((*SHAPE, 3)).astype(np.float32),
         air=RNG.random((*SHAPE, 3, 4)).astype(np.float32),
         dead_ends=RNG.integers(0, 64, SHAPE).astype(np.uint8),
-    )  # fmt: skip
-    volume = VolumeLight(RNG.random((5, 4, 3, 3)).astype(np.float32), np.diag([2.0, 3, 4, 1]),
-                         (0.0, 1.0, 9.0))  # fmt: skip
+    )
+    volume = VolumeLight(
+        RNG.random((5, 4, 3, 3)).astype(np.float32), np.diag([2.0, 3, 4, 1]), (0.0, 1.0, 9.0)
+    )
     return LightField("auto", "a scene", (cells,), (volume,))
 
 

@@ -54,10 +54,15 @@ def on_device(gpu, commands, kernel, owned):
         p, n = (owned(buffer_of(gpu, "rows", r)) for r in rows)
         results = owned(Buffer(gpu, "results", rows[0].nbytes))
         kernel(MAIN, SLOTS).dispatch(
-            commands, (len(points),), **used.fields.irradiance.bound,
+            commands,
+            (len(points),),
+            **used.fields.irradiance.bound,
             **used.kit.blockers.bound,
-            linear_clamp=linear_sampler(gpu), points=p, normals=n, results=results,
-        )  # fmt: skip
+            linear_clamp=linear_sampler(gpu),
+            points=p,
+            normals=n,
+            results=results,
+        )
         commands.submit()
         return results.read().reshape(-1, 4)[:, :3].astype(np.float64)
 
@@ -75,10 +80,13 @@ def some_points(lattice, count):
 
 @pytest.mark.parametrize(
     ("name", "technique", "settings"),
-    [("cornell", "lpv", {"cascades": 2}), ("cornell", "lpv", {"scheme": "paper"}),
-     ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
-     ("haze-box", "lpv-scatter", {})],
-)  # fmt: skip
+    [
+        ("cornell", "lpv", {"cascades": 2}),
+        ("cornell", "lpv", {"scheme": "paper"}),
+        ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
+        ("haze-box", "lpv-scatter", {}),
+    ],
+)
 def test_numpy_reads_the_file_as_the_device_reads_its_textures(
     on_device, tmp_path, name, technique, settings
 ):
@@ -106,9 +114,10 @@ def test_volumes_come_along_where_they_are(gpu, tmp_path):
     bounds = ((1.0, 2.0, 3.0), (2.0, 4.0, 4.0))
     ball = Volume(sigma_t=2.0, density=np.ones((4, 8, 4), np.float32), bounds=bounds)
     scene = Scene(
-        lights=(DirectionalLight((0.0, -1.0, 0.0), 3.0),), volumes=(ball,),
+        lights=(DirectionalLight((0.0, -1.0, 0.0), 3.0),),
+        volumes=(ball,),
         camera=Camera((1.0, 2.0, 9.0), (1.0, 2.0, 3.0)),
-    )  # fmt: skip
+    )
     small = {"grid": 6, "ordinates": 8, "surfels": 1000}
     field = export_lattice(scene, tmp_path / "light", technique="pop", settings=small)
     assert field.lattices == ()

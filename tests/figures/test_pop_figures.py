@@ -186,8 +186,20 @@ def test_the_host_s_marching_sees_an_even_emission_as_one_minus_transmittance():
 
 
 def test_every_figure_has_its_module():
-    modules = (pop_1, pop_6, pop_7, pop_8, pop_10, pop_11, pop_12, pop_13, pop_14, pop_15, pop_16,
-               pop_17)  # fmt: skip
+    modules = (
+        pop_1,
+        pop_6,
+        pop_7,
+        pop_8,
+        pop_10,
+        pop_11,
+        pop_12,
+        pop_13,
+        pop_14,
+        pop_15,
+        pop_16,
+        pop_17,
+    )
     for module in modules:
         name = module.__name__.rpartition(".")[2]
         assert FIGURES[name.replace("_", "-")].module == name

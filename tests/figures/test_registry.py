@@ -16,13 +16,19 @@ from airlight.reference import mitsuba
 from airlight.scene.image import Image
 
 PRETENDED = [
-    name for name in FIGURES
+    name
+    for name in FIGURES
     if not name.startswith("pop-") and name not in ("clpv-5", "clpv-debug", "lpvms-3")
-]  # fmt: skip
+]
 PASSES = {
-    "reflective shadow maps": 1.0, "inject": 2.0, "blockers": 3.0, "propagate": 4.0, "pack": 5.0,
-    "lighting": 6.0, "g-buffer": 7.0,
-}  # fmt: skip
+    "reflective shadow maps": 1.0,
+    "inject": 2.0,
+    "blockers": 3.0,
+    "propagate": 4.0,
+    "pack": 5.0,
+    "lighting": 6.0,
+    "g-buffer": 7.0,
+}
 
 
 class Renderer:
@@ -56,10 +62,16 @@ class Renderer:
     def stats(self):
         side = self.settings.get("resolution", 32)
         return {
-            "lattice": [side, side, side], "iterations": self.settings.get("iterations", 64),
-            "device": "a test", "adapter_type": "CPU", "peak_gpu_bytes": 1, "triangles": 2,
-            "size": list(self.size), "frame_ms": 10.0, "first_image_s": 1.0,
-        }  # fmt: skip
+            "lattice": [side, side, side],
+            "iterations": self.settings.get("iterations", 64),
+            "device": "a test",
+            "adapter_type": "CPU",
+            "peak_gpu_bytes": 1,
+            "triangles": 2,
+            "size": list(self.size),
+            "frame_ms": 10.0,
+            "first_image_s": 1.0,
+        }
 
 
 def pretended_layers(scene, names, *, size, spp, seed, timeout_s, progress):
@@ -120,9 +132,13 @@ def test_the_paper_s_names_stand_beside_its_numbers(pretended):
     numbers = FIGURES["clpv-table1"].draw(Request((48, 27), quick=True)).numbers
     ours = numbers["stages_ms"]["ours"]
     assert ours == {
-        "RSM rendering": (1.0,) * 3, "VPL Injection": (2.0,) * 3, "GV Injection": (0.0, 3.0, 3.0),
-        "Propagation": (9.0,) * 3, "LPV Lookup": (6.0,) * 3, "Total": (18.0, 21.0, 21.0),
-    }  # fmt: skip
+        "RSM rendering": (1.0,) * 3,
+        "VPL Injection": (2.0,) * 3,
+        "GV Injection": (0.0, 3.0, 3.0),
+        "Propagation": (9.0,) * 3,
+        "LPV Lookup": (6.0,) * 3,
+        "Total": (18.0, 21.0, 21.0),
+    }
     # The paper's rows add up to its totals, as printed.
     paper = numbers["stages_ms"]["paper"]
     for machine in ("GTX285", "Xbox 360", "PS3"):

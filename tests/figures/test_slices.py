@@ -47,9 +47,7 @@ def test_texels_come_back_in_watts():
     red, green, blue = (np.full((*SHAPE, 4), k, np.float16) for k in (8.0, 4.0, 2.0))
     xy = np.zeros((*SHAPE, 4), np.uint8)
     xy[..., 3] = 255
-    lattice = from_texels(
-        red, green, blue, xy, np.full_like(xy, 51), power_scale=4.0, cell_m=1.0
-    )  # fmt: skip
+    lattice = from_texels(red, green, blue, xy, np.full_like(xy, 51), power_scale=4.0, cell_m=1.0)
     np.testing.assert_allclose(lattice.intensity[0, 0, 0, :, 0], [2.0, 1.0, 0.5])
     np.testing.assert_allclose(lattice.openness[0, 0, 0], [0, 0, 0, 1, 0.2, 0.2])
 
@@ -57,11 +55,20 @@ def test_texels_come_back_in_watts():
 @pytest.mark.parametrize(
     ("across", "hop", "side"),
     [
-        ("z", 0, "left"), ("z", 1, "right"), ("z", 2, "lower"), ("z", 3, "upper"),
-        ("y", 0, "left"), ("y", 1, "right"), ("y", 4, "upper"), ("y", 5, "lower"),
-        ("x", 4, "left"), ("x", 5, "right"), ("x", 2, "lower"), ("x", 3, "upper"),
+        ("z", 0, "left"),
+        ("z", 1, "right"),
+        ("z", 2, "lower"),
+        ("z", 3, "upper"),
+        ("y", 0, "left"),
+        ("y", 1, "right"),
+        ("y", 4, "upper"),
+        ("y", 5, "lower"),
+        ("x", 4, "left"),
+        ("x", 5, "right"),
+        ("x", 2, "lower"),
+        ("x", 3, "upper"),
     ],
-)  # fmt: skip
+)
 def test_a_wall_is_drawn_where_the_hop_would_come_in(across, hop, side):
     openness = np.ones((*SHAPE, 6))
     openness[1, 1, 1, hop] = 0.0

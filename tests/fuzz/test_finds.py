@@ -53,10 +53,14 @@ def exr(**attributes) -> bytes:
 
 def light_field(eye) -> bytes:
     header = {
-        "format": "airlight light field", "version": 1, "technique": "pop", "scene": "s",
-        "lattices": [], "arrays": {"volume0": {}},
+        "format": "airlight light field",
+        "version": 1,
+        "technique": "pop",
+        "scene": "s",
+        "lattices": [],
+        "arrays": {"volume0": {}},
         "volumes": [{"array": "volume0", "world_from_unit": np.eye(4).tolist(), "eye_m": eye}],
-    }  # fmt: skip
+    }
     return seeds.npz(header=np.array(json.dumps(header)), volume0=np.ones((2, 2, 2, 3), np.float32))
 
 
@@ -68,25 +72,39 @@ FINDS: dict[str, tuple[Case, str]] = {
     "a key of two lines": (toml(**{"a\nb": 1}), r"unknown key outside any table, 'a\nb'"),
     "a text without an end": (toml(camera={"x" * 10**5: 1}), "x ... x"),
     "a colour without an end": (
-        one("a.xml", b'<scene version="3.0.0"><shape type="cube"><bsdf type="diffuse"><rgb '
-            b'name="reflectance" value="%s"/></bsdf></shape></scene>' % (b"9" * 5000)),
+        one(
+            "a.xml",
+            b'<scene version="3.0.0"><shape type="cube"><bsdf type="diffuse"><rgb '
+            b'name="reflectance" value="%s"/></bsdf></shape></scene>' % (b"9" * 5000),
+        ),
         " ... ",
     ),
     "a number that turns the line": (
-        one("a.xml", '<scene version="3.0.0"><shape type="cube"><transform name="to_world">'
-            '<translate x="\u202e1"/></transform></shape></scene>'.encode()),
+        one(
+            "a.xml",
+            '<scene version="3.0.0"><shape type="cube"><transform name="to_world">'
+            '<translate x="\u202e1"/></transform></shape></scene>'.encode(),
+        ),
         r"'\u202e1', not a number",
     ),
     "a version that deletes": (
-        one("a.gltf", b'{"asset": {"version": "\x7f.0"}}'), r"version '\x7f.0' is not supported"
+        one("a.gltf", b'{"asset": {"version": "\x7f.0"}}'),
+        r"version '\x7f.0' is not supported",
     ),
     "an extension that is a number": (
-        one("a.gltf", json.dumps({
-            "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-            "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}],
-            "materials": [{"extensions": {"KHR_materials_ior": 7}}],
-        }).encode()),
+        one(
+            "a.gltf",
+            json.dumps(
+                {
+                    "asset": {"version": "2.0"},
+                    "scenes": [{"nodes": [0]}],
+                    "nodes": [{"mesh": 0}],
+                    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+                    "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}],
+                    "materials": [{"extensions": {"KHR_materials_ior": 7}}],
+                }
+            ).encode(),
+        ),
         "materials[0].extensions.KHR_materials_ior: must be an object, not 7",
     ),
     "a null in a position": (obj(b"v \0"), r"'v \x00' is not"),
@@ -95,46 +113,63 @@ FINDS: dict[str, tuple[Case, str]] = {
     "a material's name that beeps": (obj(TRIANGLE + b"usemtl \7\nf 1 2 3"), ""),
     "a library's name that is a null": (obj(b"mtllib \0\n" + TRIANGLE + b"f 1 2 3"), ""),
     "a texture's name that beeps": (
-        obj(b"mtllib a.mtl\n" + TRIANGLE + b"usemtl a\nf 1 2 3", b"newmtl a\nmap_Kd \7.png"), ""
+        obj(b"mtllib a.mtl\n" + TRIANGLE + b"usemtl a\nf 1 2 3", b"newmtl a\nmap_Kd \7.png"),
+        "",
     ),
     "two hundred materials that are not there": (
         obj(TRIANGLE + b"".join(b"usemtl m%d\nf 1 2 3\n" % k for k in range(200)), how="validate"),
         "",
     ),
     "a property without an end": (
-        one("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty %s x\nend_header\n0\n"
-            % (b"[" * 3000)),
+        one(
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty %s x\nend_header\n0\n"
+            % (b"[" * 3000),
+        ),
         "",
     ),
     "a vertex at infinity": (one("a.stl", FAR % b"inf" + b"endloop\nendfacet\nendsolid a"), ""),
     "a vertex beyond single precision": (
-        one("a.stl", FAR % b"1e39" + b"endloop\nendfacet\nendsolid a"), ""
+        one("a.stl", FAR % b"1e39" + b"endloop\nendfacet\nendsolid a"),
+        "",
     ),
     "densities beyond single precision": (
-        one("a.npy", seeds.npy(np.full((2, 2, 2), 1e300))), "8 of its 8 values are NaN or infinite"
+        one("a.npy", seeds.npy(np.full((2, 2, 2), 1e300))),
+        "8 of its 8 values are NaN or infinite",
     ),
     "a header that is not quite Python": (
-        one("a.npy", seeds.npy(seeds.smoke()).replace(b"False, 'shape'", b"0or 1, 'shape'")), ""
+        one("a.npy", seeds.npy(seeds.smoke()).replace(b"False, 'shape'", b"0or 1, 'shape'")),
+        "",
     ),
     "a root of more tiles than it has": (one("a.nvdb", tiles(512)), ""),
     "an exposure that is a text": (
-        one("a.exr", exr(airlight_exposure_stops="x"), "info"), "attributes are damaged"
+        one("a.exr", exr(airlight_exposure_stops="x"), "info"),
+        "attributes are damaged",
     ),
     "statistics that are a number": (
-        one("a.exr", exr(airlight_stats="7"), "info"), "attributes are damaged"
+        one("a.exr", exr(airlight_stats="7"), "info"),
+        "attributes are damaged",
     ),
     "an eye 10^400 m away": (
-        one("a.npz", light_field([10**400, 0, 0]), "light field"), "not a readable light field"
+        one("a.npz", light_field([10**400, 0, 0]), "light field"),
+        "not a readable light field",
     ),
     "an image of 8 x 16646144 pixels in 100 bytes": (
-        one("a.png", seeds.png_of([
-            (kind, content[:4] + (0xFE0006).to_bytes(4, "big") + content[8:])
-            if kind == b"IHDR" else (kind, content)
-            for kind, content in seeds.png_chunks(seeds.picture("PNG"))
-        ]), "info"),
+        one(
+            "a.png",
+            seeds.png_of(
+                [
+                    (kind, content[:4] + (0xFE0006).to_bytes(4, "big") + content[8:])
+                    if kind == b"IHDR"
+                    else (kind, content)
+                    for kind, content in seeds.png_chunks(seeds.picture("PNG"))
+                ]
+            ),
+            "info",
+        ),
         "too few for an image",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", FINDS)

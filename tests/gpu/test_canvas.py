@@ -30,8 +30,12 @@ def test_what_is_drawn_is_what_the_canvas_shows(gpu, canvas):
     surface, commands = CanvasSurface(gpu, canvas), Commands(gpu)
 
     def draw() -> None:
-        target = {"view": surface.view(), "load_op": "clear", "store_op": "store",
-                  "clear_value": (1.0, 0.5, 0.0, 1.0)}  # fmt: skip
+        target = {
+            "view": surface.view(),
+            "load_op": "clear",
+            "store_op": "store",
+            "clear_value": (1.0, 0.5, 0.0, 1.0),
+        }
         with commands.render("orange", color_attachments=[target]):
             pass
         commands.submit()

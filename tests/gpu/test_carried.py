@@ -44,22 +44,39 @@ WGSL = """
 
 def test_pixels_read_what_was_given(gpu, commands, owned, tmp_path):
     (tmp_path / "kinds.wgsl").write_text(WGSL)
-    members = {"__module__": __name__, "file": str(tmp_path / "kinds.wgsl"),
-               "targets": ("rgba32float",),
-               "slots": (uniform("params", Kinds), storage("lamps", Lamp))}  # fmt: skip
+    members = {
+        "__module__": __name__,
+        "file": str(tmp_path / "kinds.wgsl"),
+        "targets": ("rgba32float",),
+        "slots": (uniform("params", Kinds), storage("lamps", Lamp)),
+    }
     made = type("KindsPass", (FullscreenPass,), members)(gpu, firsts={"lamps": ("unread",)})
     assert made.label == "KindsPass"
     matrix = np.arange(16.0).reshape(4, 4)
-    params = Kinds(matrix=matrix, place=(0.5, 1e-30, -3e9), count=4_000_000, cells=(1, 2, 3),
-                   step=-7, size=(8, 9))  # fmt: skip
-    rows = [{"colour": (1, 2, 3), "unread": (9, 9, 9), "power": 0.25},
-            {"colour": (4, 5, 6), "unread": (9, 9, 9), "power": 0}]  # fmt: skip
+    params = Kinds(
+        matrix=matrix,
+        place=(0.5, 1e-30, -3e9),
+        count=4_000_000,
+        cells=(1, 2, 3),
+        step=-7,
+        size=(8, 9),
+    )
+    rows = [
+        {"colour": (1, 2, 3), "unread": (9, 9, 9), "power": 0.25},
+        {"colour": (4, 5, 6), "unread": (9, 9, 9), "power": 0},
+    ]
     lamps = owned(buffer_of(gpu, "lamps", pack_array(Lamp, rows)))
     target = owned(Texture(gpu, "target", (6, 1), "rgba32float", target=True))
     made.draw(commands, (target,), params=params, lamps=lamps)
     commands.submit()
-    expected = [matrix[:, 0], matrix[:, 3], (0.5, 1e-30, -3e9, 4e6), (1, 2, 3, -7),
-                (8, 9, 0.25, 2), (4, 5, 6, 6)]  # fmt: skip
+    expected = [
+        matrix[:, 0],
+        matrix[:, 3],
+        (0.5, 1e-30, -3e9, 4e6),
+        (1, 2, 3, -7),
+        (8, 9, 0.25, 2),
+        (4, 5, 6, 6),
+    ]
     np.testing.assert_array_equal(target.read()[0], np.asarray(expected, np.float32))
 
 

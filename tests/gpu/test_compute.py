@@ -124,8 +124,12 @@ def test_overrides_are_set_when_the_pass_is_made(gpu, commands, kernel, owned, t
         "fn main(@builtin(global_invocation_id) id: vec3u) {\n"
         "    if (id.x == 0u) { results[0] = FACTOR * generated(); }\n}\n"
     )
-    members = {"__module__": __name__, "file": str(path), "workgroup": (64, 1, 1),
-               "slots": (storage("results", "f32", "read_write"),)}  # fmt: skip
+    members = {
+        "__module__": __name__,
+        "file": str(path),
+        "workgroup": (64, 1, 1),
+        "slots": (storage("results", "f32", "read_write"),),
+    }
     cls = type("Override", (ComputePass,), members)
     results = owned(Buffer(gpu, "results", 16))
     text = "fn generated() -> f32 { return 3.0; }"

@@ -25,17 +25,25 @@ def plain(gpu):
 
 
 def test_bindings_are_counted_by_kind():
-    counts = slot_demands((
-        uniform("a", Params), storage("b", "f32"), storage("c", "f32", "read_write"),
-        texture("d"), sampler("e"), image("f", "rgba16float"),
-    ))  # fmt: skip
+    counts = slot_demands(
+        (
+            uniform("a", Params),
+            storage("b", "f32"),
+            storage("c", "f32", "read_write"),
+            texture("d"),
+            sampler("e"),
+            image("f", "rgba16float"),
+        )
+    )
     assert counts == {
-        "max-storage-buffers-per-shader-stage": 2, "max-uniform-buffers-per-shader-stage": 1,
-        "max-sampled-textures-per-shader-stage": 1, "max-samplers-per-shader-stage": 1,
+        "max-storage-buffers-per-shader-stage": 2,
+        "max-uniform-buffers-per-shader-stage": 1,
+        "max-sampled-textures-per-shader-stage": 1,
+        "max-samplers-per-shader-stage": 1,
         "max-storage-textures-per-shader-stage": 1,
         "max-dynamic-uniform-buffers-per-pipeline-layout": 1,
         "max-dynamic-storage-buffers-per-pipeline-layout": 0,
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize(

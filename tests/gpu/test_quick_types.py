@@ -63,8 +63,10 @@ def test_structs_of_render_passes_are_made_once_and_anew_where_anything_differs(
     encoder, views = Encoder(), [View(), View()]
     given = [
         {"view": view, "load_op": load, "store_op": "store", "clear_value": (0, 0, 0, alpha)}
-        for view in views for load in ("load", "clear") for alpha in (0, 1)
-    ]  # fmt: skip
+        for view in views
+        for load in ("load", "clear")
+        for alpha in (0, 1)
+    ]
     for _ in range(3):
         for one in given:
             assert encoder._create_render_pass_color_attachment(dict(one)) == struct(one)

@@ -27,8 +27,13 @@ WGSL = """
 def fullscreen(gpu, folder, **named):
     path = folder / "tint.wgsl"
     path.write_text(WGSL)
-    members = {"__module__": __name__, "file": str(path), "targets": ("rgba32float",),
-               "slots": (uniform("params", Tint),), **named}  # fmt: skip
+    members = {
+        "__module__": __name__,
+        "file": str(path),
+        "targets": ("rgba32float",),
+        "slots": (uniform("params", Tint),),
+        **named,
+    }
     return type("TintPass", (FullscreenPass,), members)(gpu)
 
 
@@ -58,8 +63,14 @@ def test_some_targets_are_blended_with_and_others_replaced(gpu, commands, owned,
     pair = "struct Pair { @location(0) a: vec4f, @location(1) b: vec4f }\n" + pair
     path = tmp_path / "pair.wgsl"
     path.write_text(pair.replace("params.value;", "params.value; return Pair(v, v);"))
-    made = fullscreen(gpu, tmp_path, file=str(path), blend={"color": times, "alpha": times},
-                      blended=1, targets=("rgba16float", "rgba16float"))  # fmt: skip
+    made = fullscreen(
+        gpu,
+        tmp_path,
+        file=str(path),
+        blend={"color": times, "alpha": times},
+        blended=1,
+        targets=("rgba16float", "rgba16float"),
+    )
     targets = [owned(Texture(gpu, n, (2, 2), "rgba16float", target=True)) for n in "ab"]
     for target in targets:
         target.write(np.full((2, 2, 4), 2.0, np.float16))

@@ -41,8 +41,11 @@ STEPS = 5
 @pytest.fixture
 def run(kernel, gpu):
     """run(commands, results, added) encodes STEPS dispatches over two pipelines."""
-    slots = (uniform("given", Given), uniform("added", Added),
-             storage("results", "f32", "read_write"))  # fmt: skip
+    slots = (
+        uniform("given", Given),
+        uniform("added", Added),
+        storage("results", "f32", "read_write"),
+    )
     body = (
         "@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {\n"
         "    if (id.x == 0u) {\n        let x = results[given.place];\n"
@@ -148,17 +151,19 @@ def test_what_a_recording_names_lives_as_long_as_it(gpu, runs, commands, kernel)
     slots = (uniform("added", Added), storage("results", "f32", "read_write"))
     add = kernel(
         "@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {\n"
-        "    if (id.x == 0u) { results[0] += added.value; }\n}\n", slots
-    )  # fmt: skip
+        "    if (id.x == 0u) { results[0] += added.value; }\n}\n",
+        slots,
+    )
 
     def filled(value: float) -> weakref.ref[Buffer]:
         """A buffer that nobody keeps, but for what is recorded."""
         kept = Buffer(gpu, "kept", 16)
         fresh(kept)
         runs.recorded.encode(
-            commands, (kept,),
+            commands,
+            (kept,),
             lambda: add.dispatch(commands, (1,), added=Added(value=value), results=kept),
-        )  # fmt: skip
+        )
         commands.submit()
         assert kept.read()[0] == pytest.approx(1.0 + value)
         return weakref.ref(kept)
@@ -266,8 +271,13 @@ def test_only_dispatches_are_recorded(gpu, runs, commands, owned, kernel, what):
     assert runs.count == 1
 
 
-SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 4,
-         "surfels": 2000}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "map_resolution": 32,
+    "sky_lights": 4,
+    "surfels": 2000,
+}
 
 
 def lit(scene, share: float):

@@ -12,8 +12,13 @@ from airlight.gpu.sliced import SlicedCommands
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
-SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 4,
-         "surfels": 2000}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "map_resolution": 32,
+    "sky_lights": 4,
+    "surfels": 2000,
+}
 
 
 def drawn(commands: Commands) -> np.ndarray:

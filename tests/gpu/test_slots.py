@@ -29,8 +29,10 @@ class Params(Struct):
     [
         (uniform("params", Params), "var<uniform> params: Params;"),
         (storage("cells", "vec4f"), "var<storage, read> cells: array<vec4f>;"),
-        (storage("sums", "atomic<i32>", "read_write"),
-         "var<storage, read_write> sums: array<atomic<i32>>;"),
+        (
+            storage("sums", "atomic<i32>", "read_write"),
+            "var<storage, read_write> sums: array<atomic<i32>>;",
+        ),
         (storage("rows", Params), "var<storage, read> rows: array<Params>;"),
         (texture("t"), "var t: texture_2d<f32>;"),
         (texture("t", "3d", "unfilterable-float"), "var t: texture_3d<f32>;"),
@@ -39,10 +41,9 @@ class Params(Struct):
         (texture("t", "2d-array", "depth"), "var t: texture_depth_2d_array;"),
         (sampler("s"), "var s: sampler;"),
         (sampler("s", "comparison"), "var s: sampler_comparison;"),
-        (image("out", "rgba16float", "3d"),
-         "var out: texture_storage_3d<rgba16float, write>;"),
+        (image("out", "rgba16float", "3d"), "var out: texture_storage_3d<rgba16float, write>;"),
     ],
-)  # fmt: skip
+)
 def test_declaration(slot, declaration):
     assert slot.declaration == declaration
 
@@ -67,8 +68,9 @@ def test_software_drivers_get_uniforms_from_storage():
     turned = on_software(slots)
     assert turned[0].declaration == "var<storage, read> params: Params;"
     assert turned[0].layout["buffer"] == {
-        **slots[0].layout["buffer"], "type": "read-only-storage",
-    }  # fmt: skip
+        **slots[0].layout["buffer"],
+        "type": "read-only-storage",
+    }
     assert turned[0].is_dynamic and turned[0].struct is Params
     assert turned[1:] == slots[1:]
     assert slots[0].layout["buffer"]["type"] == "uniform"

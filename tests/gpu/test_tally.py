@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from airlight.app.bench_frames import counted
-
+from airlight.app.bench.frames import counted
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.memory import Buffer
@@ -39,8 +38,13 @@ def test_bytes_and_threads_of_a_dispatch(gpu, tmp_path, monkeypatch):
 
 
 def test_a_frame_counts_its_stages_and_goes_on_as_before(gpu):
-    settings = {"resolution": 8, "surfels": 1000, "shadow_resolution": 32, "lamp_resolution": 16,
-                "sky_lights": 0}  # fmt: skip
+    settings = {
+        "resolution": 8,
+        "surfels": 1000,
+        "shadow_resolution": 32,
+        "lamp_resolution": 16,
+        "sky_lights": 0,
+    }
     with Renderer(builtin_scene("cornell"), "lpv", (16, 16), settings=settings) as renderer:
         counts = counted(renderer)
         assert renderer.commands.tally is None and renderer.commands.is_recordable

@@ -16,9 +16,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from airlight.app.bench_frames import Case, measure
-
 from airlight import __version__
+from airlight.app.bench.frames import Case, measure
 from airlight.app.outputs import check_writable
 from airlight.errors import AirlightError
 from airlight.gpu.device import open_gpu
@@ -28,12 +27,18 @@ from . import pages, tests_on_device
 
 SIZE, QUICK_SIZE = (1280, 720), (64, 36)
 CASES = (
-    ("atrium", "builtin:atrium", "lpv"), ("atrium in fog", "builtin:atrium-fog", "lpv-scatter"),
+    ("atrium", "builtin:atrium", "lpv"),
+    ("atrium in fog", "builtin:atrium-fog", "lpv-scatter"),
     ("smoke", "builtin:smoke", "pop"),
-)  # fmt: skip
+)
 QUICK_PATHS = ("cornell lpv",)
-SMALL: Mapping[str, Any] = {"resolution": 12, "shadow_resolution": 64, "lamp_resolution": 32,
-                            "sky_lights": 8, "surfels": 4000}  # fmt: skip
+SMALL: Mapping[str, Any] = {
+    "resolution": 12,
+    "shadow_resolution": 64,
+    "lamp_resolution": 32,
+    "sky_lights": 8,
+    "surfels": 4000,
+}
 Say = Callable[[str], None]
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from airlight.app.bench_tables import Table, milliseconds, table_markdown
-
+from airlight.app.bench.tables import Table, milliseconds, table_markdown
 from airlight.gpu.asked import DEFAULT_LIMITS, FEATURES
 from airlight.gpu.device import Gpu
 
@@ -24,8 +23,9 @@ def device_page(gpu: Gpu) -> str:
     ]
     rows = [
         (name, str(gpu.limits[name]), str(default))
-        for name, default in DEFAULT_LIMITS.items() if name in gpu.limits
-    ]  # fmt: skip
+        for name, default in DEFAULT_LIMITS.items()
+        if name in gpu.limits
+    ]
     table = Table("Limits", ("limit", "asked for and had", "WebGPU's default"), tuple(rows))
     return "\n".join(["## Device", "", *about, "", table_markdown(table)])
 
@@ -58,10 +58,17 @@ def frames_page(cases: Sequence[Mapping[str, Any]]) -> str:
     rows = []
     for c in cases:
         frame, python = c["flying_ms"]["median"], c["python_ms"]["median"]
-        rows.append((
-            c["name"], c["technique"], "x".join(map(str, c["size"])), milliseconds(frame),
-            milliseconds(c["flying_ms"]["min"]), milliseconds(python), f"{python / frame:.0%}",
-        ))  # fmt: skip
+        rows.append(
+            (
+                c["name"],
+                c["technique"],
+                "x".join(map(str, c["size"])),
+                milliseconds(frame),
+                milliseconds(c["flying_ms"]["min"]),
+                milliseconds(python),
+                f"{python / frame:.0%}",
+            )
+        )
     columns = ("case", "technique", "size", "frame, ms median", "min", "Python, ms", "share")
     title = "Frames, lights and camera moving"
     told = (
@@ -78,10 +85,17 @@ def _stages(case: Mapping[str, Any]) -> Table:
     for name in {**case["passes"], **case["counts"]}:
         ms, count = case["passes"].get(name, 0.0), case["counts"].get(name, {})
         nbytes, threads = count.get("nbytes", 0), count.get("invocations", 0)
-        rows.append((
-            name, milliseconds(ms), str(count.get("passes", 0)), f"{nbytes / 1e6:.3g}",
-            f"{threads / 1e6:.3g}", _rate(nbytes, ms), _rate(threads, ms),
-        ))  # fmt: skip
+        rows.append(
+            (
+                name,
+                milliseconds(ms),
+                str(count.get("passes", 0)),
+                f"{nbytes / 1e6:.3g}",
+                f"{threads / 1e6:.3g}",
+                _rate(nbytes, ms),
+                _rate(threads, ms),
+            )
+        )
     columns = ("stage", "ms", "passes", "bound, MB", "million invocations", "GB/s", "G/s")
     return Table(f"Stages of {case['name']}", columns, tuple(rows))
 

@@ -19,8 +19,9 @@ def test_what_pytest_says_is_counted_and_named():
     found = tests_on_device.outcome("gpu", SAID)
     assert found.counts == {"failed": 1, "passed": 3, "skipped": 2, "error": 1}
     assert found.failed == (
-        "tests/gpu/test_memory.py::test_a - assert 1 == 2", "tests/gpu/test_slots.py"
-    )  # fmt: skip
+        "tests/gpu/test_memory.py::test_a - assert 1 == 2",
+        "tests/gpu/test_slots.py",
+    )
     assert not found.is_good
     assert tests_on_device.outcome("cpu", "3 passed in 1.00s").is_good
     assert not tests_on_device.outcome("cpu", "").is_good
@@ -33,10 +34,14 @@ def test_folders_of_tests_are_there():
 
 def test_stages_stand_beside_what_they_handle():
     case = {
-        "name": "room", "technique": "lpv", "size": (64, 36), "passes": {"march": 2.0, "sky": 0.5},
-        "flying_ms": {"median": 10.0, "min": 8.0}, "python_ms": {"median": 1.0},
+        "name": "room",
+        "technique": "lpv",
+        "size": (64, 36),
+        "passes": {"march": 2.0, "sky": 0.5},
+        "flying_ms": {"median": 10.0, "min": 8.0},
+        "python_ms": {"median": 1.0},
         "counts": {"march": {"passes": 3, "invocations": 4_000_000, "nbytes": 6_000_000}},
-    }  # fmt: skip
+    }
     page = pages.frames_page([case])
     assert "| room | lpv | 64x36 | 10 | 8 | 1 | 10% |" in page
     assert "| march | 2 | 3 | 6 | 4 | 3 | 2 |" in page

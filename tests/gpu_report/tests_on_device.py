@@ -12,8 +12,18 @@ from pathlib import Path
 from airlight.gpu.code_paths import SWITCH
 
 REPOSITORY = Path(__file__).parents[2]
-FOLDERS = ("gpu", "surface", "lighting", "lattice", "media", "lpv", "scatter", "pop", "techniques",
-           "display")  # fmt: skip
+FOLDERS = (
+    "gpu",
+    "surface",
+    "lighting",
+    "lattice",
+    "media",
+    "lpv",
+    "scatter",
+    "pop",
+    "techniques",
+    "display",
+)
 QUICK = ("gpu/test_compute.py",)
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")
 
@@ -37,9 +47,12 @@ def run(paths: str, adapter: str, chosen: tuple[str, ...]) -> Outcome:
     """Run the test files and folders `chosen` on `paths` of `adapter`, in a process of its own."""
     told = subprocess.run(
         [sys.executable, "-m", "pytest", "-rfE", "--tb=no", *(f"tests/{c}" for c in chosen)],
-        cwd=REPOSITORY, env={**os.environ, SWITCH: paths, "AIRLIGHT_ADAPTER": adapter},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=REPOSITORY,
+        env={**os.environ, SWITCH: paths, "AIRLIGHT_ADAPTER": adapter},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     return outcome(paths, told.stdout or told.stderr)
 
 

@@ -128,9 +128,13 @@ def dead_ends(blockers):
 def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
     one_sided = Material(two_sided=False)
     floor = square((4 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
-    over = [] if gap is None else [
-        square(((4 + gap) * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)  # faces -x
-    ]  # fmt: skip
+    over = (
+        []
+        if gap is None
+        else [
+            square(((4 + gap) * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)  # faces -x
+        ]
+    )
     expected = np.zeros((6, N, N, N), int)
     expected[1, :, :, 4] = 1  # leaving cell 4 along -x
     if gap is not None:

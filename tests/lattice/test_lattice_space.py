@@ -42,9 +42,14 @@ def run(gpu, commands, kernel, owned, cells_texture):
         given, index = (owned(buffer_of(gpu, "rows", r)) for r in rows)
         results = owned(Buffer(gpu, "results", rows[0].nbytes))
         made.dispatch(
-            commands, (len(points),), lattice=ROOM.params(), given=given, cells=index,
-            lattice_walls=cells_texture(ROOM, "rgba8snorm", walls), results=results,
-        )  # fmt: skip
+            commands,
+            (len(points),),
+            lattice=ROOM.params(),
+            given=given,
+            cells=index,
+            lattice_walls=cells_texture(ROOM, "rgba8snorm", walls),
+            results=results,
+        )
         commands.submit()
         return results.read().reshape(-1, 4)[:, :3].astype(np.float64)
 

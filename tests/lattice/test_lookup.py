@@ -61,12 +61,18 @@ def looked_up(gpu, commands, kernel, owned, cells_texture):
         p, n = (owned(buffer_of(gpu, "rows", r)) for r in rows)
         results = owned(Buffer(gpu, "results", rows[0].nbytes))
         kernel(MAIN, SLOTS).dispatch(
-            commands, (len(points),), lattice=ROOM.params(scale, is_paper=is_paper),
-            **textures.bound, lattice_open_a=cells_texture(ROOM, "rgba8unorm", open_a),
+            commands,
+            (len(points),),
+            lattice=ROOM.params(scale, is_paper=is_paper),
+            **textures.bound,
+            lattice_open_a=cells_texture(ROOM, "rgba8unorm", open_a),
             lattice_open_b=cells_texture(ROOM, "rgba8unorm", open_b),
             lattice_walls=cells_texture(ROOM, "rgba8snorm", walls),
-            linear_clamp=linear_sampler(gpu), points=p, normals=n, results=results,
-        )  # fmt: skip
+            linear_clamp=linear_sampler(gpu),
+            points=p,
+            normals=n,
+            results=results,
+        )
         commands.submit()
         read = results.read().reshape(-1, 4).astype(np.float64)
         return read[:, :3], read[:, 3]

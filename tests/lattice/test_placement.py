@@ -36,11 +36,10 @@ def test_the_box_is_covered_with_room_around_it(box, resolution):
     ("low", "high", "resolution", "message"),
     [
         ((1, 1, 1), (1, 1, 1), 16, "the lattice has no size: [1, 1, 1] to [1, 1, 1]"),
-        ((0, 0, 0), (float("inf"), 1, 1), 16,
-         "the lattice has no size: [0, 0, 0] to [inf, 1, 1]"),
+        ((0, 0, 0), (float("inf"), 1, 1), 16, "the lattice has no size: [0, 0, 0] to [inf, 1, 1]"),
         ((0, 0, 0), (1, 1, 1), 3, "resolution = 3 is too small for a lattice"),
     ],
-)  # fmt: skip
+)
 def test_bad_boxes_are_refused(low, high, resolution, message):
     with pytest.raises(SettingsError) as caught:
         fitted(low, high, resolution)

@@ -63,9 +63,10 @@ def test_no_lights_bring_no_light(injected):
 def floor_scene(group):
     floor = Mesh(quad(), world_from_object=np.diag([8.0, 1.0, 8.0, 1.0]))
     return Scene(
-        meshes=(floor,), camera=Camera((0.0, 7.0, 0.01), (0.0, 0.0, 0.0), fov_y_deg=30.0),
+        meshes=(floor,),
+        camera=Camera((0.0, 7.0, 0.01), (0.0, 0.0, 0.0), fov_y_deg=30.0),
         light_groups=(group,),
-    )  # fmt: skip
+    )
 
 
 def test_a_cloud_of_lights_over_a_floor_against_its_sum(gpu):
@@ -73,8 +74,13 @@ def test_a_cloud_of_lights_over_a_floor_against_its_sum(gpu):
     group = PointLights(
         rng.uniform((-1.5, 1.0, -1.5), (1.5, 2.5, 1.5), (2000, 3)), [[0.01, 0.02, 0.0]]
     )
-    settings = {"bounces": False, "iterations": 64, "resolution": 24, "sky_lights": 0,
-                "bounds": (-4, -0.2, -4, 4, 4, 4)}  # fmt: skip
+    settings = {
+        "bounces": False,
+        "iterations": 64,
+        "resolution": 24,
+        "sky_lights": 0,
+        "bounds": (-4, -0.2, -4, 4, 4, 4),
+    }
     with Renderer(floor_scene(group), "lpv", (48, 48), settings=settings) as made:
         lit = made.frame()
         brighter = made.frame(light_groups=[PointLights(group.positions, [[0.04, 0.02, 0.0]])])

@@ -14,9 +14,13 @@ from airlight.scene.image import Image
 
 SIZE = (64, 48)
 SMALL = {
-    "resolution": 8, "shadow_resolution": 512, "lamp_resolution": 256, "sky_lights": 64,
-    "sky_resolution": 32, "surfels": 4000,
-}  # fmt: skip
+    "resolution": 8,
+    "shadow_resolution": 512,
+    "lamp_resolution": 256,
+    "sky_lights": 64,
+    "sky_resolution": 32,
+    "surfels": 4000,
+}
 
 
 @pytest.fixture

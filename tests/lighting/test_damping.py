@@ -36,15 +36,22 @@ def damped(gpu, commands, owned, kernel):
         factors = owned(buffer_of(gpu, "factors", np.zeros(4, np.float32)))
         names = [f"lattice_{n}" for n in ("red", "green", "blue", "open_a", "open_b", "walls")]
         slots = (
-            uniform("lattice", LatticeParams), *(texture(name, "3d") for name in names),
-            sampler("linear_clamp"), storage("strengths", "f32"),
+            uniform("lattice", LatticeParams),
+            *(texture(name, "3d") for name in names),
+            sampler("linear_clamp"),
+            storage("strengths", "f32"),
             storage("factors", "f32", "read_write"),
-        )  # fmt: skip
+        )
         bound = dict.fromkeys(names[:3], light) | dict.fromkeys(names[3:], other)
         kernel(_KERNEL, slots).dispatch(
-            commands, (4,), lattice=Placement((0, 0, 0), 1.0, COUNT).params(1.0), **bound,
-            linear_clamp=linear_sampler(gpu), strengths=strengths, factors=factors,
-        )  # fmt: skip
+            commands,
+            (4,),
+            lattice=Placement((0, 0, 0), 1.0, COUNT).params(1.0),
+            **bound,
+            linear_clamp=linear_sampler(gpu),
+            strengths=strengths,
+            factors=factors,
+        )
         commands.submit()
         return factors.read()[:3]
 

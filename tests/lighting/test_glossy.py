@@ -83,13 +83,19 @@ def followed(gpu, commands, owned, kernel):
         given = owned(buffer_of(gpu, "rays", rays))
         results = owned(buffer_of(gpu, "results", np.zeros((len(rays), 2, 4), np.float32)))
         kernel(_KERNEL, _SLOTS).dispatch(
-            commands, (len(rays),), lattice=Placement((0, 0, 0), 1.0, COUNT).params(1.0),
-            lattice_red=light, lattice_green=light, lattice_blue=light,
+            commands,
+            (len(rays),),
+            lattice=Placement((0, 0, 0), 1.0, COUNT).params(1.0),
+            lattice_red=light,
+            lattice_green=light,
+            lattice_blue=light,
             lattice_open_a=volume("open a", "rgba8unorm", np.ascontiguousarray(shares[..., :4])),
             lattice_open_b=volume("open b", "rgba8unorm", rest),
             lattice_walls=volume("walls", "rgba8snorm", np.zeros_like(rest, np.int8)),
-            linear_clamp=linear_sampler(gpu), rays=given, results=results,
-        )  # fmt: skip
+            linear_clamp=linear_sampler(gpu),
+            rays=given,
+            results=results,
+        )
         commands.submit()
         rows = results.read().reshape(-1, 2, 4)
         return {"e": rows[:, 0, 0], "left": rows[:, 0, 3], "place": rows[:, 1, :3]}
@@ -170,9 +176,10 @@ def test_no_edges_as_the_ray_turns(followed):
     cells.state[..., 0] = LIGHT * coarse[z.astype(int), y.astype(int), x.astype(int)]
     for axis in range(3):
         cells.state[..., 0] = (
-            cells.state[..., 0] + np.roll(cells.state[..., 0], 1, axis)
+            cells.state[..., 0]
+            + np.roll(cells.state[..., 0], 1, axis)
             + np.roll(cells.state[..., 0], -1, axis)
-        ) / 3  # fmt: skip
+        ) / 3
     cells.open[...] = 0.8
     angle = np.linspace(-1.2, 1.2, 4001)
     r = np.stack([np.cos(angle), np.sin(angle), 0.3 * np.ones_like(angle)], axis=-1)
@@ -234,13 +241,15 @@ def test_a_metal_plate_shows_the_wall_across_the_room(gpu, square):
     black = Material(base_color=(0.01, 0.01, 0.01), specular=0.0)
     metal = Material(base_color=(0.95, 0.95, 0.95), metallic=1.0, roughness=0.1)
     meshes = (
-        square((-1, 1, 1.5), (0, 1, 0), (1, 0, 0), red), square((1, 1, 1.5), (0, 1, 0), (1, 0, 0),
-        black), square((0, 1, -1.5), (2, 0, 0), (0, 1, 0), metal),
-    )  # fmt: skip
+        square((-1, 1, 1.5), (0, 1, 0), (1, 0, 0), red),
+        square((1, 1, 1.5), (0, 1, 0), (1, 0, 0), black),
+        square((0, 1, -1.5), (2, 0, 0), (0, 1, 0), metal),
+    )
     scene = Scene(
-        meshes=meshes, lights=(PointLight((0, 1, 0), (10, 10, 10)),),
+        meshes=meshes,
+        lights=(PointLight((0, 1, 0), (10, 10, 10)),),
         camera=Camera((0, 1, 1.2), (0, 1, -1.5), fov_y_deg=45),
-    )  # fmt: skip
+    )
     contrast = {}
     for rays in (False, True):
         given = {"resolution": 16, "surfels": 20_000, "glossy_rays": rays, "iterations": 24}

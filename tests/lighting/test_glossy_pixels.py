@@ -23,18 +23,25 @@ def polished(square: Callable[..., Mesh]) -> Scene:
     back = square((0, 1, -3), (3, 0, 0), (0, 1, 0), Material((0.8, 0.2, 0.1), roughness=1.0))
     side = square((-3, 1, 0), (0, 0, 3), (0, 1, 0), Material((0.2, 0.7, 0.3), roughness=0.4))
     return Scene(
-        meshes=(floor, back, side), lights=(PointLight((0.5, 1.2, -1.0), (8, 8, 8)),),
+        meshes=(floor, back, side),
+        lights=(PointLight((0.5, 1.2, -1.0), (8, 8, 8)),),
         environment=Environment((0.3, 0.4, 0.5)),
         camera=Camera((0.4, 1.1, 3.0), (-0.2, 0.5, -1.5), fov_y_deg=60),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("more", [{}, {"cascades": 2}])
 def test_apart_or_with_the_rest(
     gpu: Gpu, polished: Scene, monkeypatch: pytest.MonkeyPatch, more: dict[str, int]
 ) -> None:
-    settings = {"resolution": 8, "iterations": 4, "surfels": 5000, "sky_lights": 8,
-                "sky_resolution": 16, **more}  # fmt: skip
+    settings = {
+        "resolution": 8,
+        "iterations": 4,
+        "surfels": 5000,
+        "sky_lights": 8,
+        "sky_resolution": 16,
+        **more,
+    }
     seen = {}
     for is_apart in (True, False):
         monkeypatch.setattr(surfaces, "can_list", lambda *_, _is_apart=is_apart: _is_apart)

@@ -21,17 +21,23 @@ def test_nothing_changes_in_a_scene_that_stands_still(gpu: Any, owned: Any, squa
     floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2))
     sun = DirectionalLight((0.0, -1.0, 0.0), (2.0,) * 3)
     scene = Scene(
-        meshes=(floor, square((0, 1, 0), (1, 0, 0), (0, 0, -1))), lights=(sun,),
-        environment=Environment((0.5, 0.6, 0.7)), camera=Camera((0, 1, 3), (0, 0, 0)),
-    )  # fmt: skip
+        meshes=(floor, square((0, 1, 0), (1, 0, 0), (0, 0, -1))),
+        lights=(sun,),
+        environment=Environment((0.5, 0.6, 0.7)),
+        camera=Camera((0, 1, 3), (0, 0, 0)),
+    )
     meshes = owned(GpuScene(gpu, scene))
     kit, commands = owned(Kit(Context(gpu, scene, meshes, (8, 8)), SETTINGS)), Commands(gpu)
 
     def versions(now: Scene) -> tuple[int, ...]:
         kit.encode(commands, now, *kit.bounds(now))
         commands.submit()
-        return (kit.lights.parallel.version, kit.blockers.version, kit.sky.version,
-                kit.sky_irradiance.version)  # fmt: skip
+        return (
+            kit.lights.parallel.version,
+            kit.blockers.version,
+            kit.sky.version,
+            kit.sky_irradiance.version,
+        )
 
     first = versions(scene)
     assert versions(scene) == first

@@ -28,9 +28,17 @@ def seen_around(gpu, commands, owned):
     """
 
     def look(
-        meshes, camera, size, radius, *, scale=1, slices=None, steps=None, blurred=True,
+        meshes,
+        camera,
+        size,
+        radius,
+        *,
+        scale=1,
+        slices=None,
+        steps=None,
+        blurred=True,
         radiance=None,
-    ):  # fmt: skip
+    ):
         scene = owned(GpuScene(gpu, Scene(meshes=tuple(meshes))))
         view = owned(View(gpu, size))
         view.occlusion.release()
@@ -45,9 +53,14 @@ def seen_around(gpu, commands, owned):
             pixels[..., :3] = radiance(view.gbuffer.normal.read())
             lit.write(pixels)
         Occlusion(gpu, slices, steps, has_light=lit is not None).encode(
-            commands, view.gbuffer.depth, view.gbuffer.normal, view.occlusion,
-            view.world_from_clip, radius, lit=lit,
-        )  # fmt: skip
+            commands,
+            view.gbuffer.depth,
+            view.gbuffer.normal,
+            view.occlusion,
+            view.world_from_clip,
+            radius,
+            lit=lit,
+        )
         commands.submit()
         texels = (view.occlusion.near if blurred else view.occlusion.sampled).read()
         return near_surroundings(texels.astype(np.int64))
@@ -146,8 +159,9 @@ def test_a_corner_of_two_planes(looked_at, square, camera_rays, slices, steps, w
     floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
     wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
     camera, radius = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50), 0.5
-    visibility, depth = looked_at([floor, wall], camera, (96, 72), radius, slices=slices,
-                                  steps=steps)  # fmt: skip
+    visibility, depth = looked_at(
+        [floor, wall], camera, (96, 72), radius, slices=slices, steps=steps
+    )
     points = world_points(camera, depth, camera_rays)[:, 40:56].reshape(-1, 3)
     found = visibility[:, 40:56].ravel()
     on_floor = points[:, 1] < points[:, 2]
@@ -172,12 +186,13 @@ def test_a_square_pit_seen_from_above(looked_at, square):
         square((0, -deep / 2, half), (0, deep / 2, 0), (half, 0, 0)),
     ]
     lids = [
-        square((0, 0, 2.5), (0, 0, 2), (4, 0, 0)), square((0, 0, -2.5), (0, 0, 2), (4, 0, 0)),
-        square((2.5, 0, 0), (0, 0, half), (2, 0, 0)), square((-2.5, 0, 0), (0, 0, half), (2, 0, 0)),
-    ]  # fmt: skip
+        square((0, 0, 2.5), (0, 0, 2), (4, 0, 0)),
+        square((0, 0, -2.5), (0, 0, 2), (4, 0, 0)),
+        square((2.5, 0, 0), (0, 0, half), (2, 0, 0)),
+        square((-2.5, 0, 0), (0, 0, half), (2, 0, 0)),
+    ]
     camera = Camera((0, 30, 0), (0, 0, 0), up=(0, 0, -1), fov_y_deg=11)
-    visibility, _ = looked_at([floor, *walls, *lids], camera, (257, 193), 20.0, slices=8,
-                              steps=48)  # fmt: skip
+    visibility, _ = looked_at([floor, *walls, *lids], camera, (257, 193), 20.0, slices=8, steps=48)
     a = half / deep
     factor = 4 / (2 * np.pi) * 2 * a / np.hypot(1, a) * np.arctan(a / np.hypot(1, a))
     assert visibility[93:101, 125:133].mean() == pytest.approx(factor, abs=0.03)
@@ -217,8 +232,9 @@ def test_the_blur_takes_the_sampling_pattern_out(looked_at, square):
     camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50)
     along = {}
     for blurred in (False, True):
-        visibility, _ = looked_at([floor, wall], camera, (96, 72), 0.5, slices=2, steps=4,
-                                  blurred=blurred)  # fmt: skip
+        visibility, _ = looked_at(
+            [floor, wall], camera, (96, 72), 0.5, slices=2, steps=4, blurred=blurred
+        )
         along[blurred] = visibility[:, 32:64].std(axis=1).max()
     assert along[False] > 0.03
     assert along[True] < 0.25 * along[False]
@@ -272,9 +288,14 @@ def test_where_all_shines_occluders_send_what_they_hide(seen_around, square):
 def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, square):
     meshes, camera = corner(square)
     light, way = seen_around(
-        meshes, camera, (96, 72), 0.5, slices=8, steps=16,
+        meshes,
+        camera,
+        (96, 72),
+        0.5,
+        slices=8,
+        steps=16,
         radiance=lambda n: np.where(n[..., 1:2] > 0.9, [1.0, 1.0, 1.0], 0.0),
-    )  # fmt: skip
+    )
     hidden, middle = way[..., 3], np.s_[:, 40:56]
     own = light[..., 0][middle]
     # The wall is the upper half; the blur mixes a few rows at the crease.
@@ -340,9 +361,10 @@ class _Texels(ComputePass):
     """What is packed, and what is read of it again."""
 
     slots = (
-        storage("given", "vec4f"), storage("near", "vec4u", "read_write"),
+        storage("given", "vec4f"),
+        storage("near", "vec4u", "read_write"),
         storage("seen", "vec4f", "read_write"),
-    )  # fmt: skip
+    )
     workgroup = (64, 1, 1)
 
 
@@ -375,8 +397,9 @@ def test_texels_keep_what_is_put_into_them(gpu, commands, owned, tmp_path):
     share[:2] = 0, 1
     given = np.stack([np.c_[light, depth], np.c_[way, share]], axis=1).astype(np.float32)
     (tmp_path / "texels.wgsl").write_text(_TEXELS)
-    made = type("Texels", (_Texels,), {"file": str(tmp_path / "texels.wgsl"),
-                                       "__module__": __name__})(gpu)  # fmt: skip
+    made = type(
+        "Texels", (_Texels,), {"file": str(tmp_path / "texels.wgsl"), "__module__": __name__}
+    )(gpu)
     near, seen = owned(Buffer(gpu, "near", 16 * count)), owned(Buffer(gpu, "seen", 64 * count))
     bound = {"given": owned(buffer_of(gpu, "given", given)), "near": near, "seen": seen}
     made.dispatch(commands, (count,), **bound)
@@ -388,8 +411,9 @@ def test_texels_keep_what_is_put_into_them(gpu, commands, owned, tmp_path):
     np.testing.assert_array_equal(back[:, 0, 3], depth.astype(np.float32))
     unit = way / np.linalg.norm(way, axis=1, keepdims=True)
     np.testing.assert_allclose(back[:, 1, :3], unit, atol=1e-4)
-    np.testing.assert_array_equal(back[:, 1:3, 3], np.stack(
-        [np.arange(count) & 1, np.arange(count) >> 1 & 1], axis=1))  # fmt: skip
+    np.testing.assert_array_equal(
+        back[:, 1:3, 3], np.stack([np.arange(count) & 1, np.arange(count) >> 1 & 1], axis=1)
+    )
     np.testing.assert_allclose(back[:, 3, :3], way, atol=0.5 / 1023 + 1e-6)
     np.testing.assert_allclose(back[:, 3, 3], share, atol=0.5 / 4095 + 1e-6)
     lit, there = near_surroundings(near.read(np.uint32).reshape(count, 4).astype(np.int64)[None])

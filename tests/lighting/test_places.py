@@ -26,8 +26,13 @@ from airlight.scene import (
 )
 
 SIZE = (37, 26)
-SETTINGS = {"resolution": 8, "iterations": 4, "surfels": 5000, "sky_lights": 8,
-            "sky_resolution": 16}  # fmt: skip
+SETTINGS = {
+    "resolution": 8,
+    "iterations": 4,
+    "surfels": 5000,
+    "sky_lights": 8,
+    "sky_resolution": 16,
+}
 
 
 @pytest.fixture
@@ -37,10 +42,11 @@ def corner(square: Callable[..., Mesh]) -> Scene:
     back = square((0, 1, -3), (3, 0, 0), (0, 1, 0), Material((0.8, 0.2, 0.1), roughness=1.0))
     side = square((-3, 1, 0), (0, 0, 3), (0, 1, 0), Material((0.2, 0.7, 0.3), roughness=0.7))
     return Scene(
-        meshes=(floor, back, side), lights=(PointLight((0.5, 1.2, -1.0), (8, 8, 8)),),
+        meshes=(floor, back, side),
+        lights=(PointLight((0.5, 1.2, -1.0), (8, 8, 8)),),
         environment=Environment((0.3, 0.4, 0.5)),
         camera=Camera((0.4, 1.1, 3.0), (-0.2, 0.5, -1.5), fov_y_deg=60),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("is_glossy", [True, False])
@@ -154,8 +160,12 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
 
 def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> None:
     """With another light other surfels are seen, and walls are bent otherwise."""
-    settings = {**SETTINGS, "surfel_source": "views", "surfel_resolution": 32,
-                "keep_surfels": False}  # fmt: skip
+    settings = {
+        **SETTINGS,
+        "surfel_source": "views",
+        "surfel_resolution": 32,
+        "keep_surfels": False,
+    }
     away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]

@@ -127,9 +127,10 @@ def test_emission_is_its_radiance_on_both_sides_where_two_sided(picture, square)
 def rows_of_directions(height=64):
     """A latitude-longitude map whose colour is its direction: 0.5 + 0.5 (x, y, z)."""
     v, u = np.meshgrid(
-        (np.arange(height) + 0.5) / height, (np.arange(2 * height) + 0.5) / (2 * height),
+        (np.arange(height) + 0.5) / height,
+        (np.arange(2 * height) + 0.5) / (2 * height),
         indexing="ij",
-    )  # fmt: skip
+    )
     # u = atan2(x, -z) / 2 pi, v = acos(y) / pi
     sine = np.sin(np.pi * v)
     x, y, z = sine * np.sin(2 * np.pi * u), np.cos(np.pi * v), -sine * np.cos(2 * np.pi * u)

@@ -43,17 +43,28 @@ def nest(gpu, commands, owned):
         )
         for texture in (open_a, open_b):
             texture.write(np.full((*size[::-1], 4), 255, np.uint8))
-        solved = {**textures.bound, "lattice_open_a": open_a, "lattice_open_b": open_b,
-                  "lattice_walls": walls}  # fmt: skip
+        solved = {
+            **textures.bound,
+            "lattice_open_a": open_a,
+            "lattice_open_b": open_b,
+            "lattice_walls": walls,
+        }
         faces = owned(Buffer(gpu, "faces", OUTER.cells * 32))
         found = []
         for placement in (OUTER, inner):
             sums, nbytes = owned(new_sums(gpu, placement)), 3 * placement.cells * 16
             if placement is inner:
                 Border(gpu).encode(
-                    commands, inner, OUTER, solved, linear_sampler(gpu), faces, sums,
-                    power_scale=power, scale=units,
-                )  # fmt: skip
+                    commands,
+                    inner,
+                    OUTER,
+                    solved,
+                    linear_sampler(gpu),
+                    faces,
+                    sums,
+                    power_scale=power,
+                    scale=units,
+                )
             own = lobes(placement, points, normals, powers).astype(np.float32)
             base = owned(buffer_of(gpu, "own", np.ascontiguousarray(own)))
             cells = owned(Buffer(gpu, "cells", nbytes))

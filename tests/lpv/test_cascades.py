@@ -16,10 +16,16 @@ from airlight.scene.builtin import cornell, room
 
 SIZE = (48, 27)
 SMALL = {
-    "resolution": 12, "map_resolution": 128, "shadow_resolution": 256, "lamp_resolution": 128,
-    "sky_lights": 16, "sky_resolution": 48, "surfels": 40_000, "iterations": 48,
+    "resolution": 12,
+    "map_resolution": 128,
+    "shadow_resolution": 256,
+    "lamp_resolution": 128,
+    "sky_lights": 16,
+    "sky_resolution": 48,
+    "surfels": 40_000,
+    "iterations": 48,
     "ambient_occlusion": False,
-}  # fmt: skip
+}
 
 
 def bounced(scene, **settings):

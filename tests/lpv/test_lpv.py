@@ -76,8 +76,14 @@ def test_steps_follow_the_cells_unless_they_are_given(gpu, resolution, asked, ma
 
 
 def test_lattices_are_filled_anew_only_where_their_light_changes(gpu, monkeypatch):
-    small = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 0,
-             "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+    small = {
+        "resolution": 8,
+        "shadow_resolution": 64,
+        "map_resolution": 32,
+        "sky_lights": 0,
+        "surfels": 2000,
+        "ambient_occlusion": False,
+    }
     scene = dataclasses.replace(cornell(), medium=Medium(sigma_t=(0.1, 0.1, 0.1)))
     filled = []
     inner = Propagate.encode

@@ -25,17 +25,27 @@ def propagated(gpu, commands, owned):
     """propagated(states (3, Z, Y, X, 4), iterations) -> the sum of the states after each step."""
 
     def solve(
-        states, iterations, scheme="centroid", closed=None, reflected=None, *,
-        storage="float32", has_tail=False,
-    ):  # fmt: skip
+        states,
+        iterations,
+        scheme="centroid",
+        closed=None,
+        reflected=None,
+        *,
+        storage="float32",
+        has_tail=False,
+    ):
         count = states.shape[3:0:-1]
         placement = Placement((0.0, 0.0, 0.0), 1.0, count)
         made = owned(
             Propagate(
-                gpu, placement, scheme, is_blocked=closed is not None,
-                is_reflecting=reflected is not None, storage=storage,
+                gpu,
+                placement,
+                scheme,
+                is_blocked=closed is not None,
+                is_reflecting=reflected is not None,
+                storage=storage,
             )
-        )  # fmt: skip
+        )
         injected = owned(buffer_of(gpu, "injected", np.ascontiguousarray(states, np.float32)))
         if closed is None:
             faces = owned(Buffer(gpu, "faces", placement.cells * 32))

@@ -13,8 +13,15 @@ from airlight.rendering import Renderer
 from airlight.scene import Material
 
 WHITE = Material(base_color=(0.8, 0.8, 0.8), two_sided=True)
-SETTINGS = {"scheme": "paper", "resolution": 8, "map_resolution": 32, "surfel_resolution": 32,
-            "sky_lights": 0, "iterations": 4, "ambient_occlusion": False}  # fmt: skip
+SETTINGS = {
+    "scheme": "paper",
+    "resolution": 8,
+    "map_resolution": 32,
+    "surfel_resolution": 32,
+    "sky_lights": 0,
+    "iterations": 4,
+    "ambient_occlusion": False,
+}
 
 
 def closed_faces(renderer):
@@ -26,8 +33,9 @@ def test_a_camera_that_turns_sees_more_and_keeps_it(gpu, square):
     floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2), WHITE)
     ceiling = square((0, 3, 0), (2, 0, 0), (0, 0, 2), WHITE)
     scene = Scene(
-        meshes=(floor, ceiling), camera=Camera((0.0, 1.5, 1.0), (0.0, 0.0, 0.0)),
-    )  # fmt: skip
+        meshes=(floor, ceiling),
+        camera=Camera((0.0, 1.5, 1.0), (0.0, 0.0, 0.0)),
+    )
     up = Camera((0.0, 1.5, 1.0), (0.0, 3.0, 0.0))
     with Renderer(scene, "lpv", (16, 16), settings={**SETTINGS, "keep_surfels": True}) as made:
         made.frame(read=False)

@@ -22,9 +22,15 @@ def test_what_is_added_comes_on_top(gpu, commands, owned, count, is_blocked):
     found = []
     for added in (None, more):
         step = Step(
-            gpu, count, "centroid", FORMATS["float32"], is_blocked=is_blocked,
-            is_reflecting=is_blocked, kept=0.5, is_added=added is not None,
-        )  # fmt: skip
+            gpu,
+            count,
+            "centroid",
+            FORMATS["float32"],
+            is_blocked=is_blocked,
+            is_reflecting=is_blocked,
+            kept=0.5,
+            is_added=added is not None,
+        )
         after = owned(buffer_of(gpu, "a", lattice))
         step.encode(commands, before, after, faces, added=added)
         commands.submit()
@@ -35,7 +41,12 @@ def test_what_is_added_comes_on_top(gpu, commands, owned, count, is_blocked):
 
 def test_other_formats_are_not_read_as_pairs(gpu):
     step = Step(
-        gpu, (4, 4, 4), "centroid", FORMATS["float16"], is_blocked=False, is_reflecting=False,
+        gpu,
+        (4, 4, 4),
+        "centroid",
+        FORMATS["float16"],
+        is_blocked=False,
+        is_reflecting=False,
         kept=0.5,
-    )  # fmt: skip
+    )
     assert step.element == "vec2u"

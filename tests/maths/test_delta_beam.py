@@ -73,9 +73,11 @@ def test_seven_cubes_have_the_fluence_of_monte_carlo(cells):
         c = CUBES[cube]
         sigma_t = c.sigma_s + c.sigma_a
         light = trace(
-            BoxMedium(sigma_t, c.sigma_s / sigma_t, c.g), Beam((0, 0, 1)), cells=(8, 8, 8),
+            BoxMedium(sigma_t, c.sigma_s / sigma_t, c.g),
+            Beam((0, 0, 1)),
+            cells=(8, 8, 8),
             photons=400_000,
-        )  # fmt: skip
+        )
         got = solution.scattered_fluence()[..., channel]
         f = cells // 8
         got = got.reshape(8, f, 8, f, 8, f).mean(axis=(1, 3, 5))
@@ -88,9 +90,13 @@ def test_seven_cubes_have_the_fluence_of_monte_carlo(cells):
 def test_thin_air_scatters_once(travel):
     """Optical depth .02, straight and oblique light: the analytic single scattering within 3%."""
     air = db.MediumGrid(
-        np.ones(3), np.ones((12,) * 3), np.ones((24,) * 3), np.full(3, 0.02), np.ones(3),
+        np.ones(3),
+        np.ones((12,) * 3),
+        np.ones((24,) * 3),
+        np.full(3, 0.02),
+        np.ones(3),
         np.array([0.0, 0.6, 0.9]),
-    )  # fmt: skip
+    )
     solution = db.light(air, [db.beam(air, travel, np.ones(3), 1.0)])
     for view in ((0.6, 0.0, -0.8), (0.0, 0.8, 0.6), travel):
         seen = intensity(air, solution.emission(np.array(view)), view)
@@ -149,9 +155,13 @@ def box_transmitted(extent, travel, sigma_t):
 
 def test_backward_scattering_and_empty_air():
     air = db.MediumGrid(
-        np.ones(3), np.ones((6,) * 3), np.ones((6,) * 3), np.full(3, 3.0), np.ones(3),
+        np.ones(3),
+        np.ones((6,) * 3),
+        np.ones((6,) * 3),
+        np.full(3, 3.0),
+        np.ones(3),
         np.array([-0.6, 0.0, 0.9]),
-    )  # fmt: skip
+    )
     beams = [db.beam(air, (0, 0, 1), np.ones(3), 1.0)]
     seen = [intensity(air, db.light(air, beams).emission(np.array(v)), v) for v in VIEWS]
     assert np.isfinite(seen).all()

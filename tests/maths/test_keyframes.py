@@ -29,8 +29,11 @@ def test_a_step_holds_until_the_next():
 def test_even_motion_stays_even_at_uneven_times():
     even = np.outer(TIMES, (1.0, -2.0, 0.5)) + 3.0
     for time in np.linspace(0.0, 4.0, 23):
-        np.testing.assert_allclose(keyframes.smooth(TIMES, even, time), even[0] + time * np.array(
-            (1.0, -2.0, 0.5)), atol=1e-12)  # fmt: skip
+        np.testing.assert_allclose(
+            keyframes.smooth(TIMES, even, time),
+            even[0] + time * np.array((1.0, -2.0, 0.5)),
+            atol=1e-12,
+        )
 
 
 def test_smooth_curves_are_the_known_ones_and_have_no_kinks():
@@ -46,8 +49,9 @@ def test_smooth_curves_are_the_known_ones_and_have_no_kinks():
 
 
 def test_rotations_turn_evenly_along_the_shorter_way():
-    turns = Rotation.from_euler("xyz", [(0, 0, 0), (90, 0, 0), (90, 40, 10), (0, 170, 0)],
-                                degrees=True)  # fmt: skip
+    turns = Rotation.from_euler(
+        "xyz", [(0, 0, 0), (90, 0, 0), (90, 40, 10), (0, 170, 0)], degrees=True
+    )
     quaternions = turns.as_quat()
     quaternions[2] *= -1.0  # the same rotation
     known = Slerp(TIMES[:4], turns)

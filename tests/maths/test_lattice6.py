@@ -47,10 +47,17 @@ def test_direction_kept_per_hop(scheme: lattice6.Scheme, kept: float) -> None:
 
 @pytest.mark.parametrize(
     ("count", "iterations", "kept"),
-    [((16, 16, 16), 64, 0.25), ((24, 24, 24), 64, 0.25), ((32, 18, 20), 64, 0.25),
-     ((32, 32, 32), 64, 0.4375), ((32, 32, 32), 63, 0.25), ((64, 64, 64), 64, 0.25),
-     ((64, 64, 64), 128, 0.71875), ((256, 256, 256), 1024, 0.75)],
-)  # fmt: skip
+    [
+        ((16, 16, 16), 64, 0.25),
+        ((24, 24, 24), 64, 0.25),
+        ((32, 18, 20), 64, 0.25),
+        ((32, 32, 32), 64, 0.4375),
+        ((32, 32, 32), 63, 0.25),
+        ((64, 64, 64), 64, 0.25),
+        ((64, 64, 64), 128, 0.71875),
+        ((256, 256, 256), 1024, 0.75),
+    ],
+)
 def test_spread_kept_by_cells(count: tuple[int, int, int], iterations: int, kept: float) -> None:
     assert lattice6.spread_kept(count, iterations) == pytest.approx(kept, abs=1e-12)
 

@@ -59,13 +59,15 @@ def test_twins(wgsl):
     v, albedo = RNG.random(500), RNG.random((500, 3))
     np.testing.assert_allclose(
         wgsl("occlusion", "interreflected", v, albedo, returns="vec3f"),
-        interreflected(v[:, None], albedo), atol=1e-5,
-    )  # fmt: skip
+        interreflected(v[:, None], albedo),
+        atol=1e-5,
+    )
     n_v, r = RNG.uniform(0.01, 1.0, 500), RNG.random(500)
     np.testing.assert_allclose(
         wgsl("occlusion", "specular_visibility", v, n_v, r),
-        specular_visibility(v, n_v, r), atol=1e-5,
-    )  # fmt: skip
+        specular_visibility(v, n_v, r),
+        atol=1e-5,
+    )
 
 
 def test_what_comes_from_hidden_directions_is_the_integral_over_them():
@@ -97,6 +99,8 @@ def test_hidden_light_in_wgsl(wgsl):
     )
     e, known, own = (RNG.random((500, 3)) for _ in range(3))
     np.testing.assert_allclose(
-        wgsl("occlusion", "replaced", e, known, own, returns="vec3f"), replaced(e, known, own),
-        rtol=1e-5, atol=1e-6,
-    )  # fmt: skip
+        wgsl("occlusion", "replaced", e, known, own, returns="vec3f"),
+        replaced(e, known, own),
+        rtol=1e-5,
+        atol=1e-6,
+    )

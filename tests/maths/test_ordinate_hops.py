@@ -18,8 +18,17 @@ GROUPS = (([0, 1, 2], (0, 1, 2)), ([3, 4, 5], (0, 1, 2)), ([6, 0, 0], (0,)))
 FLUENCE = (0.12, 0.12, 0.10, 0.10, 0.23, 0.11, 0.20)
 """At most the relative L2 of scattered fluence at 16^3. A prototype of the split scheme, whose hops
 were as long as the way of light, had .12, .29, .15, .21, .43, .16, .17."""
-HELD_OUT = ((2, 1, 0.7), (2, 1, 0.9), (16, 1, 0.7), (16, 1, 0.9), (8, 1, 0.5), (5, 0.8, 0.7),
-            (5, 0.8, 0.9), (12, 0.8, 0.9), (20, 0.95, 0.96))  # fmt: skip
+HELD_OUT = (
+    (2, 1, 0.7),
+    (2, 1, 0.9),
+    (16, 1, 0.7),
+    (16, 1, 0.9),
+    (8, 1, 0.5),
+    (5, 0.8, 0.7),
+    (5, 0.8, 0.9),
+    (12, 0.8, 0.9),
+    (20, 0.95, 0.96),
+)
 """sigma_t, albedo, g of cubes that no constant was fitted on."""
 
 
@@ -30,13 +39,17 @@ class Solved:
         self.air = medium([CUBES[i] if isinstance(i, int) else i for i in group], cells)
         rho, h = self.air.density, 1.0 / cells
         hops = hop.parallel_hops((cells,) * 3, h)
-        light = hop.first_light(
-            hops, self.air, rho, np.ones((*rho.shape, 3)), is_paper=is_paper
-        )  # fmt: skip
+        light = hop.first_light(hops, self.air, rho, np.ones((*rho.shape, 3)), is_paper=is_paper)
         done = hop.propagate(
-            hops, self.air, rho, light, 1.0, [np.full(rho.shape, v[2]) for v in VIEWS],
-            is_paper=is_paper, iterations=3 * cells // 2,
-        )  # fmt: skip
+            hops,
+            self.air,
+            rho,
+            light,
+            1.0,
+            [np.full(rho.shape, v[2]) for v in VIEWS],
+            is_paper=is_paper,
+            iterations=3 * cells // 2,
+        )
         self.fluence, self.seen, self.exits = done.fluence, list(done.seen), done.exits
         if not is_paper:
             self._add_residuum(done)
@@ -182,8 +195,9 @@ def test_split_is_as_good_where_nothing_was_fitted(cells):
         done = Solved(group, cells)
         brightness = done.brightness()
         for c, optics in enumerate(three):
-            seen = trace(BoxMedium(*optics), Beam((0, 0, 1)), cells=(8,) * 3, photons=150_000,
-                         views=VIEWS)  # fmt: skip
+            seen = trace(
+                BoxMedium(*optics), Beam((0, 0, 1)), cells=(8,) * 3, photons=150_000, views=VIEWS
+            )
             f = cells // 8
             got = done.fluence[..., c].reshape(8, f, 8, f, 8, f).mean(axis=(1, 3, 5))
             want = seen.scattered_fluence

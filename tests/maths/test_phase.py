@@ -16,8 +16,11 @@ def test_normalised_with_mean_cosine_g(g: float) -> None:
     def moment(k: int) -> float:
         value, _ = quad(
             lambda mu: 2.0 * np.pi * mu**k * float(phase.henyey_greenstein(mu, g)),
-            -1, 1, points=peak, limit=400,
-        )  # fmt: skip
+            -1,
+            1,
+            points=peak,
+            limit=400,
+        )
         return value
 
     assert moment(0) == pytest.approx(1.0, abs=1e-8)
@@ -42,9 +45,12 @@ def test_cumulative_is_the_integral(g: float) -> None:
     for mu in (-1.0, -0.3, 0.5, 0.99, 1.0):
         inner = [s * p for p in (0.9, 0.999, 0.99999) for s in (-1, 1) if s * p < mu]
         value, _ = quad(
-            lambda m: 2.0 * np.pi * float(phase.henyey_greenstein(m, g)), -1.0, mu,
-            points=inner or None, limit=400,
-        )  # fmt: skip
+            lambda m: 2.0 * np.pi * float(phase.henyey_greenstein(m, g)),
+            -1.0,
+            mu,
+            points=inner or None,
+            limit=400,
+        )
         assert float(phase.henyey_greenstein_cumulative(mu, g)) == pytest.approx(value, abs=1e-8)
 
 

@@ -50,8 +50,9 @@ def test_an_even_view_of_an_even_sky_is_the_even_sky():
 def test_ordinates_move_as_smoothly_as_the_view():
     """Half the turn, half the change: of directions, and of the light that each carries."""
     for value in ("direction", "irradiance"):
-        rows = [getattr(view_partition(MAP, 32, seen_from(0.3 + 2e-3 * k)), value)
-                for k in range(7)]  # fmt: skip
+        rows = [
+            getattr(view_partition(MAP, 32, seen_from(0.3 + 2e-3 * k)), value) for k in range(7)
+        ]
         scale = np.abs(rows[0]).max()
         one = [np.abs(b - a).max() / scale for a, b in pairwise(rows)]
         two = [np.abs(b - a).max() / scale for a, b in zip(rows[:-2], rows[2:], strict=True)]

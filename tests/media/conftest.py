@@ -24,9 +24,13 @@ def scattered_once(gpu: Gpu, owned: Callable[[Any], Any]) -> Callable[..., np.nd
     """
 
     def image(
-        seen: Any, *, maps: tuple[int, int] = (512, 512), bounds: Any = BOX, frame: int = 0,
+        seen: Any,
+        *,
+        maps: tuple[int, int] = (512, 512),
+        bounds: Any = BOX,
+        frame: int = 0,
         **settings: Any,
-    ) -> np.ndarray:  # fmt: skip
+    ) -> np.ndarray:
         scene = seen.scene
         low, high = (np.array(corner) for corner in bounds)
         lights = owned(Lights(gpu, scene.lights, None, *maps))

@@ -45,7 +45,8 @@ def test_flux_is_what_the_air_lets_through(
     lit = before[:, 0] > 0.0
     assert lit.any()
     np.testing.assert_allclose(
-        after[lit] / before[lit], np.broadcast_to(np.exp([-0.5, -1.0, -2.0]), after[lit].shape),
+        after[lit] / before[lit],
+        np.broadcast_to(np.exp([-0.5, -1.0, -2.0]), after[lit].shape),
         rtol=3e-3,
-    )  # fmt: skip
+    )
     assert after[~lit].max(initial=0.0) == 0.0

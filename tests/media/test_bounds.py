@@ -18,8 +18,10 @@ SIDE = 21
 
 
 def test_every_square_holds_its_texels(gpu: Gpu, square: Callable[..., Mesh]) -> None:
-    meshes = (square((0, 0, 0), (0.4, 0.3, 0), (0, 0.2, 0.5)), square((0.3, -0.6, 0.2), (0.3, 0, 0),
-                                                                      (0, 0, 0.2)))  # fmt: skip
+    meshes = (
+        square((0, 0, 0), (0.4, 0.3, 0), (0, 0.2, 0.5)),
+        square((0.3, -0.6, 0.2), (0.3, 0, 0), (0, 0, 0.2)),
+    )
     commands, maps = Commands(gpu), ShadowMaps(gpu, "test", SIDE, 2)
     lights = [DirectionalLight((0.2, -1, 0.1), (1, 1, 1)), DirectionalLight((1, -1, 0), (1, 1, 1))]
     views = light_views(lights, np.full(3, -1.0), np.full(3, 1.0), SIDE)

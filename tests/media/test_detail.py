@@ -19,9 +19,7 @@ from airlight.scene.camera import Camera
 from airlight.scene.scene import Scene
 from airlight.scene.volume import Volume
 
-GRID = Volume(
-    (0.02,) * 3, np.ones((24, 24, 24), np.float32), bounds=((-1.0,) * 3, (1.0,) * 3)
-)  # fmt: skip
+GRID = Volume((0.02,) * 3, np.ones((24, 24, 24), np.float32), bounds=((-1.0,) * 3, (1.0,) * 3))
 CAMERA = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), fov_y_deg=30)
 
 

@@ -20,8 +20,11 @@ LID, WALL, KINDS = 14, 28, 52
 
 
 def trees_of(gpu: Gpu, meshes: tuple[Mesh, ...], *, lamp: bool) -> FacetTrees:
-    light = PointLight((0.1, 0.2, 0.0), (1, 1, 1)) if lamp else DirectionalLight(
-        (0.2, -1, 0.1), (1, 1, 1))  # fmt: skip
+    light = (
+        PointLight((0.1, 0.2, 0.0), (1, 1, 1))
+        if lamp
+        else DirectionalLight((0.2, -1, 0.1), (1, 1, 1))
+    )
     views = light_views([light], np.full(3, -1.0), np.full(3, 1.0), SIDE)
     commands, maps = Commands(gpu), ShadowMaps(gpu, "test", SIDE, len(views))
     maps.encode(commands, GpuScene(gpu, Scene(meshes=meshes)), views)
@@ -44,8 +47,10 @@ def listed(trees: FacetTrees, layer: int) -> tuple[np.ndarray, np.ndarray, np.nd
 
 def cluttered(square: Callable[..., Mesh]) -> tuple[Mesh, ...]:
     rng = np.random.default_rng(3)
-    return tuple(square(rng.uniform(-0.8, 0.8, 3), rng.uniform(-0.3, 0.3, 3),
-                        rng.uniform(-0.3, 0.3, 3)) for _ in range(12))  # fmt: skip
+    return tuple(
+        square(rng.uniform(-0.8, 0.8, 3), rng.uniform(-0.3, 0.3, 3), rng.uniform(-0.3, 0.3, 3))
+        for _ in range(12)
+    )
 
 
 @pytest.mark.parametrize("lamp", [False, True])
@@ -58,8 +63,9 @@ def test_tops_tile_what_the_map_sees(gpu: Gpu, square: Callable[..., Mesh], lamp
         for first in (0, LID):
             covered = np.zeros((trees.side, trees.side))
             chosen = (kind >= first) & (kind < first + LID)
-            for k, (x, y), share in zip(level[chosen], place[chosen],
-                                        shares[kind[chosen] - first], strict=True):  # fmt: skip
+            for k, (x, y), share in zip(
+                level[chosen], place[chosen], shares[kind[chosen] - first], strict=True
+            ):
                 covered[y << k : y + 1 << k, x << k : x + 1 << k] += share
             expected = np.zeros_like(covered)
             expected[:SIDE, :SIDE] = depth[layer] < 1.0

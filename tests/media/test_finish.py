@@ -65,9 +65,15 @@ def test_it_is_what_the_passes_make(
         apart["single"] = at_once["single"] = shafts
     one.encode(seen.commands, **surfaces, transmittance=apart["transmittance"])
     Finish(gpu, air, has_sky=has_sky).encode(
-        seen.commands, params, depth, reduced=reduced, skylit=skylit, shafts=shafts, **at_once,
+        seen.commands,
+        params,
+        depth,
+        reduced=reduced,
+        skylit=skylit,
+        shafts=shafts,
+        **at_once,
         surfaces=(direct, indirect),
-    )  # fmt: skip
+    )
     # Along the picture, rays are interpolated between vertices: a few units in the last place.
     pairs = [(apart[n], at_once[n]) for n in LAYERS]
     pairs += list(zip(one.layers, (direct, indirect), strict=True))

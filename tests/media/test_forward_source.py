@@ -47,8 +47,15 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     lattice = LatticeSource(placement, bound, 1.0, forward=forward, mean=dark, is_similar=True)
     march = March(gpu, air, has_lattice=True)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
-    march.encode(seen.commands, rays.encode(seen.commands, seen.view), rays, lattice=lattice,
-                 scattered=L, transmittance=T, cutoff=0.0)  # fmt: skip
+    march.encode(
+        seen.commands,
+        rays.encode(seen.commands, seen.view),
+        rays,
+        lattice=lattice,
+        scattered=L,
+        transmittance=T,
+        cutoff=0.0,
+    )
     got, through = seen.read(L), seen.read(T)
     mu = -seen.directions() @ way
     # Both ways of similar air; it lets more through than the air itself.

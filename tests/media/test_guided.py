@@ -12,8 +12,13 @@ from airlight.scene.image import Image
 from airlight.scene.shapes import quad
 
 SIZE = (48, 40)
-SMALL = {"resolution": 8, "shadow_resolution": 64, "lamp_resolution": 32, "surfels": 500,
-         "sky_lights": 0}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "lamp_resolution": 32,
+    "surfels": 500,
+    "sky_lights": 0,
+}
 POP = {**SMALL, "grid": 8}
 
 
@@ -24,10 +29,11 @@ def wisps() -> Scene:
     density[rng.random(density.shape) < 0.06] = 1.0
     floor = Mesh(quad(), Material(base_color=(0.5,) * 3, specular=0.0), np.diag([4, 1, 4, 1.0]))
     return Scene(
-        meshes=(floor,), camera=Camera((0.3, 1.4, 4.0), (0.0, 0.9, 0.0), fov_y_deg=36.0),
+        meshes=(floor,),
+        camera=Camera((0.3, 1.4, 4.0), (0.0, 0.9, 0.0), fov_y_deg=36.0),
         lights=(DirectionalLight((0.3, -1.0, -0.4), (3.0, 2.0, 1.0)),),
         volumes=(Volume((9.0, 12.0, 15.0), density, bounds=((-1, 0.1, -1), (1, 2.1, 1))),),
-    )  # fmt: skip
+    )
 
 
 def drawn(technique: str, settings: dict[str, object], scene: Scene | None = None) -> Image:

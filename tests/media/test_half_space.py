@@ -16,17 +16,25 @@ from airlight.surface.sky import sky_lights
 SUN = DirectionalLight((0.0, -0.6, -0.8), (3.0, 2.0, 1.0))
 AIR = Medium(0.1, 0.9, endless=True, top=10.0)
 SIZE = (16, 12)
-FULL = {"shaft_resolution": "full", "march_resolution": "full", "resolution": 8,
-        "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 32, "sky_resolution": 16,
-        "surfels": 1000}  # fmt: skip
+FULL = {
+    "shaft_resolution": "full",
+    "march_resolution": "full",
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "map_resolution": 32,
+    "sky_lights": 32,
+    "sky_resolution": 16,
+    "surfels": 1000,
+}
 
 
 def small_plate(lights=(SUN,), environment=None, medium=AIR, target=(0.0, 4.0, -10.0)) -> Scene:
     """Next to nothing in a wide space: all that is seen is far air."""
     plate = Mesh(quad(), Material(base_color=(0.0, 0.0, 0.0)))
     camera = Camera((0.0, 2.0, 20.0), target, fov_y_deg=50.0)
-    return Scene(meshes=(plate,), lights=lights, environment=environment, medium=medium,
-                 camera=camera)  # fmt: skip
+    return Scene(
+        meshes=(plate,), lights=lights, environment=environment, medium=medium, camera=camera
+    )
 
 
 def rays(scene: Scene) -> np.ndarray:

@@ -54,9 +54,14 @@ def marched(
     out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
     params = rays.encode(seen.commands, seen.view)
     march.encode(
-        seen.commands, params, rays, sources=sources, scattered=out[0], transmittance=out[1],
+        seen.commands,
+        params,
+        rays,
+        sources=sources,
+        scattered=out[0],
+        transmittance=out[1],
         **options,
-    )  # fmt: skip
+    )
     return seen.read(out[0]), seen.read(out[1]), seen.read(rays.picked)
 
 
@@ -103,8 +108,14 @@ def test_marching_ends_at_surfaces(gpu: Gpu, look: Any) -> None:
 def test_media_overlap_and_add(gpu: Gpu, look: Any) -> None:
     """Fog, an ellipsoid in it and a density grid of ones that is turned and stretched."""
     angle = 0.4
-    turn = np.array([[np.cos(angle), 0, np.sin(angle), 0.3], [0, 1, 0, 0.1],
-                     [-np.sin(angle), 0, np.cos(angle), -0.2], [0, 0, 0, 1]])  # fmt: skip
+    turn = np.array(
+        [
+            [np.cos(angle), 0, np.sin(angle), 0.3],
+            [0, 1, 0, 0.1],
+            [-np.sin(angle), 0, np.cos(angle), -0.2],
+            [0, 0, 0, 1],
+        ]
+    )
     stretch = turn @ np.diag([0.7, 1.3, 1.0, 1.0])
     ball = Volume((2.0, 1.0, 0.5), shape="sphere", bounds=((-0.7,) * 3, (0.7,) * 3))
     grid = Volume(
@@ -117,12 +128,18 @@ def test_media_overlap_and_add(gpu: Gpu, look: Any) -> None:
     _, T, _ = marched(gpu, seen, [], cutoff=0.0)
     eye, d = np.array(EYES["outside"]), seen.directions()
     depth = SIGMA_T * np.subtract(*box_path(eye, d, BOX)[::-1])[..., None]
-    depth = depth + np.array(ball.sigma_t) * np.subtract(
-        *sphere_path(eye, d, (0, 0, 0), 0.7)[::-1])[..., None]  # fmt: skip
+    depth = (
+        depth
+        + np.array(ball.sigma_t)
+        * np.subtract(*sphere_path(eye, d, (0, 0, 0), 0.7)[::-1])[..., None]
+    )
     back = np.linalg.inv(stretch)
     local_d, local_eye = d @ back[:3, :3].T, back[:3, :3] @ eye + back[:3, 3]
-    depth = depth + np.array(grid.sigma_t) * np.subtract(
-        *box_path(local_eye, local_d, grid.bounds)[::-1])[..., None]  # fmt: skip
+    depth = (
+        depth
+        + np.array(grid.sigma_t)
+        * np.subtract(*box_path(local_eye, local_d, grid.bounds)[::-1])[..., None]
+    )
     np.testing.assert_allclose(T, np.exp(-depth), rtol=5e-4, atol=1e-6)
 
 

@@ -26,11 +26,17 @@ def test_open_shares_and_walls(gpu: Gpu, commands: Commands) -> None:
         return made
 
     table = LatticeTable(gpu).filled([Placement((0, 0, 0), 1.0, COUNT).params()])
-    packed = MarchCells(gpu).encode(commands, COUNT, {
-        "lattices": table, "lattice_walls": texture("walls", "rgba8snorm", walls),
-        "lattice_open_a": texture("open a", "rgba8unorm", opened[0]),
-        "lattice_open_b": texture("open b", "rgba8unorm", opened[1]), "more": None,
-    })  # fmt: skip
+    packed = MarchCells(gpu).encode(
+        commands,
+        COUNT,
+        {
+            "lattices": table,
+            "lattice_walls": texture("walls", "rgba8snorm", walls),
+            "lattice_open_a": texture("open a", "rgba8unorm", opened[0]),
+            "lattice_open_b": texture("open b", "rgba8unorm", opened[1]),
+            "more": None,
+        },
+    )
     commands.submit()
     words = packed.read().view(np.uint8).reshape(z, y, x, 4, 4)
     # As far as each face lets neighbours be mixed in: wgsl/lattice.wgsl, open_fraction.

@@ -50,8 +50,9 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
 
     def drawn(given):
         out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in "LT"]
-        march.encode(seen.commands, params, rays, lattice=given, scattered=out[0],
-                     transmittance=out[1])  # fmt: skip
+        march.encode(
+            seen.commands, params, rays, lattice=given, scattered=out[0], transmittance=out[1]
+        )
         return seen.read(out[0])
 
     means, states = drawn(source), drawn(replace(source, mean=None))
@@ -71,9 +72,11 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
     rays, march = Rays(gpu, seen.size, 1), March(gpu, air, has_lattice=True)
     params, rng = rays.encode(seen.commands, seen.view), np.random.default_rng(8)
     source, shape = lattice(gpu, rng), (CELLS,) * 3 + (4,)
-    told = {"open_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
-            "open_b": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
-            "walls": ("rgba8snorm", rng.integers(-60, 61, shape, np.int8))}  # fmt: skip
+    told = {
+        "open_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+        "open_b": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+        "walls": ("rgba8snorm", rng.integers(-60, 61, shape, np.int8)),
+    }
     told["walls"][1][..., 3] = 0  # no wall with air before it: a hint for surfaces
     for name, (kind, texels) in told.items():
         made = Texture(gpu, name, (CELLS,) * 3, kind, dimension="3d")
@@ -107,10 +110,11 @@ def test_two_kernels_where_targets_are_few(gpu, monkeypatch):
     density = np.random.default_rng(4).random((6, 6, 6)).astype(np.float32)
     volume = Volume((3.0, 4.0, 5.0), density, bounds=((-1, -1, -1), (1, 1, 1)))
     scene = Scene(
-        environment=Environment((0.3, 0.4, 0.5)), volumes=(volume,),
+        environment=Environment((0.3, 0.4, 0.5)),
+        volumes=(volume,),
         lights=(DirectionalLight((0.3, -1.0, -0.4), (3.0, 2.0, 1.0)),),
         camera=Camera((0.3, 0.4, 4.0), (0.0, 0.0, 0.0), fov_y_deg=36),
-    )  # fmt: skip
+    )
     settings = {"resolution": 4, "shadow_resolution": 32, "sky_lights": 4, "sky_resolution": 8}
     made = []
     for limit in (80, 32):

@@ -33,11 +33,12 @@ def solved(gpu: Any, owned: Any, scene: Scene, **given: Any) -> tuple[Kit, Media
 def foggy(square: Any) -> Scene:
     """A floor under a sun and a sky, in fog that takes half of what goes up 2 m."""
     return Scene(
-        meshes=(square((0, 0, 0), (2, 0, 0), (0, 0, -2)),), environment=SKY,
+        meshes=(square((0, 0, 0), (2, 0, 0), (0, 0, -2)),),
+        environment=SKY,
         lights=(DirectionalLight((0.0, -1.0, 0.0), (2.0,) * 3),),
         medium=Medium((0.35,) * 3, bounds=((-2, 0, -2), (2, 2, 2))),
         camera=Camera((0, 1, 3), (0, 0, 0)),
-    )  # fmt: skip
+    )
 
 
 def test_the_sky_comes_through_media_to_surfaces_and_into_them(

@@ -41,9 +41,11 @@ def foggy(square: Callable[..., Mesh]) -> Scene:
     post = square((-0.8, 0, 3.5), (0.15, 0, 0), (0, 3, 0))
     sheet = square((-0.7, 0.6, 0.0), (0.7, 0, 0), (0, 0, -0.8))
     return Scene(
-        meshes=(post, sheet), lights=(LAMP, SUN), medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
+        meshes=(post, sheet),
+        lights=(LAMP, SUN),
+        medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
         camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=45),
-    )  # fmt: skip
+    )
 
 
 def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], **settings: Any) -> MediaImage:
@@ -160,9 +162,11 @@ def slits(square: Callable[..., Mesh]) -> Scene:
     )
     thin = Medium((0.05, 0.05, 0.05), bounds=((-2.0, -2.0, -0.1), (2.0, 2.0, 0.1)))
     return Scene(
-        meshes=boards, lights=(DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0)),), medium=thin,
+        meshes=boards,
+        lights=(DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0)),),
+        medium=thin,
         camera=Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y_deg=60),
-    )  # fmt: skip
+    )
 
 
 def test_shafts_narrower_than_sites_are_apart(
@@ -181,8 +185,11 @@ def test_shafts_narrower_than_sites_are_apart(
 
 
 def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any) -> None:
-    scene = Scene(lights=(SUN,), medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
-                  camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=4))  # fmt: skip
+    scene = Scene(
+        lights=(SUN,),
+        medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
+        camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=4),
+    )
     for contrast, is_used in ((1.0, False), (0.0, False), (0.1, True)):
         air = drawn(gpu, look(scene, SIZE), owned, shaft_contrast=contrast)
         assert isinstance(air.shafts, Shafts)
@@ -200,8 +207,14 @@ def test_surfaces_are_where_the_last_picture_left_them(
 
     scene = dataclasses.replace(foggy, environment=Environment((0.3, 0.4, 0.5)))
     aside = dataclasses.replace(foggy.camera, position=(-1.5, 0.9, 5.0))
-    settings = {"resolution": 4, "shadow_resolution": 64, "lamp_resolution": 32, "sky_lights": 4,
-                "sky_resolution": 8, "surfels": 100}  # fmt: skip
+    settings = {
+        "resolution": 4,
+        "shadow_resolution": 64,
+        "lamp_resolution": 32,
+        "sky_lights": 4,
+        "sky_resolution": 8,
+        "surfels": 100,
+    }
     with Renderer(scene, "single", SIZE, settings=settings) as renderer:
         technique, expected = renderer.technique, []
         for camera in (foggy.camera, aside):

@@ -50,11 +50,19 @@ def test_those_between_unlike_texels_and_no_others(
     full = {n: Texture(gpu, n, SIZE, "rgba32float", target=True) for n in "abcde"}
     listed = PixelList(gpu, SIZE)
     Finish(gpu, air, has_sky=True, lists=True).encode(
-        seen.commands, params, seen.view.gbuffer.depth, reduced=texture(sky), skylit=texture(sky),
-        shafts=texture(shaft), surfaces=(full["a"], full["b"]), multiple=full["c"],
-        transmittance=full["d"], single=full["e"], listed=listed,
+        seen.commands,
+        params,
+        seen.view.gbuffer.depth,
+        reduced=texture(sky),
+        skylit=texture(sky),
+        shafts=texture(shaft),
+        surfaces=(full["a"], full["b"]),
+        multiple=full["c"],
+        transmittance=full["d"],
+        single=full["e"],
+        listed=listed,
         redrawn=RedrawParams(contrast=contrast, group=GROUP),
-    )  # fmt: skip
+    )
     single = seen.read(full["e"])[..., 0]
     count = int(_numbers(gpu, listed.found, 1)[0])
     entries = _numbers(gpu, listed.chosen, 4 * count).reshape(-1, 4)

@@ -49,8 +49,9 @@ def test_edges_keep_both_sides(gpu: Gpu, look: Any, posts: Scene) -> None:
     rays.encode(seen.commands, seen.view)
     distance = seen.read(rays.picked)[..., 0]
     true = true_distance(seen)
-    column = int(np.argmax(np.ptp(true[:12].reshape(3, 4, -1)[0, :, :20].reshape(4, 5, 4),
-                                  axis=(0, 2))))  # fmt: skip
+    column = int(
+        np.argmax(np.ptp(true[:12].reshape(3, 4, -1)[0, :, :20].reshape(4, 5, 4), axis=(0, 2)))
+    )
     near = distance[:3, column] < 4.0
     assert near.any()
     assert not near.all()

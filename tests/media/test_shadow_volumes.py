@@ -64,8 +64,9 @@ def truth(light: Light, seen: Any) -> np.ndarray:
         way, gain, color = way / r[..., None], 1.0 / r**2, light.intensity
         path = np.minimum(r, box_path(p, -way, BOX)[1])
     if isinstance(light, SpotLight):
-        gain = gain * spot_falloff(way @ np.array(light.direction), light.inner_deg,
-                                   light.outer_deg)  # fmt: skip
+        gain = gain * spot_falloff(
+            way @ np.array(light.direction), light.inner_deg, light.outer_deg
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
         back = (p[..., 1] - SHEET_Y) / way[..., 1]
         at = p - back[..., None] * way
@@ -78,9 +79,13 @@ def truth(light: Light, seen: Any) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("light", "eye"),
-    [("directional", "outside"), ("directional", "inside"), ("point", "inside"),
-     ("spot", "outside")],
-)  # fmt: skip
+    [
+        ("directional", "outside"),
+        ("directional", "inside"),
+        ("point", "inside"),
+        ("spot", "outside"),
+    ],
+)
 def test_agrees_with_quadrature(
     look: Any, scattered_once: Any, square: Callable[..., Mesh], light: str, eye: str
 ) -> None:
@@ -98,8 +103,10 @@ def test_no_pixel_leaks_among_clutter(
 ) -> None:
     """A crack between faces is one pixel far off; steps at single texels make thousands of them."""
     rng = np.random.default_rng(5)
-    sheets = [square(rng.uniform(-1.8, 1.6, 3), rng.uniform(-0.5, 0.5, 3),
-                     rng.uniform(-0.5, 0.5, 3)) for _ in range(25)]  # fmt: skip
+    sheets = [
+        square(rng.uniform(-1.8, 1.6, 3), rng.uniform(-0.5, 0.5, 3), rng.uniform(-0.5, 0.5, 3))
+        for _ in range(25)
+    ]
     seen = look(fog(light, EYES["inside"], *sheets), SIZE)
     exact = scattered_once(seen, shafts="minmax", maps=(64, 64), shaft_nodes=65536)
     image = scattered_once(seen, shafts="volumes", maps=(64, 64), volume_tolerance=0.0)

@@ -96,10 +96,15 @@ def test_a_floor_under_air_gets_less_of_the_sky(gpu: Any) -> None:
     air = Medium((0.2,) * 3, (0.0,) * 3, bounds=wide)
     settings = {"ambient_occlusion": False, "bounds": (-4.0, -1.5, -4.0, 4.0, 2.5, 4.0)}
     clear, hazy = (
-        render(Scene(meshes=(floor,), medium=medium, environment=sky, camera=camera),
-               "single", (8, 6), samples=1, settings=settings).layers["direct"]
+        render(
+            Scene(meshes=(floor,), medium=medium, environment=sky, camera=camera),
+            "single",
+            (8, 6),
+            samples=1,
+            settings=settings,
+        ).layers["direct"]
         for medium in (None, air)
-    )  # fmt: skip
+    )
     mu = (np.arange(2000) + 0.5) / 2000
     share = float((2.0 * mu * np.exp(-0.6 / mu)).mean())
     seen = np.exp(-0.2 * 2.0)

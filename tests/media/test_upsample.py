@@ -28,9 +28,7 @@ def upsampled(gpu: Gpu, seen: Any, scale: int, values: Callable[..., np.ndarray]
     reduced = Texture(gpu, "reduced", rays.reduced, "rgba32float")
     reduced.write(texels)
     target = Texture(gpu, "full", SIZE, "rgba32float", target=True)
-    Upsample(gpu).encode(
-        seen.commands, params, rays, seen.view.gbuffer.depth, reduced, target
-    )  # fmt: skip
+    Upsample(gpu).encode(seen.commands, params, rays, seen.view.gbuffer.depth, reduced, target)
     return np.asarray(seen.read(target)[..., 0])
 
 

@@ -40,8 +40,9 @@ def test_what_collides_is_absorbed_or_goes_either_way(
     gpu: Gpu, owned: Callable[[Any], Any], closed: float
 ) -> None:
     sigma, albedo, g = 1.5, np.array([1.0, 0.8, 0.3]), 0.25
-    air = Volume((sigma,) * 3, shape="box", albedo=tuple(albedo), g=(g,) * 3,
-                 bounds=((-2,) * 3, (2,) * 3))  # fmt: skip
+    air = Volume(
+        (sigma,) * 3, shape="box", albedo=tuple(albedo), g=(g,) * 3, bounds=((-2,) * 3, (2,) * 3)
+    )
     got = faces(gpu, owned, air, closed)
     scattering, extinction = sigma * albedo * (1 - g), sigma * (1 - albedo * g)
     collided = 1.0 - np.exp(-0.5 * extinction.mean())

@@ -47,12 +47,24 @@ def test_any_extinction_and_g_scatter_a_finite_light(gpu, sigma_t, g):
 @pytest.mark.parametrize(
     "density",
     [
-        np.zeros((4, 4, 4)), np.ones((1, 1, 1)), np.ones((1, 9, 9)), np.full((2, 2, 2), 1e-30),
-        np.full((2, 2, 2), 1e15), np.pad(np.ones((1, 1, 1)), 4), np.ones((2, 2, 300)),
+        np.zeros((4, 4, 4)),
+        np.ones((1, 1, 1)),
+        np.ones((1, 9, 9)),
+        np.full((2, 2, 2), 1e-30),
+        np.full((2, 2, 2), 1e15),
+        np.pad(np.ones((1, 1, 1)), 4),
+        np.ones((2, 2, 300)),
     ],
-    ids=["empty air", "one voxel", "one voxel thin", "next to nothing", "beyond half floats",
-         "a speck", "a line"],
-)  # fmt: skip
+    ids=[
+        "empty air",
+        "one voxel",
+        "one voxel thin",
+        "next to nothing",
+        "beyond half floats",
+        "a speck",
+        "a line",
+    ],
+)
 def test_any_density_gives_a_finite_light(gpu, density):
     got = emission(gpu, Volume((2.0,) * 3, density.astype(np.float32), g=(0.0, 0.9, -0.9)))
     assert np.isfinite(got).all()
@@ -60,8 +72,11 @@ def test_any_density_gives_a_finite_light(gpu, density):
 
 
 def test_boxes_of_any_size_and_form(gpu):
-    for bounds in (((0, 0, 0), (1e-4, 1e-4, 1e-4)), ((-1e5,) * 3, (1e5,) * 3),
-                   ((0, 0, 0), (100.0, 0.01, 1.0))):  # fmt: skip
+    for bounds in (
+        ((0, 0, 0), (1e-4, 1e-4, 1e-4)),
+        ((-1e5,) * 3, (1e5,) * 3),
+        ((0, 0, 0), (100.0, 0.01, 1.0)),
+    ):
         assert np.isfinite(emission(gpu, Volume((1.0,) * 3, ONES, bounds=bounds))).all()
     flat = np.diag([1.0, 1e-6, 1.0, 1.0])
     assert np.isfinite(emission(gpu, Volume((1.0,) * 3, ONES, world_from_volume=flat))).all()
@@ -83,7 +98,7 @@ def test_boxes_of_any_size_and_form(gpu):
         ({"bounds": ((0, 0, 0), (1, 0, 1))}, "volume bounds is empty"),
         ({"density": None, "shape": "box", "detail": 1.0}, "a shape has none"),
     ],
-)  # fmt: skip
+)
 def test_what_makes_no_sense_is_refused(fields, problem):
     with pytest.raises(SceneError) as caught:
         dataclasses.replace(Volume((1.0,) * 3, ONES), **fields)

@@ -40,9 +40,12 @@ def emission(solver: PopSolver, lights, sky, eye: F64) -> F64:
 def test_thin_air_scatters_once(gpu, scheme, angle):
     """Optical depth .01: one ordinate, straight and oblique, in a straight and a turned box."""
     volume = Volume(
-        (0.01,) * 3, shape="box", bounds=((-0.5,) * 3, (0.5,) * 3), g=tuple(G),
+        (0.01,) * 3,
+        shape="box",
+        bounds=((-0.5,) * 3, (0.5,) * 3),
+        g=tuple(G),
         world_from_volume=turned(np.array([0.3, 0.8, -0.5]), angle),
-    )  # fmt: skip
+    )
     settings = PopSettings(scheme=scheme, grid=8, iterations=8, furnace_correction=0.0)
     solver = PopSolver(gpu, volume, settings, lights=1)
     for travel in ((0.0, 0.0, -1.0), (0.48, -0.64, 0.6)):

@@ -10,8 +10,15 @@ from airlight.scene import Camera, Material, Mesh, Scene, Volume
 from airlight.scene.lights import DirectionalLight
 from airlight.scene.shapes import quad
 
-SETTINGS = {"grid": 8, "ordinates": 1, "solver_steps": 24, "resolution": 16, "surfels": 4000,
-            "shadow_resolution": 64, "sky_lights": 0}  # fmt: skip
+SETTINGS = {
+    "grid": 8,
+    "ordinates": 1,
+    "solver_steps": 24,
+    "resolution": 16,
+    "surfels": 4000,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+}
 BOXES = (((-1.25, -0.5, -0.5), (-0.25, 0.5, 0.5)), ((0.25, -0.5, -0.5), (1.25, 0.5, 0.5)))
 CAMERA = Camera((0.0, 1.0, 4.5), (0.0, 0.0, 0.0), fov_y_deg=36.0)
 
@@ -28,15 +35,19 @@ def black(corner: object, u: object, v: object) -> Mesh:
 
 def light_of_the_second(technique: str, half: float) -> float:
     """Of two boxes, the second under a roof: lit by the first alone, past a wall 2 half wide."""
-    meshes = [black((-2, -1.2, -2), (4, 0, 0), (0, 0, 4)), black((0.02, 1.3, -2), (2, 0, 0),
-                                                                 (0, 0, 4))]  # fmt: skip
+    meshes = [
+        black((-2, -1.2, -2), (4, 0, 0), (0, 0, 4)),
+        black((0.02, 1.3, -2), (2, 0, 0), (0, 0, 4)),
+    ]
     if half:
         meshes.append(black((0, -half, -half), (0, 0, 2 * half), (0, 2 * half, 0)))
     scene = Scene(
-        meshes=tuple(meshes), lights=(DirectionalLight((0.0, -1.0, 0.0), (3.0,) * 3),),
+        meshes=tuple(meshes),
+        lights=(DirectionalLight((0.0, -1.0, 0.0), (3.0,) * 3),),
         volumes=tuple(Volume((4.0,) * 3, np.ones((4, 4, 4), np.float32), bounds=b) for b in BOXES),
-        environment=None, camera=CAMERA,
-    )  # fmt: skip
+        environment=None,
+        camera=CAMERA,
+    )
     image = render(scene, technique, (24, 16), settings=SETTINGS, samples=1)
     return float(image.radiance[:, 12:].mean())
 

@@ -59,9 +59,15 @@ class Twin:
     def hop(self, hops, rho, irradiance, cosine, towards):
         light = hop.first_light(hops, self.air, rho, irradiance, is_paper=self.is_paper)
         return hop.propagate(
-            hops, self.air, rho, light, cosine, [towards], is_paper=self.is_paper,
+            hops,
+            self.air,
+            rho,
+            light,
+            cosine,
+            [towards],
+            is_paper=self.is_paper,
             iterations=self.iterations,
-        )  # fmt: skip
+        )
 
     def add_parallel(self, direction: F64, irradiance: F64, cosine: float, cells: int) -> None:
         grids = ordinate_grids(self.air.extent, direction, cells)
@@ -146,8 +152,12 @@ def test_the_picture_is_beams_lobes_and_residuum(gpu):
     truth = twin(solver, (SUN,), SKY)
     rows = solver._scene_ordinates.of((SUN,), SKY)
     scale = solver.beams.table.scale
-    each = zip(solver.medium.placement.direction(rows.direction), rows.irradiance, rows.mean_cosine,
-               strict=True)  # fmt: skip
+    each = zip(
+        solver.medium.placement.direction(rows.direction),
+        rows.irradiance,
+        rows.mean_cosine,
+        strict=True,
+    )
     beams = [db.beam(truth.air, d, e / scale, float(c)) for d, e, c in each]
     away = truth.eye - truth.air.centres
     towards = away / np.linalg.norm(away, axis=-1, keepdims=True)
@@ -209,9 +219,11 @@ def test_surfaces_shade_what_hops(gpu):
         matrix[1, 3] = height
         scene = Scene(
             meshes=(Mesh(box(), Material(base_color=(0.0,) * 3, specular=0.0), matrix),),
-            lights=(DirectionalLight((0, -1, 0), (1, 1, 1)),), environment=None,
-            camera=Camera((0, 0, 4), (0, 0, 0)), volumes=(Volume((1.0,) * 3, shape="box"),),
-        )  # fmt: skip
+            lights=(DirectionalLight((0, -1, 0), (1, 1, 1)),),
+            environment=None,
+            camera=Camera((0, 0, 4), (0, 0, 0)),
+            volumes=(Volume((1.0,) * 3, shape="box"),),
+        )
         settings = {**SETTINGS, "scheme": "split", "resolution": 8, "surfels": 1000}
         with Renderer(scene, "pop", (16, 16), settings=settings) as renderer:
             image = renderer.frame(samples=1)

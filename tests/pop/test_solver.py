@@ -36,9 +36,13 @@ def blob(side: int = 20) -> Volume:
     rho = (np.clip((0.3 - radius) / 0.15, 0.0, 1.0) * (0.5 + noise)).astype(np.float32)
     turn = np.array([[0.6, 0, 0.8, 0.1], [0, 1, 0, 0.2], [-0.8, 0, 0.6, 0.3], [0, 0, 0, 1.0]])
     return Volume(
-        (4.0, 8.0, 12.0), rho, bounds=((-1, -0.5, -1.5), (1, 1, 1)), albedo=(1.0, 0.9, 0.8),
-        g=(0.0, 0.6, 0.9), world_from_volume=turn,
-    )  # fmt: skip
+        (4.0, 8.0, 12.0),
+        rho,
+        bounds=((-1, -0.5, -1.5), (1, 1, 1)),
+        albedo=(1.0, 0.9, 0.8),
+        g=(0.0, 0.6, 0.9),
+        world_from_volume=turn,
+    )
 
 
 class Twin(NamedTuple):
@@ -59,8 +63,13 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
     air = db.MediumGrid(at.extent, coarse, fine, np.array(v.sigma_t), albedo, np.array(v.g))
     rows = zip(at.direction(sky.direction), sky.irradiance / scale, sky.mean_cosine, strict=True)
     beams = [db.beam(air, *row) for row in rows]
-    solution = db.light(air, beams, SETTINGS.solver_steps, solver.medium.placed.width.diffusivity,
-                        solver.medium.placed.width.density)  # fmt: skip
+    solution = db.light(
+        air,
+        beams,
+        SETTINGS.solver_steps,
+        solver.medium.placed.width.diffusivity,
+        solver.medium.placed.width.density,
+    )
     away = at.point(EYE) - air.centres
     return Twin(air, solution, away / np.linalg.norm(away, axis=-1, keepdims=True))
 

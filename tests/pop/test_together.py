@@ -28,9 +28,13 @@ WHOLE: Bounds = ((-1.0, -0.5, -0.5), (1.0, 0.5, 0.5))
 def box(bounds: Bounds, sigma: float, g: float, albedo: float = 1.0) -> Volume:
     """An even box of air."""
     return Volume(
-        (sigma,) * 3, shape="box", bounds=bounds, g=(g,) * 3, albedo=(albedo,) * 3,
+        (sigma,) * 3,
+        shape="box",
+        bounds=bounds,
+        g=(g,) * 3,
+        albedo=(albedo,) * 3,
         source=str(bounds),
-    )  # fmt: skip
+    )
 
 
 def scattered(gpu: Gpu, volumes: tuple[Volume, ...], light: Light) -> F64:
@@ -72,9 +76,11 @@ def test_one_behind_another_is_in_its_shadow_and_in_its_light(
     assert together.ROUNDS >= 1
     boxes = (((-1.25, -0.5, -0.5), (-0.25, 0.5, 0.5)), ((0.25, -0.5, -0.5), (1.25, 0.5, 0.5)))
     scene = Scene(
-        volumes=tuple(box(b, 2.0, g) for b in boxes), lights=(ALONG,), environment=None,
+        volumes=tuple(box(b, 2.0, g) for b in boxes),
+        lights=(ALONG,),
+        environment=None,
         camera=CAMERA,
-    )  # fmt: skip
+    )
     got = pictures(gpu, scene, dataclasses.replace(SETTINGS, grid=12))[0].mean(axis=-1)
     height, width = got.shape
     share = np.array([got[:, : width // 2].sum(), got[:, width // 2 :].sum()]) / height**2

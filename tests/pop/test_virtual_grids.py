@@ -25,10 +25,19 @@ from airlight.scene.shapes import box, quad
 
 COUNT = 6
 SETTINGS = {
-    "scheme": "split", "virtual_lights": COUNT, "virtual_resolution": 64, "grid": 8,
-    "iterations": 6, "solver_steps": 20, "sky_lights": 0, "resolution": 16,
-    "shadow_resolution": 64, "lamp_resolution": 128, "surfels": 5000, "march": "full",
-}  # fmt: skip
+    "scheme": "split",
+    "virtual_lights": COUNT,
+    "virtual_resolution": 64,
+    "grid": 8,
+    "iterations": 6,
+    "solver_steps": 20,
+    "sky_lights": 0,
+    "resolution": 16,
+    "shadow_resolution": 64,
+    "lamp_resolution": 128,
+    "surfels": 5000,
+    "march": "full",
+}
 ALBEDO, INTENSITY, HEIGHT = 0.6, 5.0, 0.45
 INNER, OUTER = 25.0, 40.0
 TURNS = [np.eye(3)[list(p)] for p in ((0, 1, 2), (1, 2, 0), (2, 0, 1))]
@@ -49,13 +58,18 @@ def over_floor(gap: float = 0.5, turn: F64 = TURNS[0], sigma: float = 4.0, g: fl
     middle = 0.5 * (a + b)
     eye = middle + np.array([0.7, 0.5, 5.0]) @ turn
     up = tuple(np.array([0.0, 1.0, 0.0]) @ turn)
-    air = Volume((sigma,) * 3, shape="box", g=(g,) * 3,
-                 bounds=(tuple(np.minimum(a, b)), tuple(np.maximum(a, b))))  # fmt: skip
+    air = Volume(
+        (sigma,) * 3,
+        shape="box",
+        g=(g,) * 3,
+        bounds=(tuple(np.minimum(a, b)), tuple(np.maximum(a, b))),
+    )
     return Scene(
         meshes=(Mesh(quad(), Material(base_color=(ALBEDO,) * 3, specular=0.0), floor),),
-        lights=(spot,), volumes=(air,),
+        lights=(spot,),
+        volumes=(air,),
         camera=Camera(tuple(eye), tuple(middle), up=up, fov_y_deg=22.0),
-    )  # fmt: skip
+    )
 
 
 def solved(scene: Scene, **settings: object) -> tuple[F64, dict[str, F64]]:

@@ -12,10 +12,17 @@ from airlight.scene.shapes import quad
 
 SIZE = (9, 9)
 SETTINGS = {
-    "virtual_lights": 48, "virtual_resolution": 128, "grid": 8, "ordinates": 8, "sky_lights": 0,
-    "resolution": 20, "shadow_resolution": 64, "lamp_resolution": 128, "surfels": 20000,
+    "virtual_lights": 48,
+    "virtual_resolution": 128,
+    "grid": 8,
+    "ordinates": 8,
+    "sky_lights": 0,
+    "resolution": 20,
+    "shadow_resolution": 64,
+    "lamp_resolution": 128,
+    "surfels": 20000,
     "march": "full",
-}  # fmt: skip
+}
 SIGMA, ALBEDO, INTENSITY = 0.02, 0.6, 5.0
 SPOT = SpotLight((0.0, 1.0, 0.0), (0, -1, 0), (INTENSITY,) * 3, inner_deg=25, outer_deg=35)
 LOW, HIGH = np.array([0.9, 0.2, -0.3]), np.array([1.5, 0.8, 0.3])
@@ -28,10 +35,11 @@ def scene(*meshes: Mesh) -> Scene:
     bounds = (tuple(LOW), tuple(HIGH))
     middle = 0.5 * (LOW + HIGH)
     return Scene(
-        meshes=(floor, *meshes), lights=(SPOT,),
+        meshes=(floor, *meshes),
+        lights=(SPOT,),
         volumes=(Volume((SIGMA,) * 3, shape="box", bounds=bounds),),
         camera=Camera((middle[0], middle[1], 4.0), tuple(middle), fov_y_deg=2.0),
-    )  # fmt: skip
+    )
 
 
 def fluence(points: np.ndarray) -> np.ndarray:

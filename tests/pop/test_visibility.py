@@ -17,8 +17,14 @@ from airlight.scene.material import Material
 from airlight.scene.shapes import box
 
 SUN, LAMP = DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((-0.5, 1.8, 0.0), (1, 1, 1))
-SETTINGS = {"ordinates": 16, "grid": 8, "solver_steps": 4, "resolution": 8, "surfels": 1000,
-            "virtual_lights": 0}  # fmt: skip
+SETTINGS = {
+    "ordinates": 16,
+    "grid": 8,
+    "solver_steps": 4,
+    "resolution": 8,
+    "surfels": 1000,
+    "virtual_lights": 0,
+}
 
 
 def plate(x: float, width: float) -> Mesh:
@@ -41,9 +47,12 @@ def shares(scene: Scene) -> tuple[F64, F64]:
 
 def lit(gpu: Gpu, *lights: Light, meshes: tuple[Mesh, ...], sky: Environment | None = None) -> F64:
     scene = Scene(
-        meshes=meshes, lights=lights, environment=sky, camera=Camera((0, 0, 4), (0, 0, 0)),
+        meshes=meshes,
+        lights=lights,
+        environment=sky,
+        camera=Camera((0, 0, 4), (0, 0, 0)),
         volumes=(Volume((1.0,) * 3, shape="box"),),
-    )  # fmt: skip
+    )
     return shares(scene)[0]
 
 
@@ -64,9 +73,11 @@ def test_without_surfaces_nothing_is_shaded(gpu):
 
 def test_a_wide_plate_keeps_the_upper_sky_out(gpu):
     scene = Scene(
-        meshes=(plate(0.0, 40.0), plate(0.0, 40.0)), environment=Environment((1, 1, 1)),
-        camera=Camera((0, 0, 4), (0, 0, 0)), volumes=(Volume((1.0,) * 3, shape="box"),),
-    )  # fmt: skip
+        meshes=(plate(0.0, 40.0), plate(0.0, 40.0)),
+        environment=Environment((1, 1, 1)),
+        camera=Camera((0, 0, 4), (0, 0, 0)),
+        volumes=(Volume((1.0,) * 3, shape="box"),),
+    )
     share, travel = shares(scene)
     along_plate = np.abs(travel[:, 0]) > 0.8  # the plate is 40 m wide, but 4 m deep
     down = (travel[:, 1] < -0.5) | (along_plate & (travel[:, 1] < -0.2))
@@ -90,8 +101,9 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
     for n, row in enumerate(rows[2:8]):
         mine = parts[row["first"] : row["first"] + row["count"]]
         assert mine["weight"].sum() == pytest.approx(1.0)
-        nearest = np.argmax(sky.direction @ np.array([lamps[k].direction for k in mine["layer"]]).T,
-                            axis=0)  # fmt: skip
+        nearest = np.argmax(
+            sky.direction @ np.array([lamps[k].direction for k in mine["layer"]]).T, axis=0
+        )
         assert (nearest == n).all()
 
 

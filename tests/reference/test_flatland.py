@@ -54,9 +54,12 @@ def test_ours_receives_all_there_is_in_any_number_of_bands():
 def test_the_schemes_stand_in_the_order_measured():
     """Two bands, relative L2 for one light and two; the notes' geometry is not told exactly."""
     measured = {
-        "paper": (0.475, 0.431), "dom4": (0.220, 0.178), "dom8": (0.219, 0.152),
-        "ray": (0.223, 0.174), "centroid": (0.190, 0.142),
-    }  # fmt: skip
+        "paper": (0.475, 0.431),
+        "dom4": (0.220, 0.178),
+        "dom8": (0.219, 0.152),
+        "ray": (0.223, 0.174),
+        "centroid": (0.190, 0.142),
+    }
     for scheme, errors in measured.items():
         for lights, expected in zip((flatland.ONE_LIGHT, flatland.TWO_LIGHTS), errors, strict=True):
             found = flatland.solve(scheme, lights)

@@ -63,8 +63,9 @@ def test_mirrored_and_flattened_placements_stay_finite() -> None:
 def test_copies_share_a_file_and_keep_their_places(tmp_path) -> None:
     geometry, files = box(), FileStore(tmp_path, ".")
     turned = np.array([[0.6, 0, 0.8, 1], [0, 2, 0, 2], [-0.8, 0, 0.6, 3], [0, 0, 0, 1.0]])
-    shapes = [mesh_shapes(Mesh(geometry, Material(), m), 1.0, files, [])[0]
-              for m in (np.eye(4), turned)]  # fmt: skip
+    shapes = [
+        mesh_shapes(Mesh(geometry, Material(), m), 1.0, files, [])[0] for m in (np.eye(4), turned)
+    ]
     names = [shape.find("string[@name='filename']").get("value") for shape in shapes]
     assert names[0] == names[1] and shapes[0].find("transform") is None
     values = [float(v) for v in shapes[1].find("transform/matrix").get("value").split()]

@@ -56,9 +56,12 @@ class Solved:
     def __init__(self, gpu: Any, scene: Scene, cells: int = 16, **settings: Any) -> None:
         commands = Commands(gpu)
         surfaces = SurfaceSettings(
-            shadow_resolution=128, lamp_resolution=128, sky_lights=8, sky_resolution=32,
+            shadow_resolution=128,
+            lamp_resolution=128,
+            sky_lights=8,
+            sky_resolution=32,
             surfels=40_000,
-        )  # fmt: skip
+        )
         context = Context(gpu, scene, GpuScene(gpu, scene), (8, 8))
         kit = Kit(context, surfaces, nested(LOW, HIGH, cells + 2))
         self.placement = kit.placement

@@ -13,8 +13,9 @@ from .test_levels import ALBEDO, COUNT, SIGMA_T, solved, sparks, summed  # type:
 def balanced(gpu, commands, lattice, source, current, stepped):
     """(what became of `current`, scales) where `stepped` is one step on."""
     balance = Balance(gpu)
-    out = balance.encode(commands, COUNT, source=lattice(source), current=lattice(current),
-                         stepped=lattice(stepped))  # fmt: skip
+    out = balance.encode(
+        commands, COUNT, source=lattice(source), current=lattice(current), stepped=lattice(stepped)
+    )
     commands.submit()
     found = out.read().reshape(source.shape), balance.scales.read()[:3]
     balance.release()

@@ -43,6 +43,9 @@ def test_equation_3_as_printed_hands_on_0_699_of_what_scatters():
 
 
 def test_equation_3_is_refused_where_it_is_unstable():
-    with pytest.raises(SettingsError, match=r"needs less than 1 mean free path per hop, here are "
-                       r"1\.36\. Raise the resolution, thin the medium"):  # fmt: skip
+    with pytest.raises(
+        SettingsError,
+        match=r"needs less than 1 mean free path per hop, here are "
+        r"1\.36\. Raise the resolution, thin the medium",
+    ):
         paper_rows([1.0] * 3, [1.0, 0.1, 0.1], 1.0)

@@ -57,8 +57,15 @@ def test_surfaces_see_less_in_fog_and_more_of_what_comes_from_the_air(gpu, comma
     total, forward = random_cells(3), random_cells(4)
     surfaces = SurfaceLight(gpu, PLACEMENT)
     sigma_s = tuple(0.8 * t for t in SIGMA_T)
-    surfaces.encode(commands, lattice(total), 40.0, medium=None, sigma_s=sigma_s, sigma_t=SIGMA_T,
-                    forward=lattice(forward))  # fmt: skip
+    surfaces.encode(
+        commands,
+        lattice(total),
+        40.0,
+        medium=None,
+        sigma_s=sigma_s,
+        sigma_t=SIGMA_T,
+        forward=lattice(forward),
+    )
     commands.submit()
     got = np.stack([t.read() for t in (surfaces.red, surfaces.green, surfaces.blue)])
     share = mean_track(np.array(SIGMA_T), 0.5) / mean_track(0.0, 0.5)
@@ -87,8 +94,9 @@ def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
     corners = np.array([[0, 0, 8], [0, 12, 8], [0, 12, 20], [0, 0, 20.0]])
     want = np.abs(polygon_irradiance(points, normals, corners, 1.0))
     for iterations, worst in ((16, 0.18), (32, 0.09)):
-        levels = Levels(gpu, count, 1.0, schedule("none", iterations, count), is_blocked=False,
-                        is_varied=False)  # fmt: skip
+        levels = Levels(
+            gpu, count, 1.0, schedule("none", iterations, count), is_blocked=False, is_varied=False
+        )
         levels.set_air([0.0] * 3, [0.0] * 3)
         total, _ = levels.encode(commands, lattice(wall))
         commands.submit()

@@ -28,8 +28,12 @@ def run(gpu, lattice, commands, state, sigma_s, sigma_t, steps, packs=None, is_v
     step = (VariedStep if is_varied else Step)(gpu, is_blocked=packs is not None)
     seen = []
     for _ in range(steps):
-        given = {"before": buffers[0], "source": source, "after": buffers[1],
-                 "packs": packs or source}  # fmt: skip
+        given = {
+            "before": buffers[0],
+            "source": source,
+            "after": buffers[1],
+            "packs": packs or source,
+        }
         if is_varied:
             step.encode(commands, COUNT, 1.0, medium, is_track=False, **given)
         else:
@@ -57,8 +61,9 @@ def test_no_air_makes_light_negative_or_grow(gpu, lattice, commands, albedo, is_
     state = np.abs(random_state(5))
     state[..., 1:] = 0.0
     start = before = state[..., 0].sum(axis=(1, 2, 3))
-    for after in run(gpu, lattice, commands, state, albedo * sigma_t, sigma_t, 24,
-                     is_varied=is_varied):  # fmt: skip
+    for after in run(
+        gpu, lattice, commands, state, albedo * sigma_t, sigma_t, 24, is_varied=is_varied
+    ):
         power = after[..., 0].sum(axis=(1, 2, 3))
         assert np.isfinite(after).all()
         # A two-band wave leaves a trough of under a percent behind as the last of it goes out.
@@ -75,8 +80,9 @@ def test_walls_never_add_light(gpu, lattice, commands, walls, albedo, is_varied)
     sigma_t = np.array([0.0, 0.4, 5.0])
     state = random_state(6)
     start = before = state[..., 0].sum(axis=(1, 2, 3))
-    for after in run(gpu, lattice, commands, state, albedo * sigma_t, sigma_t, 16, packs,
-                     is_varied):  # fmt: skip
+    for after in run(
+        gpu, lattice, commands, state, albedo * sigma_t, sigma_t, 16, packs, is_varied
+    ):
         power = after[..., 0].sum(axis=(1, 2, 3))
         assert np.isfinite(after).all()
         assert np.all(power <= before + 1e-5 * np.abs(start)), (power, before)

@@ -23,9 +23,16 @@ from airlight.scene.shapes import quad
 
 HALF, INNER = 0.5, 14
 BOUNDS = ((-HALF,) * 3, (HALF,) * 3)
-SMALL = {"resolution": INNER + 2, "shadow_resolution": 128, "lamp_resolution": 64,
-         "map_resolution": 32, "surfels": 2000, "shaft_resolution": "full",
-         "march_resolution": "full", "bounds": (*BOUNDS[0], *BOUNDS[1])}  # fmt: skip
+SMALL = {
+    "resolution": INNER + 2,
+    "shadow_resolution": 128,
+    "lamp_resolution": 64,
+    "map_resolution": 32,
+    "surfels": 2000,
+    "shaft_resolution": "full",
+    "march_resolution": "full",
+    "bounds": (*BOUNDS[0], *BOUNDS[1]),
+}
 SUN = DirectionalLight((0.0, 0.0, 1.0), (1.0,) * 3)
 LAMP = PointLight((0.03, 0.01, 0.02), (1.0 / (4.0 * math.pi),) * 3)
 CELL = slice(1, -1)  # the lattice goes one cell further than the air
@@ -64,9 +71,16 @@ def errors(light, g, sigma, photons):
 
 # Measured 2026-11-21 with 300 000 photons: .126 .127 .088 .077; .182 .161 .108 .084. Without it
 # .069 .233 .548 .748; .190 .283 .602 .826.
-CASES = {(SUN, 0.3, 2.0): 0.135, (SUN, 0.6, 4.0): 0.135, (SUN, 0.85, 6.0): 0.1,
-         (SUN, 0.95, 10.0): 0.09, (LAMP, 0.3, 2.0): 0.19, (LAMP, 0.6, 4.0): 0.17,
-         (LAMP, 0.85, 6.0): 0.12, (LAMP, 0.95, 10.0): 0.1}  # fmt: skip
+CASES = {
+    (SUN, 0.3, 2.0): 0.135,
+    (SUN, 0.6, 4.0): 0.135,
+    (SUN, 0.85, 6.0): 0.1,
+    (SUN, 0.95, 10.0): 0.09,
+    (LAMP, 0.3, 2.0): 0.19,
+    (LAMP, 0.6, 4.0): 0.17,
+    (LAMP, 0.85, 6.0): 0.12,
+    (LAMP, 0.95, 10.0): 0.1,
+}
 
 
 @pytest.mark.slow
@@ -88,12 +102,14 @@ def test_forward_air_is_as_bright_from_everywhere(gpu, g, sigma):
     ways = np.array([[0.35, 0.2, 0.92], [0.9, 0.4, 0.1], [0.5, 0.3, -0.8], [0.2, 0.1, -0.97]])
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     box = tracer.BoxMedium(sigma_t=sigma, g=g)
-    truth = tracer.trace(box, tracer.Beam((0, 0, 1)), cells=(4, 4, 4), photons=60_000,
-                         views=[tuple(w) for w in ways])  # fmt: skip
+    truth = tracer.trace(
+        box, tracer.Beam((0, 0, 1)), cells=(4, 4, 4), photons=60_000, views=[tuple(w) for w in ways]
+    )
     medium = Medium((sigma,) * 3, (1.0,) * 3, (g,) * 3, BOUNDS)
     fov, pixels = 2.0 * math.degrees(math.atan(0.9 / away_m)), 20
-    with Renderer(Scene(lights=(SUN,), medium=medium), "lpv-scatter", (pixels, pixels),
-                  settings=SMALL) as renderer:  # fmt: skip
+    with Renderer(
+        Scene(lights=(SUN,), medium=medium), "lpv-scatter", (pixels, pixels), settings=SMALL
+    ) as renderer:
         frames = [
             renderer.frame(camera=Camera(tuple(away_m * w), (0, 0, 0), fov_y_deg=fov)) for w in ways
         ]

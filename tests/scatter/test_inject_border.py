@@ -32,9 +32,14 @@ class Found:
         white = buffer_of(gpu, "colours", np.full(SMALL.cells, 0x00FFFFFF, np.uint32))
         owned(white)
         border.find(
-            commands, AIR, TOP, [SUN], SimpleNamespace(bound=_walls(gpu, owned, open_share)),
-            None if reflectance is None else white, is_new=True,
-        )  # fmt: skip
+            commands,
+            AIR,
+            TOP,
+            [SUN],
+            SimpleNamespace(bound=_walls(gpu, owned, open_share)),
+            None if reflectance is None else white,
+            is_new=True,
+        )
         cells, base = (owned(Buffer(gpu, n, 3 * SMALL.cells * 16)) for n in ("cells", "base"))
         for buffer in (cells, base):
             buffer.write(np.zeros((3 * SMALL.cells, 4), np.float32))

@@ -59,9 +59,14 @@ class Place:
 
     def gathered(self):
         InjectSingle(self.gpu, self.air).encode(
-            self.commands, PLACEMENT, self.lights.bound, len(self.scene.lights),
-            walls=self.blockers.walls, base=self.black, cells=self.cells,
-        )  # fmt: skip
+            self.commands,
+            PLACEMENT,
+            self.lights.bound,
+            len(self.scene.lights),
+            walls=self.blockers.walls,
+            base=self.black,
+            cells=self.cells,
+        )
         return self.read()
 
     def from_maps(self, make, side=64, **options):
@@ -72,11 +77,19 @@ class Place:
         owners = buffer_of(self.gpu, "owners", owner_rows([v.light for v in views]))
         sums, scale = new_sums(self.gpu, PLACEMENT), fixed_point_scale(500.0, returned_sharpness())
         make(self.gpu, self.air).encode(
-            self.commands, maps, self.lights.table, owners, PLACEMENT, self.blockers.walls, sums,
-            scale, **options,
-        )  # fmt: skip
-        Resolve(self.gpu).encode(self.commands, PLACEMENT, sums, self.black, self.cells,
-                                 scale / (4 * np.pi))  # fmt: skip
+            self.commands,
+            maps,
+            self.lights.table,
+            owners,
+            PLACEMENT,
+            self.blockers.walls,
+            sums,
+            scale,
+            **options,
+        )
+        Resolve(self.gpu).encode(
+            self.commands, PLACEMENT, sums, self.black, self.cells, scale / (4 * np.pi)
+        )
         return self.read()
 
 
@@ -135,9 +148,10 @@ def test_cells_gather_what_scatters_in_the_box(place, name):
     # Worst for a lamp right between cells, whose nearest parts are seen as balls.
     is_lamp_near = name in ("lamp at a cell's corner", "spot")
     np.testing.assert_allclose(
-        got[..., 0].sum(axis=(1, 2, 3)), scattered_in_the_box(light),
+        got[..., 0].sum(axis=(1, 2, 3)),
+        scattered_in_the_box(light),
         rtol=0.03 if is_lamp_near else 0.012,
-    )  # fmt: skip
+    )
     assert not got[..., 1:].any()
 
 
@@ -188,8 +202,12 @@ def test_reflected_light_is_attenuated_on_its_way(place):
 
 
 def test_cells_hold_the_mean_coefficients(gpu, commands, place):
-    volume = Volume((3.0, 2.0, 1.0), shape="sphere", bounds=((-0.6, -0.5, -0.4), (0.6, 0.7, 0.8)),
-                    albedo=(0.5, 0.9, 1.0))  # fmt: skip
+    volume = Volume(
+        (3.0, 2.0, 1.0),
+        shape="sphere",
+        bounds=((-0.6, -0.5, -0.4), (0.6, 0.7, 0.8)),
+        albedo=(0.5, 0.9, 1.0),
+    )
     air = place(LIGHTS["lamp inside"], volumes=(volume,)).air
     medium = Buffer(gpu, "medium", 3 * PLACEMENT.cells * 8)
     CellMedium(gpu, air).encode(commands, PLACEMENT, medium, 6)

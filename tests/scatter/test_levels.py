@@ -71,14 +71,17 @@ def test_corrections_lead_to_the_same_field_faster(gpu, commands, lattice, accel
     source = sparks()
     want = summed(100)[..., 0]
     plain = summed(9)[..., 0]
-    air = [np.broadcast_to(v.reshape(3, 1, 1, 1), source.shape[:-1]) if is_varied else v
-           for v in (ALBEDO * SIGMA_T, SIGMA_T)]  # fmt: skip
+    air = [
+        np.broadcast_to(v.reshape(3, 1, 1, 1), source.shape[:-1]) if is_varied else v
+        for v in (ALBEDO * SIGMA_T, SIGMA_T)
+    ]
     plan = schedule(acceleration, 8, COUNT)
     got = solved(gpu, commands, lattice, source, plan, *air)[..., 0]
     error, before = (
         np.linalg.norm((v - want).reshape(3, -1), axis=1)
-        / np.linalg.norm(want.reshape(3, -1), axis=1) for v in (got, plain)
-    )  # fmt: skip
+        / np.linalg.norm(want.reshape(3, -1), axis=1)
+        for v in (got, plain)
+    )
     assert np.all(error < np.maximum(0.55 * before, 0.02)), (error, before)
 
 

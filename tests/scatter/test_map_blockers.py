@@ -60,7 +60,8 @@ def test_a_foggy_box_is_about_as_bright(gpu: Any) -> None:
     settings = {"resolution": 16, "surfels": 40_000, "lamp_resolution": 64, "map_resolution": 64}
     light = {}
     for kind in ("surfels", "maps"):
-        image = render(haze_box(), "lpv-scatter", (24, 18), samples=1,
-                       settings={**settings, "blockers": kind})  # fmt: skip
+        image = render(
+            haze_box(), "lpv-scatter", (24, 18), samples=1, settings={**settings, "blockers": kind}
+        )
         light[kind] = float(image.layers["multiple_scatter"].mean())
     assert light["maps"] == pytest.approx(light["surfels"], rel=0.25)

@@ -49,8 +49,9 @@ def walls(gpu, lattice, commands):
     faces = np.random.default_rng(7).random((6, *SHAPE)) * 1.6
     faces = np.clip(faces - 0.3, 0.0, 1.0)
     packs = new_packs(gpu, int(np.prod(SHAPE)))
-    Walls(gpu).encode(commands, COUNT, lattice(packed_faces(faces)),
-                      lattice(reflectance_words()), packs)  # fmt: skip
+    Walls(gpu).encode(
+        commands, COUNT, lattice(packed_faces(faces)), lattice(reflectance_words()), packs
+    )
     commands.submit()
     words = packs.read(np.uint32)
     exact = lattice26_walls.open_hops(np.round(faces * 255) / 255.0)
@@ -63,8 +64,16 @@ def stepped(gpu, lattice, commands, state, row, packs=None, is_marched=False):
     coefficients = lattice(rows.view(np.uint32))
     before, source, after = (lattice(v) for v in (state, np.zeros_like(state), state))
     step = Step(gpu, is_blocked=packs is not None, is_marched=is_marched)
-    step.encode(commands, COUNT, coefficients, row, before=before, source=source, after=after,
-                packs=packs or before)  # fmt: skip
+    step.encode(
+        commands,
+        COUNT,
+        coefficients,
+        row,
+        before=before,
+        source=source,
+        after=after,
+        packs=packs or before,
+    )
     commands.submit()
     return after.read().reshape(state.shape)
 

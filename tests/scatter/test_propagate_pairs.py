@@ -42,8 +42,18 @@ def test_every_cut_is_two_single_steps(gpu, commands, owned, count, is_added):
 
     def after(given, *, is_added, steps=1):
         target = owned(buffer_of(gpu, "after", np.full(shape, np.nan, np.float32)))
-        step.encode(commands, count, rows, 0, before=given, source=source, after=target,
-                    packs=before, is_added=is_added, steps=steps)  # fmt: skip
+        step.encode(
+            commands,
+            count,
+            rows,
+            0,
+            before=given,
+            source=source,
+            after=target,
+            packs=before,
+            is_added=is_added,
+            steps=steps,
+        )
         commands.submit()
         found.append(target.read())
         return target

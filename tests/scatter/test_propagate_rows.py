@@ -40,9 +40,16 @@ def test_every_cut_is_the_plain_step(gpu, commands, owned, count, is_added):
         # What is left out must not be read.
         left_out = source if is_marched else given
         Step(gpu, is_blocked=False, is_marched=is_marched).encode(
-            commands, count, rows, 0, before=before, source=left_out, after=after, packs=before,
+            commands,
+            count,
+            rows,
+            0,
+            before=before,
+            source=left_out,
+            after=after,
+            packs=before,
             is_added=is_added,
-        )  # fmt: skip
+        )
         commands.submit()
         found.append(after.read())
     np.testing.assert_allclose(found[1], found[0], atol=1e-6 * np.abs(found[0]).max())

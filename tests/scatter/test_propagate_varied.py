@@ -27,8 +27,17 @@ def varied(gpu, lattice, commands, state, sigma_s, sigma_t, packs=None):
     got = []
     for is_track in (False, True):
         after = lattice(state)
-        step.encode(commands, COUNT, CELL_M, medium, is_track=is_track, before=before,
-                    source=source, after=after, packs=packs or before)  # fmt: skip
+        step.encode(
+            commands,
+            COUNT,
+            CELL_M,
+            medium,
+            is_track=is_track,
+            before=before,
+            source=source,
+            after=after,
+            packs=packs or before,
+        )
         commands.submit()
         got.append(after.read().reshape(state.shape))
     return got

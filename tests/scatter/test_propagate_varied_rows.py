@@ -39,9 +39,16 @@ def test_every_cut_is_the_plain_step(gpu, commands, owned, count, is_blocked, is
     for has_rows in (False, True):
         after = owned(buffer_of(gpu, "after", np.full((cells, 4), np.nan, np.float32)))
         VariedStep(gpu, is_blocked=is_blocked, has_rows=has_rows).encode(
-            commands, count, 0.7, medium, is_track=is_track, before=before, source=source,
-            after=after, packs=packs,
-        )  # fmt: skip
+            commands,
+            count,
+            0.7,
+            medium,
+            is_track=is_track,
+            before=before,
+            source=source,
+            after=after,
+            packs=packs,
+        )
         commands.submit()
         found.append(after.read())
     np.testing.assert_allclose(found[1], found[0], atol=2e-6 * np.abs(found[0]).max())

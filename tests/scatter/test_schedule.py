@@ -10,8 +10,11 @@ from airlight.scatter.schedule import cycles_to, iterations_to, schedule
 
 def test_levels_go_down_to_four_cells():
     assert schedule("cycle", 8, (32, 16, 9)).counts((32, 16, 9)) == [
-        (32, 16, 9), (16, 8, 5), (8, 4, 3), (4, 2, 2)
-    ]  # fmt: skip
+        (32, 16, 9),
+        (16, 8, 5),
+        (8, 4, 3),
+        (4, 2, 2),
+    ]
     assert len(schedule("finish", 8, (32, 32, 32)).before) == 3
     assert schedule("finish", 8, (4, 4, 4)).before == (7,)
     assert schedule("none", 5, (32, 32, 32)).before == (4,)

@@ -83,8 +83,9 @@ def test_cycles_of_small_lattices_take_few_dispatches(gpu, lattice, monkeypatch)
         return dispatch(self, *args, **values)
 
     monkeypatch.setattr(small_levels.ComputePass, "dispatch", counted)
-    levels = Levels(gpu, COUNT, 0.5, schedule("cycle", 12, COUNT), is_blocked=False,
-                    is_varied=False)  # fmt: skip
+    levels = Levels(
+        gpu, COUNT, 0.5, schedule("cycle", 12, COUNT), is_blocked=False, is_varied=False
+    )
     levels.set_air(ALBEDO * SIGMA_T, SIGMA_T)
     commands = Commands(gpu)
     levels.encode(commands, lattice(sparks()))
@@ -102,8 +103,9 @@ def test_which_lattices_are_small():
 
 
 def test_small_lattices_have_no_light_twice(gpu, owned):
-    levels = owned(Levels(gpu, COUNT, 0.5, schedule("cycle", 12, COUNT), is_blocked=True,
-                          is_varied=False))  # fmt: skip
+    levels = owned(
+        Levels(gpu, COUNT, 0.5, schedule("cycle", 12, COUNT), is_blocked=True, is_varied=False)
+    )
     fine, *small = levels.levels
     assert [level.count for level in small] == [(8, 5, 5), (4, 3, 3)]
     assert fine.sum.nbytes == 16 * 3 * fine.cells

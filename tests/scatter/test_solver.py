@@ -87,8 +87,9 @@ def test_forward_scattering_is_solved_as_its_similar_isotropic_air(gpu):
     forward = Medium((5.0, 5.0, 5.0), (0.99, 0.99, 0.99), (0.9, 0.9, 0.9))
     s, t = 5.0 * 0.99 * 0.1, 5.0 * (0.99 * 0.1 + 0.01)
     similar = Medium((t,) * 3, (s / t,) * 3)
-    one, other = (Solved(gpu, lamp_scene(*room(), medium=m)).mean_radiance
-                  for m in (forward, similar))  # fmt: skip
+    one, other = (
+        Solved(gpu, lamp_scene(*room(), medium=m)).mean_radiance for m in (forward, similar)
+    )
     np.testing.assert_allclose(one, other, rtol=1e-3)
 
 

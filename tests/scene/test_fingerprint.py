@@ -26,11 +26,13 @@ def make_scene():
         environment=Environment(map=np.ones((4, 8, 3), np.float32)),
         volumes=(Volume((1, 1, 1), density=np.zeros((2, 3, 4), np.float32)),),
         settings={"lpv": {"resolution": 16}},
-        animation=Animation((
-            CameraTrack({"fov_y_deg": fov}), VolumeTrack(0, MadeDensity(partial(plume_density,
-                                                                                seed=3))),
-        )),
-    )  # fmt: skip
+        animation=Animation(
+            (
+                CameraTrack({"fov_y_deg": fov}),
+                VolumeTrack(0, MadeDensity(partial(plume_density, seed=3))),
+            )
+        ),
+    )
 
 
 def test_equal_scenes_have_one_fingerprint():
@@ -53,12 +55,14 @@ def changed(scene, kind):
         "texel": lambda: replace(scene, environment=Environment(map=texels)),
         "material": lambda: replace(scene, meshes=(replace(scene.meshes[0], material=material),)),
         "settings": lambda: replace(scene, settings={"lpv": {"resolution": 17}}),
-        "times": lambda: replace(scene, animation=Animation((
-            CameraTrack({"fov_y_deg": slower}), scene.animation.tracks[1]))),
+        "times": lambda: replace(
+            scene,
+            animation=Animation((CameraTrack({"fov_y_deg": slower}), scene.animation.tracks[1])),
+        ),
         "seed": lambda: replace(scene, animation=Animation((track, other_smoke))),
         "rate": lambda: replace(scene, animation=replace(scene.animation, fps=25.0)),
         "none": lambda: replace(scene, animation=None),
-    }[kind]()  # fmt: skip
+    }[kind]()
 
 
 KINDS = ["camera", "light", "texel", "material", "settings", "times", "seed", "rate", "none"]

@@ -35,13 +35,19 @@ def test_an_empty_group_has_no_power():
     [
         (np.zeros((4, 2)), np.ones((4, 3)), "positions must be an (N, 3) array, not (4, 2)"),
         ("many", np.ones((4, 3)), "positions must be an (N, 3) array of numbers"),
-        (POSITIONS, np.ones((3, 3)), "4 positions, but 3 intensities. Give one row for each "
-         "light, or one for all."),
+        (
+            POSITIONS,
+            np.ones((3, 3)),
+            "4 positions, but 3 intensities. Give one row for each light, or one for all.",
+        ),
         (POSITIONS, -np.eye(3)[[0, 1, 1, 2]], "intensities: row 0 is negative"),
-        (np.where(POSITIONS == 7.0, np.nan, POSITIONS), np.ones((4, 3)),
-         "positions: row 2 is not finite"),
+        (
+            np.where(POSITIONS == 7.0, np.nan, POSITIONS),
+            np.ones((4, 3)),
+            "positions: row 2 is not finite",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bad_arrays_get_one_exact_message(positions, intensities, message):
     with pytest.raises(SceneError) as error:
         PointLights(positions, intensities)

@@ -26,9 +26,14 @@ def test_defaults_hold_where_nothing_is_said():
 def test_text_from_a_command_line_is_parsed():
     knobs = make_settings(
         Knobs,
-        {"resolution": "64", "gain": "0.5", "scheme": "paper", "is_clamped": "yes",
-         "centre": "1,2,3"},
-    )  # fmt: skip
+        {
+            "resolution": "64",
+            "gain": "0.5",
+            "scheme": "paper",
+            "is_clamped": "yes",
+            "centre": "1,2,3",
+        },
+    )
     assert knobs == Knobs(64, 0.5, "paper", True, (1.0, 2.0, 3.0))
     assert isinstance(knobs.resolution, int)
 

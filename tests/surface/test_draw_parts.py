@@ -63,9 +63,11 @@ def test_what_is_drawn_in_a_second_step_comes_last(on_device, square):
     colors = np.full((4, 4), 0.5, np.float32)
     holed = Material(alpha_cutoff=0.5)
     scene = on_device(
-        square(*corners, colors=colors), square(*corners, glowing), square(*corners, holed),
+        square(*corners, colors=colors),
+        square(*corners, glowing),
+        square(*corners, holed),
         square(*corners, Material()),
-    )  # fmt: skip
+    )
     found = later_last(scene, scene.draws)
     late = [scene.comes_later(draw) for draw in found]
     assert late == [False, False, True, True]

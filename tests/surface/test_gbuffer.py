@@ -45,9 +45,12 @@ def on_square(half_x, half_y, distance=2.0):
 
 def test_a_frontal_square_is_exact(gpu, commands, owned, on_device, square):
     painted = Material(
-        base_color=(0.5, 0.25, 0.125), metallic=0.75, roughness=0.375, specular=0.5,
+        base_color=(0.5, 0.25, 0.125),
+        metallic=0.75,
+        roughness=0.375,
+        specular=0.5,
         emission=(4.0, 2.0, 1.0),
-    )  # fmt: skip
+    )
     scene = on_device(square((0, 0, 0), (1.0, 0, 0), (0, 0.7, 0), painted))
     g = looked_at(gpu, commands, owned, scene)
     seen = on_square(1.0, 0.7)
@@ -102,9 +105,11 @@ def test_an_image_lies_upright_and_its_alpha_cuts(gpu, commands, owned, on_devic
     image = Texture(pixels, is_srgb=False, wrap=("clamp", "clamp"))
     leaf = Material(base_color=(1, 1, 1), base_color_texture=image, alpha_cutoff=0.5)
     g = looked_at(
-        gpu, commands, owned,
+        gpu,
+        commands,
+        owned,
         on_device(square((0, 0, 0), (1.6, 0, 0), (0, 1.6, 0), leaf, uvs=UVS)),
-    )  # fmt: skip
+    )
     albedo, depth = g.albedo.read()[..., :3].astype(float), g.depth.read()
     top, bottom, left, right = 4, HEIGHT - 5, WIDTH // 2 - 8, WIDTH // 2 + 7
     np.testing.assert_allclose(albedo[top, left], [1, 0, 0], atol=0.05)
@@ -118,9 +123,11 @@ def test_vertex_colours_multiply_the_base_colour(gpu, commands, owned, on_device
     colors = np.tile(np.array([0.5, 1.0, 0.25, 1.0], np.float32), (4, 1))
     half = Material(base_color=(0.5, 0.5, 0.5))
     g = looked_at(
-        gpu, commands, owned,
+        gpu,
+        commands,
+        owned,
         on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0), half, colors=colors)),
-    )  # fmt: skip
+    )
     middle = g.albedo.read()[HEIGHT // 2, WIDTH // 2, :3].astype(float)
     np.testing.assert_allclose(middle, [0.25, 0.5, 0.125], rtol=2e-3)
 
@@ -186,9 +193,14 @@ def test_pictures_stay_the_same_as_their_draws_are_recorded(
     meshes = [
         square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0, 0, 1))),
         square((0.5, 0, 0.5), (0.2, 0, 0), (0, 0.2, 0), Material(base_color=(0, 1, 0))),
-        square((-0.5, 0, 0.5), (0.2, 0, 0), (0, 0.2, 0),
-               Material(base_color_texture=image, alpha_cutoff=0.5), uvs=UVS),
-    ]  # fmt: skip
+        square(
+            (-0.5, 0, 0.5),
+            (0.2, 0, 0),
+            (0, 0.2, 0),
+            Material(base_color_texture=image, alpha_cutoff=0.5),
+            uvs=UVS,
+        ),
+    ]
     scene, made = on_device(*meshes), owned(GBuffer(gpu, (WIDTH, HEIGHT)))
     clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
     clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))

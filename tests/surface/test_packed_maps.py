@@ -36,16 +36,26 @@ def _even(metallic):
         ({}, True),
         ({"base_color_texture": _image(), "normal_texture": _image(is_srgb=False)}, True),
         ({"base_color_texture": _image(), "normal_texture": _image(8, is_srgb=False)}, False),
-        ({"base_color_texture": _image(), "normal_texture": _image(is_srgb=False,
-          scale=(2.0, 2.0))}, False),
-        ({"base_color_texture": _image(wrap=("clamp", "clamp")),
-          "normal_texture": _image(is_srgb=False)}, False),
+        (
+            {
+                "base_color_texture": _image(),
+                "normal_texture": _image(is_srgb=False, scale=(2.0, 2.0)),
+            },
+            False,
+        ),
+        (
+            {
+                "base_color_texture": _image(wrap=("clamp", "clamp")),
+                "normal_texture": _image(is_srgb=False),
+            },
+            False,
+        ),
         ({"emission_texture": _image()}, False),
         ({"metallic": 1.0, "metallic_roughness_texture": _image(is_srgb=False)}, False),
         ({"metallic": 0.0, "metallic_roughness_texture": _image(is_srgb=False)}, True),
         ({"metallic": 1.0, "metallic_roughness_texture": _even(51)}, True),
     ],
-)  # fmt: skip
+)
 def test_maps_are_packed_where_they_lie_alike(maps, expected):
     assert is_packable(Material(**maps)) is expected
     assert (PackedMaps(_chain, 1 << 20).of(Material(**maps)) is not None) is expected

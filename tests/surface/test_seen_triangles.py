@@ -29,8 +29,13 @@ def test_a_triangle_is_its_corner_and_edges(gpu, owned, square):
 
 
 def test_a_material_is_in_half_floats(gpu, owned, square):
-    painted = Material(base_color=(0.5, 0.25, 1.0), metallic=0.75, roughness=0.5, specular=0.25,
-                       emission=(1e6, 2.0, 0.0))  # fmt: skip
+    painted = Material(
+        base_color=(0.5, 0.25, 1.0),
+        metallic=0.75,
+        roughness=0.5,
+        specular=0.25,
+        emission=(1e6, 2.0, 0.0),
+    )
     scene = owned(GpuScene(gpu, Scene(meshes=(square((0, 0, 0), (1, 0, 0), (0, 1, 0), painted),))))
     row = scene.seen.materials.read(MATERIAL)[0]
     assert row["base_color"].tolist() == [0.5, 0.25, 1.0]

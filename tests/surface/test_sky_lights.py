@@ -88,9 +88,13 @@ def test_turning_the_map_turns_the_light_and_keeps_its_sum():
 
 @pytest.mark.parametrize(
     ("environment", "count"),
-    [(None, 8), (Environment(radiance=(0, 0, 0)), 8), (Environment(), 0),
-     (Environment(scale=0.0), 8)],
-)  # fmt: skip
+    [
+        (None, 8),
+        (Environment(radiance=(0, 0, 0)), 8),
+        (Environment(), 0),
+        (Environment(scale=0.0), 8),
+    ],
+)
 def test_a_black_sky_has_no_lights(environment, count):
     assert sky_lights(environment, count) == []
 

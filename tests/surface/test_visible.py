@@ -40,9 +40,11 @@ def _map(side=16, **how):
 
 
 def _painted(wrap="repeat", **how):
-    kinds = {"base_color_texture": _map(wrap=(wrap, wrap)),
-             "normal_texture": _map(wrap=(wrap, wrap), is_srgb=False),
-             "metallic_roughness_texture": _map(wrap=(wrap, wrap), is_srgb=False)}  # fmt: skip
+    kinds = {
+        "base_color_texture": _map(wrap=(wrap, wrap)),
+        "normal_texture": _map(wrap=(wrap, wrap), is_srgb=False),
+        "metallic_roughness_texture": _map(wrap=(wrap, wrap), is_srgb=False),
+    }
     return Material(base_color=(0.8, 0.7, 0.6), metallic=0.0, roughness=0.7, **{**kinds, **how})
 
 
@@ -56,15 +58,18 @@ def _placed(**how):
 
 
 CASES = {
-    "plain": [Material(base_color=(0.2, 0.5, 0.7), metallic=0.3, roughness=0.4,
-                       emission=(3.0, 2.0, 1.0))],
+    "plain": [
+        Material(base_color=(0.2, 0.5, 0.7), metallic=0.3, roughness=0.4, emission=(3.0, 2.0, 1.0))
+    ],
     "maps": [_painted()],
     "mirrored and clamped": [_painted("mirror"), _painted("clamp")],
     "placed": [_placed()],
     "holes": [_painted(alpha_cutoff=0.6), _painted()],
-    "maps of light come after": [_painted(emission=(1.0, 1.0, 1.0), emission_texture=_map()),
-                                 _painted()],
-}  # fmt: skip
+    "maps of light come after": [
+        _painted(emission=(1.0, 1.0, 1.0), emission_texture=_map()),
+        _painted(),
+    ],
+}
 
 
 def _drawn(gpu, commands, scene, meshes, eye):
@@ -130,10 +135,15 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
         assert np.sqrt(np.mean((ours[texture] - plain[texture]) ** 2)) < rms
 
 
-@pytest.mark.parametrize("light", [
-    DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0)),
-    SpotLight((0.2, 0.5, 2.5), (-0.1, -0.2, -1.0), (5.0, 4.0, 3.0), inner_deg=20.0, outer_deg=40.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "light",
+    [
+        DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0)),
+        SpotLight(
+            (0.2, 0.5, 2.5), (-0.1, -0.2, -1.0), (5.0, 4.0, 3.0), inner_deg=20.0, outer_deg=40.0
+        ),
+    ],
+)
 @pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
 def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
     if not draws_visible(gpu):
@@ -155,8 +165,9 @@ def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
         pytest.skip("on this device triangles are drawn as they come")
     still = square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
     g = still.geometry
-    bent = replace(g, positions=g.positions + np.float32([[0.2, 0, 0], [0, 0.3, 0], [0, 0, 0.2],
-                                                          [0, 0, 0]]))  # fmt: skip
+    bent = replace(
+        g, positions=g.positions + np.float32([[0.2, 0, 0], [0, 0.3, 0], [0, 0, 0.2], [0, 0, 0]])
+    )
     moved = Mesh(geometry=bent, material=still.material)
     ours, plain = _drawn(gpu, commands, Scene(meshes=(still,)), (moved,), (0.4, 0.9, 2.2))
     np.testing.assert_array_equal(ours[0], plain[0])
@@ -242,27 +253,35 @@ _COLORS = np.full((4, 4), 0.5, np.float32)
 KINDS = {
     "plain": (Material(base_color=(0.1, 0.2, 0.9)), {}),
     "other": (Material(base_color=(0.9, 0.2, 0.1)), {}),
-    "glowing": (Material(base_color=(0.1, 0.9, 0.1), emission=(1, 1, 1),
-                         emission_texture=_map()), {}),
+    "glowing": (
+        Material(base_color=(0.1, 0.9, 0.1), emission=(1, 1, 1), emission_texture=_map()),
+        {},
+    ),
     "coloured": (Material(base_color=(0.9, 0.9, 0.1)), {"colors": _COLORS}),
     "holed": (_painted(alpha_cutoff=0.6), {}),
     "one-sided": (Material(base_color=(0.1, 0.9, 0.9), two_sided=False), {}),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("depth_first_px", [0.0, 1e9])
 @pytest.mark.parametrize(
     ("kinds", "seen"),
     [
-        (("plain", "other"), 1), (("other", "plain"), 1),
-        (("plain", "glowing"), 1), (("glowing", "plain"), 0),
-        (("one-sided", "glowing"), 1), (("glowing", "one-sided"), 0),
-        (("plain", "coloured"), 1), (("coloured", "plain"), 0),
-        (("glowing", "coloured", "other"), None), (("plain", "holed"), None),
-        (("holed", "glowing"), None), (("holed", "coloured"), None),
+        (("plain", "other"), 1),
+        (("other", "plain"), 1),
+        (("plain", "glowing"), 1),
+        (("glowing", "plain"), 0),
+        (("one-sided", "glowing"), 1),
+        (("glowing", "one-sided"), 0),
+        (("plain", "coloured"), 1),
+        (("coloured", "plain"), 0),
+        (("glowing", "coloured", "other"), None),
+        (("plain", "holed"), None),
+        (("holed", "glowing"), None),
+        (("holed", "coloured"), None),
         (("holed", "coloured", "plain", "glowing"), None),
     ],
-)  # fmt: skip
+)
 def test_of_surfaces_in_one_place_both_ways_see_the_same(
     gpu, commands, square, monkeypatch, kinds, seen, depth_first_px
 ):
@@ -348,9 +367,14 @@ def _uv_on_plane(clip, pixels, uv_of):
 @pytest.mark.parametrize("wraps", [("repeat", "mirror"), ("mirror", "clamp"), ("clamp", "repeat")])
 @pytest.mark.parametrize(
     ("eye", "repeats"),
-    [((0, 0, 2.0), 0.3), ((0, 0, 2.0), 2.7), ((0, 0, 2.0), 300.0), ((0.5, -3.0, 1.1), 1.3),
-     ((-2.5, -2.0, 1.6), 6.0)],
-)  # fmt: skip
+    [
+        ((0, 0, 2.0), 0.3),
+        ((0, 0, 2.0), 2.7),
+        ((0, 0, 2.0), 300.0),
+        ((0.5, -3.0, 1.1), 1.3),
+        ((-2.5, -2.0, 1.6), 6.0),
+    ],
+)
 def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, eye, repeats):
     if not draws_visible(gpu):
         pytest.skip("on this device triangles are drawn as they come")
@@ -358,8 +382,13 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
     noise[..., 3] = 255
     base = Texture(noise, wrap=wraps)
     rough = Texture(noise[::-1].copy(), wrap=wraps, is_srgb=False)
-    painted = Material(base_color=(1, 1, 1), metallic=0.0, roughness=1.0, base_color_texture=base,
-                       metallic_roughness_texture=rough)  # fmt: skip
+    painted = Material(
+        base_color=(1, 1, 1),
+        metallic=0.0,
+        roughness=1.0,
+        base_color_texture=base,
+        metallic_roughness_texture=rough,
+    )
     half = 8.0
     uv_of = np.array([[0.4, 0.1, 0.33], [-0.2, 0.7, 0.21]]) * repeats
     mesh = square((0, 0, 0), (half, 0, 0), (0, half, 0), painted)
@@ -386,8 +415,10 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
     assert is_sure.mean() > 0.95
     stored = 2.0**-11 + 1e-4  # a half float below 1, cut off; places in floats of 24 bits
     root = 1.0 / 1023.0  # twice half a step of a light's root
-    for texture, found, most in ((base, albedo[..., :3], stored + root),
-                                 (rough, normal[..., 3:], stored)):  # fmt: skip
+    for texture, found, most in (
+        (base, albedo[..., :3], stored + root),
+        (rough, normal[..., 3:], stored),
+    ):
         levels = [level / 255.0 for level in mip_chain(texture.pixels, is_srgb=texture.is_srgb)]
         levels = [srgb_decode(v[..., :3]) if texture.is_srgb else v[..., 1:2] for v in levels]
         wanted = sum(_filtered(levels, at, lod, wraps) * share for at, share in probes(uv))

@@ -20,8 +20,13 @@ from airlight.scene import (
 from airlight.scene.shapes import box, quad
 
 SIZE = (48, 32)
-SMALL = {"resolution": 12, "shadow_resolution": 128, "lamp_resolution": 64, "sky_lights": 0,
-         "surfels": 4000}  # fmt: skip
+SMALL = {
+    "resolution": 12,
+    "shadow_resolution": 128,
+    "lamp_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 4000,
+}
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -93,8 +93,13 @@ def test_the_sky_s_air_follows_blockers_that_views_see(foggy_box):
     """Where cells are bent by walls, others seen by a moved camera make them anew."""
     scene = replace(foggy_box, environment=Environment((0.3, 0.4, 0.5)))
     scene = replace(scene, medium=Medium((0.2,) * 3, bounds=((-1, 0, -1), (1, 1, 1))))
-    settings = {**SMALL, "sky_lights": 4, "sky_resolution": 8, "surfel_source": "views",
-                "surfel_resolution": 16}  # fmt: skip
+    settings = {
+        **SMALL,
+        "sky_lights": 4,
+        "sky_resolution": 8,
+        "surfel_source": "views",
+        "surfel_resolution": 16,
+    }
     x, y, z = scene.camera.position
     with Renderer(scene, "lpv-march", SIZE, settings=settings) as renderer:
         versions = []

@@ -22,21 +22,35 @@ def everything(smoke_over_floor: Scene, foggy_box: Scene) -> Scene:
     smoke = smoke_over_floor.volumes[0]
     beside = dataclasses.replace(smoke, bounds=((-0.5, 0.5, -1.5), (1.5, 2.0, 0.5)))
     return dataclasses.replace(
-        smoke_over_floor, volumes=(smoke, beside),
+        smoke_over_floor,
+        volumes=(smoke, beside),
         lights=smoke_over_floor.lights + foggy_box.lights,
         environment=Environment((0.4, 0.4, 0.4)),
         medium=Medium(sigma_t=(0.05, 0.05, 0.05), albedo=(0.9, 0.9, 0.9)),
-    )  # fmt: skip
+    )
 
 
-SMALL = {"resolution": 8, "surfels": 2000, "shadow_resolution": 64, "lamp_resolution": 32,
-         "sky_lights": 4, "sky_resolution": 16}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "surfels": 2000,
+    "shadow_resolution": 64,
+    "lamp_resolution": 32,
+    "sky_lights": 4,
+    "sky_resolution": 16,
+}
 POP = {"ordinates": 4, "grid": 6}
 ALL = [
-    ("direct", SMALL), ("single", SMALL), ("lpv", SMALL), ("lpv", {**SMALL, "cascades": 2}),
-    ("lpv-sum", SMALL), ("lpv-scatter", SMALL), ("pop", POP), ("pop", {**POP, "scheme": "split"}),
-    ("pop", {**POP, "scheme": "paper"}), ("auto", SMALL),
-]  # fmt: skip
+    ("direct", SMALL),
+    ("single", SMALL),
+    ("lpv", SMALL),
+    ("lpv", {**SMALL, "cascades": 2}),
+    ("lpv-sum", SMALL),
+    ("lpv-scatter", SMALL),
+    ("pop", POP),
+    ("pop", {**POP, "scheme": "split"}),
+    ("pop", {**POP, "scheme": "paper"}),
+    ("auto", SMALL),
+]
 
 
 def drawn(monkeypatch, scene, technique, settings, asked):

@@ -34,11 +34,16 @@ def test_fog_a_volume_and_a_floor_have_the_energy_of_a_path_tracer():
         environment=Environment((0.5, 0.6, 0.8), visible=False),
         medium=Medium((0.08,) * 3, (0.95,) * 3, (0.3,) * 3, bounds=((-3, -1, -3), (3, 2, 3))),
         volumes=(
-            Volume((4.0,) * 3, shape="sphere", bounds=((-0.7, -0.6, -0.7), (0.7, 0.8, 0.7)),
-                   albedo=(0.98,) * 3, g=(0.6,) * 3),
+            Volume(
+                (4.0,) * 3,
+                shape="sphere",
+                bounds=((-0.7, -0.6, -0.7), (0.7, 0.8, 0.7)),
+                albedo=(0.98,) * 3,
+                g=(0.6,) * 3,
+            ),
         ),
         camera=Camera((0.0, 0.6, 4.5), (0.0, -0.1, 0.0), fov_y_deg=45.0),
-    )  # fmt: skip
+    )
     want = reference.render(scene, size=SIZE, spp=64).radiance[..., :3]
     image = render(scene, "auto", SIZE, samples=2)
     got, through = image.radiance[..., :3], image.layers["transmittance"][..., :3].mean(axis=-1)

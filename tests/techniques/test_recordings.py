@@ -17,8 +17,13 @@ from airlight.scene.io import load
 from airlight.scene.medium import Medium
 
 SIZE = (24, 18)
-SETTINGS = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 4,
-            "surfels": 2000}  # fmt: skip
+SETTINGS = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "map_resolution": 32,
+    "sky_lights": 4,
+    "surfels": 2000,
+}
 THIN, THICK = (Medium((s,) * 3, (0.9, 0.8, 0.7)) for s in (0.1, 0.6))
 
 
@@ -30,17 +35,20 @@ def smoky() -> Scene:
     box = load("builtin:cornell")
     low, high = box.bounds
     puff = Volume(
-        (2.0,) * 3, density=np.ones((4, 4, 4), np.float32),
+        (2.0,) * 3,
+        density=np.ones((4, 4, 4), np.float32),
         bounds=(tuple(0.6 * low + 0.4 * high), tuple(0.3 * low + 0.7 * high)),
-    )  # fmt: skip
+    )
     return replace(box, volumes=(puff,))
 
 
 def lit(scene: Scene, share: float) -> dict[str, object]:
     """The scene's lights, so many times as bright."""
-    return {"lights": tuple(
-        replace(x, intensity=tuple(share * v for v in x.intensity)) for x in scene.lights
-    )}  # fmt: skip
+    return {
+        "lights": tuple(
+            replace(x, intensity=tuple(share * v for v in x.intensity)) for x in scene.lights
+        )
+    }
 
 
 @pytest.fixture
@@ -99,9 +107,13 @@ class Thickens:
 
 
 def frames(
-    scene: Scene, technique: str, settings: dict[str, object], air: tuple[Medium | Volume, ...],
-    order: tuple[int, ...], counted: Callable[[], int],
-) -> tuple[dict[int, Image], list[int]]:  # fmt: skip
+    scene: Scene,
+    technique: str,
+    settings: dict[str, object],
+    air: tuple[Medium | Volume, ...],
+    order: tuple[int, ...],
+    counted: Callable[[], int],
+) -> tuple[dict[int, Image], list[int]]:
     """The last picture in each air of those in this order, and recordings made for each."""
     moving = replace(scene, animation=Animation((Thickens(air),)))
     pictures, counts = {}, []
@@ -136,10 +148,12 @@ def test_other_air_is_recorded_once_and_drawn_as_from_the_start(gpu, recordings,
 
 @pytest.mark.parametrize(
     ("technique", "settings", "expected"),
-    [("auto", {"cascades": 2}, 4),  # of surfaces, and of volumes
-     ("lpv-scatter", {"occlusion": False, "iterations": 8}, 1),
-     ("lpv-scatter", {"iterations": 8}, 1)],
-)  # fmt: skip
+    [
+        ("auto", {"cascades": 2}, 4),  # of surfaces, and of volumes
+        ("lpv-scatter", {"occlusion": False, "iterations": 8}, 1),
+        ("lpv-scatter", {"iterations": 8}, 1),
+    ],
+)
 def test_smoke_of_other_density_is_drawn_by_the_same_recording(
     gpu, recordings, technique, settings, expected
 ):

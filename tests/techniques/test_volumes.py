@@ -10,8 +10,13 @@ from airlight.rendering import render
 from airlight.scene import Camera, Environment, Material, Mesh, Scene, SpotLight, Volume
 from airlight.scene.shapes import quad
 
-SETTINGS = {"resolution": 20, "shadow_resolution": 128, "lamp_resolution": 128, "sky_lights": 0,
-            "surfels": 20000}  # fmt: skip
+SETTINGS = {
+    "resolution": 20,
+    "shadow_resolution": 128,
+    "lamp_resolution": 128,
+    "sky_lights": 0,
+    "surfels": 20000,
+}
 SIZE = (32, 24)
 
 
@@ -32,9 +37,12 @@ def court() -> Scene:
     bump = 1.0 + 0.35 * np.sin(6 * x + 1) * np.sin(5 * y) * np.sin(7 * z + 2)
     density = np.clip(1.6 - 1.7 * np.sqrt(x**2 + y**2 + z**2) * bump, 0.0, 1.0)
     smoke = Volume(
-        (10.0,) * 3, density=density.astype(np.float32), albedo=(0.6,) * 3, g=(0.3,) * 3,
+        (10.0,) * 3,
+        density=density.astype(np.float32),
+        albedo=(0.6,) * 3,
+        g=(0.3,) * 3,
         bounds=((-0.45, 0.7, -0.45), (0.45, 1.4, 0.45)),
-    )  # fmt: skip
+    )
     white, red, green = (0.7,) * 3, (0.7, 0.1, 0.1), (0.1, 0.6, 0.1)
     return Scene(
         meshes=(
@@ -65,9 +73,12 @@ def test_black_smoke_only_takes_away():
 
     def bounced(volume: Volume) -> float:
         image = render(
-            dataclasses.replace(scene, volumes=(volume,)), "auto", SIZE, settings=SETTINGS,
+            dataclasses.replace(scene, volumes=(volume,)),
+            "auto",
+            SIZE,
+            settings=SETTINGS,
             samples=1,
-        )  # fmt: skip
+        )
         return float(image.layers["indirect"][:, :8].mean())  # the red wall
 
     assert bounced(black) < 0.35 * bounced(clear)
@@ -90,9 +101,11 @@ def test_what_bounces_of_the_sky_is_dimmed():
     smoke does not dim what the sky's maps hold.
     """
     smoke = dataclasses.replace(
-        court().volumes[0], albedo=(0.0,) * 3, sigma_t=(60.0,) * 3,
+        court().volumes[0],
+        albedo=(0.0,) * 3,
+        sigma_t=(60.0,) * 3,
         bounds=((-0.95, 0.5, -0.95), (0.95, 1.4, 0.95)),
-    )  # fmt: skip
+    )
     sky = Environment((1.0, 1.0, 1.0))
     scene = dataclasses.replace(court(), lights=(), environment=sky, volumes=(smoke,))
     image = render(scene, "auto", SIZE, settings={**SETTINGS, "sky_lights": 16}, samples=1)

@@ -27,13 +27,16 @@ SCENES_OUT = (".xml", ".toml")
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
 @click.option(
-    "--exposure", type=Number(-64, 64), metavar="STOPS",
+    "--exposure",
+    type=Number(-64, 64),
+    metavar="STOPS",
     help="For .png and .jpg of a linear picture.  [default: 0]",
-)  # fmt: skip
+)
 @click.option(
-    "--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]),
+    "--tone-map",
+    type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx of a linear picture, none of an 8-bit one]",
-)  # fmt: skip
+)
 def command(source: str, target: Path, exposure: float | None, tone_map: str | None) -> None:
     """Convert a scene or a picture.
 
@@ -91,8 +94,11 @@ def convert_scene(source: str, target: Path) -> None:
     check_writable(target)
     if target.suffix.lower() == ".toml":
         _refuse_loss(scene, source, target)
-    notes = _write_toml(scene, source, target) if target.suffix.lower() == ".toml" else (
-        _write_xml(scene, target))  # fmt: skip
+    notes = (
+        _write_toml(scene, source, target)
+        if target.suffix.lower() == ".toml"
+        else (_write_xml(scene, target))
+    )
     show_warnings(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)

@@ -16,13 +16,20 @@ from .scene_argument import load_scene, reads, show_warnings
 @click.command("export-lattice")
 @click.argument("scene")
 @click.option(
-    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="FILE.npz|DIR",
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE.npz|DIR",
     help="An .npz, or a folder for .npy files and header.json.",
-)  # fmt: skip
+)
 @click.option(
-    "-t", "--technique", default="auto", show_default=True,
+    "-t",
+    "--technique",
+    default="auto",
+    show_default=True,
     help="lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.",
-)  # fmt: skip
+)
 @settings_option()
 @adapter_option()
 def command(scene: str, output: Path, **options: Any) -> None:
@@ -43,9 +50,12 @@ def command(scene: str, output: Path, **options: Any) -> None:
     loaded = load_scene(scene)
     _check_output(output)
     export_lattice(
-        loaded, output, technique=options["technique"], settings=options["settings"],
+        loaded,
+        output,
+        technique=options["technique"],
+        settings=options["settings"],
         adapter=options["adapter"],
-    )  # fmt: skip
+    )
     show_warnings(loaded)
     click.echo(str(output))
 
@@ -56,8 +66,9 @@ def _check_output(output: Path) -> None:
         check_writable(output)
     elif output.suffix:
         raise OutputError(
-            f"cannot write a light field that ends in '{output.suffix}'", where=output,
+            f"cannot write a light field that ends in '{output.suffix}'",
+            where=output,
             remedy="End its name in .npz, or name a folder.",
-        )  # fmt: skip
+        )
     else:
         check_folder(output)

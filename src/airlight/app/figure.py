@@ -25,22 +25,31 @@ QUICK_SIZE = (96, 54)
 @click.argument("names", nargs=-1, metavar="[NAME ...]")
 @click.option("--all", "is_all", is_flag=True, help="Every figure.")
 @click.option(
-    "--gallery", "is_gallery", is_flag=True,
+    "--gallery",
+    "is_gallery",
+    is_flag=True,
     help="Write index.html over all figures in DIR; --all does, too.",
-)  # fmt: skip
+)
 @click.option("--list", "is_list", is_flag=True, help="Name them and stop.")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR",
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
     help="Folder for NAME.png and NAME.json.",
-)  # fmt: skip
+)
 @size_option("640x360")
 @click.option("--quick", is_flag=True, help="Tiny lattices and pictures: does it work?")
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(
-    names: tuple[str, ...], is_all: bool, is_gallery: bool, is_list: bool, output: Path | None,
+    names: tuple[str, ...],
+    is_all: bool,
+    is_gallery: bool,
+    is_list: bool,
+    output: Path | None,
     **options: Any,
-) -> None:  # fmt: skip
+) -> None:
     """Draw figures of the papers: a picture and the JSON of its numbers each.
 
     \b
@@ -71,9 +80,12 @@ def command(
 
 
 def _draw_all(
-    names: tuple[str, ...], folder: Path, size: tuple[int, int], options: dict[str, Any],
+    names: tuple[str, ...],
+    folder: Path,
+    size: tuple[int, int],
+    options: dict[str, Any],
     report: Report,
-) -> dict[str, Exception]:  # fmt: skip
+) -> dict[str, Exception]:
     """Each figure; one that cannot be drawn does not cost the others, whoever made the mistake."""
     from ..figures.panels import Request
     from ..figures.registry import figure, keep

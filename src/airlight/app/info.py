@@ -125,10 +125,13 @@ def _animation_facts(scene: Scene) -> dict[str, Any] | None:
     if moving is None:
         return None
     return {
-        "start_s": moving.start_s, "end_s": moving.last_s, "fps": moving.fps,
-        "loop": moving.is_loop, "frames": round((moving.last_s - moving.start_s) * moving.fps),
+        "start_s": moving.start_s,
+        "end_s": moving.last_s,
+        "fps": moving.fps,
+        "loop": moving.is_loop,
+        "frames": round((moving.last_s - moving.start_s) * moving.fps),
         "moving": [type(t).__name__.removesuffix("Track").lower() for t in moving.tracks],
-    }  # fmt: skip
+    }
 
 
 def _coefficients(medium: Any) -> dict[str, Any]:

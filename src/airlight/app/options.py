@@ -109,9 +109,10 @@ def shared_settings(
     unknown = [key for key in settings if known and key not in known]
     if unknown:
         raise SettingsError(
-            f"unknown setting '{unknown[0]}'", where=f"techniques {', '.join(own)}",
+            f"unknown setting '{unknown[0]}'",
+            where=f"techniques {', '.join(own)}",
             remedy=nearest(unknown[0], known),
-        )  # fmt: skip
+        )
     return own
 
 

@@ -42,8 +42,12 @@ _STARTED_S = time.perf_counter()
 @size_option("1280x720")
 @click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
 @click.option(
-    "--time", "time_s", type=SECONDS, metavar="SECONDS", help="Of a scene that moves: when.",
-)  # fmt: skip
+    "--time",
+    "time_s",
+    type=SECONDS,
+    metavar="SECONDS",
+    help="Of a scene that moves: when.",
+)
 @settings_option()
 @click.option("--layers", is_flag=True, help="Keep every layer in the EXR.")
 @click.option(

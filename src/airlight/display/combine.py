@@ -61,9 +61,15 @@ class Combine:
         self._make_means(size)
 
     def encode(
-        self, commands: Commands, layers: Sequence[Texture], depth: Texture, index: int, *,
-        kind: int = RADIANCE, reach_m: float = 1.0,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        layers: Sequence[Texture],
+        depth: Texture,
+        index: int,
+        *,
+        kind: int = RADIANCE,
+        reach_m: float = 1.0,
+    ) -> None:
         """Fold the sum of `layers` in as picture number `index` (0 starts anew).
 
         Raises SettingsError for more than MOST_LAYERS layers.
@@ -73,12 +79,19 @@ class Combine:
         filled = [*layers, *[self._means[0]] * (MOST_LAYERS - len(layers))]
         params = CombineParams(
             weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],
-            weight=1.0 / (index + 1), kind=kind, near=self._near, reach=reach_m,
-        )  # fmt: skip
+            weight=1.0 / (index + 1),
+            kind=kind,
+            near=self._near,
+            reach=reach_m,
+        )
         self._pass.draw(
-            commands, (self._means[1],), params=params, depth=depth, mean=self._means[0],
+            commands,
+            (self._means[1],),
+            params=params,
+            depth=depth,
+            mean=self._means[0],
             **dict(zip(_SLOTS, filled, strict=True)),
-        )  # fmt: skip
+        )
         self._means.reverse()
 
     def release(self) -> None:

@@ -42,9 +42,7 @@ class Meter:
     def encode(self, commands: Commands, picture: Texture, speed: float = 1.0) -> None:
         """Meter `picture`, radiance."""
         params = MeterParams(size=picture.size[:2], speed=speed)
-        self._pass.dispatch(
-            commands, (256,), params=params, picture=picture, metered=self.stops
-        )  # fmt: skip
+        self._pass.dispatch(commands, (256,), params=params, picture=picture, metered=self.stops)
 
     def release(self) -> None:
         """Give the memory back."""

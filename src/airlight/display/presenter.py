@@ -63,9 +63,13 @@ class Presenter:
         kind = _RAW_LAYERS.get(look.layer, RADIANCE)
         with commands.stage("combine"):
             self._combine.encode(
-                commands, _chosen(pictures, view, look.layer), view.gbuffer.depth, index,
-                kind=kind, reach_m=look.reach_m,
-            )  # fmt: skip
+                commands,
+                _chosen(pictures, view, look.layer),
+                view.gbuffer.depth,
+                index,
+                kind=kind,
+                reach_m=look.reach_m,
+            )
 
     def tone(self, commands: Commands, look: Look, *, settled: bool = True) -> None:
         """Make the mean showable; the metered exposure follows slowly unless `settled`."""
@@ -76,9 +80,14 @@ class Presenter:
                 self._meter.encode(commands, self._combine.picture, speed)
                 self._is_metered_before = True
             self._tone.encode(
-                commands, self._combine.picture, self._meter.stops, is_metered=is_metered,
-                exposure_stops=look.exposure_stops or 0.0, curve=look.curve, is_raw=is_raw,
-            )  # fmt: skip
+                commands,
+                self._combine.picture,
+                self._meter.stops,
+                is_metered=is_metered,
+                exposure_stops=look.exposure_stops or 0.0,
+                curve=look.curve,
+                is_raw=is_raw,
+            )
 
     def show(self, commands: Commands, view: Any) -> None:
         """Draw what was toned last onto the surface's texture `view`."""

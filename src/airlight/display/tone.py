@@ -44,17 +44,25 @@ class Tone:
         self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True)
 
     def encode(
-        self, commands: Commands, picture: Texture, metered: Buffer, *,
-        exposure_stops: float = 0.0, is_metered: bool = False, curve: str = "agx",
+        self,
+        commands: Commands,
+        picture: Texture,
+        metered: Buffer,
+        *,
+        exposure_stops: float = 0.0,
+        is_metered: bool = False,
+        curve: str = "agx",
         is_raw: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `shown`. Raises SettingsError for an unknown curve."""
         if curve not in TONE_CURVES:
             raise SettingsError(f"unknown tone curve '{curve}'", remedy=nearest(curve, TONE_CURVES))
         params = ToneParams(
-            exposure=exposure_stops, is_metered=int(is_metered),
-            curve=list(TONE_CURVES).index(curve), is_raw=int(is_raw),
-        )  # fmt: skip
+            exposure=exposure_stops,
+            is_metered=int(is_metered),
+            curve=list(TONE_CURVES).index(curve),
+            is_raw=int(is_raw),
+        )
         self._pass.draw(commands, (self.shown,), params=params, picture=picture, metered=metered)
 
     def release(self) -> None:

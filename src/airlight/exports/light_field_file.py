@@ -49,21 +49,18 @@ _ABOUT = {
 }
 _MEANINGS = {
     "surfaces": (
-        "W m^-2 sr^-1", "(z, y, x, rgb, 4): SH of bounced and scattered radiance, for surfaces"
+        "W m^-2 sr^-1",
+        "(z, y, x, rgb, 4): SH of bounced and scattered radiance, for surfaces",
     ),
-    "irradiance": (
-        "W m^-2", "(z, y, x, 6, rgb): the same on surfaces that face +x -x +y -y +z -z"
-    ),
+    "irradiance": ("W m^-2", "(z, y, x, 6, rgb): the same on surfaces that face +x -x +y -y +z -z"),
     "air": (
         "W m^-2 sr^-1",
         "(z, y, x, rgb, 4): SH of the radiance that air scatters; weigh l = 1 by g, times sigma_s",
     ),
     "openness": ("", "(z, y, x, 6): how open the faces at -x +x -y +y -z +z are"),
     "walls": ("cells", "(z, y, x, 3): how far walls lie from the cell's low faces"),
-    "dead_ends": (
-        "", "(z, y, x): bit k: the k-th of the ways +x -x +y -y +z -z leads into a wall"
-    ),
-}  # fmt: skip
+    "dead_ends": ("", "(z, y, x): bit k: the k-th of the ways +x -x +y -y +z -z leads into a wall"),
+}
 
 
 def save_light_field(field: LightField, path: str | Path) -> None:
@@ -120,19 +117,34 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
     from .. import __version__
 
     header: dict[str, Any] = {
-        "format": FORMAT, "version": VERSION, "airlight": __version__, "scene": field.scene,
-        "technique": field.technique, **_ABOUT,
-    }  # fmt: skip
+        "format": FORMAT,
+        "version": VERSION,
+        "airlight": __version__,
+        "scene": field.scene,
+        "technique": field.technique,
+        **_ABOUT,
+    }
     header["lattices"] = [
-        {"arrays": f"lattice{i}_...", "origin_m": list(cells.origin), "cell_m": cells.cell,
-         "count_xyz": list(cells.count), "fade_m": cells.fade.tolist(), "rule": cells.rule}
+        {
+            "arrays": f"lattice{i}_...",
+            "origin_m": list(cells.origin),
+            "cell_m": cells.cell,
+            "count_xyz": list(cells.count),
+            "fade_m": cells.fade.tolist(),
+            "rule": cells.rule,
+        }
         for i, cells in enumerate(field.lattices)
-    ]  # fmt: skip
+    ]
     header["volumes"] = [
-        {"array": f"volume{i}", "world_from_unit": v.world_from_unit.tolist(), "eye_m": list(v.eye),
-         "unit": "W m^-2 sr^-1", "meaning": "in-scattered radiance towards the eye, times sigma_s"}
+        {
+            "array": f"volume{i}",
+            "world_from_unit": v.world_from_unit.tolist(),
+            "eye_m": list(v.eye),
+            "unit": "W m^-2 sr^-1",
+            "meaning": "in-scattered radiance towards the eye, times sigma_s",
+        }
         for i, v in enumerate(field.volumes)
-    ]  # fmt: skip
+    ]
     header["arrays"] = {
         name: {"shape": list(a.shape), "dtype": str(a.dtype), **_about(name)}
         for name, a in arrays.items()
@@ -160,9 +172,10 @@ def _make_folder(target: Path) -> None:
         target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(
-            f"cannot be made a folder ({error.strerror or error})", where=target,
+            f"cannot be made a folder ({error.strerror or error})",
+            where=target,
             remedy="Choose another place, or end its name in .npz.",
-        ) from None  # fmt: skip
+        ) from None
 
 
 def _read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -191,11 +204,16 @@ def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:
 def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> LatticeLight:
     air = arrays.get(f"{name}air")
     return LatticeLight(
-        origin=_three(about["origin_m"]), cell=about["cell_m"], rule=about["rule"],
-        fade=np.array(about["fade_m"]), surfaces=_from_sh(arrays[f"{name}surfaces"]),
-        openness=arrays[f"{name}openness"], walls=arrays[f"{name}walls"],
-        air=None if air is None else _from_sh(air), dead_ends=arrays.get(f"{name}dead_ends"),
-    )  # fmt: skip
+        origin=_three(about["origin_m"]),
+        cell=about["cell_m"],
+        rule=about["rule"],
+        fade=np.array(about["fade_m"]),
+        surfaces=_from_sh(arrays[f"{name}surfaces"]),
+        openness=arrays[f"{name}openness"],
+        walls=arrays[f"{name}walls"],
+        air=None if air is None else _from_sh(air),
+        dead_ends=arrays.get(f"{name}dead_ends"),
+    )
 
 
 def _three(values: Any) -> tuple[float, float, float]:

@@ -24,9 +24,13 @@ SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
 
 
 def export_lattice(
-    scene: Scene | str | Path, path: Any = None, *, technique: str = "auto",
-    settings: Mapping[str, Any] | None = None, adapter: str = "auto",
-) -> LightField:  # fmt: skip
+    scene: Scene | str | Path,
+    path: Any = None,
+    *,
+    technique: str = "auto",
+    settings: Mapping[str, Any] | None = None,
+    adapter: str = "auto",
+) -> LightField:
     """Solve the light in `scene`, write it to `path` (.npz or a folder) if given, return it.
 
     `settings` as in `airlight render -D`. Raises SettingsError for a technique that keeps no
@@ -89,12 +93,15 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
         weights = scale * float(record["lookup_scale"]) * np.ones(4)
     fade = [record[k] for k in ("fade_low", "fade_low_width", "fade_high", "fade_high_width")]
     return LatticeLight(
-        origin=_three(record["origin"]), cell=cell, fade=np.array(fade, np.float64),
-        rule="linear" if is_paper else "lobe", surfaces=(states * weights).astype(np.float32),
+        origin=_three(record["origin"]),
+        cell=cell,
+        fade=np.array(fade, np.float64),
+        rule="linear" if is_paper else "lobe",
+        surfaces=(states * weights).astype(np.float32),
         openness=(openness / 255.0).astype(np.float32),
         walls=np.maximum(walls[..., :3] / 127.0, -1.0).astype(np.float32),
         dead_ends=walls[..., 3].astype(np.uint8),
-    )  # fmt: skip
+    )
 
 
 def _air(fields: Fields) -> F32 | None:
@@ -119,10 +126,11 @@ def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ..
     return tuple(
         VolumeLight(
             (solver.emission.texture.read()[..., :3] * solver.beams.table.scale).astype(np.float32),
-            np.asarray(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64), eye,
+            np.asarray(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64),
+            eye,
         )
         for solver in solvers
-    )  # fmt: skip
+    )
 
 
 def _three(values: Any) -> tuple[float, float, float]:

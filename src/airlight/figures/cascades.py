@@ -16,9 +16,15 @@ from ..scene.scene import Scene
 from .panels import Request, exposure_of, renderer
 
 COLOURS: F64 = np.array(
-    [[0.95, 0.35, 0.25], [0.3, 0.8, 0.35], [0.3, 0.5, 1.0], [0.95, 0.8, 0.25], [0.8, 0.4, 0.9],
-     [0.4, 0.9, 0.9]]
-)  # fmt: skip
+    [
+        [0.95, 0.35, 0.25],
+        [0.3, 0.8, 0.35],
+        [0.3, 0.5, 1.0],
+        [0.95, 0.8, 0.25],
+        [0.8, 0.4, 0.9],
+        [0.4, 0.9, 0.9],
+    ]
+)
 """Of cascades from the finest on."""
 COUNT = 3
 

@@ -42,9 +42,10 @@ def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
     fine = {} if request.quick else {"resolution": 64}
     cells = []
     for label, image in (
-        ("paper's scheme", rendered(request, scene, {"scheme": "paper"})), ("ours", first),
+        ("paper's scheme", rendered(request, scene, {"scheme": "paper"})),
+        ("ours", first),
         ("ours, finer", rendered(request, scene, fine)),
-    ):  # fmt: skip
+    ):
         cells.append((label, shown(image.layers["indirect"], stops)))
         told[label] = {"mean_indirect": mean_light(image.layers["indirect"])}
         if truth is not None:
@@ -83,9 +84,11 @@ def two_rooms(wall_m: float | None) -> Scene:
     slabs = [
         box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
         box((-x - t, y, -z - t), (x + t, y + t, z + t)),
-        box((-x - t, 0.0, -z - t), (-x, y, z + t)), box((x, 0.0, -z - t), (x + t, y, z + t)),
-        box((-x, 0.0, -z - t), (x, y, -z)), box((-x, 0.0, z), (x, y, z + t)),
-    ]  # fmt: skip
+        box((-x - t, 0.0, -z - t), (-x, y, z + t)),
+        box((x, 0.0, -z - t), (x + t, y, z + t)),
+        box((-x, 0.0, -z - t), (x, y, -z)),
+        box((-x, 0.0, z), (x, y, z + t)),
+    ]
     if wall_m is not None:
         slabs.append(box((-0.5 * wall_m, 0.0, -z), (0.5 * wall_m, y, z)))
     white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))

@@ -15,9 +15,12 @@ from .panels import Drawn, Request, sheet
 
 CELL_PX = 26
 NAMES = {
-    "dom8": "DOM8", "dom4": "DOM4", "paper": "LPV, paper", "ray": "LPV, along the ray",
+    "dom8": "DOM8",
+    "dom4": "DOM4",
+    "paper": "LPV, paper",
+    "ray": "LPV, along the ray",
     "centroid": "LPV, ours",
-}  # fmt: skip
+}
 SETTINGS = {"one light": ONE_LIGHT, "two lights": TWO_LIGHTS}
 LOBE = np.array([255.0, 255.0, 255.0])
 

@@ -45,8 +45,9 @@ def draw(request: Request) -> Drawn:
 def _traced(truth: Reference, smooth: F32, stops: float) -> Row:
     whole = truth.image.layers["direct"] + smooth
     return told_of(truth), [
-        ("one bounce", shown(whole, stops)), ("indirect alone", shown(smooth, stops)),
-    ]  # fmt: skip
+        ("one bounce", shown(whole, stops)),
+        ("indirect alone", shown(smooth, stops)),
+    ]
 
 
 def _row(label: str, image: Image, scale: float, smooth: F32, stops: float) -> Row:
@@ -75,7 +76,10 @@ def _about(truth: Reference) -> dict[str, Any]:
     layers, bounced = truth.image.layers, truth.image.layers["one_bounce"]
     floor = noise_floor(layers["one_bounce_variance"], bounced, scene_epsilon(bounced))
     return {
-        "renderer": "mitsuba", "spp": truth.spp, "seconds": truth.seconds,
-        "noise_floor_relmse": floor, "noise_floor_l2": noise_l2(truth, "one_bounce"),
+        "renderer": "mitsuba",
+        "spp": truth.spp,
+        "seconds": truth.seconds,
+        "noise_floor_relmse": floor,
+        "noise_floor_l2": noise_l2(truth, "one_bounce"),
         "notes": list(truth.notes),
-    }  # fmt: skip
+    }

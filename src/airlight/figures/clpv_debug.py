@@ -63,10 +63,14 @@ def read_lattice(technique: Technique) -> SolvedLattice:
         return texels[:layers, place.first_row : place.first_row + rows, :columns]
 
     return from_texels(
-        own(textures.red.read()), own(textures.green.read()), own(textures.blue.read()),
-        own(blockers.open_a.read()), own(blockers.open_b.read()),
-        power_scale=solver.power_scale, cell_m=place.cell,
-    )  # fmt: skip
+        own(textures.red.read()),
+        own(textures.green.read()),
+        own(textures.blue.read()),
+        own(blockers.open_a.read()),
+        own(blockers.open_b.read()),
+        power_scale=solver.power_scale,
+        cell_m=place.cell,
+    )
 
 
 def _square(lattice: SolvedLattice, across: str, index: int, brightest: float) -> U8:

@@ -24,11 +24,13 @@ PAPER_MS: dict[str, dict[str, tuple[float, ...]]] = {
     "VPL Injection": {"GTX285": (0.05,), "Xbox 360": (0.2,), "PS3": (0.4,)},
     "GV Injection": {"GTX285": (0.02,), "Xbox 360": (0.15,), "PS3": (0.15,)},
     "Propagation": {
-        "GTX285": (0.8, 1.1, 1.4), "Xbox 360": (0.8, 1.1, 1.5), "PS3": (0.7, 1.1, 1.5),
+        "GTX285": (0.8, 1.1, 1.4),
+        "Xbox 360": (0.8, 1.1, 1.5),
+        "PS3": (0.7, 1.1, 1.5),
     },
     "LPV Lookup": {"GTX285": (2.4,), "Xbox 360": (2.0,), "PS3": (1.5,)},
     "Total": {"GTX285": (3.4, 3.7, 4.0), "Xbox 360": (3.5, 3.8, 4.2), "PS3": (3.4, 3.8, 4.2)},
-}  # fmt: skip
+}
 """Kaplanyan2010 Table 1, ms; three numbers: no occlusion, fuzzy occlusion, multiple bounces."""
 STAGES: dict[str, tuple[str, ...]] = {
     "RSM rendering": ("reflective shadow maps",),

@@ -12,8 +12,10 @@ from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
 
 TECHNIQUES = {
-    "multiple scattering": "lpv-scatter", "single scattering": "single", "no air": "lpv",
-}  # fmt: skip
+    "multiple scattering": "lpv-scatter",
+    "single scattering": "single",
+    "no air": "lpv",
+}
 SHAFTS = ("minmax", "volumes", "jitter")
 
 

@@ -31,9 +31,12 @@ def draw(request: Request) -> Drawn:
     shared = np.zeros_like(whole)
     shared[..., 0] = scattered
     steps = {
-        "before": state, "passed on": clear, "left after extinction": dark,
-        "scattered": shared, "together": whole,
-    }  # fmt: skip
+        "before": state,
+        "passed on": clear,
+        "left after extinction": dark,
+        "scattered": shared,
+        "together": whole,
+    }
     brightest = float(peaks(flat(state)).max())
     cells: list[tuple[str, U8 | None]] = [
         ("transfer functions", polar_picture(flat(_transfer()), CELL_PX))

@@ -12,9 +12,13 @@ from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, 
 from .truths import as_large_as, told_of, truth_of, without_grain
 
 TECHNIQUES = {
-    "a  ours": "lpv-scatter", "b  shadow map": "direct", "c  lattice": "lpv",
-    "d  single scattering": "single", "e  marched lattice": "lpv-march", "f  d and e": "lpv-sum",
-}  # fmt: skip
+    "a  ours": "lpv-scatter",
+    "b  shadow map": "direct",
+    "c  lattice": "lpv",
+    "d  single scattering": "single",
+    "e  marched lattice": "lpv-march",
+    "f  d and e": "lpv-sum",
+}
 
 
 def draw(request: Request) -> Drawn:
@@ -29,8 +33,10 @@ def draw(request: Request) -> Drawn:
         told: dict[str, Any] = {"technique": technique, "mean": mean_light(image.radiance)}
         if truth is not None:
             found = compare(as_large_as(image, truth.image.radiance), truth.image)
-            told |= {name: found[name] for name in ("relmse", "relative_l2", "flip", "hdr_flip",
-                                                    "energy_ratio")}  # fmt: skip
+            told |= {
+                name: found[name]
+                for name in ("relmse", "relative_l2", "flip", "hdr_flip", "energy_ratio")
+            }
         numbers["techniques"][label] = told
     stops = exposure_of(scene, next(iter(images.values())).radiance)
     panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)

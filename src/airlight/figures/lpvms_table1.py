@@ -21,17 +21,24 @@ from ..scene.scene import Scene
 from .panels import Drawn, Request, milliseconds, renderer
 
 PAPER_MS: dict[str, tuple[float, float]] = {
-    "reflected": (0.87, 0.84), "blockers": (4.5, 3.9), "single-scattered": (0.47, 0.58),
-    "aggregate input": (0.02, 0.16), "prepare blockers": (0.40, 2.8),
-    "propagate 8x": (1.49, 12.3), "copy results": (0.18, 1.24),
-}  # fmt: skip
+    "reflected": (0.87, 0.84),
+    "blockers": (4.5, 3.9),
+    "single-scattered": (0.47, 0.58),
+    "aggregate input": (0.02, 0.16),
+    "prepare blockers": (0.40, 2.8),
+    "propagate 8x": (1.49, 12.3),
+    "copy results": (0.18, 1.24),
+}
 """Billeter2012 Table 1, ms on a GTX 480, at 32^3 and 64^3."""
 STAGES: dict[str, tuple[str, ...]] = {
-    "reflected": ("reflected",), "blockers": ("blockers",),
-    "single-scattered": ("single-scattered",), "aggregate input": ("aggregate",),
-    "prepare blockers": ("prepare blockers",), "propagate 8x": ("propagate",),
+    "reflected": ("reflected",),
+    "blockers": ("blockers",),
+    "single-scattered": ("single-scattered",),
+    "aggregate input": ("aggregate",),
+    "prepare blockers": ("prepare blockers",),
+    "propagate 8x": ("propagate",),
     "copy results": ("copy",),
-}  # fmt: skip
+}
 """Our stages under the paper's names."""
 SIDES = (32, 64)
 LATTICE: Mapping[str, Any] = {"iterations": 8, "acceleration": "none", "map_resolution": 256}
@@ -53,9 +60,13 @@ def draw(request: Request) -> Drawn:
         for name, stages in STAGES.items()
     }
     numbers = {
-        "stages_ms": {"ours": ours, "paper": PAPER_MS}, "device": device, "cells": list(sides),
-        "triangles": scene.triangle_count, "size": list(request.size), "passes": found,
-    }  # fmt: skip
+        "stages_ms": {"ours": ours, "paper": PAPER_MS},
+        "device": device,
+        "cells": list(sides),
+        "triangles": scene.triangle_count,
+        "size": list(request.size),
+        "passes": found,
+    }
     return Drawn(_table(device, sides, ours), numbers)
 
 
@@ -89,8 +100,9 @@ def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
 def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as a picture."""
     head = [f"{side}^3" for side in sides]
-    lines: list[tuple[str, ...]] = [("Stage, ms", *(f"here {h}" for h in head),
-                                     *(f"GTX480 {side}^3" for side in SIDES))]  # fmt: skip
+    lines: list[tuple[str, ...]] = [
+        ("Stage, ms", *(f"here {h}" for h in head), *(f"GTX480 {side}^3" for side in SIDES))
+    ]
     for name, times in ours.items():
         lines.append((name, *(milliseconds(t) for t in (*times, *PAPER_MS[name]))))
     lines.append((device[:60], "", "", "", ""))

@@ -26,9 +26,14 @@ if TYPE_CHECKING:
 Report = Callable[[str, float], None]
 
 QUICK: Mapping[str, Any] = {
-    "resolution": 12, "iterations": 4, "map_resolution": 32, "shadow_resolution": 256,
-    "lamp_resolution": 64, "sky_lights": 8, "surfels": 20_000,
-}  # fmt: skip
+    "resolution": 12,
+    "iterations": 4,
+    "map_resolution": 32,
+    "shadow_resolution": 256,
+    "lamp_resolution": 64,
+    "sky_lights": 8,
+    "surfels": 20_000,
+}
 """Settings of every panel with --quick, unless the figure is about them."""
 MIN_SHEET_CELL_PX = 240  # captions need room
 CAPTION_PX = 14
@@ -70,9 +75,13 @@ class Drawn:
 
 
 def rendered(
-    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None, *,
-    technique: str = "lpv", timed: bool = False,
-) -> Image:  # fmt: skip
+    request: Request,
+    scene: Scene,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    technique: str = "lpv",
+    timed: bool = False,
+) -> Image:
     """A panel. `timed` puts the milliseconds of steady frames into stats["frame_ms"].
 
     Raises SettingsError, DeviceError.

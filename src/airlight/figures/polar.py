@@ -38,9 +38,11 @@ def polar_plots(curves: Sequence[tuple[tuple[int, int, int], F64]], side_px: int
             for colour, values in curves:
                 line = _outline(values[row, column], float(largest[row, column]), r)
                 pen.line(
-                    [(x + dx, y - dy) for dx, dy in line], fill=colour, width=_OVERSAMPLED,
+                    [(x + dx, y - dy) for dx, dy in line],
+                    fill=colour,
+                    width=_OVERSAMPLED,
                     joint="curve",
-                )  # fmt: skip
+                )
     small = picture.resize((side_px, side_px), PIL.Image.Resampling.LANCZOS)
     return np.asarray(small, dtype=np.uint8)
 

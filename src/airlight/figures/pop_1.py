@@ -21,7 +21,9 @@ def draw(request: Request) -> Drawn:
     other = drawn(request, turned(scene, OTHER_SIDE_DEG))
     shown.append(("against the other side", other.radiance))
     numbers = {
-        "moving_ms": moving_ms(request, scene), "device": image.stats.get("device"),
-        "medium": {"g": 0.85, "albedo": 1.0}, **told,
-    }  # fmt: skip
+        "moving_ms": moving_ms(request, scene),
+        "device": image.stats.get("device"),
+        "medium": {"g": 0.85, "albedo": 1.0},
+        **told,
+    }
     return Drawn(sheet(request, "Smoke", [("smoke", exposed(request, shown, stops))]), numbers)

@@ -25,9 +25,10 @@ def draw(request: Request) -> Drawn:
         paper = by_hops(g, _HOPS, is_paper=True)
         scale = float(true.radiance.mean() / paper.radiance.mean())
         found = {
-            "delta-beam": by_beams(g), "split": by_hops(g, _HOPS),
+            "delta-beam": by_beams(g),
+            "split": by_hops(g, _HOPS),
             "paper, scaled": Angular(scale * paper.radiance),
-        }  # fmt: skip
+        }
         told: dict[str, Any] = {"paper_is_too_bright_by": 1.0 / scale}
         for name, mine in found.items():
             plot = polar_plots([(TRUTH, true.shown), (OURS, mine.shown)], side)
@@ -37,6 +38,7 @@ def draw(request: Request) -> Drawn:
         numbers[f"g {g}"] = told
     picture = contact_sheet(
         "Directions of scattered light in a cube; Monte Carlo red, ours blue",
-        list(rows.items()), cell_width_px=side,
-    )  # fmt: skip
+        list(rows.items()),
+        cell_width_px=side,
+    )
     return Drawn(picture, numbers)

@@ -31,8 +31,11 @@ def draw(request: Request) -> Drawn:
     pictures["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
     stops = exposure_of(scene, pictures["pop"].radiance)
     numbers: dict[str, Any] = {name: errors(pictures[name].radiance, truth) for name in WAYS}
-    told = {name: float(i.layers["scattered"].mean()) for name, i in pictures.items()
-            if "scattered" in i.layers}  # fmt: skip
+    told = {
+        name: float(i.layers["scattered"].mean())
+        for name, i in pictures.items()
+        if "scattered" in i.layers
+    }
     numbers["mean_scattered"] = told
     cells: list[Any] = [(name, image.radiance) for name, image in pictures.items()]
     if truth is not None:

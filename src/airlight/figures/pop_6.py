@@ -23,7 +23,7 @@ def draw(request: Request) -> Drawn:
         pictures = {
             "points": drawn(request, scene, {"prefilter": False}),
             "prefiltered": drawn(request, scene),
-        }  # fmt: skip
+        }
         if index == 0:
             stops = exposure_of(scene, pictures["prefiltered"].radiance)
         told = {name: scores(image, truth) for name, image in pictures.items()}

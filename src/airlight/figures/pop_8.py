@@ -16,8 +16,11 @@ from .pop_scenes import away, drawn, milk, turned
 GRID, ORDINATES, FULL, SWITCHED, SHARED = 16, 64, 100, 20, 20
 CASES = (("map 1, front", 0.0, (1.5, 2.0, 7.0)), ("map 2, back", 150.0, (-2.0, 1.0, -7.0)))
 _PAPER: Mapping[str, Any] = {
-    "scheme": "paper", "grid": GRID, "ordinates": ORDINATES, "residuum_iterations": SHARED,
-}  # fmt: skip
+    "scheme": "paper",
+    "grid": GRID,
+    "ordinates": ORDINATES,
+    "residuum_iterations": SHARED,
+}
 SCHEMES: Mapping[str, Mapping[str, Any]] = {
     "all hops": {**_PAPER, "iterations": FULL, "residuum": False},
     "residuum": {**_PAPER, "iterations": SWITCHED, "residuum": True},
@@ -25,8 +28,13 @@ SCHEMES: Mapping[str, Mapping[str, Any]] = {
     "delta-beam": {"grid": GRID},
 }
 _SOLVING = (
-    "pop propagation", "pop merge", "pop residuum", "pop paths", "pop deposit", "pop diffuse",
-)  # fmt: skip
+    "pop propagation",
+    "pop merge",
+    "pop residuum",
+    "pop paths",
+    "pop deposit",
+    "pop diffuse",
+)
 _QUICK: Mapping[str, Any] = {"grid": 6, "ordinates": 4, "iterations": 4}
 _TIMED_SIZE_PX = (64, 36)  # what solves does not depend on the picture
 _ROUNDS = 2
@@ -69,8 +77,9 @@ def _cells(
         if SCHEMES[label].get("scheme") == "paper":
             brighter = mean_light(light) / max(usual, 1e-30)
             told[label] |= {
-                "from_all_hops_l2": away(light, full), "times_delta_beam_s_light": brighter,
-            }  # fmt: skip
+                "from_all_hops_l2": away(light, full),
+                "times_delta_beam_s_light": brighter,
+            }
             shown = shown - (1.0 - 1.0 / max(brighter, 1e-30)) * light
             caption += f", its light divided by {brighter:.1f}"
         cells += exposed(request, [(caption, shown.astype(np.float32))], stops)

@@ -63,8 +63,9 @@ def _walls(towards: F64, up: F64) -> F64:
     """Arcades: stone in courses, openings that are dark below and lit by lamps above."""
     x, z = towards[..., 0], towards[..., 2]
     facing_x = np.abs(x) > np.abs(z)
-    along = _HALF_M * np.where(facing_x, z / np.maximum(np.abs(x), 1e-9),
-                               x / np.maximum(np.abs(z), 1e-9))  # fmt: skip
+    along = _HALF_M * np.where(
+        facing_x, z / np.maximum(np.abs(x), 1e-9), x / np.maximum(np.abs(z), 1e-9)
+    )
     aside = np.abs(np.mod(along, _BAY_M) - 0.5 * _BAY_M)
     storey = up > 0.62 * _EAVES_M
     rise = np.where(storey, up - 0.62 * _EAVES_M, up)

@@ -34,8 +34,10 @@ class Angular:
         """The error, and the light of all cells and azimuths over the truth's."""
         ratio = float(self.radiance.mean() / truth.radiance.mean())
         return {
-            "relative_l2": self.error(truth), "energy_ratio": ratio, "noise_floor_l2": truth.noise,
-        }  # fmt: skip
+            "relative_l2": self.error(truth),
+            "energy_ratio": ratio,
+            "noise_floor_l2": truth.noise,
+        }
 
     def error(self, truth: Angular) -> float:
         """Relative L2 over all cells and azimuths."""
@@ -65,9 +67,13 @@ def truth(g: float, photons: int) -> Angular:
     from ..reference.tracer import Beam, BoxMedium, Slice, trace
 
     light = trace(
-        BoxMedium(SIGMA_S, 1.0, g), Beam((0.0, 0.0, 1.0)), cells=(CELLS,) * 3, photons=photons,
-        plane=Slice(1, SLICE), directions=(MU_BINS, PHI_BINS),
-    )  # fmt: skip
+        BoxMedium(SIGMA_S, 1.0, g),
+        Beam((0.0, 0.0, 1.0)),
+        cells=(CELLS,) * 3,
+        photons=photons,
+        plane=Slice(1, SLICE),
+        directions=(MU_BINS, PHI_BINS),
+    )
     one_side, error = (
         v[1][:, :, MU_BINS // 2] for v in (light.slice_radiance, light.slice_radiance_error)
     )
@@ -118,9 +124,16 @@ def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
         hops, air, air.density, np.ones((*air.density.shape, 1)), is_paper=is_paper
     )
     done = hop.propagate(
-        hops, air, air.density, power, 1.0, [], is_paper=is_paper, iterations=iterations,
+        hops,
+        air,
+        air.density,
+        power,
+        1.0,
+        [],
+        is_paper=is_paper,
+        iterations=iterations,
         watch=watch,
-    )  # fmt: skip
+    )
     if not is_paper:
         carried = np.zeros((3, *done.carried.shape))
         carried[2] = done.carried

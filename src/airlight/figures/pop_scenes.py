@@ -42,9 +42,13 @@ def plume(g: float = 0.9) -> Scene:
     extinction = np.add(PLUME_SCATTERING, PLUME_ABSORPTION)
     albedo = np.divide(PLUME_SCATTERING, extinction)
     made = Volume(
-        _rgb(extinction), volume.density, bounds=(low, high), albedo=_rgb(albedo), g=(g,) * 3,
+        _rgb(extinction),
+        volume.density,
+        bounds=(low, high),
+        albedo=_rgb(albedo),
+        g=(g,) * 3,
         source="plume",
-    )  # fmt: skip
+    )
     camera = _camera((1.5, 0.3, 14.0), 42.0)
     return Scene(name="plume", camera=camera, volumes=(made,), environment=courtyard())
 
@@ -60,9 +64,12 @@ def white_plume(g: float, density: float = 1.0) -> Scene:
 def slab(g: float) -> Scene:
     """A thin strongly scattering slab before the courtyard (Fig. 6)."""
     made = Volume(
-        (3.0,) * 3, shape="box", bounds=((-1.6, -0.9, -0.25), (1.6, 0.9, 0.25)), g=(g,) * 3,
+        (3.0,) * 3,
+        shape="box",
+        bounds=((-1.6, -0.9, -0.25), (1.6, 0.9, 0.25)),
+        g=(g,) * 3,
         source="slab",
-    )  # fmt: skip
+    )
     camera = _camera((0.0, 0.0, 3.2), 40.0)
     return Scene(name="slab", camera=camera, volumes=(made,), environment=courtyard())
 
@@ -73,9 +80,13 @@ def milk(position: Vec3 = (1.5, 2.0, 7.0)) -> Scene:
     scale = MILK_M / (high - low).max()
     half = 0.5 * scale * (high - low)
     made = Volume(
-        _rgb(MILK_DENSER * np.array(MILK_SCATTERING)), density, bounds=(_rgb(-half), _rgb(half)),
-        albedo=(0.9993,) * 3, g=(0.95,) * 3, source="milk",
-    )  # fmt: skip
+        _rgb(MILK_DENSER * np.array(MILK_SCATTERING)),
+        density,
+        bounds=(_rgb(-half), _rgb(half)),
+        albedo=(0.9993,) * 3,
+        g=(0.95,) * 3,
+        source="milk",
+    )
     camera = _camera(position, 30.0)
     return Scene(name="milk", camera=camera, volumes=(made,), environment=courtyard())
 
@@ -99,17 +110,13 @@ def turned(scene: Scene, degrees: float) -> Scene:
     return dataclasses.replace(scene, environment=sky)
 
 
-def drawn(
-    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None
-) -> Image:  # fmt: skip
+def drawn(request: Request, scene: Scene, settings: Mapping[str, Any] | None = None) -> Image:
     """A panel by `pop`. Raises SettingsError, DeviceError."""
     quick = QUICK_POP if request.quick else {}
     return rendered(request, scene, {**(settings or {}), **quick}, technique="pop")
 
 
-def moving_ms(
-    request: Request, scene: Scene, settings: Mapping[str, Any] | None = None
-) -> float:  # fmt: skip
+def moving_ms(request: Request, scene: Scene, settings: Mapping[str, Any] | None = None) -> float:
     """The median of frames of `pop` under a turning map; were it still, nothing would be solved."""
     asked = {**(settings or {}), **(QUICK_POP if request.quick else {})}
     start = scene.environment.rotation_deg if scene.environment else 0.0
@@ -133,9 +140,14 @@ def traced(request: Request, scene: Scene) -> Image | None:
     width, height = request.size
     halves = width % 2 == 0 and height % 2 == 0
     layers = mitsuba.render_layers(
-        scene, ("all",), size=(width // 2, height // 2) if halves else request.size, spp=spp,
-        seed=0, timeout_s=3600.0, progress=lambda done: request.report("path tracing", done),
-    )  # fmt: skip
+        scene,
+        ("all",),
+        size=(width // 2, height // 2) if halves else request.size,
+        spp=spp,
+        seed=0,
+        timeout_s=3600.0,
+        progress=lambda done: request.report("path tracing", done),
+    )
     return layers["all"]
 
 

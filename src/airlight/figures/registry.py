@@ -38,7 +38,8 @@ FIGURES: dict[str, Figure] = {
         f"{_PAPER} Fig. 5", "flatland: five ways to propagate light beside the truth", "clpv_5"
     ),
     "clpv-6": Figure(
-        f"{_PAPER} Fig. 6", "one bounce in grey stone beside a path tracer's, and the difference",
+        f"{_PAPER} Fig. 6",
+        "one bounce in grey stone beside a path tracer's, and the difference",
         "clpv_6",
     ),
     "clpv-7": Figure(
@@ -68,7 +69,8 @@ FIGURES: dict[str, Figure] = {
     ),
     "lpvms-5": Figure(f"{_SCATTER} Fig. 5", "six ways to draw a foggy scene", "lpvms_5"),
     "lpvms-6": Figure(
-        f"{_SCATTER} Fig. 6", "failures: bleeding, light smaller than a cell, one iteration",
+        f"{_SCATTER} Fig. 6",
+        "failures: bleeding, light smaller than a cell, one iteration",
         "lpvms_6",
     ),
     "lpvms-7": Figure(
@@ -95,7 +97,7 @@ FIGURES: dict[str, Figure] = {
     "pop-15": Figure(f"{_POP} Fig. 15", "clouds with and without forward scattering", "pop_15"),
     "pop-16": Figure(f"{_POP} Fig. 16", "a plume in motion, and how steady its light is", "pop_16"),
     "pop-17": Figure(f"{_POP} Fig. 17", "smoke and surfaces in each other's light", "pop_17"),
-}  # fmt: skip
+}
 """Figure by name."""
 
 

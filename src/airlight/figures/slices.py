@@ -52,9 +52,15 @@ class SolvedLattice:
 
 
 def from_texels(
-    red: NDArray[Any], green: NDArray[Any], blue: NDArray[Any], open_xy: NDArray[np.uint8],
-    open_z: NDArray[np.uint8], *, power_scale: float, cell_m: float,
-) -> SolvedLattice:  # fmt: skip
+    red: NDArray[Any],
+    green: NDArray[Any],
+    blue: NDArray[Any],
+    open_xy: NDArray[np.uint8],
+    open_z: NDArray[np.uint8],
+    *,
+    power_scale: float,
+    cell_m: float,
+) -> SolvedLattice:
     """What the device's textures hold: (Z, Y, X, 4) half floats, stored units over `power_scale`;
     openness as bytes of hops (+x -x +y -y) and (+z -z .. ..).
     """

@@ -81,9 +81,10 @@ def chosen_asked(wanted: str | None = None) -> Asked:
     text = env.value(SWITCH) if wanted is None else wanted
     if text.lower() not in _KNOWN:
         raise SettingsError(
-            f"there are no limits '{text}'", where=SWITCH if wanted is None else "asked",
+            f"there are no limits '{text}'",
+            where=SWITCH if wanted is None else "asked",
             remedy="Use auto (what makes it faster) or default (WebGPU's, without any feature)",
-        )  # fmt: skip
+        )
     return cast(Asked, text.lower())
 
 

@@ -66,9 +66,11 @@ class Carried:
 
 
 def carried(
-    slots: tuple[Slot, ...], firsts: Mapping[str, tuple[str, ...]], text: str,
+    slots: tuple[Slot, ...],
+    firsts: Mapping[str, tuple[str, ...]],
+    text: str,
     most_words: int = MOST_WORDS,
-) -> Carried:  # fmt: skip
+) -> Carried:
     """The pass `text` with what it reads of its parameters carried, as far as that fits.
 
     Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
@@ -140,8 +142,9 @@ def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
     lines += [
         f"fn first_{part.variable.removeprefix('carried_')}() -> {part.struct.__name__} "
         f"{{ return {part.variable}; }}"
-        for part in parts if part.variable.startswith("carried_")
-    ]  # fmt: skip
+        for part in parts
+        if part.variable.startswith("carried_")
+    ]
     lines += [
         "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Carried {",
         "    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));",

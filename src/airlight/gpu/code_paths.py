@@ -29,9 +29,10 @@ def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> Paths:
     key = text.lower()
     if key not in _KNOWN:
         raise SettingsError(
-            f"there are no paths '{text}'", where=SWITCH if wanted is None else "paths",
+            f"there are no paths '{text}'",
+            where=SWITCH if wanted is None else "paths",
             remedy="Use auto (those made for the adapter), gpu or cpu",
-        )  # fmt: skip
+        )
     if key == "auto":
         return "cpu" if is_cpu else "gpu"
     return cast(Paths, key)

@@ -17,12 +17,27 @@ from .slots import Slot, on_device
 
 REMEDY = "Use another adapter or technique, or fewer volumes and kinds of lights"
 _TARGET_BYTES = {  # of a sample, as the WebGPU specification counts them: (bytes, alignment)
-    "r8unorm": (1, 1), "rgba8unorm": (8, 1), "rgba8unorm-srgb": (8, 1), "bgra8unorm": (8, 1),
-    "bgra8unorm-srgb": (8, 1), "r16float": (2, 2), "rg16float": (4, 2), "rgba16float": (8, 2),
-    "r32float": (4, 4), "rg32float": (8, 4), "rgba32float": (16, 4), "r32uint": (4, 4),
-    "rg32uint": (8, 4), "rgba32uint": (16, 4), "r16uint": (2, 2), "rg16uint": (4, 2),
-    "rgba16uint": (8, 2), "rgb10a2unorm": (8, 4), "rgba8uint": (4, 1), "r8uint": (1, 1),
-}  # fmt: skip
+    "r8unorm": (1, 1),
+    "rgba8unorm": (8, 1),
+    "rgba8unorm-srgb": (8, 1),
+    "bgra8unorm": (8, 1),
+    "bgra8unorm-srgb": (8, 1),
+    "r16float": (2, 2),
+    "rg16float": (4, 2),
+    "rgba16float": (8, 2),
+    "r32float": (4, 4),
+    "rg32float": (8, 4),
+    "rgba32float": (16, 4),
+    "r32uint": (4, 4),
+    "rg32uint": (8, 4),
+    "rgba32uint": (16, 4),
+    "r16uint": (2, 2),
+    "rg16uint": (4, 2),
+    "rgba16uint": (8, 2),
+    "rgb10a2unorm": (8, 4),
+    "rgba8uint": (4, 1),
+    "r8uint": (1, 1),
+}
 
 
 def slot_demands(slots: Iterable[Slot]) -> dict[str, int]:

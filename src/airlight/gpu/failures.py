@@ -45,9 +45,11 @@ class Guarded:
         enter_driver()
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
         trace: TracebackType | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         if isinstance(error, Exception) and not isinstance(error, AirlightError):
             refusal = refused(self._gpu, error)
             if refusal is not None:

@@ -15,18 +15,39 @@ _TEXTURE_USAGE = (
     wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
 )
 _BYTES = {  # of one texel
-    "r8unorm": 1, "rgba8unorm": 4, "rgba8unorm-srgb": 4, "bgra8unorm": 4, "bgra8unorm-srgb": 4,
-    "r16float": 2, "rg16float": 4, "rgba16float": 8, "r32float": 4, "rg32float": 8,
-    "rgba32float": 16, "rgba32uint": 16, "depth32float": 4, "r32uint": 4, "rg32uint": 8,
+    "r8unorm": 1,
+    "rgba8unorm": 4,
+    "rgba8unorm-srgb": 4,
+    "bgra8unorm": 4,
+    "bgra8unorm-srgb": 4,
+    "r16float": 2,
+    "rg16float": 4,
+    "rgba16float": 8,
+    "r32float": 4,
+    "rg32float": 8,
+    "rgba32float": 16,
+    "rgba32uint": 16,
+    "depth32float": 4,
+    "r32uint": 4,
+    "rg32uint": 8,
     "rgba8snorm": 4,
-}  # fmt: skip
+}
 _DTYPES = {
-    "rgba8unorm": (np.uint8, 4), "rgba8unorm-srgb": (np.uint8, 4), "r16float": (np.float16, 1),
-    "rgba16float": (np.float16, 4), "r32float": (np.float32, 1), "rg32float": (np.float32, 2),
-    "rgba32float": (np.float32, 4), "depth32float": (np.float32, 1), "r32uint": (np.uint32, 1),
-    "rgba32uint": (np.uint32, 4), "rg32uint": (np.uint32, 2),
-    "rgba8snorm": (np.int8, 4), "rg16float": (np.float16, 2), "r8unorm": (np.uint8, 1),
-}  # fmt: skip
+    "rgba8unorm": (np.uint8, 4),
+    "rgba8unorm-srgb": (np.uint8, 4),
+    "r16float": (np.float16, 1),
+    "rgba16float": (np.float16, 4),
+    "r32float": (np.float32, 1),
+    "rg32float": (np.float32, 2),
+    "rgba32float": (np.float32, 4),
+    "depth32float": (np.float32, 1),
+    "r32uint": (np.uint32, 1),
+    "rgba32uint": (np.uint32, 4),
+    "rg32uint": (np.uint32, 2),
+    "rgba8snorm": (np.int8, 4),
+    "rg16float": (np.float16, 2),
+    "r8unorm": (np.uint8, 1),
+}
 
 
 class _Counted:
@@ -54,9 +75,17 @@ class Texture(_Counted):
     """A texture and its views. `size` is (width, height, depth or layers)."""
 
     def __init__(
-        self, gpu: Gpu, label: str, size: tuple[int, ...], format: str, *,
-        dimension: str = "2d", target: bool = False, written: bool = False, mips: int = 1,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        label: str,
+        size: tuple[int, ...],
+        format: str,
+        *,
+        dimension: str = "2d",
+        target: bool = False,
+        written: bool = False,
+        mips: int = 1,
+    ) -> None:
         width, height, depth = (*size, 1, 1)[:3]
         is_3d = dimension == "3d"
         limit = "max-texture-dimension-3d" if is_3d else "max-texture-dimension-2d"
@@ -151,9 +180,15 @@ class Buffer(_Counted):
     """A buffer for storage, vertices, indices or uniforms."""
 
     def __init__(
-        self, gpu: Gpu, label: str, nbytes: int, *, vertex: bool = False, index: bool = False,
+        self,
+        gpu: Gpu,
+        label: str,
+        nbytes: int,
+        *,
+        vertex: bool = False,
+        index: bool = False,
         indirect: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         gpu.require("max-buffer-size", nbytes, f"buffer '{label}'")
         if not (vertex or index):
             gpu.require("max-storage-buffer-binding-size", nbytes, f"buffer '{label}'")
@@ -228,12 +263,19 @@ class Sampler:
 def linear_sampler(gpu: Gpu, label: str = "linear clamp", wrap: str = "clamp-to-edge") -> Sampler:
     """Trilinear filtering."""
     return Sampler(
-        gpu, label, mag_filter="linear", min_filter="linear", mipmap_filter="linear",
-        address_mode_u=wrap, address_mode_v=wrap, address_mode_w=wrap,
-    )  # fmt: skip
+        gpu,
+        label,
+        mag_filter="linear",
+        min_filter="linear",
+        mipmap_filter="linear",
+        address_mode_u=wrap,
+        address_mode_v=wrap,
+        address_mode_w=wrap,
+    )
 
 
 def nearest_sampler(gpu: Gpu) -> Sampler:
     """No filtering."""
-    return Sampler(gpu, "nearest", mag_filter="nearest", min_filter="nearest",
-                   mipmap_filter="nearest")  # fmt: skip
+    return Sampler(
+        gpu, "nearest", mag_filter="nearest", min_filter="nearest", mipmap_filter="nearest"
+    )

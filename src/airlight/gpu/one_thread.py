@@ -25,7 +25,9 @@ class OneThread:
             raise DeviceError(f"{self._what} is used by two threads at once", remedy=THREADS_REMEDY)
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
         trace: TracebackType | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._held.release()

@@ -40,11 +40,16 @@ class RasterPipeline:
     file: ClassVar[str] = ""
 
     def __init__(
-        self, gpu: Gpu, *, constants: dict[str, float] | None = None, cull: str = "none",
+        self,
+        gpu: Gpu,
+        *,
+        constants: dict[str, float] | None = None,
+        cull: str = "none",
         front_face: str = "ccw",
-        generated: str = "", targets: tuple[str, ...] | None = None,
+        generated: str = "",
+        targets: tuple[str, ...] | None = None,
         firsts: Mapping[str, tuple[str, ...]] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`firsts`: storage buffers of which the pass reads `first_NAME()`, and not these fields.
 
         In full-screen passes, for which software drivers have them at hand; as are uniforms.
@@ -69,9 +74,19 @@ class RasterPipeline:
             self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
         primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
         layouts = [slot.layout for slot in (*self._slots, *self._second)]
-        fixed = (self.label, constants, primitive, self._depth_state(), self.targets_used,
-                 self.blend, self.blended, self.vertex_buffers, self.vertex_entry, self._entry,
-                 layouts)  # fmt: skip
+        fixed = (
+            self.label,
+            constants,
+            primitive,
+            self._depth_state(),
+            self.targets_used,
+            self.blend,
+            self.blended,
+            self.vertex_buffers,
+            self.vertex_entry,
+            self._entry,
+            layouts,
+        )
 
         def compile() -> Any:
             return self._compiled(source, constants or {}, primitive)
@@ -86,8 +101,12 @@ class RasterPipeline:
         device = self.gpu.device
         module = compile_wgsl(device, source, self.label)
         groups = [b.layout for b in (self.bindings, self.second) if b]
-        vertex = {"module": module, "entry_point": self.vertex_entry, "constants": constants,
-                  "buffers": list(self.vertex_buffers)}  # fmt: skip
+        vertex = {
+            "module": module,
+            "entry_point": self.vertex_entry,
+            "constants": constants,
+            "buffers": list(self.vertex_buffers),
+        }
         return device.create_render_pipeline(
             label=self.label,
             layout=device.create_pipeline_layout(label=self.label, bind_group_layouts=groups),

@@ -88,9 +88,16 @@ class Blockers:
     walls: Texture
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
-        size: tuple[int, int, int] | None = None, beside: Blockers | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        meshes: GpuScene,
+        placement: Placement,
+        count: int,
+        *,
+        size: tuple[int, int, int] | None = None,
+        beside: Blockers | None = None,
+    ) -> None:
         """`count` surfels. `size`: of textures that nested lattices share (cells; the lattice's
         own if not given); `beside`: the one of them that owns textures and surfels.
         """
@@ -148,18 +155,28 @@ class Blockers:
         """Add the surfels of all meshes to the sums around the corners."""
         self.follow_vertices()
         self._sum.dispatch(
-            commands, (self.count,), params=self._params(), surfels=self.surfels,
-            instances=self.meshes.instances, sums=self.sums,
-        )  # fmt: skip
+            commands,
+            (self.count,),
+            params=self._params(),
+            surfels=self.surfels,
+            instances=self.meshes.instances,
+            sums=self.sums,
+        )
 
     def open(self, commands: Commands) -> None:
         """Openness and reflectance of all faces, and their walls, from the sums."""
         self.note_change()
         self._open.dispatch(
-            commands, self.placement.count, params=self._params(), sums=self.sums,
-            faces=self.faces, openness=self.openness, open_a=self.open_a, open_b=self.open_b,
+            commands,
+            self.placement.count,
+            params=self._params(),
+            sums=self.sums,
+            faces=self.faces,
+            openness=self.openness,
+            open_a=self.open_a,
+            open_b=self.open_b,
             walls=self.walls,
-        )  # fmt: skip
+        )
 
     def note_change(self) -> None:
         """Whoever makes faces anew says so: what others keep of them is out of date."""
@@ -167,9 +184,13 @@ class Blockers:
 
     def _params(self) -> BlockerParams:
         return BlockerParams(
-            origin=self.placement.origin, cell=self.placement.cell, count=self.placement.count,
-            surfel_count=self.count, units=UNITS, first_row=self.placement.first_row,
-        )  # fmt: skip
+            origin=self.placement.origin,
+            cell=self.placement.cell,
+            count=self.placement.count,
+            surfel_count=self.count,
+            units=UNITS,
+            first_row=self.placement.first_row,
+        )
 
     def follow_vertices(self) -> None:
         """Move the surfels of meshes whose vertices moved; nested lattices share their owner's."""
@@ -185,8 +206,11 @@ class Blockers:
     @property
     def bound(self) -> dict[str, Texture]:
         """By slot name, for passes that use `wgsl/lattice.wgsl`."""
-        return {"lattice_open_a": self.open_a, "lattice_open_b": self.open_b,
-                "lattice_walls": self.walls}  # fmt: skip
+        return {
+            "lattice_open_a": self.open_a,
+            "lattice_open_b": self.open_b,
+            "lattice_walls": self.walls,
+        }
 
     def release(self) -> None:
         """Give the memory back."""

@@ -42,17 +42,27 @@ class InjectEmission(ComputePass):
     workgroup = (256, 1, 1)
 
     def encode(
-        self, commands: Commands, blockers: Blockers, sums: Buffer, scale: float, *,
+        self,
+        commands: Commands,
+        blockers: Blockers,
+        sums: Buffer,
+        scale: float,
+        *,
         is_shaped: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Parameters as in `Inject.encode`."""
         walls: Texture = blockers.walls
         self.dispatch(
-            commands, (blockers.count,), params=EmissionParams(surfel_count=blockers.count),
-            lobes=lobe_params(scale, is_shaped=is_shaped), lattice=blockers.placement.params(),
-            surfels=blockers.surfels, instances=blockers.meshes.instances, lattice_walls=walls,
+            commands,
+            (blockers.count,),
+            params=EmissionParams(surfel_count=blockers.count),
+            lobes=lobe_params(scale, is_shaped=is_shaped),
+            lattice=blockers.placement.params(),
+            surfels=blockers.surfels,
+            instances=blockers.meshes.instances,
+            lattice_walls=walls,
             sums=sums,
-        )  # fmt: skip
+        )
 
 
 def emitted_flux(meshes: tuple[Mesh, ...]) -> float:

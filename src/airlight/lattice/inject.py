@@ -84,34 +84,53 @@ class Inject(ComputePass):
     workgroup = (16, 16, 1)
 
     def encode(
-        self, commands: Commands, maps: ReflectiveShadowMaps, placement: Placement,
-        walls: Texture, sums: Buffer, scale: float, *, is_shaped: bool,
+        self,
+        commands: Commands,
+        maps: ReflectiveShadowMaps,
+        placement: Placement,
+        walls: Texture,
+        sums: Buffer,
+        scale: float,
+        *,
+        is_shaped: bool,
         small: SmallObjects = EVERYTHING,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Add all texels of `maps` to `sums` (fixed point, `scale` units per W sr^-1).
 
         `is_shaped`: surfaces stop light from the first step on, so the lobe may be narrow.
         `small`: which objects are left out.
         """
         self.dispatch(
-            commands, (maps.resolution, maps.resolution, maps.layers),
+            commands,
+            (maps.resolution, maps.resolution, maps.layers),
             params=InjectParams.of(
-                resolution=maps.resolution, layers=maps.layers, least=small.least,
-                next_least=small.next_least, has_still=int(small.has_still),
+                resolution=maps.resolution,
+                layers=maps.layers,
+                least=small.least,
+                next_least=small.next_least,
+                has_still=int(small.has_still),
             ),
-            lobes=lobe_params(scale, is_shaped=is_shaped), lattice=placement.params(),
-            views=maps.views, depth=maps.depth, normal=maps.normal, flux=maps.flux,
-            lattice_walls=walls, sums=sums,
-        )  # fmt: skip
+            lobes=lobe_params(scale, is_shaped=is_shaped),
+            lattice=placement.params(),
+            views=maps.views,
+            depth=maps.depth,
+            normal=maps.normal,
+            flux=maps.flux,
+            lattice_walls=walls,
+            sums=sums,
+        )
 
 
 def lobe_params(scale: float, *, is_shaped: bool) -> LobeParams:
     """The parameters of `wgsl/lobes.wgsl`."""
     hop = hops("centroid")[0].matrix
     return LobeParams.of(
-        scale=scale, lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE, hop_even=float(hop[0, 0]),
-        hop_direct=float(hop[0, 1]), is_shaped=int(is_shaped),
-    )  # fmt: skip
+        scale=scale,
+        lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE,
+        hop_even=float(hop[0, 0]),
+        hop_direct=float(hop[0, 1]),
+        is_shaped=int(is_shaped),
+    )
 
 
 class ResolveParams(Struct):
@@ -134,15 +153,24 @@ class Resolve(ComputePass):
     file = "resolve.wgsl"
 
     def encode(
-        self, commands: Commands, placement: Placement, sums: Buffer, base: Buffer,
-        lattice: Buffer, scale: float,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        placement: Placement,
+        sums: Buffer,
+        base: Buffer,
+        lattice: Buffer,
+        scale: float,
+    ) -> None:
         """lattice = base + sums; then clear `sums`."""
         values = 3 * placement.cells
         self.dispatch(
-            commands, (values,), params=ResolveParams.of(values=values, unit=1.0 / scale),
-            sums=sums, base=base, lattice=lattice,
-        )  # fmt: skip
+            commands,
+            (values,),
+            params=ResolveParams.of(values=values, unit=1.0 / scale),
+            sums=sums,
+            base=base,
+            lattice=lattice,
+        )
 
 
 def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[float]) -> float:

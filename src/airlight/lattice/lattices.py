@@ -56,9 +56,15 @@ class MakeBlockers(Protocol):
     """Makes the blockers of the largest lattice."""
 
     def __call__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        meshes: GpuScene,
+        placement: Placement,
+        count: int,
+        *,
         size: tuple[int, int, int],
-    ) -> Blockers:  # fmt: skip
+    ) -> Blockers:
         """As `Blockers`."""
 
 
@@ -69,9 +75,16 @@ class Lattices:
     """
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, nest: Nest, *, surfels: int,
-        sky_lights: int, make_blockers: MakeBlockers = Blockers,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        meshes: GpuScene,
+        nest: Nest,
+        *,
+        surfels: int,
+        sky_lights: int,
+        make_blockers: MakeBlockers = Blockers,
+    ) -> None:
         """`surfels`: samples of all surfaces. `sky_lights`: the most there may be."""
         self.nest, self.texture_size = nest, nest.texture_size
         place = nest.levels[-1]
@@ -79,11 +92,12 @@ class Lattices:
         skylight = Skylight(gpu, place, sky_lights, size=self.texture_size)
         self.levels = [
             Level(
-                finer, Blockers(gpu, scene, meshes, finer, 0, beside=blockers),
+                finer,
+                Blockers(gpu, scene, meshes, finer, 0, beside=blockers),
                 Skylight(gpu, finer, sky_lights, beside=skylight),
             )
             for finer in nest.levels[:-1]
-        ]  # fmt: skip
+        ]
         self.levels.append(Level(place, blockers, skylight))
         self.table = LatticeTable(gpu, len(self.levels))
         self.source: BlockerSource | None = None

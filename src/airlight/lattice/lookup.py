@@ -87,9 +87,16 @@ class LatticeTextures(ChannelTextures):
         self.pack = Pack(gpu)
 
     def encode(
-        self, commands: Commands, injected: Buffer, propagated: Buffer, scale: float,
-        *, is_shaped: bool, placement: Placement | None = None, hull: Hull = EVERYWHERE,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        injected: Buffer,
+        propagated: Buffer,
+        scale: float,
+        *,
+        is_shaped: bool,
+        placement: Placement | None = None,
+        hull: Hull = EVERYWHERE,
+    ) -> None:
         """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are.
 
         `placement`: which of the lattices that share the textures. `hull`: cells beyond it are
@@ -98,13 +105,25 @@ class LatticeTextures(ChannelTextures):
         place = placement or self.placement
         even, direct = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
-            commands, place.count,
-            params=PackParams.of(count=place.count, scale=scale, own_even=even,
-                              own_direct=direct, first_row=place.first_row,
-                              origin=place.origin, cell=place.cell, low=hull[0], high=hull[1]),
-            injected=injected, propagated=propagated, red=self.red, green=self.green,
+            commands,
+            place.count,
+            params=PackParams.of(
+                count=place.count,
+                scale=scale,
+                own_even=even,
+                own_direct=direct,
+                first_row=place.first_row,
+                origin=place.origin,
+                cell=place.cell,
+                low=hull[0],
+                high=hull[1],
+            ),
+            injected=injected,
+            propagated=propagated,
+            red=self.red,
+            green=self.green,
             blue=self.blue,
-        )  # fmt: skip
+        )
 
 
 def texture_scale(flux: float) -> float:

@@ -51,9 +51,14 @@ class Nest:
 
 
 def nested(
-    low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int, *,
-    count: int = 1, ratio: float = 2.0, finest_m: float = 0.0,
-) -> Nest:  # fmt: skip
+    low: Sequence[float] | F64,
+    high: Sequence[float] | F64,
+    resolution: int,
+    *,
+    count: int = 1,
+    ratio: float = 2.0,
+    finest_m: float = 0.0,
+) -> Nest:
     """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres).
 
     Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being

@@ -76,9 +76,12 @@ class Placement:
         return low, low + self.cell * np.array(self.count)
 
     def params(
-        self, power_scale: float = 1.0, *, lookup_scale: float = LOOKUP_SCALE,
+        self,
+        power_scale: float = 1.0,
+        *,
+        lookup_scale: float = LOOKUP_SCALE,
         is_paper: bool = False,
-    ) -> LatticeParams:  # fmt: skip
+    ) -> LatticeParams:
         """The struct that shaders read."""
         return _params(self, power_scale, lookup_scale, is_paper)
 
@@ -99,11 +102,18 @@ def _params(
     """One struct for all who read the same lattice."""
     fade = place.borders
     return LatticeParams(
-        origin=place.origin, cell=place.cell, count=place.count, power_scale=power_scale,
-        lookup_scale=lookup_scale, is_paper=int(is_paper), first_row=place.first_row,
-        fade_low=fade.low, fade_low_width=fade.low_width, fade_high=fade.high,
+        origin=place.origin,
+        cell=place.cell,
+        count=place.count,
+        power_scale=power_scale,
+        lookup_scale=lookup_scale,
+        is_paper=int(is_paper),
+        first_row=place.first_row,
+        fade_low=fade.low,
+        fade_low_width=fade.low_width,
+        fade_high=fade.high,
         fade_high_width=fade.high_width,
-    )  # fmt: skip
+    )
 
 
 def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:

@@ -81,10 +81,15 @@ class InjectPoints:
         if self._pass is None:
             self._pass = _InjectPoints(self.gpu)
         self._pass.dispatch(
-            commands, (self.count,), params=PointParams(lights=self.count),
-            lobes=lobe_params(scale, is_shaped=False), lattice=placement.params(),
-            points=self._points, lattice_walls=walls, sums=sums,
-        )  # fmt: skip
+            commands,
+            (self.count,),
+            params=PointParams(lights=self.count),
+            lobes=lobe_params(scale, is_shaped=False),
+            lattice=placement.params(),
+            points=self._points,
+            lattice_walls=walls,
+            sums=sums,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

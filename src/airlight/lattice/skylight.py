@@ -62,17 +62,26 @@ class Skylight:
     """The ambient cubes of one lattice; made anew only where light or geometry changed."""
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, capacity: int, *,
-        size: tuple[int, int, int] | None = None, beside: Skylight | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        placement: Placement,
+        capacity: int,
+        *,
+        size: tuple[int, int, int] | None = None,
+        beside: Skylight | None = None,
+    ) -> None:
         """For up to `capacity` lights. `size`: in cells, of a texture that nested lattices share
         (the lattice's own if not given); `beside`: the one of them that owns the texture.
         """
         self.placement, self._is_owner = placement, beside is None
         nx, ny, nz = size or placement.count
-        self.cube: Texture = beside.cube if beside else Texture(
-            gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
-        )  # fmt: skip
+        self.cube: Texture = (
+            beside.cube
+            if beside
+            else Texture(
+                gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
+            )
+        )
         # Of a lattice that moves: its cubes before.
         columns, rows, _ = placement.count
         kept = (1, 1, 1) if beside is None else (columns, rows, FACES * self._depth)
@@ -84,9 +93,15 @@ class Skylight:
         self._pass = _Skylight(gpu)
 
     def encode(
-        self, commands: Commands, lights: Sequence[SkyLight], maps: ReflectiveShadowMaps,
-        compare: Sampler, blockers: Mapping[str, Texture], *, is_same_light: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        lights: Sequence[SkyLight],
+        maps: ReflectiveShadowMaps,
+        compare: Sampler,
+        blockers: Mapping[str, Texture],
+        *,
+        is_same_light: bool = False,
+    ) -> None:
         """Fill the cubes from the depth maps of `lights`.
 
         `is_same_light`: neither lights nor geometry changed since the last time, only the
@@ -103,11 +118,18 @@ class Skylight:
         ]
         self._lights.write(pack_array(SkyLightData, rows))
         self._pass.dispatch(
-            commands, self.placement.count, params=_params(len(lights), shift),
-            lattice=self.placement.params(), sky=self._lights, views=maps.views,
-            depth=maps.depth, compare=compare, **blockers, before=self._before,
+            commands,
+            self.placement.count,
+            params=_params(len(lights), shift),
+            lattice=self.placement.params(),
+            sky=self._lights,
+            views=maps.views,
+            depth=maps.depth,
+            compare=compare,
+            **blockers,
+            before=self._before,
             cube=self.cube,
-        )  # fmt: skip
+        )
 
     @property
     def _depth(self) -> int:

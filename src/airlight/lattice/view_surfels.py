@@ -48,10 +48,17 @@ class ViewSurfelParams(Struct):
         """Those of the view numbered `view` of `maps`, around the lattice of `blockers`."""
         placement = blockers.placement
         return cls(
-            origin=placement.origin, cell=placement.cell, count=placement.count,
-            first_row=placement.first_row, corners=blockers.corners, units=units, finer=finer,
-            resolution=maps.resolution, view=view, first_layer=view * maps.peels,
-        )  # fmt: skip
+            origin=placement.origin,
+            cell=placement.cell,
+            count=placement.count,
+            first_row=placement.first_row,
+            corners=blockers.corners,
+            units=units,
+            finer=finer,
+            resolution=maps.resolution,
+            view=view,
+            first_layer=view * maps.peels,
+        )
 
 
 class SumTexels(ComputePass):
@@ -72,10 +79,15 @@ class SumTexels(ComputePass):
     ) -> None:
         """Add all layers of the view that `params` names."""
         self.dispatch(
-            commands, (maps.resolution, maps.resolution, maps.peels), params=params,
-            views=maps.views, depth=maps.depth, normal=maps.normal, reflectance=maps.reflectance,
+            commands,
+            (maps.resolution, maps.resolution, maps.peels),
+            params=params,
+            views=maps.views,
+            depth=maps.depth,
+            normal=maps.normal,
+            reflectance=maps.reflectance,
             sums=sums,
-        )  # fmt: skip
+        )
 
 
 class _SumSides(SumTexels):
@@ -106,9 +118,14 @@ class ViewSurfels:
         self._made: tuple[int, Placement] | None = None
 
     def encode(
-        self, commands: Commands, meshes: GpuScene, maps: SurfelViews, views: Sequence[LightView],
-        *, is_drawn: bool,
-    ) -> bool:  # fmt: skip
+        self,
+        commands: Commands,
+        meshes: GpuScene,
+        maps: SurfelViews,
+        views: Sequence[LightView],
+        *,
+        is_drawn: bool,
+    ) -> bool:
         """Bring the blockers up to date with `maps`, the camera's view first; returns whether
         anything changed. `is_drawn`: a view was drawn anew.
         """
@@ -129,9 +146,12 @@ class ViewSurfels:
             is_last = index + 1 == len(views) or views[index + 1].light != view.light
             if index == 0 or is_last:
                 self._merge.dispatch(
-                    commands, (blockers.corners,), params=params,
-                    sums=self._sums, merged=blockers.sums,
-                )  # fmt: skip
+                    commands,
+                    (blockers.corners,),
+                    params=params,
+                    sums=self._sums,
+                    merged=blockers.sums,
+                )
         blockers.open(commands)
         return True
 

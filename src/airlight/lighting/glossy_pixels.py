@@ -28,15 +28,29 @@ def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
 
 class _Mirrored(ComputePass):
     slots: ClassVar[tuple[Slot, ...]] = (
-        uniform("params", LightingParams), storage("lattices", LatticeParams),
+        uniform("params", LightingParams),
+        storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
         texture("near_texels", "2d", "uint"),
-        *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
-                                     "lattice_open_a", "lattice_open_b", "lattice_walls")),
-        sampler("linear_clamp"), storage("found", "u32"), storage("listed", "vec4u"),
-        image("direct_light", "rgba32float"), image("indirect_light", "rgba32float"),
-    )  # fmt: skip
+        *(
+            texture(n, "3d")
+            for n in (
+                "sky_cube",
+                "lattice_red",
+                "lattice_green",
+                "lattice_blue",
+                "lattice_open_a",
+                "lattice_open_b",
+                "lattice_walls",
+            )
+        ),
+        sampler("linear_clamp"),
+        storage("found", "u32"),
+        storage("listed", "vec4u"),
+        image("direct_light", "rgba32float"),
+        image("indirect_light", "rgba32float"),
+    )
     workgroup = (64, 1, 1)
     file = "glossy_pixels.wgsl"
 
@@ -47,10 +61,16 @@ class GlossyPixels:
     def __init__(self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool) -> None:
         """As for `Lighting`."""
         self.gpu = gpu
-        self._pass = _Mirrored(gpu, constants={
-            "HAS_OCCLUSION": float(is_occluded), "HAS_GLOSS": 1.0, "IS_LISTED": 1.0,
-            "HAS_SKY": float(has_sky), "IS_ONE_LATTICE": float(is_one_lattice),
-        })  # fmt: skip
+        self._pass = _Mirrored(
+            gpu,
+            constants={
+                "HAS_OCCLUSION": float(is_occluded),
+                "HAS_GLOSS": 1.0,
+                "IS_LISTED": 1.0,
+                "HAS_SKY": float(has_sky),
+                "IS_ONE_LATTICE": float(is_one_lattice),
+            },
+        )
         self._found = Buffer(gpu, "glossy pixels", 16)
         self._listed: Buffer | None = None
 
@@ -72,9 +92,14 @@ class GlossyPixels:
         bound = {name: value for name, value in values.items() if name in names}
         direct, indirect = targets
         self._pass.dispatch(
-            commands, _AT_ONCE, **bound, found=self._found, listed=self._listed,
-            direct_light=direct, indirect_light=indirect,
-        )  # fmt: skip
+            commands,
+            _AT_ONCE,
+            **bound,
+            found=self._found,
+            listed=self._listed,
+            direct_light=direct,
+            indirect_light=indirect,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -74,22 +74,34 @@ class Kit:
     """Lights, sky and lattices of one scene, brought up to date once a frame for all solvers."""
 
     def __init__(
-        self, context: Context, settings: SurfaceSettings, nest: Nest | None = None, *,
+        self,
+        context: Context,
+        settings: SurfaceSettings,
+        nest: Nest | None = None,
+        *,
         make_blockers: MakeBlockers = Blockers,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`nest`: where lattices are, if not one over the scene. Raises SettingsError."""
         self.context, self.settings = context, settings
         self.gpu, self.meshes = context.gpu, context.meshes
         gpu, scene = context.gpu, context.scene
         self.lights = Lights(
-            gpu, scene.lights, scene.environment, settings.shadow_resolution,
+            gpu,
+            scene.lights,
+            scene.environment,
+            settings.shadow_resolution,
             settings.lamp_resolution,
-        )  # fmt: skip
+        )
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         self.lattices = Lattices(
-            gpu, scene, self.meshes, nest or scene_nest(scene, settings),
-            surfels=settings.surfels, sky_lights=settings.sky_lights, make_blockers=make_blockers,
-        )  # fmt: skip
+            gpu,
+            scene,
+            self.meshes,
+            nest or scene_nest(scene, settings),
+            surfels=settings.surfels,
+            sky_lights=settings.sky_lights,
+            make_blockers=make_blockers,
+        )
         self._dark: LatticeTextures | None = None
 
     @property

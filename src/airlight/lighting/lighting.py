@@ -60,8 +60,9 @@ _NOT_LISTED = """
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
 """
 _LISTS = (
-    storage("found", "atomic<u32>", "read_write"), storage("listed", "vec4u", "read_write"),
-)  # fmt: skip
+    storage("found", "atomic<u32>", "read_write"),
+    storage("listed", "vec4u", "read_write"),
+)
 _LIT = """
 fn lit_of(pixel: vec2u) -> vec4f { return picture_texel(lit, pixel); }
 """
@@ -82,8 +83,9 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
 
 # What single lights and lattices are read from; nothing here goes from a light's view to the world,
 # and all that is asked of air is what it lets through.
-_AIR_FIRST = {"air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail",
-                      "detail_bias")}  # fmt: skip
+_AIR_FIRST = {
+    "air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail", "detail_bias")
+}
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
 Part = Literal["whole", "lights", "lattices", "placed", "rest"]
@@ -163,12 +165,23 @@ class Lighting(FullscreenPass):
     targets = ("rgba32float", "rgba32float")
 
     def __init__(
-        self, gpu: Gpu, air: Attenuation | None = None, *, is_occluded: bool = False,
-        is_glossy: bool = False, damping: float = 0.0, has_surfaces: bool = True,
-        has_suns: bool = True, has_lamps: bool = True, has_sky: bool = True,
-        is_one_lattice: bool = False, is_one_sun: bool = False, is_listed: bool = False,
-        part: Part = "whole", is_bouncing: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        air: Attenuation | None = None,
+        *,
+        is_occluded: bool = False,
+        is_glossy: bool = False,
+        damping: float = 0.0,
+        has_surfaces: bool = True,
+        has_suns: bool = True,
+        has_lamps: bool = True,
+        has_sky: bool = True,
+        is_one_lattice: bool = False,
+        is_one_sun: bool = False,
+        is_listed: bool = False,
+        part: Part = "whole",
+        is_bouncing: bool = False,
+    ) -> None:
         """`air`: what light is attenuated by on its way to surfaces.
 
         `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
@@ -188,19 +201,26 @@ class Lighting(FullscreenPass):
         has_places = part == "placed"
         self.slots = lighting_slots(part, air, is_listed=is_listed)  # type: ignore[misc]
         self.names = [slot.name for slot in self.slots]
-        constants = {"HAS_SURFACES": float(has_surfaces), "HAS_LIGHTS": float(has_lights),
-                     "HAS_LATTICES": float(has_lattices),
-                     "IS_SAMPLED": float(gpu.takes_cpu_paths)}  # fmt: skip
+        constants = {
+            "HAS_SURFACES": float(has_surfaces),
+            "HAS_LIGHTS": float(has_lights),
+            "HAS_LATTICES": float(has_lattices),
+            "IS_SAMPLED": float(gpu.takes_cpu_paths),
+        }
         firsts: dict[str, tuple[str, ...]] = {}
         generated = _NOT_LIT if has_lights else _LIT
         if has_lattices:
             firsts |= _LATTICES_FIRST
-            constants |= {"HAS_OCCLUSION": float(is_occluded),
-                          "HAS_GLOSS": float(is_glossy and not is_listed), "DAMPING": damping,
-                          "HAS_SKY": float(has_sky and not has_places),
-                          "HAS_PLACES": float(has_places), "RETURNED": float(is_bouncing),
-                          "HAS_NEAR_LIGHT": float(part in ("lattices", "placed")),
-                          "IS_ONE_LATTICE": float(is_one_lattice)}  # fmt: skip
+            constants |= {
+                "HAS_OCCLUSION": float(is_occluded),
+                "HAS_GLOSS": float(is_glossy and not is_listed),
+                "DAMPING": damping,
+                "HAS_SKY": float(has_sky and not has_places),
+                "HAS_PLACES": float(has_places),
+                "RETURNED": float(is_bouncing),
+                "HAS_NEAR_LIGHT": float(part in ("lattices", "placed")),
+                "IS_ONE_LATTICE": float(is_one_lattice),
+            }
             generated += (
                 (APART + _LISTED if is_listed else NOT_APART + _NOT_LISTED)
                 + (_FROM_PLACES if has_places else _NO_PLACES)
@@ -211,16 +231,19 @@ class Lighting(FullscreenPass):
         if has_lights:
             is_box = air is not None and air.is_one_box
             firsts |= _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
-            constants |= {"HAS_SUNS": float(has_suns), "HAS_LAMPS": float(has_lamps),
-                          "IS_ONE_SUN": float(is_one_sun)}  # fmt: skip
+            kinds = {"HAS_SUNS": has_suns, "HAS_LAMPS": has_lamps, "IS_ONE_SUN": is_one_sun}
+            constants |= {name: float(has_any) for name, has_any in kinds.items()}
             through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
             generated += (air.wgsl if air else "") + through + "//! use direct_light\n"
         else:
             generated += _NO_LIGHTS
         super().__init__(
-            gpu, generated=generated, constants=constants, firsts=firsts,
+            gpu,
+            generated=generated,
+            constants=constants,
+            firsts=firsts,
             targets=None if has_lattices else self.targets[:1],
-        )  # fmt: skip
+        )
 
 
 def lighting_slots(

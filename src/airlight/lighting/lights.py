@@ -26,9 +26,13 @@ class Lights:
     """
 
     def __init__(
-        self, gpu: Gpu, lights: tuple[Light, ...], environment: Environment | None,
-        parallel_resolution: int, local_resolution: int,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        parallel_resolution: int,
+        local_resolution: int,
+    ) -> None:
         self.gpu = gpu
         parallel = sum(isinstance(light, DirectionalLight) for light in lights)
         local = sum(view_count(x) for x in lights if not isinstance(x, DirectionalLight))
@@ -44,9 +48,14 @@ class Lights:
         a quarter of the map is drawn at 2."""
 
     def encode(
-        self, commands: Commands, meshes: GpuScene, lights: tuple[Light, ...],
-        environment: Environment | None, low: F64, high: F64,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        meshes: GpuScene,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        low: F64,
+        high: F64,
+    ) -> None:
         """Bring the table, the background and those shadow maps that changed up to date."""
         if lights != self._lights:
             self._lights = lights
@@ -69,12 +78,15 @@ class Lights:
     def bound(self) -> dict[str, Any]:
         """By slot name, for the lighting pass."""
         return {
-            "lights": self.table, "parallel_views": self.parallel.views,
-            "local_views": self.local.views, "parallel_shadows": self.parallel.depth,
-            "local_shadows": self.local.depth, "shadow_compare": self.parallel.sampler,
+            "lights": self.table,
+            "parallel_views": self.parallel.views,
+            "local_views": self.local.views,
+            "parallel_shadows": self.parallel.depth,
+            "local_shadows": self.local.depth,
+            "shadow_compare": self.parallel.sampler,
             "environment": self.background.texture,
             "environment_sampler": self.background.sampler,
-        }  # fmt: skip
+        }
 
     def release(self) -> None:
         """Give the memory back."""

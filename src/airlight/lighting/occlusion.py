@@ -90,9 +90,13 @@ class Occlusion:
     """Depth and normals -> visibility of the near surroundings, and their light."""
 
     def __init__(
-        self, gpu: Gpu, slices: int | None = None, steps: int | None = None, *,
+        self,
+        gpu: Gpu,
+        slices: int | None = None,
+        steps: int | None = None,
+        *,
         has_light: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`slices` of the hemisphere and `steps` on each side of one; by device if not given.
 
         `has_light`: what occludes gives the light that it shows.
@@ -106,34 +110,55 @@ class Occlusion:
         self._blur = _Blur(gpu)
 
     def encode(
-        self, commands: Commands, depth: Texture, normal: Texture, layers: OcclusionLayers,
-        world_from_clip: F64, radius: float, *, growth: float = 0.0, largest: float = 0.0,
+        self,
+        commands: Commands,
+        depth: Texture,
+        normal: Texture,
+        layers: OcclusionLayers,
+        world_from_clip: F64,
+        radius: float,
+        *,
+        growth: float = 0.0,
+        largest: float = 0.0,
         lit: Texture | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `layers`; only surfaces within `radius` (m) occlude, fading out.
 
         Where that is less, within `growth` times the distance to the eye, but `largest` (m).
         `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
-        picture = {"params": params, "depth": depth, "normal": normal, "lit": lit or normal,
-                   "picture_sampler": self._nearest}  # fmt: skip
+        picture = {
+            "params": params,
+            "depth": depth,
+            "normal": normal,
+            "lit": lit or normal,
+            "picture_sampler": self._nearest,
+        }
         self._seen.draw(commands, (layers.seen,), **picture)
         self._horizons.draw(commands, (layers.sampled,), seen=layers.seen, **picture)
         self._blur.draw(commands, (layers.near,), params=params, sampled=layers.sampled)
 
 
 def occlusion_params(
-    world_from_clip: F64, layers: OcclusionLayers, radius: float, growth: float = 0.0,
+    world_from_clip: F64,
+    layers: OcclusionLayers,
+    radius: float,
+    growth: float = 0.0,
     largest: float = 0.0,
-) -> OcclusionParams:  # fmt: skip
+) -> OcclusionParams:
     """The picture's rays from its matrix (reversed infinite depth), and `radius` in metres."""
     width, height = layers.size
     corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
     return OcclusionParams(
-        corner=corner, right=world_from_clip[:3, 0] * (2.0 / width),
-        down=world_from_clip[:3, 1] * (-2.0 / height), depth_scale=float(world_from_clip[3, 2]),
-        radius=radius, scale=layers.scale, size=layers.size,
-        reduced=np.array(layers.near.size[:2]), growth=growth,
+        corner=corner,
+        right=world_from_clip[:3, 0] * (2.0 / width),
+        down=world_from_clip[:3, 1] * (-2.0 / height),
+        depth_scale=float(world_from_clip[3, 2]),
+        radius=radius,
+        scale=layers.scale,
+        size=layers.size,
+        reduced=np.array(layers.near.size[:2]),
+        growth=growth,
         largest=max(largest, radius),
-    )  # fmt: skip
+    )

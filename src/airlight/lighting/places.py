@@ -28,14 +28,26 @@ def can_keep(gpu: Gpu) -> bool:
 
 class _Places(FullscreenPass):
     slots: ClassVar[tuple[Slot, ...]] = (
-        uniform("params", LightingParams), storage("lattices", LatticeParams),
+        uniform("params", LightingParams),
+        storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
-        sampler("picture_sampler", "non-filtering"), texture("near_texels", "2d", "uint"),
-        *(texture(n, "3d") for n in ("sky_cube", "lattice_red", "lattice_green", "lattice_blue",
-                                     "lattice_open_a", "lattice_open_b", "lattice_walls")),
+        sampler("picture_sampler", "non-filtering"),
+        texture("near_texels", "2d", "uint"),
+        *(
+            texture(n, "3d")
+            for n in (
+                "sky_cube",
+                "lattice_red",
+                "lattice_green",
+                "lattice_blue",
+                "lattice_open_a",
+                "lattice_open_b",
+                "lattice_walls",
+            )
+        ),
         sampler("linear_clamp"),
-    )  # fmt: skip
+    )
     targets = ("rgba32float", "rgba32float", "r32float")
     file = "places.wgsl"
 
@@ -49,12 +61,16 @@ class Places:
         """As for `Lighting`."""
         self.gpu = gpu
         self._pass = _Places(
-            gpu, generated=APART if is_listed else NOT_APART, firsts={"lattices": ()},
+            gpu,
+            generated=APART if is_listed else NOT_APART,
+            firsts={"lattices": ()},
             constants={
-                "HAS_OCCLUSION": float(is_occluded), "HAS_SKY": float(has_sky),
-                "IS_ONE_LATTICE": float(is_one_lattice), "IS_SAMPLED": float(gpu.takes_cpu_paths),
+                "HAS_OCCLUSION": float(is_occluded),
+                "HAS_SKY": float(has_sky),
+                "IS_ONE_LATTICE": float(is_one_lattice),
+                "IS_SAMPLED": float(gpu.takes_cpu_paths),
             },
-        )  # fmt: skip
+        )
         self._targets: tuple[Texture, ...] = ()
         self._seen: Hashable = None
         self._kept: Hashable = None

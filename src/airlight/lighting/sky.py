@@ -42,9 +42,12 @@ class Sky:
         self._coarse: CoarseScene | None = None
 
     def encode(
-        self, commands: Commands, meshes: GpuScene, environment: Environment | None,
+        self,
+        commands: Commands,
+        meshes: GpuScene,
+        environment: Environment | None,
         placement: Placement,
-    ) -> bool:  # fmt: skip
+    ) -> bool:
         """Bring the maps up to date for the lattice at `placement`; whether anything changed."""
         if environment is not self._environment:
             self._environment = environment
@@ -64,18 +67,26 @@ class Sky:
         return True
 
     def light(
-        self, commands: Commands, skylight: Skylight, blockers: Mapping[str, Texture], *,
+        self,
+        commands: Commands,
+        skylight: Skylight,
+        blockers: Mapping[str, Texture],
+        *,
         is_same_light: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill the cubes of a lattice from the maps as they are.
 
         `is_same_light`: they did not change, only the lattice's place.
         """
         if self.maps.layers:
             skylight.encode(
-                commands, self.lights, self.maps, self._compare, blockers,
+                commands,
+                self.lights,
+                self.maps,
+                self._compare,
+                blockers,
                 is_same_light=is_same_light,
-            )  # fmt: skip
+            )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -72,28 +72,39 @@ class Surfaces:
         g, placements = view.gbuffer, self.kit.lattices.placements
         # What is smaller than their cells occludes.
         wanted, finest, coarsest = (
-            self.kit.settings.occlusion_radius, placements[0], placements[-1]
-        )  # fmt: skip
+            self.kit.settings.occlusion_radius,
+            placements[0],
+            placements[-1],
+        )
         if self._occlusion is None:
             self._occlusion = Occlusion(self.gpu, has_light=has_light)
         self._occlusion.encode(
-            commands, g.depth, g.normal, view.occlusion, view.world_from_clip,
-            wanted * finest.cell, growth=wanted * 2.0 / max(finest.count),
-            largest=wanted * coarsest.cell, lit=view.layers.lit if has_light else None,
-        )  # fmt: skip
+            commands,
+            g.depth,
+            g.normal,
+            view.occlusion,
+            view.world_from_clip,
+            wanted * finest.cell,
+            growth=wanted * 2.0 / max(finest.count),
+            largest=wanted * coarsest.cell,
+            lit=view.layers.lit if has_light else None,
+        )
 
     def _light(
-        self, commands: Commands, view: View, part: Part, irradiance: Irradiance,
+        self,
+        commands: Commands,
+        view: View,
+        part: Part,
+        irradiance: Irradiance,
         sky: SkyIrradiance,
-    ) -> None:  # fmt: skip
+    ) -> None:
         kit, layers = self.kit, view.layers
         values = self._bound(view, part, irradiance, sky)
         self._make_beside(view.size)
         # Where surfaces look a lattice up is kept while camera and walls stay as they are.
         if self._places and part == "lattices":
             g, lattices = view.gbuffer, kit.lattices
-            key = (g, g.version, view.eye, lattices.placements, sky.version,
-                   kit.blockers.version)  # fmt: skip
+            key = (g, g.version, view.eye, lattices.placements, sky.version, kit.blockers.version)
             placed = self._places.encode(commands, view.size, key, values)
             part, values = ("placed", values | placed) if placed else (part, values)
         lighting = self._lighting_of(part, irradiance)
@@ -113,24 +124,38 @@ class Surfaces:
         """What lighting reads, by slot name."""
         g, lights = view.gbuffer, self.kit.lights
         params = LightingParams(
-            world_from_clip=view.world_from_clip, eye=view.eye, light_count=lights.count,
-            size=view.size, environment_rotation=lights.background.rotation, has_lattice=1,
-        )  # fmt: skip
+            world_from_clip=view.world_from_clip,
+            eye=view.eye,
+            light_count=lights.count,
+            size=view.size,
+            environment_rotation=lights.background.rotation,
+            has_lattice=1,
+        )
         return {
-            "params": params, **irradiance.bound, **lights.bound,
-            **(self.air.bound if self.air else {}), "depth": g.depth, "albedo": g.albedo,
-            "normal": g.normal, "emission": g.emission, "near_texels": view.occlusion.near,
+            "params": params,
+            **irradiance.bound,
+            **lights.bound,
+            **(self.air.bound if self.air else {}),
+            "depth": g.depth,
+            "albedo": g.albedo,
+            "normal": g.normal,
+            "emission": g.emission,
+            "near_texels": view.occlusion.near,
             **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
-            "picture_sampler": self._nearest, "sky_cube": sky.cube,
-            **self.kit.blockers.bound, "linear_clamp": self._linear,
-        }  # fmt: skip
+            "picture_sampler": self._nearest,
+            "sky_cube": sky.cube,
+            **self.kit.blockers.bound,
+            "linear_clamp": self._linear,
+        }
 
     @property
     def _known(self) -> dict[str, bool]:
         """What all passes for surfaces must know; without maps the sky stays black."""
-        return {"is_occluded": self.kit.settings.ambient_occlusion,
-                "has_sky": self.kit.sky.maps.layers > 0,
-                "is_one_lattice": self.kit.lattices.table.count == 1}  # fmt: skip
+        return {
+            "is_occluded": self.kit.settings.ambient_occlusion,
+            "has_sky": self.kit.sky.maps.layers > 0,
+            "is_one_lattice": self.kit.lattices.table.count == 1,
+        }
 
     def _make_beside(self, size: tuple[int, int]) -> None:
         """What CPU adapters draw apart for images of `size`, pixels: gloss, and coordinates."""
@@ -148,13 +173,19 @@ class Surfaces:
         if part not in self._passes:
             lights = self.kit.lights
             self._passes[part] = Lighting(
-                self.gpu, self.air, is_glossy=self._is_glossy, damping=irradiance.damping,
-                has_surfaces=bool(self.kit.meshes.draws), has_suns=lights.parallel.layers > 0,
-                has_lamps=lights.local.layers > 0, **self._known,
+                self.gpu,
+                self.air,
+                is_glossy=self._is_glossy,
+                damping=irradiance.damping,
+                has_surfaces=bool(self.kit.meshes.draws),
+                has_suns=lights.parallel.layers > 0,
+                has_lamps=lights.local.layers > 0,
+                **self._known,
                 is_one_sun=lights.count == lights.parallel.layers == 1,
                 is_listed=self.glossy is not None and part != "lights",
-                part=part, is_bouncing=irradiance.is_bouncing,
-            )  # fmt: skip
+                part=part,
+                is_bouncing=irradiance.is_bouncing,
+            )
         return self._passes[part]
 
     def _release_beside(self) -> None:

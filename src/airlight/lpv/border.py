@@ -49,9 +49,18 @@ class Border(ComputePass):
         super().__init__(gpu, generated=_hops_wgsl())
 
     def encode(
-        self, commands: Commands, inner: Placement, outer: Placement, solved: dict[str, Texture],
-        linear: Sampler, faces: Buffer, sums: Buffer, *, power_scale: float, scale: float,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        inner: Placement,
+        outer: Placement,
+        solved: dict[str, Texture],
+        linear: Sampler,
+        faces: Buffer,
+        sums: Buffer,
+        *,
+        power_scale: float,
+        scale: float,
+    ) -> None:
         """Add to `sums` (`scale` units per W sr^-1) what enters `inner` from the solved `outer`.
 
         `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both
@@ -61,10 +70,16 @@ class Border(ComputePass):
         side = max(inner.count)
         bound: dict[str, Any] = dict(solved)
         self.dispatch(
-            commands, (side, side, 6), params=BorderParams(units=area * scale / power_scale),
-            lattice=inner.params(power_scale), outer=outer.params(power_scale), **bound,
-            linear_clamp=linear, faces=faces, sums=sums,
-        )  # fmt: skip
+            commands,
+            (side, side, 6),
+            params=BorderParams(units=area * scale / power_scale),
+            lattice=inner.params(power_scale),
+            outer=outer.params(power_scale),
+            **bound,
+            linear_clamp=linear,
+            faces=faces,
+            sums=sums,
+        )
 
 
 def _hops_wgsl() -> str:

@@ -51,6 +51,10 @@ def cascade(gpu: Gpu, level: Level, propagate: Propagate, small: SmallObjects) -
     """A lattice with nothing in it."""
     nbytes = 3 * level.placement.cells * 16
     return Cascade(
-        level, propagate, new_sums(gpu, level.placement), Buffer(gpu, "static light", nbytes),
-        Buffer(gpu, "injected", nbytes), small,
-    )  # fmt: skip
+        level,
+        propagate,
+        new_sums(gpu, level.placement),
+        Buffer(gpu, "static light", nbytes),
+        Buffer(gpu, "injected", nbytes),
+        small,
+    )

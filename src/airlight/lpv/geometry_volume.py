@@ -73,9 +73,14 @@ class GeometryVolume:
         self._made: tuple[int, Placement] | None = None
 
     def encode(
-        self, commands: Commands, meshes: GpuScene, maps: SurfelViews, views: list[LightView], *,
+        self,
+        commands: Commands,
+        meshes: GpuScene,
+        maps: SurfelViews,
+        views: list[LightView],
+        *,
         is_drawn: bool,
-    ) -> bool:  # fmt: skip
+    ) -> bool:
         """Bring the blockers up to date with `maps`; returns whether anything changed.
 
         `is_drawn`: a view was drawn anew.
@@ -93,20 +98,28 @@ class GeometryVolume:
         blockers = self.blockers
         blockers.note_change()
         self._faces.dispatch(
-            commands, blockers.placement.count,
+            commands,
+            blockers.placement.count,
             params=ViewSurfelParams.of_view(blockers, maps, 0, _UNITS),
-            volume=self._volume, reflected=self._reflected, faces=blockers.faces,
-            open_a=blockers.open_a, open_b=blockers.open_b,
-        )  # fmt: skip
+            volume=self._volume,
+            reflected=self._reflected,
+            faces=blockers.faces,
+            open_a=blockers.open_a,
+            open_b=blockers.open_b,
+        )
         return True
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
         params = ViewSurfelParams.of_view(self.blockers, maps, index, _UNITS)
         self._inject.encode(commands, maps, self._sums, params)
         self._merge.dispatch(
-            commands, (self.blockers.corners,), params=params, sums=self._sums, volume=self._volume,
+            commands,
+            (self.blockers.corners,),
+            params=params,
+            sums=self._sums,
+            volume=self._volume,
             reflected=self._reflected,
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -41,9 +41,16 @@ class Propagate:
     """
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, scheme: Scheme = "centroid", *, is_blocked: bool,
-        is_reflecting: bool = False, storage: str = "float32", kept: float = SPREAD_KEPT,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        placement: Placement,
+        scheme: Scheme = "centroid",
+        *,
+        is_blocked: bool,
+        is_reflecting: bool = False,
+        storage: str = "float32",
+        kept: float = SPREAD_KEPT,
+    ) -> None:
         """`kept`: of the spread of directions in a hop (`maths.lattice6.spread_kept`)."""
         self.scheme, self.placement = scheme, placement
         self._pack = Pack(gpu, storage)
@@ -51,9 +58,15 @@ class Propagate:
 
         def step(blocked: bool, *, is_added: bool = False) -> Step:
             return Step(
-                gpu, placement.count, scheme, format, is_blocked=blocked,
-                is_reflecting=blocked and is_reflecting, is_added=is_added, kept=kept,
-            )  # fmt: skip
+                gpu,
+                placement.count,
+                scheme,
+                format,
+                is_blocked=blocked,
+                is_reflecting=blocked and is_reflecting,
+                is_added=is_added,
+                kept=kept,
+            )
 
         self._later = step(is_blocked)
         # The paper's first step ignores blockers.
@@ -67,9 +80,14 @@ class Propagate:
         self._recorded = Recorded(gpu, "propagation steps")
 
     def encode(
-        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, *,
+        self,
+        commands: Commands,
+        injected: Buffer,
+        faces: Buffer,
+        iterations: int,
+        *,
         has_tail: bool = False,
-    ) -> Buffer:  # fmt: skip
+    ) -> Buffer:
         """The sum of the states after 1 to `iterations` steps from `injected`, without itself.
 
         `has_tail`: with what all later steps would add, estimated (from 32 iterations on).
@@ -82,15 +100,24 @@ class Propagate:
         # One block is the sum, where states are kept as sums are.
         is_block = iterations == BLOCK and blocks == 1 and self._pack.format is FLOAT
         return self._recorded.encode(
-            commands, (injected, faces, iterations, has_tail),
-            lambda: self._summed(commands, injected, faces, iterations, blocks,
-                                 is_block=is_block, has_tail=has_tail),
-        )  # fmt: skip
+            commands,
+            (injected, faces, iterations, has_tail),
+            lambda: self._summed(
+                commands, injected, faces, iterations, blocks, is_block=is_block, has_tail=has_tail
+            ),
+        )
 
     def _summed(
-        self, commands: Commands, injected: Buffer, faces: Buffer, iterations: int, blocks: int, *,
-        is_block: bool, has_tail: bool,
-    ) -> Buffer:  # fmt: skip
+        self,
+        commands: Commands,
+        injected: Buffer,
+        faces: Buffer,
+        iterations: int,
+        blocks: int,
+        *,
+        is_block: bool,
+        has_tail: bool,
+    ) -> Buffer:
         """All steps; `is_block`: the first block is the sum."""
         (block, ping, pong), total = self._states, self._total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
@@ -125,9 +152,17 @@ class Propagate:
         return state, spare
 
     def _sum_blocks(
-        self, commands: Commands, block: Buffer, total: Buffer, spare: tuple[Buffer, Buffer],
-        faces: Buffer, blocks: int, *, has_tail: bool, is_first: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        block: Buffer,
+        total: Buffer,
+        spare: tuple[Buffer, Buffer],
+        faces: Buffer,
+        blocks: int,
+        *,
+        has_tail: bool,
+        is_first: bool,
+    ) -> None:
         """Add `blocks` times BLOCK states to `total`, the sum of the first of them in `block`."""
         self._sums.add_to_total(commands, block, total, is_first=is_first)
         has_tail = has_tail and blocks >= _TAIL_BLOCKS
@@ -150,9 +185,13 @@ class Propagate:
         return stored
 
     def _stepped(
-        self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer,
+        self,
+        commands: Commands,
+        state: Buffer,
+        spare: tuple[Buffer, Buffer],
+        faces: Buffer,
         steps: int,
-    ) -> Buffer:  # fmt: skip
+    ) -> Buffer:
         """What `state` has become after `steps` steps, in one of the `spare` lattices."""
         for index in range(steps):
             self._later.encode(commands, state, spare[index % 2], faces)

@@ -70,9 +70,14 @@ def row_march(rows: Rows, slab: int, channels: int = 1) -> str:
         for i in range(width):
             gather += [f"below_{i}_{j} = here_{i}_{j};", f"here_{i}_{j} = above_{i}_{j};"]
     return _MARCH.format(
-        width=width, height=height, slab=slab, channels=channels, lanes=LANES,
-        begin=_lines(begin, 4), gather=_lines(gather, 8),
-    )  # fmt: skip
+        width=width,
+        height=height,
+        slab=slab,
+        channels=channels,
+        lanes=LANES,
+        begin=_lines(begin, 4),
+        gather=_lines(gather, 8),
+    )
 
 
 def _places(rows: Rows) -> list[str]:

@@ -30,9 +30,10 @@ class SeenBlockers:
         self.maps = SurfelViews(kit.gpu, resolution, count, peels)
         keeps, source = settings.keep_surfels, settings.surfel_source
         volume: Callable[[Gpu, Blockers], GeometryVolume | ViewSurfels] = (
-            partial(GeometryVolume, keeps=keeps) if settings.scheme == "paper"
+            partial(GeometryVolume, keeps=keeps)
+            if settings.scheme == "paper"
             else partial(ViewSurfels, keeps=keeps, has_meshes=source == "both")
-        )  # fmt: skip
+        )
         self.volumes = [volume(kit.gpu, level.blockers) for level in kit.lattices.levels]
 
     def encode(self, commands: Commands, scene: Scene) -> None:

@@ -40,17 +40,23 @@ class LpvSettings(SurfaceSettings):
         2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
     )
     cascade_extent: float = setting(
-        0.0, "side of the finest cascade; 0: cells of all differ by the ratio", unit="m",
-        low=0.0, high=1e6,
-    )  # fmt: skip
+        0.0,
+        "side of the finest cascade; 0: cells of all differ by the ratio",
+        unit="m",
+        low=0.0,
+        high=1e6,
+    )
     small_objects: str = setting(
-        "moving", "objects smaller than a cell that larger cascades leave out",
+        "moving",
+        "objects smaller than a cell that larger cascades leave out",
         choices=("moving", "all", "none"),
-    )  # fmt: skip
+    )
     cascade_light: bool = setting(
         True, "whether finer cascades take in light from beyond their borders"
     )
     damping: float = setting(
-        0.0, "how strongly light that falls off away from a surface is taken for a leak", low=0,
+        0.0,
+        "how strongly light that falls off away from a surface is taken for a leak",
+        low=0,
         high=10,
-    )  # fmt: skip
+    )

@@ -49,9 +49,12 @@ def cascades_nest(scene: Scene, settings: LpvSettings, *, in_air: bool = False) 
     Raises SettingsError.
     """
     return nested(
-        *lattice_box(scene, settings.bounds, in_air=in_air), settings.resolution,
-        count=settings.cascades, ratio=settings.cascade_ratio, finest_m=settings.cascade_extent,
-    )  # fmt: skip
+        *lattice_box(scene, settings.bounds, in_air=in_air),
+        settings.resolution,
+        count=settings.cascades,
+        ratio=settings.cascade_ratio,
+        finest_m=settings.cascade_extent,
+    )
 
 
 class LatticeMedia(Protocol):
@@ -93,9 +96,7 @@ class LatticeMedia(Protocol):
 class LpvSolver:
     """Yields the irradiance of surfaces, and the light that they reflect into media."""
 
-    def __init__(
-        self, kit: Kit, settings: LpvSettings, *, is_marched: bool = False
-    ) -> None:  # fmt: skip
+    def __init__(self, kit: Kit, settings: LpvSettings, *, is_marched: bool = False) -> None:
         """`is_marched`: whether media scatter it towards the eye (Billeter2012, Fig. 5)."""
         self.kit, self.settings, self.is_marched = kit, settings, is_marched
         gpu, scene = kit.gpu, kit.context.scene
@@ -133,9 +134,14 @@ class LpvSolver:
         scene, s, place = self.kit.context.scene, self.settings, level.placement
         steps = 0 if scene.medium or scene.volumes else self.steps  # media themselves turn light
         propagate = Propagate(
-            self.kit.gpu, place, cast(Scheme, s.scheme), is_blocked=s.occlusion,
-            is_reflecting=s.bounces, storage=s.storage, kept=spread_kept(place.count, steps),
-        )  # fmt: skip
+            self.kit.gpu,
+            place,
+            cast(Scheme, s.scheme),
+            is_blocked=s.occlusion,
+            is_reflecting=s.bounces,
+            storage=s.storage,
+            kept=spread_kept(place.count, steps),
+        )
         return cascade(self.kit.gpu, level, propagate, self._small(index))
 
     def _small(self, index: int) -> SmallObjects:
@@ -214,9 +220,15 @@ class LpvSolver:
         self, commands: Commands, part: Cascade, maps: ReflectiveShadowMaps, scale: float
     ) -> None:
         self.inject.encode(
-            commands, self.media.seen(maps) if self.media else maps, part.placement,
-            part.blockers.walls, part.sums, scale, is_shaped=self.is_shaped, small=part.small,
-        )  # fmt: skip
+            commands,
+            self.media.seen(maps) if self.media else maps,
+            part.placement,
+            part.blockers.walls,
+            part.sums,
+            scale,
+            is_shaped=self.is_shaped,
+            small=part.small,
+        )
 
     def _inject_static(self, commands: Commands, part: Cascade, scale: float) -> None:
         """What sky, geometry and the lattice's place alone change: sky bounce, emission."""
@@ -244,9 +256,14 @@ class LpvSolver:
             total = self.propagated(commands, level, part.injected)
         with commands.stage("pack"):
             self.textures.encode(
-                commands, part.injected, total, self.power_scale, hull=self._hull,
-                is_shaped=self.is_shaped, placement=part.placement,
-            )  # fmt: skip
+                commands,
+                part.injected,
+                total,
+                self.power_scale,
+                hull=self._hull,
+                is_shaped=self.is_shaped,
+                placement=part.placement,
+            )
         if self.media:
             self.media.send(commands, self, level, scale)
 
@@ -263,10 +280,16 @@ class LpvSolver:
         """Add to `sums` what comes into a lattice from beyond its borders, as `solved` has it."""
         assert self.border is not None
         self.border.encode(
-            commands, self.cascades[level].placement, self.cascades[level + 1].placement,
-            {**solved.bound, **self.kit.blockers.bound}, self.linear, self.faces(level), sums,
-            power_scale=self.power_scale, scale=scale,
-        )  # fmt: skip
+            commands,
+            self.cascades[level].placement,
+            self.cascades[level + 1].placement,
+            {**solved.bound, **self.kit.blockers.bound},
+            self.linear,
+            self.faces(level),
+            sums,
+            power_scale=self.power_scale,
+            scale=scale,
+        )
 
     def faces(self, level: int) -> Buffer:
         """What blocks between the cells of a lattice."""
@@ -277,17 +300,20 @@ class LpvSolver:
         textures = self.media.textures if self.media else self.textures
         irradiance = Irradiance(
             {"lattices": self.kit.lattices.table.filled(self.rows), **textures.bound},
-            is_bounced=not self.is_paper, is_bouncing=self.settings.bounces,
+            is_bounced=not self.is_paper,
+            is_bouncing=self.settings.bounces,
             damping=self.settings.damping,
-        )  # fmt: skip
+        )
         light = self.mean_radiance()
         scene = frame.scene
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
         reflected = ReflectedLight(light, version, knows_media=self.media is not None)
         return replace(
-            fields, irradiance=irradiance, reflected=reflected,
+            fields,
+            irradiance=irradiance,
+            reflected=reflected,
             scattered=light if self.is_marched else fields.scattered,
-        )  # fmt: skip
+        )
 
     @property
     def rows(self) -> list[LatticeParams]:

@@ -46,9 +46,17 @@ class Step:
     """
 
     def __init__(
-        self, gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format, *,
-        is_blocked: bool, is_reflecting: bool, kept: float, is_added: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        count: tuple[int, int, int],
+        scheme: Scheme,
+        format: Format,
+        *,
+        is_blocked: bool,
+        is_reflecting: bool,
+        kept: float,
+        is_added: bool = False,
+    ) -> None:
         self._count = count
         kind = "light" if is_blocked else "open"
         channels = 1 if is_blocked else CHANNELS
@@ -61,24 +69,36 @@ class Step:
             text += _shader(f"propagate_{scheme}")
         self.element = "vec4<u64>" if has_rows else format.element
         self._pass = _step_pass(
-            gpu, self.element,
-            "vec4<u64>" if has_rows else "vec4u", text + march,
+            gpu,
+            self.element,
+            "vec4<u64>" if has_rows else "vec4u",
+            text + march,
             "propagate.wgsl" if is_blocked else "propagate_open.wgsl",
             {
                 "IS_ADDED": float(is_added),
                 **({"IS_REFLECTING": float(is_reflecting)} if is_blocked else {}),
             },
-        )  # fmt: skip
+        )
 
     def encode(
-        self, commands: Commands, before: Buffer, after: Buffer, faces: Buffer,
-        kept: float = 1.0, added: Buffer | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        before: Buffer,
+        after: Buffer,
+        faces: Buffer,
+        kept: float = 1.0,
+        added: Buffer | None = None,
+    ) -> None:
         """after = M before + added. `kept`: what closed faces hand back of wrong-signed power."""
         self._pass.dispatch(
-            commands, self._columns, params=StepParams.of(count=self._count, kept=kept),
-            before=before, after=after, faces=faces, added=added or before,
-        )  # fmt: skip
+            commands,
+            self._columns,
+            params=StepParams.of(count=self._count, kept=kept),
+            before=before,
+            after=after,
+            faces=faces,
+            added=added or before,
+        )
 
 
 def _shader(name: str) -> str:

@@ -65,11 +65,14 @@ FORMATS = {
     "float32": Format("vec4f", 16, "v", "v", 0.0),
     # Sums of eight states must fit too; half floats go to 65504.
     "float16": Format(
-        "vec2u", 8, "vec4f(unpack2x16float(v.x), unpack2x16float(v.y))",
-        "vec2u(pack2x16float(v.xy), pack2x16float(v.zw))", 1024.0,
+        "vec2u",
+        8,
+        "vec4f(unpack2x16float(v.x), unpack2x16float(v.y))",
+        "vec2u(pack2x16float(v.xy), pack2x16float(v.zw))",
+        1024.0,
     ),
     "8bit": Format("u32", 4, "from_bytes(v)", "to_bytes(v)", 1.0, _BYTES),
-}  # fmt: skip
+}
 
 
 class RangeParams(Struct):

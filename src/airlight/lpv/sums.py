@@ -40,9 +40,14 @@ class Sums:
         self._accumulate = _accumulate_pass(gpu, format)
 
     def add_to_total(
-        self, commands: Commands, state: Buffer, total: Buffer, *, is_tail: bool = False,
+        self,
+        commands: Commands,
+        state: Buffer,
+        total: Buffer,
+        *,
+        is_tail: bool = False,
         is_first: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """total += state (float32, W sr^-1), or what all blocks after it would be.
 
         `is_first`: total = state.
@@ -51,18 +56,24 @@ class Sums:
         """
         values = 3 * self._cells
         self._accumulate.dispatch(
-            commands, (-(-values // self._per_lane),),
+            commands,
+            (-(-values // self._per_lane),),
             params=AccumulateParams.of(values=values, is_tail=int(is_tail), is_first=int(is_first)),
             state=state,
-            powers=self._powers, range=self._range, total=total,
-        )  # fmt: skip
+            powers=self._powers,
+            range=self._range,
+            total=total,
+        )
 
     def measure(self, commands: Commands, block: Buffer, place: int) -> None:
         """Remember the power of the last block but one (place 0) or of the last (1)."""
         self._power.dispatch(
-            commands, (1,), params=PowerParams.of(cells=self._cells, place=place), state=block,
+            commands,
+            (1,),
+            params=PowerParams.of(cells=self._cells, place=place),
+            state=block,
             powers=self._powers,
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

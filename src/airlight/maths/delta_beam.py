@@ -269,9 +269,12 @@ def diffusion_of(medium: MediumGrid, largest: float | None = None) -> Diffusion:
 
 
 def light(
-    medium: MediumGrid, beams: list[Beam], steps: int = 60, largest: float | None = None,
+    medium: MediumGrid,
+    beams: list[Beam],
+    steps: int = 60,
+    largest: float | None = None,
     mean_density: float | None = None,
-) -> Solution:  # fmt: skip
+) -> Solution:
     """Solve for the light that `beams` bring into `medium`, `steps` of conjugate gradients.
 
     `largest` diffusivity, m, and `mean_density` over its mass: else those of the medium's cells.

@@ -67,11 +67,15 @@ def smooth(times: F64, values: F64, time: float) -> F64:
         return np.asarray(values[0])
     steps = np.diff(times).reshape(-1, *[1] * (values.ndim - 1))
     slopes = np.diff(values, axis=0) / steps
-    speeds = np.concatenate([slopes[:1], slopes[-1:]] if len(times) == 2 else [
-        slopes[:1],
-        (slopes[:-1] * steps[1:] + slopes[1:] * steps[:-1]) / (steps[1:] + steps[:-1]),
-        slopes[-1:],
-    ])  # fmt: skip
+    speeds = np.concatenate(
+        [slopes[:1], slopes[-1:]]
+        if len(times) == 2
+        else [
+            slopes[:1],
+            (slopes[:-1] * steps[1:] + slopes[1:] * steps[:-1]) / (steps[1:] + steps[:-1]),
+            slopes[-1:],
+        ]
+    )
     span = float(times[k + 1] - times[k])
     return hermite(values[k], span * speeds[k], values[k + 1], span * speeds[k + 1], u)
 

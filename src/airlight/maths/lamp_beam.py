@@ -69,9 +69,13 @@ def near_table(albedo: float) -> F64:
 
 
 def near_fluence(
-    medium: MediumGrid, one: Beam, away_m: F64, intensity: ArrayLike, radius_m: float,
+    medium: MediumGrid,
+    one: Beam,
+    away_m: F64,
+    intensity: ArrayLike,
+    radius_m: float,
     mean_density: float,
-) -> F64:  # fmt: skip
+) -> F64:
     """Fluence (z, y, x, channel), W m^-2, that beam and diffusion miss around a lamp.
 
     `away_m` (z, y, x): distance to it; `radius_m`: the medium's (three times the largest

@@ -33,8 +33,9 @@ def face_numbers() -> tuple[tuple[int, int, int], ...]:
     offsets = [tuple(o) for o in hops().offsets.tolist()]
     rows = []
     for offset in offsets:
-        single = [tuple(step if k == axis else 0 for k in range(3)) for axis, step in
-                  enumerate(offset)]  # fmt: skip
+        single = [
+            tuple(step if k == axis else 0 for k in range(3)) for axis, step in enumerate(offset)
+        ]
         rows.append(tuple(offsets.index(s) if any(s) else -1 for s in single))
     return tuple(rows)  # type: ignore[arg-type]
 

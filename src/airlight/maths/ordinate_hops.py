@@ -69,9 +69,13 @@ def parallel_hops(count: tuple[int, int, int], cell_m: float) -> Hops:
     beside = np.stack([index[1:-1, :-2], index[1:-1, 2:], index[:-2, 1:-1], index[2:, 1:-1]])
     shape = (nz, ny, nx, 1)
     return Hops(
-        np.full((nz, 1, 1, 1), cell_m), np.full(shape, cell_m**3), np.full(shape, cell_m**2),
-        beside, np.ones(beside.shape), np.zeros((nz, 1, 1, 1)),
-    )  # fmt: skip
+        np.full((nz, 1, 1, 1), cell_m),
+        np.full(shape, cell_m**3),
+        np.full(shape, cell_m**2),
+        beside,
+        np.ones(beside.shape),
+        np.zeros((nz, 1, 1, 1)),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +112,17 @@ def first_light(
 
 
 def propagate(
-    hops: Hops, medium: MediumGrid, density: F64, power: F64, mean_cosine: float,
-    towards: list[F64], *, is_paper: bool = False, iterations: int = 24,
+    hops: Hops,
+    medium: MediumGrid,
+    density: F64,
+    power: F64,
+    mean_cosine: float,
+    towards: list[F64],
+    *,
+    is_paper: bool = False,
+    iterations: int = 24,
     watch: Watch | None = None,
-) -> Propagated:  # fmt: skip
+) -> Propagated:
     """`iterations` hops of `power`; what is left goes to the residuum.
 
     `density` (z, y, x); `towards`: the cosine (z, y, x) of the light's direction to each view.
@@ -195,8 +206,9 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
     ahead, side, behind = (fraction * power for fraction in cap_fractions(a))
     light, along = np.zeros_like(power), np.zeros_like(power)
     for target, source, moved in (
-        (slice(1, None), slice(None, -1), ahead), (slice(None, -1), slice(1, None), behind),
-    ):  # fmt: skip
+        (slice(1, None), slice(None, -1), ahead),
+        (slice(None, -1), slice(1, None), behind),
+    ):
         light[target] += moved[source]
         along[target] += moved[source] * a[source]
     entry = behind[0].sum(axis=(0, 1))
@@ -224,9 +236,12 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
 
 
 def residual_light(
-    medium: MediumGrid, residual: F64, carried: F64, steps: int = 60,
+    medium: MediumGrid,
+    residual: F64,
+    carried: F64,
+    steps: int = 60,
     largest: float | None = None,
-) -> tuple[F64, F64]:  # fmt: skip
+) -> tuple[F64, F64]:
     """(Phi, J): fluence and flux (3, ...) W m^-2 of the residuum on the medium's cells.
 
     `residual` W (z, y, x, channel), `carried` W (3, z, y, x, channel). One solve for all grids.

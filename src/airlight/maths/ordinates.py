@@ -109,8 +109,10 @@ def importance_sampled(radiance: ArrayLike, count: int, importance: F64 | None =
     towards = seeds(light * omega + 1e-12 * max(total, 1e-300) / light.size, count)
     u = np.arctan2(towards[:, 0], -towards[:, 2]) / (2.0 * np.pi) % 1.0
     v = np.arccos(np.clip(towards[:, 1], -1.0, 1.0)) / np.pi
-    at = (np.minimum((v * height).astype(int), height - 1),
-          np.minimum((u * width).astype(int), width - 1))  # fmt: skip
+    at = (
+        np.minimum((v * height).astype(int), height - 1),
+        np.minimum((u * width).astype(int), width - 1),
+    )
     here = np.maximum(light[at], 1e-300)
     solid_angle = np.minimum(total / (count * here), 4.0 * np.pi)
     irradiance = rgb[at] / here[:, None] * (total / count)

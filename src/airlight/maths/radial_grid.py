@@ -84,10 +84,14 @@ class RadialGrid:
         cubes = np.diff(edges**3)[:, None, None, None] / 3.0
         around = omega[None, :, :, None]
         return Hops(
-            path, cubes * around, middle**2 * around, beside,
-            2.0 * other_omega / (omega + other_omega), path / np.maximum(middle, path),
+            path,
+            cubes * around,
+            middle**2 * around,
+            beside,
+            2.0 * other_omega / (omega + other_omega),
+            path / np.maximum(middle, path),
             None if extent is None else _inside(_samples(self), extent, n)[..., None],
-        )  # fmt: skip
+        )
 
 
 def shell_growth(side: int) -> float:

@@ -63,9 +63,13 @@ def samples_per_cell(voxels: int, cells: int) -> int:
 
 
 def density_behind(
-    density: F64, extent: F64, points: F64, direction: ArrayLike, step_m: float,
+    density: F64,
+    extent: F64,
+    points: F64,
+    direction: ArrayLike,
+    step_m: float,
     distance_m: ArrayLike = np.inf,
-) -> F64:  # fmt: skip
+) -> F64:
     """Density passed (...), m, by light of travel `direction` when it reaches `points` (..., 3).
 
     Directions (3,) or (..., 3), unit. From where the light enters the box (extent (3,), m), or

@@ -80,11 +80,15 @@ class _Attenuated(ReflectiveShadowMaps):
         """Attenuate the flux of each texel; `bound`: what the pass reads besides the maps."""
         if self.layers:
             self._attenuate.dispatch(
-                commands, (self.resolution, self.resolution, self.layers),
+                commands,
+                (self.resolution, self.resolution, self.layers),
                 params=AttenuationParams(resolution=self.resolution, layers=self.layers),
-                views=self.views, depth=self.depth, flux=self._from.flux, dimmed=self.flux,
+                views=self.views,
+                depth=self.depth,
+                flux=self._from.flux,
+                dimmed=self.flux,
                 **bound,
-            )  # fmt: skip
+            )
 
     def release(self) -> None:
         """Give the memory back; the maps are their owner's."""

@@ -21,11 +21,19 @@ class Blur(ComputePass):
     workgroup = (16, 8, 1)
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, jittered: Texture,
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        jittered: Texture,
         scattered: Texture,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `scattered` from `jittered`, both of the size of `rays.reduced`."""
         self.dispatch(
-            commands, rays.reduced, rays=params, picked=rays.picked, jittered=jittered,
+            commands,
+            rays.reduced,
+            rays=params,
+            picked=rays.picked,
+            jittered=jittered,
             scattered=scattered,
-        )  # fmt: skip
+        )

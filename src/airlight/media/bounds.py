@@ -66,23 +66,30 @@ class DepthBounds:
         self._copy(commands)
         for level in range(1, self.top + 1):
             params = BoundsParams(
-                side=self.side, level=level, layers=self.maps.layers,
+                side=self.side,
+                level=level,
+                layers=self.maps.layers,
                 resolution=self.maps.resolution,
-            )  # fmt: skip
+            )
             squares = self.side >> level
             (self._first if level == 1 else self._next).dispatch(
-                commands, (squares // 4, squares, self.maps.layers), params=params,
+                commands,
+                (squares // 4, squares, self.maps.layers),
+                params=params,
                 bounds=self.buffer,
-            )  # fmt: skip
+            )
 
     def _copy(self, commands: Commands) -> None:
         """Level 0: a copy costs a fraction of reading texels in a shader."""
         maps, side = self.maps, self.side
         for layer in range(maps.layers):
             source = {"texture": maps.depth.handle, "origin": (0, 0, layer), "aspect": "depth-only"}
-            target = {"buffer": self.buffer.handle, "offset": 8 * side * side * layer
-                      + 4 * side * side, "bytes_per_row": 4 * side,
-                      "rows_per_image": side}  # fmt: skip
+            target = {
+                "buffer": self.buffer.handle,
+                "offset": 8 * side * side * layer + 4 * side * side,
+                "bytes_per_row": 4 * side,
+                "rows_per_image": side,
+            }
             commands.encoder.copy_texture_to_buffer(
                 source, target, (maps.resolution, maps.resolution, 1)
             )

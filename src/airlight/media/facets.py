@@ -45,8 +45,9 @@ class Draw(Struct):
 
 
 TREE_SLOTS: tuple[Slot, ...] = (
-    uniform("tree", FacetParams), texture("shadows", "2d-array", "depth")
-)  # fmt: skip
+    uniform("tree", FacetParams),
+    texture("shadows", "2d-array", "depth"),
+)
 
 
 class _Fit(ComputePass):
@@ -92,9 +93,13 @@ class FacetTrees:
     def params(self, level: int = 0, layer: int = 0) -> FacetParams:
         """For passes that read the trees."""
         return FacetParams(
-            side=self.side, level=level, top=self.top, resolution=self.maps.depth.size[0],
-            layer=layer, tolerance=self.tolerance,
-        )  # fmt: skip
+            side=self.side,
+            level=level,
+            top=self.top,
+            resolution=self.maps.depth.size[0],
+            layer=layer,
+            tolerance=self.tolerance,
+        )
 
     def encode(self, commands: Commands) -> None:
         """Make the trees and their triangles anew from the maps."""
@@ -103,24 +108,35 @@ class FacetTrees:
         levels = [self.params(level) for level in range(1, self.top + 1)]
         shared = {"shadows": self.maps.depth, "facets": self.planes}
         for tree in levels:
-            self._fit.dispatch(commands, self._squares(tree), tree=tree, views=self.maps.views,
-                               **shared)  # fmt: skip
+            self._fit.dispatch(
+                commands, self._squares(tree), tree=tree, views=self.maps.views, **shared
+            )
         for tree in levels:
-            self._counts.dispatch(commands, self._squares(tree), tree=tree, places=self._places,
-                                  **shared)  # fmt: skip
+            self._counts.dispatch(
+                commands, self._squares(tree), tree=tree, places=self._places, **shared
+            )
         for layer, triangles in enumerate(self.triangles):
             for level in range(self.top, 0, -1):
                 tree = self.params(level, layer)
                 self._list.dispatch(
-                    commands, self._squares(tree)[:2], tree=tree, places=self._places,
-                    triangles=triangles, draws=self.draws, **shared,
-                )  # fmt: skip
+                    commands,
+                    self._squares(tree)[:2],
+                    tree=tree,
+                    places=self._places,
+                    triangles=triangles,
+                    draws=self.draws,
+                    **shared,
+                )
 
     def bound(self, layer: int) -> dict[str, Any]:
         """By slot name, for passes that draw a layer's triangles."""
-        return {"tree": self.params(layer=layer), "shadows": self.maps.depth,
-                "views": self.maps.views, "facets": self.planes,
-                "triangles": self.triangles[layer]}  # fmt: skip
+        return {
+            "tree": self.params(layer=layer),
+            "shadows": self.maps.depth,
+            "views": self.maps.views,
+            "facets": self.planes,
+            "triangles": self.triangles[layer],
+        }
 
     def _squares(self, tree: FacetParams) -> tuple[int, int, int]:
         squares = self.side >> int(tree.record["level"])

@@ -72,10 +72,13 @@ class Finish(FullscreenPass):
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
         read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single]
         self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), texture("depth", "2d", "depth"), *air.medium_slots,
+            uniform("rays", RayParams),
+            texture("depth", "2d", "depth"),
+            *air.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
-            sampler("nearest", "non-filtering"), *(pixel_list_slots() if lists else ()),
-        )  # fmt: skip
+            sampler("nearest", "non-filtering"),
+            *(pixel_list_slots() if lists else ()),
+        )
         self._nearest = nearest_sampler(gpu)
         super().__init__(
             gpu,
@@ -100,11 +103,21 @@ class Finish(FullscreenPass):
         )
 
     def encode(
-        self, commands: Commands, params: RayParams, depth: Texture, *, reduced: Texture,
-        skylit: Texture | None, shafts: Texture, surfaces: tuple[Texture, Texture],
-        multiple: Texture, transmittance: Texture, single: Texture,
-        redrawn: RedrawParams | None = None, listed: PixelList | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        depth: Texture,
+        *,
+        reduced: Texture,
+        skylit: Texture | None,
+        shafts: Texture,
+        surfaces: tuple[Texture, Texture],
+        multiple: Texture,
+        transmittance: Texture,
+        single: Texture,
+        redrawn: RedrawParams | None = None,
+        listed: PixelList | None = None,
+    ) -> None:
         """Dim `surfaces` (direct, indirect); fill `multiple`, `transmittance` and, with a sky or
         shafts, `single` from what is read: `reduced`, `skylit` and `shafts`, which is reduced
         where pixels are `listed`, else of full size.
@@ -116,7 +129,13 @@ class Finish(FullscreenPass):
             listed.begin(commands)
             bound = {"redrawn": redrawn, **listed.bound}
         self.draw(
-            commands, (*surfaces, multiple, transmittance, *[single] * self._has_single),
-            rays=params, depth=depth, reduced=reduced, nearest=self._nearest,
-            **self._air.medium_bound, **read, **bound,
-        )  # fmt: skip
+            commands,
+            (*surfaces, multiple, transmittance, *[single] * self._has_single),
+            rays=params,
+            depth=depth,
+            reduced=reduced,
+            nearest=self._nearest,
+            **self._air.medium_bound,
+            **read,
+            **bound,
+        )

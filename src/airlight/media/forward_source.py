@@ -20,8 +20,12 @@ from ..surface.light_table import LightData
 
 def forward_slots() -> tuple[Slot, ...]:
     """What marching binds."""
-    return (storage("forward_table", LightData), texture("forward_lights", "3d"),
-            texture("forward_blurred", "3d"), storage("fused", "vec4f"))  # fmt: skip
+    return (
+        storage("forward_table", LightData),
+        texture("forward_lights", "3d"),
+        texture("forward_blurred", "3d"),
+        storage("fused", "vec4f"),
+    )
 
 
 def fused_rows(rows: Sequence[dict[str, Any]]) -> F32:

@@ -41,9 +41,14 @@ class GpuMedia:
     """
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, *, light_count: int, column_resolution: int = 48,
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        *,
+        light_count: int,
+        column_resolution: int = 48,
         solved: Sequence[Volume] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`light_count`: how many lights' columns through grids are asked for; 0 or all of them.
 
         `solved` volumes bring their single scattering with their source: no shafts in them.
@@ -109,9 +114,11 @@ class GpuMedia:
         """Bring the table and the grids up to date; returns whether anything changed."""
         box = (*map(float, low), *map(float, high), *scene.camera.position)
         media = (scene.medium, *scene.volumes)
-        if box == self._box and len(media) == len(self._media) and all(
-            map(operator.is_, media, self._media)
-        ):  # fmt: skip
+        if (
+            box == self._box
+            and len(media) == len(self._media)
+            and all(map(operator.is_, media, self._media))
+        ):
             return False
         if _kinds(scene) != self._kinds:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
@@ -223,10 +230,18 @@ def _fields(
     of: Medium | Volume, kind: int, volume_from_world: F64, *, has_shafts: bool
 ) -> dict[str, Any]:
     return {
-        "volume_from_world": volume_from_world, "sigma_t": of.sigma_t, "kind": kind,
-        "albedo": of.albedo, "grid": 0, "g": of.g, "has_shafts": int(has_shafts), "voxel": 0.0,
-        "detail": 0.0, "detail_bias": 0.0, "detail_periods": (0.0, 0.0, 0.0),
-    }  # fmt: skip
+        "volume_from_world": volume_from_world,
+        "sigma_t": of.sigma_t,
+        "kind": kind,
+        "albedo": of.albedo,
+        "grid": 0,
+        "g": of.g,
+        "has_shafts": int(has_shafts),
+        "voxel": 0.0,
+        "detail": 0.0,
+        "detail_bias": 0.0,
+        "detail_periods": (0.0, 0.0, 0.0),
+    }
 
 
 def _has_detail(scene: Scene) -> bool:
@@ -236,9 +251,11 @@ def _has_detail(scene: Scene) -> bool:
 def _detail_fields(volume: Volume) -> dict[str, Any]:
     """The noise, and steps short enough to see it."""
     return {
-        "detail": volume.detail, "detail_bias": detail_bias(volume.detail),
-        "detail_periods": detail_periods(volume), "voxel": 0.5 * voxel_m(volume),
-    }  # fmt: skip
+        "detail": volume.detail,
+        "detail_bias": detail_bias(volume.detail),
+        "detail_periods": detail_periods(volume),
+        "voxel": 0.5 * voxel_m(volume),
+    }
 
 
 def _density_texture(gpu: Gpu, density: F32) -> Texture:

@@ -41,12 +41,27 @@ class GuidedUpsample(FullscreenPass):
         super().__init__(gpu, generated=air.medium_wgsl)
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, march: March, depth: Texture, *,
-        scattered: Texture, transmittance: Texture, targets: tuple[Texture, Texture],
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        march: March,
+        depth: Texture,
+        *,
+        scattered: Texture,
+        transmittance: Texture,
+        targets: tuple[Texture, Texture],
+    ) -> None:
         """Fill `targets` from what `march` wrote last, over `rays`."""
         assert march.params is not None
         self.draw(
-            commands, targets, rays=params, march=march.params, depth=depth, picked=rays.picked,
-            reduced=scattered, passed=transmittance, **self._air.medium_bound,
-        )  # fmt: skip
+            commands,
+            targets,
+            rays=params,
+            march=march.params,
+            depth=depth,
+            picked=rays.picked,
+            reduced=scattered,
+            passed=transmittance,
+            **self._air.medium_bound,
+        )

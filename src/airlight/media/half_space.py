@@ -38,9 +38,14 @@ class HalfSpace:
         self._source = HalfSpaceLight(self._table, 1, 0.0, 1.0)
 
     def update(
-        self, medium: Medium, top: float, lights: Sequence[Light], sky: Sequence[Light], *,
+        self,
+        medium: Medium,
+        top: float,
+        lights: Sequence[Light],
+        sky: Sequence[Light],
+        *,
         is_lattice: bool,
-    ) -> HalfSpaceLight:  # fmt: skip
+    ) -> HalfSpaceLight:
         """What is marched of it; `is_lattice`: whether light scattered more than once, too."""
         key = (medium, top, tuple(lights), tuple(sky), is_lattice)
         if key != self._key:

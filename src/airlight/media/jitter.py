@@ -34,14 +34,18 @@ class _Jitter(ComputePass):
 
     def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), uniform("params", JitterParams),
-            texture("picked", "2d", "unfilterable-float"), *air.slots,
-            storage("lights", LightData), storage("parallel_views", LightViewData),
+            uniform("rays", RayParams),
+            uniform("params", JitterParams),
+            texture("picked", "2d", "unfilterable-float"),
+            *air.slots,
+            storage("lights", LightData),
+            storage("parallel_views", LightViewData),
             storage("local_views", LightViewData),
             texture("parallel_shadows", "2d-array", "depth"),
             texture("local_shadows", "2d-array", "depth"),
-            sampler("shadow_compare", "comparison"), image("scattered", "rgba32float"),
-        )  # fmt: skip
+            sampler("shadow_compare", "comparison"),
+            image("scattered", "rgba32float"),
+        )
         super().__init__(gpu, generated=air.wgsl)
 
 
@@ -68,18 +72,29 @@ class Jitter:
         """Nothing to make beforehand."""
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, lights: Lights,
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        lights: Lights,
         scattered: Texture,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
         self._pass.dispatch(
-            commands, rays.reduced, rays=params, picked=rays.picked,
-            params=JitterParams(light_count=lights.count, steps=self.steps), **self.air.bound,
-            lights=lights.table, parallel_views=lights.parallel.views,
-            local_views=lights.local.views, parallel_shadows=lights.parallel.depth,
-            local_shadows=lights.local.depth, shadow_compare=lights.parallel.sampler,
+            commands,
+            rays.reduced,
+            rays=params,
+            picked=rays.picked,
+            params=JitterParams(light_count=lights.count, steps=self.steps),
+            **self.air.bound,
+            lights=lights.table,
+            parallel_views=lights.parallel.views,
+            local_views=lights.local.views,
+            parallel_shadows=lights.parallel.depth,
+            local_shadows=lights.local.depth,
+            shadow_compare=lights.parallel.sampler,
             scattered=self._raw,
-        )  # fmt: skip
+        )
         self._blur.encode(commands, params, rays, self._raw, scattered)
 
     def release(self) -> None:

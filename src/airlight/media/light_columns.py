@@ -37,9 +37,11 @@ class _Columns(ComputePass):
 
     def __init__(self, gpu: Gpu, slots: tuple[Slot, ...], generated: str) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("params", ColumnParams), storage("lights", LightData), *slots,
+            uniform("params", ColumnParams),
+            storage("lights", LightData),
+            *slots,
             image("columns", "rgba16float", "3d"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=generated)
 
 
@@ -47,9 +49,15 @@ class LightColumns:
     """Per grid a texture of the mean density towards each light."""
 
     def __init__(
-        self, gpu: Gpu, slots: tuple[Slot, ...], generated: str, media: Sequence[int],
-        shapes: Sequence[tuple[int, int, int]], light_count: int, resolution: int,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        slots: tuple[Slot, ...],
+        generated: str,
+        media: Sequence[int],
+        shapes: Sequence[tuple[int, int, int]],
+        light_count: int,
+        resolution: int,
+    ) -> None:
         """`media` are the grids' rows of the air's table, `shapes` their (x, y, z) counts."""
         self._media = media
         self._lights: tuple[Light, ...] | None = None
@@ -58,15 +66,25 @@ class LightColumns:
         self._counts = [_shrunk(shape, resolution) for shape in shapes]
         groups = light_groups(light_count)
         self.textures = [
-            Texture(gpu, "light columns", (nx, ny, nz * groups), "rgba16float", dimension="3d",
-                    written=True)
+            Texture(
+                gpu,
+                "light columns",
+                (nx, ny, nz * groups),
+                "rgba16float",
+                dimension="3d",
+                written=True,
+            )
             for nx, ny, nz in self._counts
-        ]  # fmt: skip
+        ]
 
     def encode(
-        self, commands: Commands, lights: tuple[Light, ...], medium_bound: dict[str, Any], *,
+        self,
+        commands: Commands,
+        lights: tuple[Light, ...],
+        medium_bound: dict[str, Any],
+        *,
         changed: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Make the columns anew where the media (`changed`) or the lights did change."""
         if lights == self._lights and not changed:
             return
@@ -77,9 +95,13 @@ class LightColumns:
         ):
             params = ColumnParams(count=(nx, ny, nz), medium=medium, light_count=len(lights))
             self._pass.dispatch(
-                commands, texture.size, params=params, lights=self._table, columns=texture,
+                commands,
+                texture.size,
+                params=params,
+                lights=self._table,
+                columns=texture,
                 **medium_bound,
-            )  # fmt: skip
+            )
 
     @property
     def bound(self) -> dict[str, Texture]:

@@ -67,17 +67,23 @@ class _March(FullscreenPass):
         names = target_names(variant)
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
         gpu.require(_LIMIT, _BYTES * len(names), "marching")
-        super().__init__(gpu, generated=air.medium_wgsl + generated(variant),
-                         firsts=firsts(variant))  # fmt: skip
+        super().__init__(
+            gpu, generated=air.medium_wgsl + generated(variant), firsts=firsts(variant)
+        )
 
 
 class March:
     """Scattered radiance and transmittance of every picked ray."""
 
     def __init__(
-        self, gpu: Gpu, air: GpuMedia, *, sources: int = 0, has_lattice: bool = False,
+        self,
+        gpu: Gpu,
+        air: GpuMedia,
+        *,
+        sources: int = 0,
+        has_lattice: bool = False,
         has_sky: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """What `encode` will be given; kernels are made when what they are for first comes."""
         self.gpu, self._air, self._linear = gpu, air, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
@@ -91,13 +97,22 @@ class March:
         self._fused_of: tuple[Any, ...] = ()
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, *,
-        sources: Sequence[Source] = (), lattice: LatticeSource | None = None,
-        sky: LatticeSource | None = None, far: HalfSpaceLight | None = None,
-        scattered: Texture, transmittance: Texture | None = None,
-        skylit: Texture | None = None, steps_per_cell: float = 1.0, max_steps: int = 128,
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        *,
+        sources: Sequence[Source] = (),
+        lattice: LatticeSource | None = None,
+        sky: LatticeSource | None = None,
+        far: HalfSpaceLight | None = None,
+        scattered: Texture,
+        transmittance: Texture | None = None,
+        skylit: Texture | None = None,
+        steps_per_cell: float = 1.0,
+        max_steps: int = 128,
         cutoff: float = 1e-3,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `scattered`, from `sky` `skylit`, and `transmittance` where it is asked for.
 
         They are targets, of `rays.reduced` size.
@@ -117,22 +132,31 @@ class March:
                 bound["march_cells"] = self._cells.encode(commands, one.placement.count, bound)
         self.params = MarchParams(
             step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
-            max_steps=max_steps, cutoff=cutoff, lattice_scale=lattice.scale if lattice else 0.0,
+            max_steps=max_steps,
+            cutoff=cutoff,
+            lattice_scale=lattice.scale if lattice else 0.0,
             lattice_direct=lattice.direct if lattice else 0.0,
-            sky_scale=sky.scale if sky else 0.0, sky_direct=sky.direct if sky else 0.0,
+            sky_scale=sky.scale if sky else 0.0,
+            sky_direct=sky.direct if sky else 0.0,
             forward_scale=forward.scale if forward else 0.0,
             forward_spread=forward.spread if forward else 0.0,
             forward_slabs=forward.slabs if forward else 1.0,
             forward_count=forward.count if forward else 0,
-            far_top=far.top if far else 0.0, far_sigma=far.sigma_t if far else 1.0,
-        )  # fmt: skip
+            far_top=far.top if far else 0.0,
+            far_sigma=far.sigma_t if far else 1.0,
+        )
         targets = {"scattered": scattered, "skylit": skylit, "passed": transmittance}
         for part in at_once(variant, self.gpu.limits[_LIMIT] // _BYTES):
             self._pass(part).draw(
-                commands, tuple(targets[name] for name in target_names(part)), rays=params,
-                march=self.params, picked=rays.picked, **self._air.medium_bound, **bound,
+                commands,
+                tuple(targets[name] for name in target_names(part)),
+                rays=params,
+                march=self.params,
+                picked=rays.picked,
+                **self._air.medium_bound,
+                **bound,
                 **({"far_light": far.table} if far else {}),
-            )  # fmt: skip
+            )
 
     def _pass(self, variant: Variant) -> _March:
         if variant not in self._passes:
@@ -155,9 +179,12 @@ class March:
         )
 
     def _bound(
-        self, variant: Variant, sources: Sequence[Source], lattice: LatticeSource | None,
+        self,
+        variant: Variant,
+        sources: Sequence[Source],
+        lattice: LatticeSource | None,
         sky: LatticeSource | None,
-    ) -> dict[str, Any]:  # fmt: skip
+    ) -> dict[str, Any]:
         """By slot name, what is marched."""
         values: dict[str, Any] = {}
         if sources:
@@ -174,9 +201,12 @@ class March:
             values = {**own, **values}
         forward = lattice.forward if lattice else None
         if forward is not None:
-            values |= {"forward_table": forward.table, "forward_lights": forward.texture,
-                       "forward_blurred": forward.blurred,
-                       "fused": self._fused_rows()}  # fmt: skip
+            values |= {
+                "forward_table": forward.table,
+                "forward_lights": forward.texture,
+                "forward_blurred": forward.blurred,
+                "fused": self._fused_rows(),
+            }
         if lattice is not None and (variant.is_even or variant.is_similar):
             values["lattice_mean"] = lattice.mean
         if sky is not None and variant.has_third_band:
@@ -205,10 +235,13 @@ class March:
             self._lattices.release()
 
     def _write(self, sources: Sequence[Source]) -> None:
-        packed = pack_array(SourceData, [
-            {"uvw_from_world": s.uvw_from_world, "scale": s.scale, "medium": s.medium}
-            for s in sources
-        ])  # fmt: skip
+        packed = pack_array(
+            SourceData,
+            [
+                {"uvw_from_world": s.uvw_from_world, "scale": s.scale, "medium": s.medium}
+                for s in sources
+            ],
+        )
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)

@@ -20,9 +20,10 @@ _NAMES = ("lattice_open_a", "lattice_open_b", "lattice_walls")
 
 class _Pack(ComputePass):
     slots: ClassVar[tuple[Slot, ...]] = (
-        storage("lattices", LatticeParams), *(texture(name, "3d") for name in _NAMES),
+        storage("lattices", LatticeParams),
+        *(texture(name, "3d") for name in _NAMES),
         image("march_cells", "rgba32uint", "3d"),
-    )  # fmt: skip
+    )
     workgroup = (32, 4, 1)
     file = "march_cells.wgsl"
 
@@ -35,8 +36,9 @@ class MarchCells:
         self.texture = self._made((1, 1, 1))
 
     def _made(self, count: tuple[int, int, int]) -> Texture:
-        return Texture(self._gpu, "cells to march", count, "rgba32uint", dimension="3d",
-                       written=True)  # fmt: skip
+        return Texture(
+            self._gpu, "cells to march", count, "rgba32uint", dimension="3d", written=True
+        )
 
     def encode(
         self, commands: Commands, count: tuple[int, int, int], values: dict[str, Any]

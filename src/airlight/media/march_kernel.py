@@ -75,15 +75,22 @@ fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, evenly: vec3f) -> Forw
 
 def slots(air: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     """What the kernel binds."""
-    made = [uniform("rays", RayParams), uniform("march", MarchParams),
-            texture("picked", "2d", "unfilterable-float"), *air.medium_slots]  # fmt: skip
+    made = [
+        uniform("rays", RayParams),
+        uniform("march", MarchParams),
+        texture("picked", "2d", "unfilterable-float"),
+        *air.medium_slots,
+    ]
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
         made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
     names: list[str] = []
     if variant.has_lattice or variant.has_sky:
-        made += [storage("lattices", LatticeParams), sampler("linear_clamp"),
-                 texture("march_cells", "3d", "uint")]  # fmt: skip
+        made += [
+            storage("lattices", LatticeParams),
+            sampler("linear_clamp"),
+            texture("march_cells", "3d", "uint"),
+        ]
         colours = ("red", "green", "blue", "open_a", "open_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:

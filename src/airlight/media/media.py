@@ -32,10 +32,16 @@ class Media:
     """
 
     def __init__(
-        self, kit: Kit, settings: MediaSettings, *, sources: int = 0,
-        is_lattice_marched: bool = False, has_multiple: bool = False, has_sky: bool = True,
+        self,
+        kit: Kit,
+        settings: MediaSettings,
+        *,
+        sources: int = 0,
+        is_lattice_marched: bool = False,
+        has_multiple: bool = False,
+        has_sky: bool = True,
         solved: Sequence[Volume] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """What `draw` will be given: fields of `sources` volumes, and of lattices.
 
         `has_multiple`: whether lattices hold light scattered many times. `has_sky`: whether the
@@ -46,9 +52,16 @@ class Media:
         scene, sky = kit.context.scene, kit.sky
         has_sky = has_sky and bool(sky.lights and sky.maps.layers)
         self.image = MediaImage(
-            kit.gpu, scene, kit.context.size, kit.lights, settings, sources=sources,
-            has_lattice=is_lattice_marched, has_sky=has_sky, solved=solved,
-        )  # fmt: skip
+            kit.gpu,
+            scene,
+            kit.context.size,
+            kit.lights,
+            settings,
+            sources=sources,
+            has_lattice=is_lattice_marched,
+            has_sky=has_sky,
+            solved=solved,
+        )
         self.sky: SkyInMedia | None = None
         if has_sky and self.on_device.count:
             self.sky = SkyInMedia(
@@ -82,9 +95,13 @@ class Media:
         is_moved, self._sky_seen = seen != self._sky_seen, seen
         with commands.stage("sky"):
             self.sky.encode(
-                commands, frame.scene, *frame.bounds, blockers.walls, lattices.placements,
+                commands,
+                frame.scene,
+                *frame.bounds,
+                blockers.walls,
+                lattices.placements,
                 shadows_changed=is_moved,
-            )  # fmt: skip
+            )
         sky = SkyIrradiance(self.sky.cube, self.sky.version)
         if not self.image.has_sky:
             return replace(fields, sky=sky)
@@ -97,9 +114,12 @@ class Media:
             return None
         box = medium_box(medium, *frame.bounds, frame.scene.camera.position)
         return self._half_space.update(
-            medium, float(box[1][1]), frame.scene.lights, self.kit.sky.lights,
+            medium,
+            float(box[1][1]),
+            frame.scene.lights,
+            self.kit.sky.lights,
             is_lattice=self.has_multiple,
-        )  # fmt: skip
+        )
 
     def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """What depends on the eye is drawn, not stored."""
@@ -108,9 +128,16 @@ class Media:
     def draw(self, commands: Commands, view: View, fields: Fields) -> None:
         """Light scattered once, marched fields, transmittance, and surfaces behind all of it."""
         self.image.encode(
-            commands, view, self.kit.lights, fields.volumes, fields.scattered, fields.sky_scatter,
-            far=fields.far, frame=view.sample, is_composed=True,
-        )  # fmt: skip
+            commands,
+            view,
+            self.kit.lights,
+            fields.volumes,
+            fields.scattered,
+            fields.sky_scatter,
+            far=fields.far,
+            frame=view.sample,
+            is_composed=True,
+        )
         self.image.compose(commands, view)
 
     def layers(self, view: View) -> dict[str, Texture]:

@@ -1,11 +1,4 @@
-"""All that air does to a picture: light scattered once, marched sources, transmittance.
-
-air = MediaImage(gpu, scene, size, lights)
-air.solve(commands, scene, low, high)                    # whatever the camera
-air.encode(commands, view, lights, sources=[...])        # every picture
-air.single_scatter, air.multiple_scatter, air.transmittance
-air.compose(commands, view)                              # surfaces behind it: air.surfaces(view)
-"""
+"""All that media do to an image: light scattered once, marched sources, transmittance."""
 
 from __future__ import annotations
 
@@ -45,18 +38,31 @@ class MediaImage:
     """Passes and textures of one picture size; media and lights may move from frame to frame."""
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, size: tuple[int, int], lights: Lights,
-        settings: MediaSettings | None = None, *, sources: int = 0, has_lattice: bool = False,
-        has_sky: bool = False, solved: Sequence[Volume] = (),
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        size: tuple[int, int],
+        lights: Lights,
+        settings: MediaSettings | None = None,
+        *,
+        sources: int = 0,
+        has_lattice: bool = False,
+        has_sky: bool = False,
+        solved: Sequence[Volume] = (),
+    ) -> None:
         """`sources` textures and perhaps lattices will be marched; see `GpuMedia` for `solved`.
 
         Raises SettingsError for a scheme of shafts that cannot do the scene's air.
         """
         self.gpu, self.settings = gpu, settings or MediaSettings()
         s = self.settings
-        self.air = GpuMedia(gpu, scene, light_count=lights.count, solved=solved,
-                       column_resolution=s.column_resolution)  # fmt: skip
+        self.air = GpuMedia(
+            gpu,
+            scene,
+            light_count=lights.count,
+            solved=solved,
+            column_resolution=s.column_resolution,
+        )
         self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
         self.shaft_rays = self.march_rays
         if s.shaft_resolution != s.march_resolution:
@@ -65,8 +71,9 @@ class MediaImage:
         self.has_sky = has_sky and bool(self.air.count) and s.shafts != "off"
         wanted = sources or has_lattice or self.has_sky or self.air.has_grids
         self.is_marched = bool(self.air.count and wanted)
-        self.march = March(gpu, self.air, sources=sources, has_lattice=has_lattice,
-                           has_sky=self.has_sky)  # fmt: skip
+        self.march = March(
+            gpu, self.air, sources=sources, has_lattice=has_lattice, has_sky=self.has_sky
+        )
         self._exact = Transmittance(gpu, self.air)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
@@ -132,15 +139,22 @@ class MediaImage:
         if scheme == "jitter":
             return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
         if scheme == "volumes":
-            return Volumes(gpu, self.air, lights, self.shaft_rays.reduced,
-                           tolerance=s.volume_tolerance)  # fmt: skip
-        return Shafts(gpu, self.air, lights, self.shaft_rays, max_nodes=s.shaft_nodes,
-                      steps=s.shaft_steps)  # fmt: skip
+            return Volumes(
+                gpu, self.air, lights, self.shaft_rays.reduced, tolerance=s.volume_tolerance
+            )
+        return Shafts(
+            gpu, self.air, lights, self.shaft_rays, max_nodes=s.shaft_nodes, steps=s.shaft_steps
+        )
 
     def solve(
-        self, commands: Commands, scene: Scene, low: F64, high: F64, *,
+        self,
+        commands: Commands,
+        scene: Scene,
+        low: F64,
+        high: F64,
+        *,
         shadows_changed: bool = True,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Media, depth towards lights, shadow hierarchies: after `lights.encode`.
 
         low..high, metres: the scene's bounds, which a medium without its own fills.
@@ -152,13 +166,20 @@ class MediaImage:
                 self.shafts.prepare(commands)
 
     def encode(
-        self, commands: Commands, view: View, lights: Lights, sources: Sequence[Source] = (),
-        lattice: LatticeSource | None = None, sky: LatticeSource | None = None, *,
-        far: HalfSpaceLight | None = None, frame: int = 0, is_composed: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        view: View,
+        lights: Lights,
+        sources: Sequence[Source] = (),
+        lattice: LatticeSource | None = None,
+        sky: LatticeSource | None = None,
+        *,
+        far: HalfSpaceLight | None = None,
+        frame: int = 0,
+        is_composed: bool = False,
+    ) -> None:
         """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter.
 
-        `far`: endless air beyond the lattices.
         `is_composed`: `compose` follows and fills them, where one pass can do both.
         """
         self._unfinished = None
@@ -171,16 +192,27 @@ class MediaImage:
         with commands.stage("march"):
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
+            fields: dict[str, Any] = {
+                "sources": sources,
+                "lattice": lattice,
+                "sky": sky,
+                "far": far,
+            }
             if self._finisher and is_whole:
-                self._march_reduced(commands, params, sources, lattice, sky, far)
+                self._march_reduced(commands, params, **fields)
                 self._unfinished = params, lights
             else:
-                self._march(commands, params, view, sources, lattice, sky, far)
+                self._march(commands, params, view, **fields)
 
     def _draw_shafts(
-        self, commands: Commands, params: RayParams, view: View, lights: Lights, *,
+        self,
+        commands: Commands,
+        params: RayParams,
+        view: View,
+        lights: Lights,
+        *,
         is_listed: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`is_listed`: what differs is listed, and drawn anew, by `compose`."""
         assert self.shafts
         reduced = self._target("single")
@@ -194,38 +226,59 @@ class MediaImage:
         if is_listed:
             return
         if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
-            self.shafts.refine(commands, params, lights, view.gbuffer.depth, reduced,
-                               self._full("single"), contrast)  # fmt: skip
+            self.shafts.refine(
+                commands,
+                params,
+                lights,
+                view.gbuffer.depth,
+                reduced,
+                self._full("single"),
+                contrast,
+            )
         else:
             self._finish(commands, params, self.shaft_rays, view, "single")
 
-    def _march(
-        self, commands: Commands, params: RayParams, view: View, sources: Sequence[Source],
-        lattice: LatticeSource | None, sky: LatticeSource | None, far: HalfSpaceLight | None,
-    ) -> None:  # fmt: skip
+    def _march(self, commands: Commands, params: RayParams, view: View, **fields: Any) -> None:
         if self.is_marched:
-            self._march_reduced(commands, params, sources, lattice, sky, far)
+            self._march_reduced(commands, params, **fields)
             self._finish_march(commands, params, view)
-        if sky is not None:
+        if fields["sky"] is not None:
             self._upsample_onto.encode(
-                commands, params, self.march_rays, view.gbuffer.depth, self._reduced["sky"],
-                self._shafts_alone, self.single_scatter,
-            )  # fmt: skip
+                commands,
+                params,
+                self.march_rays,
+                view.gbuffer.depth,
+                self._reduced["sky"],
+                self._shafts_alone,
+                self.single_scatter,
+            )
         if not self.air.has_grids:
             self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
 
     def _march_reduced(
-        self, commands: Commands, params: RayParams, sources: Sequence[Source],
-        lattice: LatticeSource | None, sky: LatticeSource | None, far: HalfSpaceLight | None,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        *,
+        sources: Sequence[Source],
+        lattice: LatticeSource | None,
+        sky: LatticeSource | None,
+        far: HalfSpaceLight | None,
+    ) -> None:
         self.march.encode(
-            commands, params, self.march_rays, sources=sources, lattice=lattice, sky=sky,
+            commands,
+            params,
+            self.march_rays,
+            sources=sources,
+            lattice=lattice,
+            sky=sky,
             far=far if lattice or sky else None,
             scattered=self._target("multiple"),
             transmittance=self._target("transmittance") if self.air.has_grids else None,
-            skylit=self._reduced.get("sky"), steps_per_cell=self.settings.steps_per_cell,
+            skylit=self._reduced.get("sky"),
+            steps_per_cell=self.settings.steps_per_cell,
             max_steps=self.settings.march_steps,
-        )  # fmt: skip
+        )
 
     def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
         """What was marched at full size; its transmittance where no closed form knows it."""
@@ -235,10 +288,15 @@ class MediaImage:
             self._finish(commands, params, self.march_rays, view, "multiple")
             return
         self._guided.encode(
-            commands, params, self.march_rays, self.march, view.gbuffer.depth,
-            scattered=self._reduced["multiple"], transmittance=self._reduced["transmittance"],
+            commands,
+            params,
+            self.march_rays,
+            self.march,
+            view.gbuffer.depth,
+            scattered=self._reduced["multiple"],
+            transmittance=self._reduced["transmittance"],
             targets=(self.multiple_scatter, self.transmittance),
-        )  # fmt: skip
+        )
 
     def compose(self, commands: Commands, view: View) -> None:
         """The view's layers behind the air: `surfaces`."""
@@ -249,9 +307,11 @@ class MediaImage:
                 return
             self._composed = self._composed or Compose(self.gpu, view.size)
             self._composed.encode(
-                commands, direct=view.layers.direct, indirect=view.layers.indirect,
+                commands,
+                direct=view.layers.direct,
+                indirect=view.layers.indirect,
                 transmittance=self.transmittance,
-            )  # fmt: skip
+            )
 
     def surfaces(self, view: View) -> tuple[Texture, Texture]:
         """Direct and indirect light as `compose` left it: in the view's own layers if it could."""
@@ -269,12 +329,18 @@ class MediaImage:
             redrawn = self.shafts.redrawn(self._contrast(view))
             listing = {"redrawn": redrawn, "listed": self.shafts.listed}
         finisher.encode(
-            commands, params, depth, surfaces=view.layers.targets,
-            transmittance=self.transmittance, single=self.single_scatter,
+            commands,
+            params,
+            depth,
+            surfaces=view.layers.targets,
+            transmittance=self.transmittance,
+            single=self.single_scatter,
             multiple=self.multiple_scatter,
-            reduced=self._reduced["multiple"], skylit=self._reduced.get("sky"),
-            shafts=self._reduced["single"] if listing else self._shafts_alone, **listing,
-        )  # fmt: skip
+            reduced=self._reduced["multiple"],
+            skylit=self._reduced.get("sky"),
+            shafts=self._reduced["single"] if listing else self._shafts_alone,
+            **listing,
+        )
         if isinstance(self.shafts, Shafts) and listing:
             with commands.stage("shafts"):
                 self.shafts.redraw(commands, params, lights, depth, self.single_scatter)
@@ -297,8 +363,11 @@ class MediaImage:
         return isinstance(self.shafts, Shafts) and is_shared and self.settings.shaft_contrast < 1.0
 
     def _full(self, name: str) -> Texture:
-        return {"single": self._shafts_alone, "multiple": self.multiple_scatter,
-                "transmittance": self.transmittance}[name]  # fmt: skip
+        return {
+            "single": self._shafts_alone,
+            "multiple": self.multiple_scatter,
+            "transmittance": self.transmittance,
+        }[name]
 
     def _target(self, name: str) -> Texture:
         """Where a kernel writes: the reduced texture, or the full one where nothing is reduced."""
@@ -317,8 +386,15 @@ class MediaImage:
 
     def release(self) -> None:
         """Give the memory back."""
-        parts = [self.air, *self._pictures, self.shaft_rays, self.march, self._composed,
-                 self.shafts, *self._reduced.values()]  # fmt: skip
+        parts = [
+            self.air,
+            *self._pictures,
+            self.shaft_rays,
+            self.march,
+            self._composed,
+            self.shafts,
+            *self._reduced.values(),
+        ]
         for part in parts:
             if part is not None:
                 part.release()

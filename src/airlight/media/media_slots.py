@@ -44,20 +44,35 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
     return (
         f"const AIR_COUNT = {max(1, count)}u;\nconst AIR_GRIDS = {grids}u;\n"
         f"fn air_noise_at(at: vec3f) -> f32 {{ return {noise}; }}\n"
-        + _chosen("air_grid", "uvw: vec3f", "vec4f", "vec4f(0.0)",
-                  [_sample(f"air_grid{i}") for i in range(grids)])
-    )  # fmt: skip
+        + _chosen(
+            "air_grid",
+            "uvw: vec3f",
+            "vec4f",
+            "vec4f(0.0)",
+            [_sample(f"air_grid{i}") for i in range(grids)],
+        )
+    )
 
 
 def column_wgsl(grids: int, light_count: int) -> str:
     """`air_columns`: four lights' columns at a place of their texture; and its size."""
     return (
         f"const AIR_LIGHT_GROUPS = {light_groups(light_count)}u;\n"
-        + _chosen("air_columns", "uvw: vec3f", "vec4f", "vec4f(0.0)",
-                  [_sample(f"air_column{i}") for i in range(grids)])
-        + _chosen("air_column_size", "", "vec3u", "vec3u(1u)",
-                  [f"textureDimensions(air_column{i})" for i in range(grids)])
-    )  # fmt: skip
+        + _chosen(
+            "air_columns",
+            "uvw: vec3f",
+            "vec4f",
+            "vec4f(0.0)",
+            [_sample(f"air_column{i}") for i in range(grids)],
+        )
+        + _chosen(
+            "air_column_size",
+            "",
+            "vec3u",
+            "vec3u(1u)",
+            [f"textureDimensions(air_column{i})" for i in range(grids)],
+        )
+    )
 
 
 def light_groups(light_count: int) -> int:

@@ -25,9 +25,11 @@ class RedrawParams(Struct):
 def pixel_list_slots() -> tuple[Slot, ...]:
     """Of passes that use wgsl/pixel_list.wgsl."""
     return (
-        uniform("redrawn", RedrawParams), storage("found", "atomic<u32>", "read_write"),
-        storage("groups", "atomic<u32>", "read_write"), storage("chosen", "vec4u", "read_write"),
-    )  # fmt: skip
+        uniform("redrawn", RedrawParams),
+        storage("found", "atomic<u32>", "read_write"),
+        storage("groups", "atomic<u32>", "read_write"),
+        storage("chosen", "vec4u", "read_write"),
+    )
 
 
 class PixelList:

@@ -60,13 +60,20 @@ class Rays:
     def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
         """Pick the rays of `view`; returns the parameters that passes over them take."""
         params = RayParams(
-            world_from_clip=view.world_from_clip, eye=view.eye, scale=self.scale,
-            size=self.size, reduced=self.reduced, frame=frame,
-        )  # fmt: skip
+            world_from_clip=view.world_from_clip,
+            eye=view.eye,
+            scale=self.scale,
+            size=self.size,
+            reduced=self.reduced,
+            frame=frame,
+        )
         self._pass.draw(
-            commands, (self.picked,), rays=params, depth=view.gbuffer.depth,
+            commands,
+            (self.picked,),
+            rays=params,
+            depth=view.gbuffer.depth,
             nearest_texel=self._nearest,
-        )  # fmt: skip
+        )
         return params
 
     def release(self) -> None:

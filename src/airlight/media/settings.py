@@ -19,9 +19,12 @@ class MediaSettings:
         choices=("auto", "minmax", "volumes", "jitter", "off"),
     )
     volume_tolerance: float = setting(
-        0.5, "how far facets of light volumes may lie off the shadow map", unit="texels",
-        low=0.0, high=16.0,
-    )  # fmt: skip
+        0.5,
+        "how far facets of light volumes may lie off the shadow map",
+        unit="texels",
+        low=0.0,
+        high=16.0,
+    )
     shaft_resolution: str = setting("half", "of single scattering", choices=tuple(RESOLUTIONS))
     shaft_contrast: float = setting(
         0.1,

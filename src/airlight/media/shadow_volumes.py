@@ -57,9 +57,12 @@ class _Lit(FullscreenPass):
 
     def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), uniform("params", LitParams), *air.slots,
-            storage("lights", LightData), texture("picked", "2d", "unfilterable-float"),
-        )  # fmt: skip
+            uniform("rays", RayParams),
+            uniform("params", LitParams),
+            *air.slots,
+            storage("lights", LightData),
+            texture("picked", "2d", "unfilterable-float"),
+        )
         super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
@@ -70,11 +73,16 @@ class _Dark(RasterPipeline):
 
     def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), uniform("params", VolumeParams), *TREE_SLOTS, *air.slots,
-            storage("lights", LightData), storage("views", LightViewData),
-            storage("facets", "vec4f"), storage("triangles", "u32"),
+            uniform("rays", RayParams),
+            uniform("params", VolumeParams),
+            *TREE_SLOTS,
+            *air.slots,
+            storage("lights", LightData),
+            storage("views", LightViewData),
+            storage("facets", "vec4f"),
+            storage("triangles", "u32"),
             texture("picked", "2d", "unfilterable-float"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=run_wgsl(air, lights))
 
 
@@ -87,9 +95,14 @@ class Volumes:
     """The scheme `volumes`: for one box of even air."""
 
     def __init__(
-        self, gpu: Gpu, air: GpuMedia, lights: Lights, reduced: tuple[int, int], *,
+        self,
+        gpu: Gpu,
+        air: GpuMedia,
+        lights: Lights,
+        reduced: tuple[int, int],
+        *,
         tolerance: float = 0.5,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Raises SettingsError where the air or the device cannot be drawn so."""
         _check(gpu, air)
         self.air = air
@@ -113,9 +126,13 @@ class Volumes:
         self.local.encode(commands)
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, lights: Lights,
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        lights: Lights,
         scattered: Texture,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
         shared = {"rays": params, "lights": lights.table, "picked": rays.picked, **self.air.bound}
         self._lit.draw(commands, (self._sum,), params=LitParams(light_count=lights.count), **shared)
@@ -126,9 +143,10 @@ class Volumes:
             for trees in (self.parallel, self.local):
                 for layer in range(trees.maps.layers):
                     drawn = VolumeParams(
-                        clip_from_eye=clip, light_count=lights.count,
+                        clip_from_eye=clip,
+                        light_count=lights.count,
                         is_parallel=int(trees is self.parallel),
-                    )  # fmt: skip
+                    )
                     self._dark.bindings.bind(
                         commands, encoder, 0, {**shared, "params": drawn, **trees.bound(layer)}
                     )

@@ -50,12 +50,17 @@ class ShaftParams(Struct):
 def _slots(air: GpuMedia, *more: Slot) -> tuple[Slot, ...]:
     """Of passes that use wgsl/shaft_rays.wgsl."""
     return (
-        uniform("rays", RayParams), uniform("shafts", ShaftParams), *air.slots,
-        storage("lights", LightData), storage("parallel_views", LightViewData),
+        uniform("rays", RayParams),
+        uniform("shafts", ShaftParams),
+        *air.slots,
+        storage("lights", LightData),
+        storage("parallel_views", LightViewData),
         storage("local_views", LightViewData),
-        storage("parallel_bounds", "u32"), storage("local_bounds", "u32"), *more,
+        storage("parallel_bounds", "u32"),
+        storage("local_bounds", "u32"),
+        *more,
         image("scattered", "rgba32float"),
-    )  # fmt: skip
+    )
 
 
 def run_wgsl(air: GpuMedia, lights: Lights, steps: int = 32) -> str:
@@ -63,8 +68,11 @@ def run_wgsl(air: GpuMedia, lights: Lights, steps: int = 32) -> str:
     run = "//! use lit_run\n"
     if air.has_grids:
         run = f"const RUN_STEPS = {steps}.0;\n//! use stepped_run\n"
-    known = {"AIR_IS_BOX": air.is_one_box, "HAS_SUNS": lights.parallel.layers > 0,
-             "HAS_LAMPS": lights.local.layers > 0}  # fmt: skip
+    known = {
+        "AIR_IS_BOX": air.is_one_box,
+        "HAS_SUNS": lights.parallel.layers > 0,
+        "HAS_LAMPS": lights.local.layers > 0,
+    }
     wgsl = air.wgsl + f"const LIGHT_COUNT = {lights.count}u;\n"
     return wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run
 
@@ -80,9 +88,11 @@ class _Shafts(ComputePass):
 
 class _RefineFind(FullscreenPass):
     slots = (
-        uniform("rays", RayParams), texture("depth", "2d", "depth"),
-        texture("reduced", "2d", "unfilterable-float"), *pixel_list_slots(),
-    )  # fmt: skip
+        uniform("rays", RayParams),
+        texture("depth", "2d", "depth"),
+        texture("reduced", "2d", "unfilterable-float"),
+        *pixel_list_slots(),
+    )
     targets = ("rgba32float",)
     file = "refine_find.wgsl"
 
@@ -107,10 +117,12 @@ class _Sites(_Shafts):
 
 class _Between(ComputePass):
     slots = (
-        uniform("rays", RayParams), texture("picked", "2d", "unfilterable-float"),
-        texture("sites", "2d", "unfilterable-float"), *pixel_list_slots(),
+        uniform("rays", RayParams),
+        texture("picked", "2d", "unfilterable-float"),
+        texture("sites", "2d", "unfilterable-float"),
+        *pixel_list_slots(),
         image("scattered", "rgba32float"),
-    )  # fmt: skip
+    )
     workgroup = (8, 8, 1)
     file = "between.wgsl"
 
@@ -121,9 +133,11 @@ class _Differing(ComputePass):
 
     def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights, steps: int) -> None:
         self.slots = _slots(  # type: ignore[misc]
-            air, storage("found", "u32"), storage("chosen", "vec4u"),
+            air,
+            storage("found", "u32"),
+            storage("chosen", "vec4u"),
             texture("picked", "2d", "unfilterable-float"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=run_wgsl(air, lights, steps))
 
 
@@ -149,21 +163,35 @@ class _Sparse:
         self._make(reduced)
 
     def encode(
-        self, commands: Commands, rays: Rays, scattered: Texture, contrast: float,
+        self,
+        commands: Commands,
+        rays: Rays,
+        scattered: Texture,
+        contrast: float,
         bound: dict[str, Any],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`bound`: what all passes along rays bind."""
         self._pass.dispatch(commands, self.size, scattered=self.sites, picked=rays.picked, **bound)
         self.listed.begin(commands)
         self._between.dispatch(
-            commands, rays.reduced, rays=bound["rays"], picked=rays.picked, sites=self.sites,
+            commands,
+            rays.reduced,
+            rays=bound["rays"],
+            picked=rays.picked,
+            sites=self.sites,
             redrawn=RedrawParams.of(contrast=contrast, group=self._differing.workgroup[0]),
-            scattered=scattered, **self.listed.bound,
-        )  # fmt: skip
+            scattered=scattered,
+            **self.listed.bound,
+        )
         self._differing.dispatch_indirect(
-            commands, self.listed.groups, found=self.listed.found, chosen=self.listed.chosen,
-            picked=rays.picked, scattered=scattered, **bound,
-        )  # fmt: skip
+            commands,
+            self.listed.groups,
+            found=self.listed.found,
+            chosen=self.listed.chosen,
+            picked=rays.picked,
+            scattered=scattered,
+            **bound,
+        )
 
     def release(self) -> None:
         self.sites.release()
@@ -205,9 +233,14 @@ class Shafts:
         self.local.encode(commands)
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, lights: Lights,
-        scattered: Texture, contrast: float = 0.0,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        lights: Lights,
+        scattered: Texture,
+        contrast: float = 0.0,
+    ) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1; as its alpha
         how far rays go, m.
 
@@ -218,18 +251,33 @@ class Shafts:
         if rays.scale > 1 and 0.0 < contrast < 1.0:
             if self._sparse is None:
                 self._sparse = _Sparse(self.gpu, self.air, lights, self._steps, rays.reduced)
-            self._sparse.encode(commands, rays, scattered, SITE_CONTRAST * contrast,
-                                {"rays": params, **self._bound(lights)})  # fmt: skip
+            self._sparse.encode(
+                commands,
+                rays,
+                scattered,
+                SITE_CONTRAST * contrast,
+                {"rays": params, **self._bound(lights)},
+            )
             return
         self._pass.dispatch(
-            commands, rays.reduced, rays=params, picked=rays.picked, **self._bound(lights),
+            commands,
+            rays.reduced,
+            rays=params,
+            picked=rays.picked,
+            **self._bound(lights),
             scattered=scattered,
-        )  # fmt: skip
+        )
 
     def refine(
-        self, commands: Commands, params: RayParams, lights: Lights, depth: Texture,
-        reduced: Texture, scattered: Texture, contrast: float,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        lights: Lights,
+        depth: Texture,
+        reduced: Texture,
+        scattered: Texture,
+        contrast: float,
+    ) -> None:
         """Fill the full-size `scattered` from `reduced`, as `encode` filled it.
 
         Beside a lamp and at the edges of shafts a reduced picture cannot be interpolated: where
@@ -237,9 +285,14 @@ class Shafts:
         """
         self.listed.begin(commands)
         self._find.draw(
-            commands, (scattered,), rays=params, depth=depth, reduced=reduced,
-            redrawn=self.redrawn(contrast), **self.listed.bound,
-        )  # fmt: skip
+            commands,
+            (scattered,),
+            rays=params,
+            depth=depth,
+            reduced=reduced,
+            redrawn=self.redrawn(contrast),
+            **self.listed.bound,
+        )
         self.redraw(commands, params, lights, depth, scattered)
 
     def redrawn(self, contrast: float) -> RedrawParams:
@@ -247,30 +300,46 @@ class Shafts:
         return RedrawParams.of(contrast=contrast, group=self._refine.workgroup[0])
 
     def redraw(
-        self, commands: Commands, params: RayParams, lights: Lights, depth: Texture,
+        self,
+        commands: Commands,
+        params: RayParams,
+        lights: Lights,
+        depth: Texture,
         scattered: Texture,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Draw the pixels of the full-size `scattered` anew that are `listed`."""
         listed = self.listed
         self._refine.dispatch_indirect(
-            commands, listed.groups, rays=params, found=listed.found, chosen=listed.chosen,
-            depth=depth, **self._bound(lights), scattered=scattered,
-        )  # fmt: skip
+            commands,
+            listed.groups,
+            rays=params,
+            found=listed.found,
+            chosen=listed.chosen,
+            depth=depth,
+            **self._bound(lights),
+            scattered=scattered,
+        )
 
     def _bound(self, lights: Lights) -> dict[str, Any]:
         """What both passes bind."""
         shafts = ShaftParams(
             max_nodes=self.max_nodes,
             parallel_resolution=self.parallel.maps.depth.size[0],
-            parallel_side=self.parallel.side, parallel_top=self.parallel.top,
-            local_resolution=self.local.maps.depth.size[0], local_side=self.local.side,
+            parallel_side=self.parallel.side,
+            parallel_top=self.parallel.top,
+            local_resolution=self.local.maps.depth.size[0],
+            local_side=self.local.side,
             local_top=self.local.top,
-        )  # fmt: skip
+        )
         return {
-            "shafts": shafts, **self.air.bound, "lights": lights.table,
-            "parallel_views": lights.parallel.views, "local_views": lights.local.views,
-            "parallel_bounds": self.parallel.buffer, "local_bounds": self.local.buffer,
-        }  # fmt: skip
+            "shafts": shafts,
+            **self.air.bound,
+            "lights": lights.table,
+            "parallel_views": lights.parallel.views,
+            "local_views": lights.local.views,
+            "parallel_bounds": self.parallel.buffer,
+            "local_bounds": self.local.buffer,
+        }
 
     def release(self) -> None:
         """Give the memory back."""

@@ -76,17 +76,24 @@ class _SkyInMedia(ComputePass):
             generated=air.wgsl
             + "".join(f"//! use {library}\n" for library in written)
             + "fn store(texel: vec3u, light: SkyLight) {\n"
-            + "".join(stores) + "}\n",
-        )  # fmt: skip
+            + "".join(stores)
+            + "}\n",
+        )
 
 
 class SkyInMedia:
     """What arrives in each cell of a lattice from an environment, through the air."""
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, sky: Sky, placement: Placement,
-        size: tuple[int, int, int] | None = None, *, solved: Sequence[Volume] = (),
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        sky: Sky,
+        placement: Placement,
+        size: tuple[int, int, int] | None = None,
+        *,
+        solved: Sequence[Volume] = (),
+    ) -> None:
         """`solved` volumes as for GpuMedia: their source brings what they scatter once.
 
         `size`: cells of the textures, which nested lattices share.
@@ -95,9 +102,12 @@ class SkyInMedia:
         self._levels: tuple[Placement, ...] = ()
         self.air = GpuMedia(
             # A turning sky may bring more of them.
-            gpu, _under(scene, sky), light_count=max(len(sky.lights), sky.maps.layers),
-            column_resolution=COLUMN_TEXELS, solved=solved,
-        )  # fmt: skip
+            gpu,
+            _under(scene, sky),
+            light_count=max(len(sky.lights), sky.maps.layers),
+            column_resolution=COLUMN_TEXELS,
+            solved=solved,
+        )
         self.scale = 1.0
         # Where a pass writes fewer textures than there are, two find the same light.
         is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
@@ -109,8 +119,14 @@ class SkyInMedia:
         nx, ny, nz = size or placement.count
 
         def made(name: str, depth: int) -> Texture:
-            return Texture(gpu, f"sky in air, {name}", (nx, ny, depth), gpu.filtered,
-                           dimension="3d", written=True)  # fmt: skip
+            return Texture(
+                gpu,
+                f"sky in air, {name}",
+                (nx, ny, depth),
+                gpu.filtered,
+                dimension="3d",
+                written=True,
+            )
 
         self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
         self.cube = made("cube", FACES * nz)
@@ -121,9 +137,16 @@ class SkyInMedia:
         """Raised whenever cells were made anew."""
 
     def encode(
-        self, commands: Commands, scene: Scene, low: F64, high: F64, walls: Texture,
-        levels: Sequence[Placement] = (), *, shadows_changed: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        scene: Scene,
+        low: F64,
+        high: F64,
+        walls: Texture,
+        levels: Sequence[Placement] = (),
+        *,
+        shadows_changed: bool,
+    ) -> None:
         """Bring the cells up to date; `sky` and its maps have been. low..high as for GpuMedia.
 
         `levels`: the lattices that share the textures, the finest first; else the one alone.
@@ -144,25 +167,44 @@ class SkyInMedia:
         for level in stale:
             for part in self._passes:
                 part.dispatch(
-                    commands, level.count,
+                    commands,
+                    level.count,
                     params=SkyInMediaParams(light_count=len(self.sky.lights), scale=self.scale),
-                    lattice=level.params(), lights=self._lights, views=self.sky.maps.views,
-                    depth=self.sky.maps.depth, compare=self._compare, lattice_walls=walls,
-                    **{name: getattr(self, name) for name in part.images}, **self.air.bound,
-                )  # fmt: skip
+                    lattice=level.params(),
+                    lights=self._lights,
+                    views=self.sky.maps.views,
+                    depth=self.sky.maps.depth,
+                    compare=self._compare,
+                    lattice_walls=walls,
+                    **{name: getattr(self, name) for name in part.images},
+                    **self.air.bound,
+                )
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
         """For marching; `walls` as Blockers.bound, `finer` as LatticeSource."""
         bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
         return LatticeSource(
-            self.placement, bound | walls, 1.0 / (4.0 * math.pi * self.scale), direct=3.0,
-            finer=finer, mean=self.mean, third=self.third,
-        )  # fmt: skip
+            self.placement,
+            bound | walls,
+            1.0 / (4.0 * math.pi * self.scale),
+            direct=3.0,
+            finer=finer,
+            mean=self.mean,
+            third=self.third,
+        )
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.air, self._lights, self.red, self.green, self.blue, self.cube,
-                     self.mean, self.third):  # fmt: skip
+        for part in (
+            self.air,
+            self._lights,
+            self.red,
+            self.green,
+            self.blue,
+            self.cube,
+            self.mean,
+            self.third,
+        ):
             part.release()
 
 

@@ -21,8 +21,10 @@ class Transmittance(FullscreenPass):
 
     def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("rays", RayParams), texture("depth", "2d", "depth"), *air.medium_slots
-        )  # fmt: skip
+            uniform("rays", RayParams),
+            texture("depth", "2d", "depth"),
+            *air.medium_slots,
+        )
         self._air = air
         super().__init__(gpu, generated=air.medium_wgsl)
 

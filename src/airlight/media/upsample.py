@@ -30,9 +30,14 @@ class Upsample(FullscreenPass):
         super().__init__(gpu, generated="fn base_at(pixel: vec2i) -> vec4f { return vec4f(0.0); }")
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, depth: Texture,
-        reduced: Texture, target: Texture,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        depth: Texture,
+        reduced: Texture,
+        target: Texture,
+    ) -> None:
         """Fill `target` from `reduced`; `params` as `rays.encode` gave them."""
         self.draw(
             commands, (target,), rays=params, depth=depth, picked=rays.picked, reduced=reduced
@@ -51,11 +56,22 @@ class UpsampleOnto(FullscreenPass):
         super().__init__(gpu, generated=loaded)
 
     def encode(
-        self, commands: Commands, params: RayParams, rays: Rays, depth: Texture,
-        reduced: Texture, base: Texture, target: Texture,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        depth: Texture,
+        reduced: Texture,
+        base: Texture,
+        target: Texture,
+    ) -> None:
         """`target` = `base` + `reduced`."""
         self.draw(
-            commands, (target,), rays=params, depth=depth, picked=rays.picked, reduced=reduced,
+            commands,
+            (target,),
+            rays=params,
+            depth=depth,
+            picked=rays.picked,
+            reduced=reduced,
             base=base,
-        )  # fmt: skip
+        )

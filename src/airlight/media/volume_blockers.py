@@ -64,13 +64,21 @@ class VolumeBlockers:
         """Make `faces` of the blockers' `walls` and the air as it is."""
         lattice = placement.params()
         self._look.dispatch(
-            commands, placement.count, params=VolumeBlockerParams(places=PLACES), lattice=lattice,
-            cells=self._cells, **self._air.medium_bound,
-        )  # fmt: skip
+            commands,
+            placement.count,
+            params=VolumeBlockerParams(places=PLACES),
+            lattice=lattice,
+            cells=self._cells,
+            **self._air.medium_bound,
+        )
         self._combine.dispatch(
-            commands, placement.count, lattice=lattice, cells=self._cells, walls=walls,
+            commands,
+            placement.count,
+            lattice=lattice,
+            cells=self._cells,
+            walls=walls,
             faces=self.faces,
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -75,25 +75,39 @@ class Bounce:
             self._even.encode(commands, params)
 
     def encode(
-        self, commands: Commands, params: MediumParams, eye: F64, bounced: ReflectedLight,
-        scale: float, target: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        eye: F64,
+        bounced: ReflectedLight,
+        scale: float,
+        target: Buffer,
+    ) -> None:
         """For an eye at `eye` (3,), m in the medium's frame; `scale`: radiance per unit of
         `target`.
         """
         placement, source = self._medium.placement, bounced.source
         bounce = BounceParams(
-            world_from_medium=placement.world_from_medium, eye=eye,
-            scale=source.scale / scale, direct=source.direct,
+            world_from_medium=placement.world_from_medium,
+            eye=eye,
+            scale=source.scale / scale,
+            direct=source.direct,
             is_whole=int(self._is_white or bounced.knows_media),
-        )  # fmt: skip
+        )
         self._pass.dispatch(
-            commands, (placement.cells,), params=params, bounce=bounce,
-            ordinates=self._even.table.rows, passed=self._even.paths.passed,
-            diffuse=self._even.diffuse.diffuse, reach=self._medium.density.reach,
-            lattice=source.placement.params(), linear_clamp=self._linear, **source.bound,
+            commands,
+            (placement.cells,),
+            params=params,
+            bounce=bounce,
+            ordinates=self._even.table.rows,
+            passed=self._even.paths.passed,
+            diffuse=self._even.diffuse.diffuse,
+            reach=self._medium.density.reach,
+            lattice=source.placement.params(),
+            linear_clamp=self._linear,
+            **source.bound,
             bounced=target,
-        )  # fmt: skip
+        )
 
     @property
     def count(self) -> int:

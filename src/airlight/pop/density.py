@@ -59,9 +59,12 @@ class _Others(ComputePass):
 
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), *mix.cell_slots, *fine_slots(mix.media - 1),
-            sampler("linear_clamp"), storage("density", "f32", "read_write"),
-        )  # fmt: skip
+            uniform("params", MediumParams),
+            *mix.cell_slots,
+            *fine_slots(mix.media - 1),
+            sampler("linear_clamp"),
+            storage("density", "f32", "read_write"),
+        )
         super().__init__(gpu, generated=fine_wgsl(mix.media - 1))
 
 
@@ -86,9 +89,13 @@ class Density:
     def encode(self, commands: Commands, params: MediumParams, voxels: Texture) -> None:
         """Fill `fine` and the first of `cells` from `voxels`."""
         self._fine.dispatch(
-            commands, self.placement.fine_count, params=params, voxels=voxels,
-            linear_clamp=self.linear, fine=self.fine,
-        )  # fmt: skip
+            commands,
+            self.placement.fine_count,
+            params=params,
+            voxels=voxels,
+            linear_clamp=self.linear,
+            fine=self.fine,
+        )
         self._coarse.dispatch(
             commands, (self.placement.cells,), params=params, fine=self.fine, density=self.cells
         )
@@ -99,10 +106,14 @@ class Density:
         """Then the rest, from the others' `fine`."""
         if self._others is not None:
             self._others.dispatch(
-                commands, (self.placement.cells, 1 + len(others)), params=params,
-                **self._mix.cell_bound, **fine_bound(others), linear_clamp=self.linear,
+                commands,
+                (self.placement.cells, 1 + len(others)),
+                params=params,
+                **self._mix.cell_bound,
+                **fine_bound(others),
+                linear_clamp=self.linear,
                 density=self.cells,
-            )  # fmt: skip
+            )
         self._reach.dispatch(
             commands, (self.placement.cells,), params=params, density=self.cells, reach=self.reach
         )

@@ -21,18 +21,34 @@ class Deposit(ComputePass):
         """`has_blocks`: whether the last ordinates are other media's light."""
         self._mix = mix
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), storage("ordinates", OrdinateData), *mix.beam_slots,
-            storage("passed", "f32"), storage("density", "f32"),
+            uniform("params", MediumParams),
+            storage("ordinates", OrdinateData),
+            *mix.beam_slots,
+            storage("passed", "f32"),
+            storage("density", "f32"),
             storage("deposits", "vec4f", "read_write"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=has_blocks) + mix.cell_wgsl_more)
 
     def encode(
-        self, commands: Commands, params: MediumParams, cells: int, *, ordinates: Buffer,
-        passed: Buffer, density: Buffer, deposits: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        cells: int,
+        *,
+        ordinates: Buffer,
+        passed: Buffer,
+        density: Buffer,
+        deposits: Buffer,
+    ) -> None:
         """Sum over all ordinates, cell by cell: no atomics, the same bits every time."""
         self.dispatch(
-            commands, (cells,), params=params, ordinates=ordinates, passed=passed,
-            density=density, deposits=deposits, **self._mix.beam_bound,
-        )  # fmt: skip
+            commands,
+            (cells,),
+            params=params,
+            ordinates=ordinates,
+            passed=passed,
+            density=density,
+            deposits=deposits,
+            **self._mix.beam_bound,
+        )

@@ -53,10 +53,15 @@ class _Begin(_OfCells):
     """r = b, z = b/diagonal, phi = 0; sums r.z."""
 
     own_slots = (
-        _params, _density, _links, storage("deposits", "vec4f"),
+        _params,
+        _density,
+        _links,
+        storage("deposits", "vec4f"),
         storage("residual", "vec4f", "read_write"),
-        storage("z", "vec4f", "read_write"), storage("phi", "vec4f", "read_write"), _sums,
-    )  # fmt: skip
+        storage("z", "vec4f", "read_write"),
+        storage("phi", "vec4f", "read_write"),
+        _sums,
+    )
     workgroup = (GROUP, 1, 1)
     file = "diffuse_begin.wgsl"
 
@@ -65,10 +70,15 @@ class _Search(ComputePass):
     """p = z + beta p (z in the first step), and A p; sums p.Ap."""
 
     slots = (
-        _params, _links, uniform("iteration", StepParams), storage("z", "vec4f"),
-        storage("before", "vec4f"), storage("search", "vec4f", "read_write"),
-        storage("product", "vec4f", "read_write"), _sums,
-    )  # fmt: skip
+        _params,
+        _links,
+        uniform("iteration", StepParams),
+        storage("z", "vec4f"),
+        storage("before", "vec4f"),
+        storage("search", "vec4f", "read_write"),
+        storage("product", "vec4f", "read_write"),
+        _sums,
+    )
     workgroup = (GROUP, 1, 1)
     file = "diffuse_search.wgsl"
 
@@ -77,10 +87,16 @@ class _Update(ComputePass):
     """phi += alpha p, r -= alpha A p, z = r/diagonal; sums r.z."""
 
     slots = (
-        _params, _links, uniform("iteration", StepParams), storage("search", "vec4f"),
-        storage("product", "vec4f"), storage("phi", "vec4f", "read_write"),
-        storage("residual", "vec4f", "read_write"), storage("z", "vec4f", "read_write"), _sums,
-    )  # fmt: skip
+        _params,
+        _links,
+        uniform("iteration", StepParams),
+        storage("search", "vec4f"),
+        storage("product", "vec4f"),
+        storage("phi", "vec4f", "read_write"),
+        storage("residual", "vec4f", "read_write"),
+        storage("z", "vec4f", "read_write"),
+        _sums,
+    )
     workgroup = (GROUP, 1, 1)
     file = "diffuse_update.wgsl"
 
@@ -89,9 +105,12 @@ class _Flux(_OfCells):
     """J at cell centres, from phi and what the deposits carry."""
 
     own_slots = (
-        _params, _density, storage("deposits", "vec4f"), storage("phi", "vec4f"),
+        _params,
+        _density,
+        storage("deposits", "vec4f"),
+        storage("phi", "vec4f"),
         storage("diffuse", "vec4f", "read_write"),
-    )  # fmt: skip
+    )
     workgroup = (64, 1, 1)
     file = "diffuse_flux.wgsl"
 
@@ -127,25 +146,47 @@ class Diffuse:
         v, cells = self._vectors, (self.cells,)
         common = {"params": params, "links": self._links, "sums": self._sums, "z": v["z"]}
         self._begin.dispatch(
-            commands, cells, **common, density=density, deposits=self.deposits,
-            residual=v["residual"], phi=v["phi"],
+            commands,
+            cells,
+            **common,
+            density=density,
+            deposits=self.deposits,
+            residual=v["residual"],
+            phi=v["phi"],
             **self._mix.cell_bound,
-        )  # fmt: skip
+        )
         for step in range(steps):
             before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
             iteration = StepParams(step=step)
             self._search.dispatch(
-                commands, cells, **common, iteration=iteration, before=before, search=search,
+                commands,
+                cells,
+                **common,
+                iteration=iteration,
+                before=before,
+                search=search,
                 product=v["product"],
-            )  # fmt: skip
+            )
             self._update.dispatch(
-                commands, cells, **common, iteration=iteration, search=search,
-                product=v["product"], phi=v["phi"], residual=v["residual"],
-            )  # fmt: skip
+                commands,
+                cells,
+                **common,
+                iteration=iteration,
+                search=search,
+                product=v["product"],
+                phi=v["phi"],
+                residual=v["residual"],
+            )
         self._flux.dispatch(
-            commands, cells, params=params, density=density, deposits=self.deposits,
-            phi=v["phi"], diffuse=self.diffuse, **self._mix.cell_bound,
-        )  # fmt: skip
+            commands,
+            cells,
+            params=params,
+            density=density,
+            deposits=self.deposits,
+            phi=v["phi"],
+            diffuse=self.diffuse,
+            **self._mix.cell_bound,
+        )
 
     @property
     def residual(self) -> Buffer:

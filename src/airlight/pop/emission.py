@@ -80,27 +80,53 @@ class Emission:
         self._furnace = _Furnace(gpu, mix, has_blocks=False)
 
     def encode(
-        self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
-        passed: Buffer, diffuse: Buffer, reach: Buffer, correction: float,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        eye: F64,
+        table: OrdinateTable,
+        passed: Buffer,
+        diffuse: Buffer,
+        reach: Buffer,
+        correction: float,
+    ) -> None:
         """For an eye at `eye` (3,), m in the medium's frame."""
         self._emission.dispatch(
-            commands, (self.cells,), params=params,
-            **seen_by(table, eye, correction), passed=passed, diffuse=diffuse, reach=reach,
-            refined=self._refined, emission=self.texture,
+            commands,
+            (self.cells,),
+            params=params,
+            **seen_by(table, eye, correction),
+            passed=passed,
+            diffuse=diffuse,
+            reach=reach,
+            refined=self._refined,
+            emission=self.texture,
             **self._mix.beam_bound,
-        )  # fmt: skip
+        )
 
     def encode_furnace(
-        self, commands: Commands, params: MediumParams, eye: F64, table: OrdinateTable,
-        passed: Buffer, diffuse: Buffer, reach: Buffer, white: Mix,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        eye: F64,
+        table: OrdinateTable,
+        passed: Buffer,
+        diffuse: Buffer,
+        reach: Buffer,
+        white: Mix,
+    ) -> None:
         """Fill `corrections` from the same medium without absorption under an even sky of 1."""
         self._furnace.dispatch(
-            commands, (self.cells,), params=params, **seen_by(table, eye, 0.0), passed=passed,
-            diffuse=diffuse, reach=reach,
-            corrections=self.corrections, **white.beam_bound,
-        )  # fmt: skip
+            commands,
+            (self.cells,),
+            params=params,
+            **seen_by(table, eye, 0.0),
+            passed=passed,
+            diffuse=diffuse,
+            reach=reach,
+            corrections=self.corrections,
+            **white.beam_bound,
+        )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -112,5 +138,10 @@ def seen_by(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]
     """The light and the eye, as emission binds them."""
     gain = table.gain
     view = ViewParams(eye=eye, correction=correction, sky_from_medium=gain.sky_from_medium)
-    return {"view": view, "ordinates": table.rows, "phase": table.phase,
-            "sky_gain": gain.texture, "sky_sampler": gain.sampler}  # fmt: skip
+    return {
+        "view": view,
+        "ordinates": table.rows,
+        "phase": table.phase,
+        "sky_gain": gain.texture,
+        "sky_sampler": gain.sampler,
+    }

@@ -49,11 +49,15 @@ class _Blocks(ComputePass):
 
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), uniform("block", BlockParams), *mix.cell_slots,
-            storage("density", "f32"), storage("deposits", "vec4f"), storage("diffuse", "vec4f"),
+            uniform("params", MediumParams),
+            uniform("block", BlockParams),
+            *mix.cell_slots,
+            storage("density", "f32"),
+            storage("deposits", "vec4f"),
+            storage("diffuse", "vec4f"),
             storage("ordinates", OrdinateData, "read_write"),
             storage("blocks", "vec4f", "read_write"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=f"const PER_AXIS = {PER_AXIS}u;\n{mix.cell_wgsl}")
 
 
@@ -63,12 +67,17 @@ class _Given(ComputePass):
 
     def __init__(self, gpu: Gpu, others: int) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), uniform("way", GivenParams),
-            storage("media", MixedData), storage("ordinates", OrdinateData),
-            storage("blocks", "vec4f"), storage("reach", "u32"), storage("seen", "f32"),
+            uniform("params", MediumParams),
+            uniform("way", GivenParams),
+            storage("media", MixedData),
+            storage("ordinates", OrdinateData),
+            storage("blocks", "vec4f"),
+            storage("reach", "u32"),
+            storage("seen", "f32"),
             sampler("linear_clamp"),
-            *fine_slots(others), storage("given", "vec4f", "read_write"),
-        )  # fmt: skip
+            *fine_slots(others),
+            storage("given", "vec4f", "read_write"),
+        )
         super().__init__(gpu, generated=fine_wgsl(others))
 
 
@@ -81,9 +90,14 @@ class Given:
         self._sight = GivenSight(gpu, mix.cells, mix.blocks)
 
     def encode(
-        self, commands: Commands, taker: GridMedium, table: OrdinateTable,
-        surfaces: Surfaces | None, *, is_lit: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        taker: GridMedium,
+        table: OrdinateTable,
+        surfaces: Surfaces | None,
+        *,
+        is_lit: bool,
+    ) -> None:
         """What the taker's others send now, as the last of `table`. Not `is_lit`: places alone.
 
         `surfaces`: what stands between them.
@@ -93,36 +107,61 @@ class Given:
         placement, params = taker.placement, taker.params
         if surfaces is not None and surfaces.blockers is not None and not is_lit:
             self._sight.encode(
-                commands, params, placement, surfaces.blockers,
-                version=surfaces.meshes.version, ordinates=table.rows,
-                blocks=self._blocks, reach=taker.density.reach,
-            )  # fmt: skip
+                commands,
+                params,
+                placement,
+                surfaces.blockers,
+                version=surfaces.meshes.version,
+                ordinates=table.rows,
+                blocks=self._blocks,
+                reach=taker.density.reach,
+            )
         self._give.dispatch(
-            commands, (placement.cells, taker.mix.blocks), params=params,
-            way=GivenParams(blocks=taker.mix.blocks), media=taker.mix.rows,
-            ordinates=table.rows, blocks=self._blocks, reach=taker.density.reach,
-            seen=self._sight.seen, linear_clamp=taker.density.linear,
-            **fine_bound(taker.fine_others), given=taker.mix.given,
-        )  # fmt: skip
+            commands,
+            (placement.cells, taker.mix.blocks),
+            params=params,
+            way=GivenParams(blocks=taker.mix.blocks),
+            media=taker.mix.rows,
+            ordinates=table.rows,
+            blocks=self._blocks,
+            reach=taker.density.reach,
+            seen=self._sight.seen,
+            linear_clamp=taker.density.linear,
+            **fine_bound(taker.fine_others),
+            given=taker.mix.given,
+        )
 
     def _gather_block(
-        self, commands: Commands, taker: GridMedium, table: OrdinateTable, index: int, *,
+        self,
+        commands: Commands,
+        taker: GridMedium,
+        table: OrdinateTable,
+        index: int,
+        *,
         is_lit: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """The blocks of one of the others."""
         giver = taker.others[index]
         to_world = giver.placement.world_from_medium
         block = BlockParams(
             taker_from_giver=np.linalg.inv(taker.placement.world_from_medium) @ to_world,
             uvw_from_giver=taker.placement.uvw_from_world @ to_world,
-            first_row=table.count - taker.mix.blocks + BLOCKS * index, first=BLOCKS * index,
+            first_row=table.count - taker.mix.blocks + BLOCKS * index,
+            first=BLOCKS * index,
             scale=giver.sent.scale / table.scale if is_lit else 0.0,
-        )  # fmt: skip
+        )
         self._gather.dispatch(
-            commands, (BLOCKS,), params=giver.params, block=block, **giver.mix.cell_bound,
-            density=giver.density.cells, deposits=giver.sent.deposits,
-            diffuse=giver.sent.diffuse, ordinates=table.rows, blocks=self._blocks,
-        )  # fmt: skip
+            commands,
+            (BLOCKS,),
+            params=giver.params,
+            block=block,
+            **giver.mix.cell_bound,
+            density=giver.density.cells,
+            deposits=giver.sent.deposits,
+            diffuse=giver.sent.diffuse,
+            ordinates=table.rows,
+            blocks=self._blocks,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

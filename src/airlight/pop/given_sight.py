@@ -33,12 +33,15 @@ class GivenSight(ComputePass):
     """Fills `seen`, f32 [block][cell], 0..1: 1 while nothing stands anywhere."""
 
     slots = (
-        uniform("params", MediumParams), uniform("walls", WallParams),
+        uniform("params", MediumParams),
+        uniform("walls", WallParams),
         uniform("lattice", LatticeParams),
         *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
-        storage("ordinates", OrdinateData), storage("blocks", "vec4f"), storage("reach", "u32"),
+        storage("ordinates", OrdinateData),
+        storage("blocks", "vec4f"),
+        storage("reach", "u32"),
         storage("seen", "f32", "read_write"),
-    )  # fmt: skip
+    )
     workgroup = (64, 1, 1)
     file = "given_sight.wgsl"
 
@@ -53,9 +56,17 @@ class GivenSight(ComputePass):
         self._made = ()
 
     def encode(
-        self, commands: Commands, params: MediumParams, placement: MediumPlacement,
-        blockers: Blockers, *, version: int, ordinates: Buffer, blocks: Buffer, reach: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        placement: MediumPlacement,
+        blockers: Blockers,
+        *,
+        version: int,
+        ordinates: Buffer,
+        blocks: Buffer,
+        reach: Buffer,
+    ) -> None:
         """After blocks were placed; `version`: of the geometry that `blockers` are of."""
         made = (version, blockers.placement)
         if made == self._made:
@@ -63,10 +74,17 @@ class GivenSight(ComputePass):
         self._made = made
         walls = WallParams(world_from_medium=placement.world_from_medium, blocks=self._blocks)
         self.dispatch(
-            commands, (placement.cells, self._blocks), params=params, walls=walls,
-            lattice=blockers.placement.params(), **blockers.bound, ordinates=ordinates,
-            blocks=blocks, reach=reach, seen=self.seen,
-        )  # fmt: skip
+            commands,
+            (placement.cells, self._blocks),
+            params=params,
+            walls=walls,
+            lattice=blockers.placement.params(),
+            **blockers.bound,
+            ordinates=ordinates,
+            blocks=blocks,
+            reach=reach,
+            seen=self.seen,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -76,20 +76,30 @@ class Isotropic:
         self._hop = _Isotropic(gpu)
 
     def encode(
-        self, commands: Commands, params: MediumParams, placement: MediumPlacement,
-        density: Buffer, deposits: Buffer, diffuse: Buffer, iterations: int,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        placement: MediumPlacement,
+        density: Buffer,
+        deposits: Buffer,
+        diffuse: Buffer,
+        iterations: int,
+    ) -> None:
         """Sum `iterations` hops of `deposits` (W per cell) into `diffuse`; 0: leave it dark."""
         cell = placement.cell
         section = float(cell.prod() / cell.mean())
         for step in range(max(1, iterations)):
             scale = 1.0 / section if step == 0 else 1.0
             self._hop.dispatch(
-                commands, (self.cells,), params=params,
+                commands,
+                (self.cells,),
+                params=params,
                 isotropic=IsotropicParams(step=step, scale=scale if iterations else 0.0),
-                density=density, light_in=self._states[step % 2] if step else deposits,
-                light_out=self._states[1 - step % 2], diffuse=diffuse,
-            )  # fmt: skip
+                density=density,
+                light_in=self._states[step % 2] if step else deposits,
+                light_out=self._states[1 - step % 2],
+                diffuse=diffuse,
+            )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -98,11 +108,24 @@ class Isotropic:
 
 
 def bound_emission(
-    params: MediumParams, hops: HopParams, table: OrdinateTable, eye: F64, passed: Buffer,
-    diffuse: Buffer, reach: Buffer, merged: Buffer, emission: Texture,
-) -> dict[str, Any]:  # fmt: skip
+    params: MediumParams,
+    hops: HopParams,
+    table: OrdinateTable,
+    eye: F64,
+    passed: Buffer,
+    diffuse: Buffer,
+    reach: Buffer,
+    merged: Buffer,
+    emission: Texture,
+) -> dict[str, Any]:
     """The slots of `HopEmission` by name; `eye` (3,), m in the medium's frame."""
     return {
-        "params": params, "hops": hops, **seen_by(table, eye, 0.0), "passed": passed,
-        "diffuse": diffuse, "reach": reach, "merged": merged, "emission": emission,
-    }  # fmt: skip
+        "params": params,
+        "hops": hops,
+        **seen_by(table, eye, 0.0),
+        "passed": passed,
+        "diffuse": diffuse,
+        "reach": reach,
+        "merged": merged,
+        "emission": emission,
+    }

@@ -119,9 +119,16 @@ class HopGrids:
         return self.ordinates + self.lamps + self.virtual
 
     def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
-        *, prefilter: bool, scale: float, virtual: int = 0, first_row: int = 0,
-    ) -> None:  # fmt: skip
+        self,
+        ordinates: Ordinates,
+        lamps: Sequence[Lamp],
+        placement: MediumPlacement,
+        *,
+        prefilter: bool,
+        scale: float,
+        virtual: int = 0,
+        first_row: int = 0,
+    ) -> None:
         """Place the grids; `scale` W m^-2 as in the ordinates' table, whose rows from `first_row`
         on they are. The last `virtual` lights' are placed on the device.
         """
@@ -144,10 +151,16 @@ class HopGrids:
     ) -> HopParams:
         """For an eye (3,), m in the medium's frame."""
         return HopParams(
-            eye=eye, capacity=self.capacity, grids=self.count, first_row=self.first_row,
-            first_lamp=self.ordinates, columns=self.columns, is_paper=int(is_paper),
-            is_last=int(is_last), is_added=int(is_added),
-        )  # fmt: skip
+            eye=eye,
+            capacity=self.capacity,
+            grids=self.count,
+            first_row=self.first_row,
+            first_lamp=self.ordinates,
+            columns=self.columns,
+            is_paper=int(is_paper),
+            is_last=int(is_last),
+            is_added=int(is_added),
+        )
 
     def encode(
         self, commands: Commands, params: MediumParams, hops: HopParams, density: Density
@@ -156,11 +169,18 @@ class HopGrids:
         for counted in (self.listed, self.groups):
             commands.encoder.clear_buffer(counted.handle)
         self._fill.dispatch(
-            commands, (self.capacity, max(1, self.count)), params=params,
-            hops=hops, grids=self.rows, solid_angles=self.solid_angles, fine=density.fine,
-            linear_clamp=density.linear, hop_rho=self.density,
-            listed=self.listed, groups=self.groups,
-        )  # fmt: skip
+            commands,
+            (self.capacity, max(1, self.count)),
+            params=params,
+            hops=hops,
+            grids=self.rows,
+            solid_angles=self.solid_angles,
+            fine=density.fine,
+            linear_clamp=density.linear,
+            hop_rho=self.density,
+            listed=self.listed,
+            groups=self.groups,
+        )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -174,9 +194,13 @@ def hop_capacity(side: int) -> int:
 
 
 def hop_rows(
-    ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement, cells: int,
-    side: int, shells: int,
-) -> np.ndarray[Any, np.dtype[Any]]:  # fmt: skip
+    ordinates: Ordinates,
+    lamps: Sequence[Lamp],
+    placement: MediumPlacement,
+    cells: int,
+    side: int,
+    shells: int,
+) -> np.ndarray[Any, np.dtype[Any]]:
     """`HopGridData` of ordinates and lamps; `side`^2 cells a shell."""
     n = ordinates.count
     rows = np.zeros(n + len(lamps), HopGridData.dtype)

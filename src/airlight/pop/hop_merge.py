@@ -15,10 +15,14 @@ from .hop_grids import HopGridData, HopGrids, HopParams
 from .placement import MediumParams, MediumPlacement
 
 _grids = (
-    uniform("params", MediumParams), uniform("hops", HopParams), storage("grids", HopGridData),
-    storage("solid_angles", "f32"), storage("gathered", "vec4f"),
-    storage("splatted", "atomic<i32>", "read_write"), storage("hop_rho", "f32"),
-)  # fmt: skip
+    uniform("params", MediumParams),
+    uniform("hops", HopParams),
+    storage("grids", HopGridData),
+    storage("solid_angles", "f32"),
+    storage("gathered", "vec4f"),
+    storage("splatted", "atomic<i32>", "read_write"),
+    storage("hop_rho", "f32"),
+)
 
 
 class _Splat(ComputePass):
@@ -29,9 +33,11 @@ class _Splat(ComputePass):
 
 class _Merge(ComputePass):
     slots = (
-        *_grids, storage("density", "f32"),
-        storage("merged", "vec4f", "read_write"), storage("deposits", "vec4f", "read_write"),
-    )  # fmt: skip
+        *_grids,
+        storage("density", "f32"),
+        storage("merged", "vec4f", "read_write"),
+        storage("deposits", "vec4f", "read_write"),
+    )
     workgroup = (64, 1, 1)
     file = "hop_merge.wgsl"
 
@@ -47,22 +53,36 @@ class Merge:
         self._splat, self._merge = _Splat(gpu), _Merge(gpu)
 
     def encode(
-        self, commands: Commands, params: MediumParams, hops: HopParams, grids: HopGrids,
-        gathered: Buffer, density: Buffer, deposits: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        hops: HopParams,
+        grids: HopGrids,
+        gathered: Buffer,
+        density: Buffer,
+        deposits: Buffer,
+    ) -> None:
         """Fill `merged`, and `deposits` as `Deposit` does; or add to them."""
         common = {
-            "params": params, "hops": hops, "grids": grids.rows,
-            "solid_angles": grids.solid_angles, "gathered": gathered, "splatted": self._splatted,
+            "params": params,
+            "hops": hops,
+            "grids": grids.rows,
+            "solid_angles": grids.solid_angles,
+            "gathered": gathered,
+            "splatted": self._splatted,
             "hop_rho": grids.density,
-        }  # fmt: skip
+        }
         around = grids.lamps + grids.virtual
         if around:
             self._splat.dispatch(commands, (grids.capacity, around), **common)
         self._merge.dispatch(
-            commands, (self.cells,), **common, density=density,
-            merged=self.merged, deposits=deposits,
-        )  # fmt: skip
+            commands,
+            (self.cells,),
+            **common,
+            density=density,
+            merged=self.merged,
+            deposits=deposits,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

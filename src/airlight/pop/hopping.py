@@ -23,9 +23,15 @@ class Hopping:
     """Grids of lights that are rows of an `OrdinateTable`; of virtual lights, too."""
 
     def __init__(
-        self, gpu: Gpu, placement: MediumPlacement, side: int, most: int, *, is_paper: bool = False,
+        self,
+        gpu: Gpu,
+        placement: MediumPlacement,
+        side: int,
+        most: int,
+        *,
+        is_paper: bool = False,
         merged: Buffer | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """At most `most` grids of about `side`^3 cells. `merged`: where it goes, if not its own."""
         self.is_paper = is_paper
         _require_room(gpu, side, most)
@@ -36,13 +42,27 @@ class Hopping:
         self._prefilter = True
 
     def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
-        *, prefilter: bool, scale: float, virtual: int = 0, first_row: int = 0,
-    ) -> None:  # fmt: skip
+        self,
+        ordinates: Ordinates,
+        lamps: Sequence[Lamp],
+        placement: MediumPlacement,
+        *,
+        prefilter: bool,
+        scale: float,
+        virtual: int = 0,
+        first_row: int = 0,
+    ) -> None:
         """Place the grids; see `HopGrids.write`."""
         self._prefilter = prefilter
-        self.grids.write(ordinates, lamps, placement, prefilter=prefilter, scale=scale,
-                         virtual=virtual, first_row=first_row)  # fmt: skip
+        self.grids.write(
+            ordinates,
+            lamps,
+            placement,
+            prefilter=prefilter,
+            scale=scale,
+            virtual=virtual,
+            first_row=first_row,
+        )
 
     def encode_grids(
         self, commands: Commands, params: MediumParams, ordinates: Buffer, density: Density
@@ -50,25 +70,36 @@ class Hopping:
         """Place those of virtual lights, and fill all with air."""
         hops = self.grids.params((0.0, 0.0, 0.0), is_paper=self.is_paper)
         if self.grids.virtual:
-            self._virtual.encode(commands, params, hops, self.grids, ordinates,
-                                 prefilter=self._prefilter)  # fmt: skip
+            self._virtual.encode(
+                commands, params, hops, self.grids, ordinates, prefilter=self._prefilter
+            )
         self.grids.encode(commands, params, hops, density)
 
     def encode(
-        self, commands: Commands, params: MediumParams, table: OrdinateTable, passed: Buffer,
-        density: Density, deposits: Buffer, eye: F64, iterations: int, *, is_added: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        table: OrdinateTable,
+        passed: Buffer,
+        density: Density,
+        deposits: Buffer,
+        eye: F64,
+        iterations: int,
+        *,
+        is_added: bool = False,
+    ) -> None:
         """Hop; fill `merge.merged` for an eye (3,), m in the medium's frame, and `deposits`."""
         hops = self.grids.params(eye, is_paper=self.is_paper, is_added=is_added)
         with commands.stage("pop initialisation"):
-            self.chain.encode_begin(commands, params, self.grids, table.rows, passed, eye,
-                                    is_paper=self.is_paper)  # fmt: skip
+            self.chain.encode_begin(
+                commands, params, self.grids, table.rows, passed, eye, is_paper=self.is_paper
+            )
         with commands.stage("pop propagation"):
-            self.chain.encode(commands, params, self.grids, eye, iterations,
-                              is_paper=self.is_paper)  # fmt: skip
+            self.chain.encode(commands, params, self.grids, eye, iterations, is_paper=self.is_paper)
         with commands.stage("pop merge"):
-            self.merge.encode(commands, params, hops, self.grids, self.chain.gathered,
-                              density.cells, deposits)  # fmt: skip
+            self.merge.encode(
+                commands, params, hops, self.grids, self.chain.gathered, density.cells, deposits
+            )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -62,11 +62,16 @@ class PopMedia:
         lights = len(scene.lights) + (self._surfaces.virtual_lights if self._surfaces else 0)
         grids = iter(air.grids)
         self.solvers = [
-            PopSolver(kit.gpu, volume, settings, lights=lights,
-                      voxels=next(grids) if volume.density is not None else None,
-                      others=len(media) - 1)
+            PopSolver(
+                kit.gpu,
+                volume,
+                settings,
+                lights=lights,
+                voxels=next(grids) if volume.density is not None else None,
+                others=len(media) - 1,
+            )
             for volume in media
-        ]  # fmt: skip
+        ]
         introduce(self.solvers)
         self._scene = scene
 
@@ -83,10 +88,13 @@ class PopMedia:
         scene = self._scene
         has_reflected = scene.meshes and self._maps is None
         lit = Illumination(
-            scene.lights, scene.environment, np.asarray(view.eye, np.float64), self._surfaces,
+            scene.lights,
+            scene.environment,
+            np.asarray(view.eye, np.float64),
+            self._surfaces,
             fields.reflected if has_reflected else None,
             Look(view.camera, view.size[0] / view.size[1]),
-        )  # fmt: skip
+        )
         encode(commands, self.solvers, self._media_of(scene), lit)
         sources = tuple(s.source(self._first_row + i) for i, s in enumerate(self.solvers))
         return replace(fields, volumes=sources)

@@ -137,11 +137,14 @@ def _row(own: PlacedVolume, of: PlacedVolume) -> dict[str, Any]:
     volume, placement = of.volume, of.placement
     uvw_from_own = placement.uvw_from_world @ own.placement.world_from_medium
     return {
-        "uvw_from_medium": uvw_from_own, "sigma_t": of.extinction,
-        "cell": float(np.min(placement.cell)), "albedo": volume.albedo,
-        "mean_density": of.width.density, "g": volume.g,
+        "uvw_from_medium": uvw_from_own,
+        "sigma_t": of.extinction,
+        "cell": float(np.min(placement.cell)),
+        "albedo": volume.albedo,
+        "mean_density": of.width.density,
+        "g": volume.g,
         "overlap": _overlap(uvw_from_own, own.placement),
-    }  # fmt: skip
+    }
 
 
 def _overlap(uvw_from_own: F64, own: MediumPlacement) -> float:

@@ -27,10 +27,13 @@ class NearLight(ComputePass):
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self._mix = mix
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), storage("ordinates", OrdinateData), *mix.beam_slots,
-            storage("passed", "f32"), storage("missing", "vec4f"),
+            uniform("params", MediumParams),
+            storage("ordinates", OrdinateData),
+            *mix.beam_slots,
+            storage("passed", "f32"),
+            storage("missing", "vec4f"),
             storage("diffuse", "vec4f", "read_write"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=False))
         self._table = Buffer(gpu, "near a lamp", 16 * NEAR_TABLE)
         self._written: tuple[float, ...] = ()
@@ -47,14 +50,26 @@ class NearLight(ComputePass):
         self._table.write(texels)
 
     def encode(
-        self, commands: Commands, params: MediumParams, cells: int, *, ordinates: Buffer,
-        passed: Buffer, diffuse: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        cells: int,
+        *,
+        ordinates: Buffer,
+        passed: Buffer,
+        diffuse: Buffer,
+    ) -> None:
         """Cell by cell, over all lamps among the ordinates."""
         self.dispatch(
-            commands, (cells,), params=params, ordinates=ordinates, passed=passed,
-            missing=self._table, diffuse=diffuse, **self._mix.beam_bound,
-        )  # fmt: skip
+            commands,
+            (cells,),
+            params=params,
+            ordinates=ordinates,
+            passed=passed,
+            missing=self._table,
+            diffuse=diffuse,
+            **self._mix.beam_bound,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

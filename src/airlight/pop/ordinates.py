@@ -56,8 +56,9 @@ class OrdinateData(Struct):
 _BLOCK_COSINE = 0.98  # of how wide it is seen
 _EVEN = np.ones((2, 4, 3))
 MAKERS: dict[str, Callable[[F64, int], Ordinates]] = {
-    "partition": partition, "importance": importance_sampled,
-}  # fmt: skip
+    "partition": partition,
+    "importance": importance_sampled,
+}
 """How a map becomes ordinates."""
 _SEEN = {"partition": view_partition, "importance": view_samples}
 
@@ -80,9 +81,11 @@ class SceneOrdinates:
         self.sky: SkyLight | None = None  # the last one's map and ordinates, before it is turned
 
     def of(
-        self, lights: tuple[Light, ...], environment: Environment | None,
+        self,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
         importance: F64 | None = None,
-    ) -> Ordinates:  # fmt: skip
+    ) -> Ordinates:
         """All ordinates; a black environment has none.
 
         `importance` (h, w) by direction towards the map, before it is turned: draws them to it.
@@ -158,9 +161,16 @@ class OrdinateTable:
         self._phase_of: tuple[Any, ...] = ()
 
     def write(
-        self, ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement,
-        g: tuple[float, ...], *, prefilter: bool, scale: float = 0.0, blocks: int = 0,
-    ) -> None:  # fmt: skip
+        self,
+        ordinates: Ordinates,
+        lamps: Sequence[Lamp],
+        placement: MediumPlacement,
+        g: tuple[float, ...],
+        *,
+        prefilter: bool,
+        scale: float = 0.0,
+        blocks: int = 0,
+    ) -> None:
         """Upload light (of the world) for a medium; more than the capacity is refused.
 
         The last `blocks` rows are other media's light, written on the device.

@@ -32,11 +32,15 @@ class _Others(ComputePass):
 
     def __init__(self, gpu: Gpu, mix: Mix) -> None:
         self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams), uniform("ways", WayParams),
-            storage("ordinates", OrdinateData), *mix.cell_slots, storage("reach", "u32"),
-            *fine_slots(mix.media - 1), sampler("linear_clamp"),
+            uniform("params", MediumParams),
+            uniform("ways", WayParams),
+            storage("ordinates", OrdinateData),
+            *mix.cell_slots,
+            storage("reach", "u32"),
+            *fine_slots(mix.media - 1),
+            sampler("linear_clamp"),
             storage("passed", "f32", "read_write"),
-        )  # fmt: skip
+        )
         super().__init__(gpu, generated=fine_wgsl(mix.media - 1))
 
 
@@ -66,21 +70,40 @@ class Paths(ComputePass):
         self.passed = Buffer(gpu, "density passed", 8 * mix.media * capacity * placement.cells)
 
     def encode(
-        self, commands: Commands, params: MediumParams, ordinates: Buffer, count: int,
-        density: Density, others: Sequence[Texture] = (), *, is_closed: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        ordinates: Buffer,
+        count: int,
+        density: Density,
+        others: Sequence[Texture] = (),
+        *,
+        is_closed: bool = False,
+    ) -> None:
         """March towards the first `count` ordinates; past `others` (their `Density.fine`)."""
         self.dispatch(
-            commands, (self._cells, max(1, count)), params=params, ordinates=ordinates,
-            reach=density.reach, fine=density.fine, linear_clamp=density.linear, passed=self.passed,
-        )  # fmt: skip
+            commands,
+            (self._cells, max(1, count)),
+            params=params,
+            ordinates=ordinates,
+            reach=density.reach,
+            fine=density.fine,
+            linear_clamp=density.linear,
+            passed=self.passed,
+        )
         if self._others is not None:
             self._others.dispatch(
-                commands, (self._cells, max(1, count)), params=params,
-                ways=WayParams(is_closed=int(is_closed)), ordinates=ordinates,
-                **self._mix.cell_bound, reach=density.reach, **fine_bound(others),
-                linear_clamp=density.linear, passed=self.passed,
-            )  # fmt: skip
+                commands,
+                (self._cells, max(1, count)),
+                params=params,
+                ways=WayParams(is_closed=int(is_closed)),
+                ordinates=ordinates,
+                **self._mix.cell_bound,
+                reach=density.reach,
+                **fine_bound(others),
+                linear_clamp=density.linear,
+                passed=self.passed,
+            )
 
     def release(self) -> None:
         """Give the memory back."""

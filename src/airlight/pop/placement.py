@@ -92,9 +92,11 @@ def placed(volume: Volume, resolution: int) -> MediumPlacement:
     cell = float(np.cbrt(np.prod(extent))) / resolution
     count = np.clip(np.round(extent / cell), 2, _STRETCH * resolution).astype(int)
     return MediumPlacement(
-        world_from_medium, np.linalg.inv(world_from_unit) @ world_from_medium, extent,
+        world_from_medium,
+        np.linalg.inv(world_from_unit) @ world_from_medium,
+        extent,
         (int(count[0]), int(count[1]), int(count[2])),
-    )  # fmt: skip
+    )
 
 
 def _frame(world_from_unit: F64) -> tuple[F64, F64, F64]:
@@ -186,10 +188,17 @@ class PlacedVolume:
         voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
         per_cell = -(-voxels // np.array(placement.fine_count))
         return {
-            "unit_from_medium": placement.unit_from_medium, "extent": placement.extent,
-            "ordinate_count": ordinates, "cell": placement.cell,
-            "count": placement.count, "cells": placement.cells, "sigma_t": self.extinction,
-            "largest_diffusivity": width.diffusivity, "albedo": volume.albedo,
-            "mean_density": width.density, "samples": np.clip(per_cell, 1, 16), "g": volume.g,
+            "unit_from_medium": placement.unit_from_medium,
+            "extent": placement.extent,
+            "ordinate_count": ordinates,
+            "cell": placement.cell,
+            "count": placement.count,
+            "cells": placement.cells,
+            "sigma_t": self.extinction,
+            "largest_diffusivity": width.diffusivity,
+            "albedo": volume.albedo,
+            "mean_density": width.density,
+            "samples": np.clip(per_cell, 1, 16),
+            "g": volume.g,
             "groups": -(-placement.cells // group),
-        }  # fmt: skip
+        }

@@ -19,9 +19,12 @@ from .placement import MediumParams
 _PARTS = 3  # vec4 per cell of a state (ahead, side, behind) and of what is gathered
 
 _common = (
-    uniform("params", MediumParams), uniform("hops", HopParams), storage("grids", HopGridData),
-    storage("solid_angles", "f32"), storage("hop_rho", "f32"),
-)  # fmt: skip
+    uniform("params", MediumParams),
+    uniform("hops", HopParams),
+    storage("grids", HopGridData),
+    storage("solid_angles", "f32"),
+    storage("hop_rho", "f32"),
+)
 _out = (
     storage("states_out", "vec4f", "read_write"),
     storage("gathered", "vec4f", "read_write"),
@@ -59,32 +62,56 @@ class Propagate:
         self._begin, self._hop = _Begin(gpu), _Hop(gpu)
 
     def encode_begin(
-        self, commands: Commands, params: MediumParams, grids: HopGrids, ordinates: Buffer,
-        passed: Buffer, eye: Any, *, is_paper: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        grids: HopGrids,
+        ordinates: Buffer,
+        passed: Buffer,
+        eye: Any,
+        *,
+        is_paper: bool,
+    ) -> None:
         """Put the light in; `passed` as `Paths` and `Visibility` leave it."""
         # Cells that are not listed send nothing, ever.
         commands.encoder.clear_buffer(self._states[1].handle)
         self._begin.dispatch(
-            commands, (grids.columns, max(1, grids.count)), params=params,
-            hops=grids.params(eye, is_paper=is_paper), **_bound(grids), ordinates=ordinates,
-            passed=passed, states_out=self._states[0], gathered=self.gathered,
-        )  # fmt: skip
+            commands,
+            (grids.columns, max(1, grids.count)),
+            params=params,
+            hops=grids.params(eye, is_paper=is_paper),
+            **_bound(grids),
+            ordinates=ordinates,
+            passed=passed,
+            states_out=self._states[0],
+            gathered=self.gathered,
+        )
 
     def encode(
-        self, commands: Commands, params: MediumParams, grids: HopGrids, eye: Any,
-        iterations: int, *, is_paper: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        grids: HopGrids,
+        eye: Any,
+        iterations: int,
+        *,
+        is_paper: bool,
+    ) -> None:
         """Hop `iterations` times."""
         going = grids.params(eye, is_paper=is_paper)
         last = grids.params(eye, is_paper=is_paper, is_last=True)
         for k in range(iterations):
             self._hop.dispatch_indirect(
-                commands, grids.groups, params=params,
-                hops=last if k == iterations - 1 else going, **_bound(grids), listed=grids.listed,
-                states_in=self._states[k % 2], states_out=self._states[1 - k % 2],
+                commands,
+                grids.groups,
+                params=params,
+                hops=last if k == iterations - 1 else going,
+                **_bound(grids),
+                listed=grids.listed,
+                states_in=self._states[k % 2],
+                states_out=self._states[1 - k % 2],
                 gathered=self.gathered,
-            )  # fmt: skip
+            )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -94,5 +121,7 @@ class Propagate:
 
 def _bound(grids: HopGrids) -> dict[str, Buffer]:
     return {
-        "grids": grids.rows, "solid_angles": grids.solid_angles, "hop_rho": grids.density,
-    }  # fmt: skip
+        "grids": grids.rows,
+        "solid_angles": grids.solid_angles,
+        "hop_rho": grids.density,
+    }

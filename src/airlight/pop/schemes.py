@@ -38,9 +38,15 @@ class Beams:
     """Ordinates of one sky in one medium, marched and solved: the scheme delta-beam."""
 
     def __init__(
-        self, medium: GridMedium, settings: PopSettings, capacity: int, mix: Mix,
-        *, bounced: Buffer | None = None, takes_others: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        medium: GridMedium,
+        settings: PopSettings,
+        capacity: int,
+        mix: Mix,
+        *,
+        bounced: Buffer | None = None,
+        takes_others: bool = False,
+    ) -> None:
         """`takes_others`: whether light of the others in `mix` is more ordinates, and this light
         is what they are sent; else the world ends at the medium's box. `bounced`: where virtual
         lights that hop leave what is seen of them.
@@ -74,9 +80,15 @@ class Beams:
         self._has_lamps = len(lamps) > virtual
         if lamps:
             self._near.write(volume.g, volume.albedo)
-        self.table.write(ordinates, lamps, self._medium.placement, volume.g,
-                         prefilter=self._settings.prefilter, scale=scale,
-                         blocks=self.blocks)  # fmt: skip
+        self.table.write(
+            ordinates,
+            lamps,
+            self._medium.placement,
+            volume.g,
+            prefilter=self._settings.prefilter,
+            scale=scale,
+            blocks=self.blocks,
+        )
         if self._takes_others:
             self._medium.sent.scale = self.table.scale
         self._place(ordinates, lamps[: len(lamps) - virtual], virtual)
@@ -89,9 +101,14 @@ class Beams:
                 medium.gpu, medium.placement, settings.grid, virtual, merged=self._bounced
             )
             self._virtual_hops.write(
-                parallel([], []), (), medium.placement, prefilter=settings.prefilter,
-                scale=self.table.scale, virtual=virtual, first_row=self.table.count - virtual,
-            )  # fmt: skip
+                parallel([], []),
+                (),
+                medium.placement,
+                prefilter=settings.prefilter,
+                scale=self.table.scale,
+                virtual=virtual,
+                first_row=self.table.count - virtual,
+            )
 
     def write_surfaces(
         self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
@@ -99,8 +116,9 @@ class Beams:
         """Take what shades the medium, with the light of the scene."""
         if self._visibility is None:
             self._visibility = Visibility(self._medium.gpu, self.table.capacity)
-        self._visibility.write(ordinates, lights, surfaces.sky,
-                               surfaces.virtual_lights + self.blocks)  # fmt: skip
+        self._visibility.write(
+            ordinates, lights, surfaces.sky, surfaces.virtual_lights + self.blocks
+        )
         self._surfaces = surfaces
         if self._virtual is None and surfaces.reflected is not None:
             hops = is_hopping(self._settings, alone=self.mix.is_alone)
@@ -140,26 +158,42 @@ class Beams:
         assert self._virtual_hops is not None
         self._hopped_for = eye.tobytes()
         self._virtual_hops.encode(
-            commands, params, self.table, self.paths.passed, self._medium.density,
-            self.diffuse.deposits, eye, self._settings.iterations, is_added=True,
-        )  # fmt: skip
+            commands,
+            params,
+            self.table,
+            self.paths.passed,
+            self._medium.density,
+            self.diffuse.deposits,
+            eye,
+            self._settings.iterations,
+            is_added=True,
+        )
 
     def _spread(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
         cells, density = self._medium.placement.cells, self._medium.density
         with commands.stage("pop deposit"):
             self._deposit.encode(
-                commands, params, cells, ordinates=self.table.rows,
-                passed=self.paths.passed, density=density.cells, deposits=self.diffuse.deposits,
-            )  # fmt: skip
+                commands,
+                params,
+                cells,
+                ordinates=self.table.rows,
+                passed=self.paths.passed,
+                density=density.cells,
+                deposits=self.diffuse.deposits,
+            )
         if self._virtual_hops is not None and eye is not None:
             self._hop(commands, params, eye)
         with commands.stage("pop diffuse"):
             self.diffuse.encode(commands, params, density.cells, self._settings.solver_steps)
             if self._has_lamps:
                 self._near.encode(
-                    commands, params, cells, ordinates=self.table.rows,
-                    passed=self.paths.passed, diffuse=self.diffuse.diffuse,
-                )  # fmt: skip
+                    commands,
+                    params,
+                    cells,
+                    ordinates=self.table.rows,
+                    passed=self.paths.passed,
+                    diffuse=self.diffuse.diffuse,
+                )
 
     def encode_paths(self, commands: Commands, params: MediumParams) -> None:
         """March to the light from every cell."""
@@ -171,19 +205,30 @@ class Beams:
                 virtual.encode(commands, placement, self.table.rows, first, self.table.scale)
         with commands.stage("pop paths"):
             self.paths.encode(
-                commands, params, self.table.rows, self.table.count, density,
-                self._medium.fine_others, is_closed=not self.blocks,
-            )  # fmt: skip
+                commands,
+                params,
+                self.table.rows,
+                self.table.count,
+                density,
+                self._medium.fine_others,
+                is_closed=not self.blocks,
+            )
         if self._visibility is not None and surfaces is not None:
             with commands.stage("pop visibility"):
                 self._visibility.encode(
-                    commands, params, placement, self.table.count, surfaces,
-                    reach=density.reach, passed=self.paths.passed,
-                )  # fmt: skip
+                    commands,
+                    params,
+                    placement,
+                    self.table.count,
+                    surfaces,
+                    reach=density.reach,
+                    passed=self.paths.passed,
+                )
         if virtual is not None:
             with commands.stage("pop visibility"):
-                virtual.encode_sight(commands, params, placement, reach=density.reach,
-                                     passed=self.paths.passed)  # fmt: skip
+                virtual.encode_sight(
+                    commands, params, placement, reach=density.reach, passed=self.paths.passed
+                )
 
     def encode_view(
         self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
@@ -193,9 +238,15 @@ class Beams:
             self._hop(commands, params, eye)
         with commands.stage("pop emission"):
             emission.encode(
-                commands, params, eye, self.table, self.paths.passed, self.diffuse.diffuse,
-                self._medium.density.reach, self._settings.furnace_correction,
-            )  # fmt: skip
+                commands,
+                params,
+                eye,
+                self.table,
+                self.paths.passed,
+                self.diffuse.diffuse,
+                self._medium.density.reach,
+                self._settings.furnace_correction,
+            )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -217,22 +268,35 @@ class HoppingBeams(Beams):
     """The schemes split and paper: what lobes scatter is summed for one eye while they hop."""
 
     def __init__(
-        self, medium: GridMedium, settings: PopSettings, capacity: int, mix: Mix,
-        *, bounced: Buffer | None = None, takes_others: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        medium: GridMedium,
+        settings: PopSettings,
+        capacity: int,
+        mix: Mix,
+        *,
+        bounced: Buffer | None = None,
+        takes_others: bool = False,
+    ) -> None:
         super().__init__(medium, settings, capacity, mix)
         gpu, placement = medium.gpu, medium.placement
         self.is_paper = settings.scheme == "paper"
-        self.hopping = Hopping(gpu, placement, settings.grid, self.table.capacity,
-                               is_paper=self.is_paper)  # fmt: skip
+        self.hopping = Hopping(
+            gpu, placement, settings.grid, self.table.capacity, is_paper=self.is_paper
+        )
         self.isotropic = Isotropic(gpu, placement) if self.is_paper else None
         self.iterations = settings.iterations
         self._emission = HopEmission(gpu)
 
     def _place(self, ordinates: Ordinates, lamps: Sequence[Lamp], virtual: int) -> None:
         settings = self._settings
-        self.hopping.write(ordinates, lamps, self._medium.placement, prefilter=settings.prefilter,
-                           scale=self.table.scale, virtual=virtual)  # fmt: skip
+        self.hopping.write(
+            ordinates,
+            lamps,
+            self._medium.placement,
+            prefilter=settings.prefilter,
+            scale=self.table.scale,
+            virtual=virtual,
+        )
         if self.is_paper and settings.residuum:
             self.iterations = self._switch()
 
@@ -247,16 +311,30 @@ class HoppingBeams(Beams):
     ) -> None:
         """Propagate, merge, solve for the residuum."""
         density = self._medium.density
-        self.hopping.encode(commands, params, self.table, self.paths.passed, density,
-                            self.diffuse.deposits, eye, self.iterations)  # fmt: skip
+        self.hopping.encode(
+            commands,
+            params,
+            self.table,
+            self.paths.passed,
+            density,
+            self.diffuse.deposits,
+            eye,
+            self.iterations,
+        )
         with commands.stage("pop residuum"):
             self._encode_residuum(commands, params)
         with commands.stage("pop emission"):
             bound = bound_emission(
-                params, self.hopping.grids.params(eye, is_paper=self.is_paper), self.table, eye,
-                self.paths.passed, self.diffuse.diffuse, density.reach, self.hopping.merge.merged,
+                params,
+                self.hopping.grids.params(eye, is_paper=self.is_paper),
+                self.table,
+                eye,
+                self.paths.passed,
+                self.diffuse.diffuse,
+                density.reach,
+                self.hopping.merge.merged,
                 emission.texture,
-            )  # fmt: skip
+            )
             self._emission.encode(commands, emission.cells, **bound)
 
     def release(self) -> None:
@@ -272,8 +350,15 @@ class HoppingBeams(Beams):
             self.diffuse.encode(commands, params, cells, settings.solver_steps)
             return
         hops = settings.residuum_iterations if settings.residuum else 0
-        self.isotropic.encode(commands, params, self._medium.placement, cells,
-                              self.diffuse.deposits, self.diffuse.diffuse, hops)  # fmt: skip
+        self.isotropic.encode(
+            commands,
+            params,
+            self._medium.placement,
+            cells,
+            self.diffuse.deposits,
+            self.diffuse.diffuse,
+            hops,
+        )
 
     def _switch(self) -> int:
         """Hops before the residuum is isotropic enough to hop in the medium's own cells."""

@@ -23,13 +23,16 @@ class PopSettings:
     )
     ordinates: int = setting(64, "directions that stand for the environment", low=1, high=512)
     ordinates_from: str = setting(
-        "partition", "how a map becomes directions: parts of it, or samples of it as in the paper",
+        "partition",
+        "how a map becomes directions: parts of it, or samples of it as in the paper",
         choices=tuple(MAKERS),
-    )  # fmt: skip
+    )
     importance: str = setting(
-        "none", "where few directions are drawn to: the map's light alone, or what the camera sees "
-        "of it, too", choices=WAYS,
-    )  # fmt: skip
+        "none",
+        "where few directions are drawn to: the map's light alone, or what the camera sees "
+        "of it, too",
+        choices=WAYS,
+    )
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
     )
@@ -39,21 +42,29 @@ class PopSettings:
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
     prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
     virtual_lights: int = setting(
-        0, "points of lit surfaces whose reflected light media see, once; 0: the light of a "
-        "lattice, where there is one", low=0, high=512,
-    )  # fmt: skip
+        0,
+        "points of lit surfaces whose reflected light media see, once; 0: the light of a "
+        "lattice, where there is one",
+        low=0,
+        high=512,
+    )
     virtual_grids: str = setting(
-        "beams", "how the light of virtual lights spreads (delta-beam): as beams, or in hops on "
-        "shells around each as in split and paper", choices=("beams", "radial"),
-    )  # fmt: skip
+        "beams",
+        "how the light of virtual lights spreads (delta-beam): as beams, or in hops on "
+        "shells around each as in split and paper",
+        choices=("beams", "radial"),
+    )
     virtual_resolution: int = setting(
         256, "side of the maps that they are taken from", unit="px", low=8, high=4096
     )
     exact_sky: bool = setting(
-        True, "whether the sky's light that scatters once is exact in clear air, however few "
+        True,
+        "whether the sky's light that scatters once is exact in clear air, however few "
         "directions stand for it",
-    )  # fmt: skip
+    )
     furnace_correction: float = setting(
-        1.0, "share of the error under an even sky that is taken off multiple scattering; 0: none",
-        low=0.0, high=1.0,
-    )  # fmt: skip
+        1.0,
+        "share of the error under an even sky that is taken off multiple scattering; 0: none",
+        low=0.0,
+        high=1.0,
+    )

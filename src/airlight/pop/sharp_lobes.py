@@ -51,9 +51,11 @@ def _dulled(medium: _M) -> _M:
     unscattered = np.maximum(g - SHARPEST, 0.0) / (1.0 - SHARPEST)
     left = 1.0 - albedo * unscattered
     return replace(
-        medium, g=_rgb(np.minimum(g, SHARPEST)), sigma_t=_rgb(np.array(medium.sigma_t) * left),
+        medium,
+        g=_rgb(np.minimum(g, SHARPEST)),
+        sigma_t=_rgb(np.array(medium.sigma_t) * left),
         albedo=_rgb(np.minimum(albedo * (1.0 - unscattered) / left, 1.0)),
-    )  # fmt: skip
+    )
 
 
 def _rgb(values: F64) -> Rgb:

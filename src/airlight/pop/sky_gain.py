@@ -32,17 +32,25 @@ class SkyGain:
         self._gpu = gpu
         self.texture = self._made(np.ones((1, 1, 3)))
         self.sampler = Sampler(
-            gpu, "sky gain", mag_filter="linear", min_filter="linear", address_mode_u="repeat",
+            gpu,
+            "sky gain",
+            mag_filter="linear",
+            min_filter="linear",
+            address_mode_u="repeat",
             address_mode_v="clamp-to-edge",
-        )  # fmt: skip
+        )
         self.sky_from_medium = np.eye(4)
         self._key: tuple[Any, ...] = ()
         self._exact: tuple[F64, tuple[float, ...], F64] | None = None  # map, g, convolved
 
     def write(
-        self, sky: SkyLight | None, placement: MediumPlacement, g: tuple[float, ...], *,
+        self,
+        sky: SkyLight | None,
+        placement: MediumPlacement,
+        g: tuple[float, ...],
+        *,
         prefilter: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Take a sky; none leaves everything as it is."""
         if sky is None:
             return

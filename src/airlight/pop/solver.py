@@ -61,17 +61,30 @@ class PopSolver:
     Settings = PopSettings
 
     def __init__(
-        self, gpu: Gpu, volume: Volume, settings: PopSettings, *, lights: int = 0,
-        voxels: Texture | None = None, others: int = 0,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        volume: Volume,
+        settings: PopSettings,
+        *,
+        lights: int = 0,
+        voxels: Texture | None = None,
+        others: int = 0,
+    ) -> None:
         self.settings = settings
         is_beam = settings.scheme == "delta-beam"
-        self.medium = GridMedium(gpu, volume, settings.grid, voxels=voxels,
-                                 others=others if is_beam else 0)  # fmt: skip
+        self.medium = GridMedium(
+            gpu, volume, settings.grid, voxels=voxels, others=others if is_beam else 0
+        )
         medium, kind = self.medium, Beams if is_beam else HoppingBeams
         self.emission = Emission(gpu, medium.placement, medium.mix)
-        self.beams = kind(medium, settings, settings.ordinates + lights, medium.mix,
-                          bounced=self.emission.bounced, takes_others=True)  # fmt: skip
+        self.beams = kind(
+            medium,
+            settings,
+            settings.ordinates + lights,
+            medium.mix,
+            bounced=self.emission.bounced,
+            takes_others=True,
+        )
         self.white = Mix(gpu, medium.placement.cells, medium.mix.media - 1, has_blocks=False)
         has_furnace = is_beam and settings.furnace_correction > 0.0
         self.furnace = (
@@ -85,10 +98,16 @@ class PopSolver:
         self._view_key = b""
 
     def encode(
-        self, commands: Commands, lights: tuple[Light, ...], environment: Environment | None,
-        eye: F64, volume: Volume | None = None, surfaces: Surfaces | None = None,
-        bounced: ReflectedLight | None = None, look: Look | None = None,
-    ) -> Texture:  # fmt: skip
+        self,
+        commands: Commands,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        eye: F64,
+        volume: Volume | None = None,
+        surfaces: Surfaces | None = None,
+        bounced: ReflectedLight | None = None,
+        look: Look | None = None,
+    ) -> Texture:
         """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
 
         `volume`: the medium as it is now; of the same box and grid size as at the start.
@@ -145,15 +164,23 @@ class PopSolver:
 
     def source(self, medium: int) -> Source:
         """The last emission for `march`; `medium` is the volume's row in `media.gpu_media`."""
-        return Source(self.emission.texture, self.medium.placement.uvw_from_world,
-                      scale=self.beams.table.scale, medium=medium)  # fmt: skip
+        return Source(
+            self.emission.texture,
+            self.medium.placement.uvw_from_world,
+            scale=self.beams.table.scale,
+            medium=medium,
+        )
 
     @property
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
-        return {"ordinates": self.beams.table.count, "grid": list(self.medium.placement.count),
-                "scheme": self.settings.scheme, "hops": getattr(self.beams, "iterations", 0),
-                "iterations": self.settings.solver_steps}  # fmt: skip
+        return {
+            "ordinates": self.beams.table.count,
+            "grid": list(self.medium.placement.count),
+            "scheme": self.settings.scheme,
+            "hops": getattr(self.beams, "iterations", 0),
+            "iterations": self.settings.solver_steps,
+        }
 
     def release(self) -> None:
         """Give the memory back."""
@@ -201,14 +228,21 @@ class PopSolver:
             with commands.stage("pop emission"):
                 white = medium.params_of(self.furnace.table.count, _WHITE)
                 self.emission.encode_furnace(
-                    commands, white, local, self.furnace.table, self.furnace.paths.passed,
-                    self.furnace.diffuse.diffuse, medium.density.reach, self.white,
-                )  # fmt: skip
+                    commands,
+                    white,
+                    local,
+                    self.furnace.table,
+                    self.furnace.paths.passed,
+                    self.furnace.diffuse.diffuse,
+                    medium.density.reach,
+                    self.white,
+                )
         if bounced is not None and self._bounce is not None:
             with commands.stage("pop bounce"):
                 even = medium.params_of(self._bounce.count)
-                self._bounce.encode(commands, even, local, bounced, self.beams.table.scale,
-                                    self.emission.bounced)  # fmt: skip
+                self._bounce.encode(
+                    commands, even, local, bounced, self.beams.table.scale, self.emission.bounced
+                )
         self.beams.encode_view(commands, medium.params, local, self.emission)
 
     def _write_gain(self, beams: Beams, sky: SkyLight | None) -> None:

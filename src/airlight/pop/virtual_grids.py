@@ -35,23 +35,44 @@ class VirtualGrids(ComputePass):
     """Writes the last rows of `HopGrids.rows`, and `fixed_scale` for all."""
 
     slots = (
-        uniform("params", MediumParams), uniform("hops", HopParams), uniform("place", PlaceParams),
-        storage("ordinates", OrdinateData), storage("grids", HopGridData, "read_write"),
-    )  # fmt: skip
+        uniform("params", MediumParams),
+        uniform("hops", HopParams),
+        uniform("place", PlaceParams),
+        storage("ordinates", OrdinateData),
+        storage("grids", HopGridData, "read_write"),
+    )
     workgroup = (64, 1, 1)
 
     def encode(
-        self, commands: Commands, params: MediumParams, hops: HopParams, grids: HopGrids,
-        ordinates: Buffer, *, prefilter: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        hops: HopParams,
+        grids: HopGrids,
+        ordinates: Buffer,
+        *,
+        prefilter: bool,
+    ) -> None:
         """After `VirtualLights` wrote the rows of `ordinates`."""
         place = PlaceParams(
-            side=grids.side, shells=grids.shells, growth=grids.growth, far=FAR,
-            first=grids.count - grids.virtual, is_blurred=int(prefilter),
-            power=grids.lamp_power, most=float(2**FIXED_POINT_BITS),
-        )  # fmt: skip
-        self.dispatch(commands, (1,), params=params, hops=hops, place=place,
-                      ordinates=ordinates, grids=grids.rows)  # fmt: skip
+            side=grids.side,
+            shells=grids.shells,
+            growth=grids.growth,
+            far=FAR,
+            first=grids.count - grids.virtual,
+            is_blurred=int(prefilter),
+            power=grids.lamp_power,
+            most=float(2**FIXED_POINT_BITS),
+        )
+        self.dispatch(
+            commands,
+            (1,),
+            params=params,
+            hops=hops,
+            place=place,
+            ordinates=ordinates,
+            grids=grids.rows,
+        )
 
 
 def is_hopping(settings: Any, *, alone: bool) -> bool:

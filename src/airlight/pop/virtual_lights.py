@@ -140,9 +140,13 @@ class VirtualLights:
         self._first_row = 0
 
     def encode(
-        self, commands: Commands, placement: MediumPlacement, ordinates: Buffer, first_row: int,
+        self,
+        commands: Commands,
+        placement: MediumPlacement,
+        ordinates: Buffer,
+        first_row: int,
         scale: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Choose: rows `first_row` and on of `ordinates`, in units of `scale`."""
         self._first_row = first_row
         found = [p for p in self._params(placement, first_row, scale) if p[0].layers]
@@ -150,32 +154,53 @@ class VirtualLights:
             return
         for maps, params in found:
             self._sum.dispatch(
-                commands, (_side(maps) ** 2 * maps.layers,), params=params, **_bound(maps),
+                commands,
+                (_side(maps) ** 2 * maps.layers,),
+                params=params,
+                **_bound(maps),
                 tiles=self._tiles,
-            )  # fmt: skip
+            )
         scan = ScanParams(count=sum(self._tiles_of))
         self._scan.dispatch(commands, (1,), params=scan, tiles=self._tiles)
         for maps, params in found:
             self._pick.dispatch(
-                commands, (self._of.count,), params=params, **_bound(maps), tiles=self._tiles,
-                lattice=self._of.placement.params(), lattice_walls=self._of.blockers.walls,
-                ordinates=ordinates, places=self._places,
-            )  # fmt: skip
+                commands,
+                (self._of.count,),
+                params=params,
+                **_bound(maps),
+                tiles=self._tiles,
+                lattice=self._of.placement.params(),
+                lattice_walls=self._of.blockers.walls,
+                ordinates=ordinates,
+                places=self._places,
+            )
 
     def encode_sight(
-        self, commands: Commands, params: MediumParams, placement: MediumPlacement, *,
-        reach: Buffer, passed: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        placement: MediumPlacement,
+        *,
+        reach: Buffer,
+        passed: Buffer,
+    ) -> None:
         """Shares of their light, 0..1, into the second half of `passed`."""
         sight = SightParams(
-            world_from_medium=placement.world_from_medium, count=self._of.count,
+            world_from_medium=placement.world_from_medium,
+            count=self._of.count,
             first_row=self._first_row,
-        )  # fmt: skip
+        )
         self._sight.dispatch(
-            commands, (placement.cells, self._of.count), params=params, sight=sight,
-            lattice=self._of.placement.params(), **self._of.blockers.bound, places=self._places,
-            reach=reach, passed=passed,
-        )  # fmt: skip
+            commands,
+            (placement.cells, self._of.count),
+            params=params,
+            sight=sight,
+            lattice=self._of.placement.params(),
+            **self._of.blockers.bound,
+            places=self._places,
+            reach=reach,
+            passed=passed,
+        )
 
     def _params(
         self, placement: MediumPlacement, first_row: int, scale: float
@@ -184,16 +209,25 @@ class VirtualLights:
         half = 0.5 * placement.extent
         firsts = np.cumsum([0, *self._tiles_of])
         return [
-            (maps, VirtualParams(
-                medium_from_world=np.linalg.inv(to_world),
-                centre=to_world[:3, :3] @ half + to_world[:3, 3],
-                radius=float(np.linalg.norm(half)), resolution=maps.resolution,
-                side=_side(maps), layers=maps.layers, first_tile=int(firsts[k]),
-                all_tiles=int(firsts[-1]), count=self._of.count, first_row=first_row, scale=scale,
-                kind=self._kind,
-            ))
+            (
+                maps,
+                VirtualParams(
+                    medium_from_world=np.linalg.inv(to_world),
+                    centre=to_world[:3, :3] @ half + to_world[:3, 3],
+                    radius=float(np.linalg.norm(half)),
+                    resolution=maps.resolution,
+                    side=_side(maps),
+                    layers=maps.layers,
+                    first_tile=int(firsts[k]),
+                    all_tiles=int(firsts[-1]),
+                    count=self._of.count,
+                    first_row=first_row,
+                    scale=scale,
+                    kind=self._kind,
+                ),
+            )
             for k, maps in enumerate(self._of.maps)
-        ]  # fmt: skip
+        ]
 
     def release(self) -> None:
         """Give the memory back."""

@@ -121,20 +121,36 @@ class Visibility(ComputePass):
         self._shares.write(shares)
 
     def encode(
-        self, commands: Commands, params: MediumParams, placement: MediumPlacement, count: int,
-        surfaces: Surfaces, *, reach: Buffer, passed: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        params: MediumParams,
+        placement: MediumPlacement,
+        count: int,
+        surfaces: Surfaces,
+        *,
+        reach: Buffer,
+        passed: Buffer,
+    ) -> None:
         """For the first `count` ordinates but the unshaded, after their paths were marched."""
         lights, maps = surfaces.lights, surfaces.sky.maps
         self.dispatch(
-            commands, (placement.cells, max(1, count - self._unshaded)), params=params,
+            commands,
+            (placement.cells, max(1, count - self._unshaded)),
+            params=params,
             sight=SightParams(world_from_medium=placement.world_from_medium),
-            sights=self._sights, sky_shares=self._shares, reach=reach, lights=lights.table,
-            parallel_views=lights.parallel.views, local_views=lights.local.views,
-            sky_views=maps.views, parallel_shadows=lights.parallel.depth,
-            local_shadows=lights.local.depth, sky_depth=maps.depth,
-            shadow_compare=lights.parallel.sampler, passed=passed,
-        )  # fmt: skip
+            sights=self._sights,
+            sky_shares=self._shares,
+            reach=reach,
+            lights=lights.table,
+            parallel_views=lights.parallel.views,
+            local_views=lights.local.views,
+            sky_views=maps.views,
+            parallel_shadows=lights.parallel.depth,
+            local_shadows=lights.local.depth,
+            sky_depth=maps.depth,
+            shadow_compare=lights.parallel.sampler,
+            passed=passed,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

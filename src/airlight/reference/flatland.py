@@ -100,9 +100,14 @@ def fluence(coefficients: F64) -> F64:
 
 
 def solve(
-    scheme: str, lights: Sequence[Segment], *, bands: int = 2, steps: int = STEPS,
-    side: int = SIDE_CELLS, clamp: bool = True,
-) -> F64:  # fmt: skip
+    scheme: str,
+    lights: Sequence[Segment],
+    *,
+    bands: int = 2,
+    steps: int = STEPS,
+    side: int = SIDE_CELLS,
+    clamp: bool = True,
+) -> F64:
     """What passes through each cell in `steps` steps, start included, (side, side, K).
 
     Raises SettingsError for an unknown scheme.
@@ -120,9 +125,11 @@ def injected(lights: Sequence[Segment], *, bands: int = 2, side: int = SIDE_CELL
     """The lights as cosine lobes in the cells that they touch, (side, side, K)."""
     state = np.zeros((side, side, 2 * bands - 1))
     for light in lights:
-        cells = state[light.low : light.high, 0] if light.border == "x" else state[0][
-            light.low : light.high
-        ]  # fmt: skip
+        cells = (
+            state[light.low : light.high, 0]
+            if light.border == "x"
+            else state[0][light.low : light.high]
+        )
         cells += 2.0 * cosine_lobe(light.facing, bands)  # radiance 1: power 2 a metre
     return state
 

@@ -55,8 +55,11 @@ def save_kept(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> None
 
     The file appears whole or not at all. Raises OutputError, ReferenceFailure without variance.
     """
-    layers = {name: reference.layers[name] for name in (*LAYERS, *AIR_LAYERS)
-              if name in reference.layers and reference.layers[name].any()}  # fmt: skip
+    layers = {
+        name: reference.layers[name]
+        for name in (*LAYERS, *AIR_LAYERS)
+        if name in reference.layers and reference.layers[name].any()
+    }
     errors = {_error_name(name): _standard_error(reference, name) for name in ("", *layers)}
     image = Image(reference.radiance, {**layers, **errors}, stats=dict(stats))
     with whole_file(path) as part:

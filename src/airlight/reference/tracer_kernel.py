@@ -31,9 +31,15 @@ def compiled(function: F) -> F:
 
 @compiled
 def run_batch(
-    domain: Domain, emitter: Emitter, plane: Slice, views: F64, photons: int, power: float,
-    seed: int, tally: Tally,
-) -> None:  # fmt: skip
+    domain: Domain,
+    emitter: Emitter,
+    plane: Slice,
+    views: F64,
+    photons: int,
+    power: float,
+    seed: int,
+    tally: Tally,
+) -> None:
     """Trace `photons` of `power` W together into `tally`; the same seed gives the same bits."""
     np.random.seed(seed)  # noqa: NPY002  Numba's own generator, one per thread
     weight = power / photons
@@ -153,9 +159,15 @@ def _exit(domain: Domain, p: Vector, d: Vector) -> tuple[float, int]:
 
 @compiled
 def _deposit(
-    domain: Domain, plane: Slice, p: Vector, d: Vector, length: float, weight: float, order: int,
+    domain: Domain,
+    plane: Slice,
+    p: Vector,
+    d: Vector,
+    length: float,
+    weight: float,
+    order: int,
     tally: Tally,
-) -> None:  # fmt: skip
+) -> None:
     """Share a flight of `length` m among the cells it crosses (Amanatides and Woo 1987)."""
     counts = (tally.track.shape[3], tally.track.shape[2], tally.track.shape[1])
     i, next_x, per_x, step_x = _first_cell(domain, p, d, 0, counts[0])
@@ -213,9 +225,16 @@ def _direction_bin(plane: Slice, d: Vector, slice_track: F64) -> tuple[int, int]
 
 @compiled
 def _record(
-    plane: Slice, i: int, j: int, k: int, mu: int, phi: int, part: int, amount: float,
+    plane: Slice,
+    i: int,
+    j: int,
+    k: int,
+    mu: int,
+    phi: int,
+    part: int,
+    amount: float,
     slice_track: F64,
-) -> None:  # fmt: skip
+) -> None:
     if plane.axis == 0 and i == plane.layer:
         slice_track[part, k, j, mu, phi] += amount
     elif plane.axis == 1 and j == plane.layer:

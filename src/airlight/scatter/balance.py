@@ -71,21 +71,36 @@ class Balance:
         self.scales = Buffer(gpu, "scales of the sum", CHANNELS * 4)
 
     def encode(
-        self, commands: Commands, count: Count, *, source: Buffer, current: Buffer,
+        self,
+        commands: Commands,
+        count: Count,
+        *,
+        source: Buffer,
+        current: Buffer,
         stepped: Buffer,
-    ) -> Buffer:  # fmt: skip
+    ) -> Buffer:
         """`current` becomes source + s (stepped - source); `stepped` = source + M current."""
         nx, ny, nz = count
         params = BalanceParams(count=count)
         self._sum.dispatch(
-            commands, (_PARTS, CHANNELS), params=params, source=source, stepped=stepped,
-            sum=current, parts=self._parts,
-        )  # fmt: skip
+            commands,
+            (_PARTS, CHANNELS),
+            params=params,
+            source=source,
+            stepped=stepped,
+            sum=current,
+            parts=self._parts,
+        )
         self._scale.dispatch(commands, (CHANNELS,), parts=self._parts, scales=self.scales)
         self._apply.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=params, source=source, stepped=stepped,
-            scales=self.scales, balanced=current,
-        )  # fmt: skip
+            commands,
+            (nx, ny, CHANNELS * nz),
+            params=params,
+            source=source,
+            stepped=stepped,
+            scales=self.scales,
+            balanced=current,
+        )
         return current
 
     def release(self) -> None:

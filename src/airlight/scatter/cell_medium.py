@@ -36,6 +36,10 @@ class CellMedium(ComputePass):
     def encode(self, commands: Commands, placement: Placement, medium: Buffer, places: int) -> None:
         """Fill `medium`, laid out [channel][z][y][x]."""
         self.dispatch(
-            commands, placement.count, params=AirCellParams(places=places),
-            lattice=placement.params(), medium=medium, **self._air.medium_bound,
-        )  # fmt: skip
+            commands,
+            placement.count,
+            params=AirCellParams(places=places),
+            lattice=placement.params(),
+            medium=medium,
+            **self._air.medium_bound,
+        )

@@ -49,9 +49,14 @@ class StepParams(Struct):
 
 
 def step_rows(
-    sigma_s: Sequence[float], sigma_t: Sequence[float], cell_size_m: float, *, level: int = 0,
-    keeps_deficits: bool | None = None, kept: float = RHO**2,
-) -> list[dict[str, Any]]:  # fmt: skip
+    sigma_s: Sequence[float],
+    sigma_t: Sequence[float],
+    cell_size_m: float,
+    *,
+    level: int = 0,
+    keeps_deficits: bool | None = None,
+    kept: float = RHO**2,
+) -> list[dict[str, Any]]:
     """Rows of StepCoefficients: M of channels 0, 1, 2, then T of the same.
 
     `sigma_s`, `sigma_t` (3,) m^-1. On a coarse `level` light is deposited where the finer walk
@@ -106,9 +111,12 @@ def _channel_rows(
 
 
 def paper_rows(
-    sigma_s: Sequence[float], sigma_t: Sequence[float], cell_size_m: float, *,
+    sigma_s: Sequence[float],
+    sigma_t: Sequence[float],
+    cell_size_m: float,
+    *,
     is_gamma_fixed: bool = False,
-) -> list[dict[str, Any]]:  # fmt: skip
+) -> list[dict[str, Any]]:
     """Rows of StepCoefficients as Billeter2012 eq. 3 has them: M of three channels, then T.
 
     differs: with `is_gamma_fixed` the gamma_j hand on all that scatters; as printed, 0.70 of it.
@@ -131,8 +139,10 @@ def paper_rows(
     for s, t in zip(sigma_s, sigma_t, strict=True):
         passed = 1.0 - distance_m * t
         gain = [passed + handed_on * distance_m * s, passed, passed, passed]
-        moves.append(nothing | {"gain": gain, "even": _four(w, 0.0),
-                                "direct": _four(3.0 * RHO * w / cells, 0.0)})  # fmt: skip
+        moves.append(
+            nothing
+            | {"gain": gain, "even": _four(w, 0.0), "direct": _four(3.0 * RHO * w / cells, 0.0)}
+        )
         tracks.append(_local_track(nothing, distance_m, w))
     return moves + tracks
 
@@ -144,10 +154,21 @@ def _local_track(nothing: dict[str, Any], distance_m: float, w: F64) -> dict[str
     """
     even = _four(distance_m * w, 0.0)
     direct = _four(RHO * distance_m * w / hops().lengths[list(_FIRST)], 0.0)
-    own = {"even": _four(np.zeros(3), distance_m),
-           "direct": _four(np.zeros(3), RHO**2 / 3.0 * distance_m)}  # fmt: skip
-    return nothing | own | {"gain": [1.0] * 4, "kept_even": even, "kept_direct": direct,
-                            "stopped_even": even, "stopped_direct": direct}  # fmt: skip
+    own = {
+        "even": _four(np.zeros(3), distance_m),
+        "direct": _four(np.zeros(3), RHO**2 / 3.0 * distance_m),
+    }
+    return (
+        nothing
+        | own
+        | {
+            "gain": [1.0] * 4,
+            "kept_even": even,
+            "kept_direct": direct,
+            "stopped_even": even,
+            "stopped_direct": direct,
+        }
+    )
 
 
 def _four(three: F64, last: float | F64) -> list[float]:

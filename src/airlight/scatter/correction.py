@@ -86,23 +86,46 @@ class Correction:
         self._lengths = Buffer(gpu, "correction lengths", CHANNELS * 4)
 
     def encode(
-        self, commands: Commands, count: Count, coarse: Count, *, current: Buffer, stepped: Buffer,
-        change: Buffer, answer: Buffer, corrected: Buffer, is_finest: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: Count,
+        coarse: Count,
+        *,
+        current: Buffer,
+        stepped: Buffer,
+        change: Buffer,
+        answer: Buffer,
+        corrected: Buffer,
+        is_finest: bool,
+    ) -> None:
         """corrected = stepped + t answer; `stepped` = I + M current, `answer` = M change."""
         nx, ny, nz = count
         self._search.dispatch(
-            commands, (_PARTS, CHANNELS), params=SearchParams.of(fine=count, coarse=coarse),
-            stepped=stepped, sum=current, change=change, answer=answer, parts=self._parts,
-        )  # fmt: skip
+            commands,
+            (_PARTS, CHANNELS),
+            params=SearchParams.of(fine=count, coarse=coarse),
+            stepped=stepped,
+            sum=current,
+            change=change,
+            answer=answer,
+            parts=self._parts,
+        )
         self._length.dispatch(
-            commands, (CHANNELS,), params=LengthParams.of(most=_SAFE if is_finest else BOLD),
-            parts=self._parts, lengths=self._lengths,
-        )  # fmt: skip
+            commands,
+            (CHANNELS,),
+            params=LengthParams.of(most=_SAFE if is_finest else BOLD),
+            parts=self._parts,
+            lengths=self._lengths,
+        )
         self._correct.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=CorrectParams.of(count=count),
-            stepped=stepped, answer=answer, lengths=self._lengths, corrected=corrected,
-        )  # fmt: skip
+            commands,
+            (nx, ny, CHANNELS * nz),
+            params=CorrectParams.of(count=count),
+            stepped=stepped,
+            answer=answer,
+            lengths=self._lengths,
+            corrected=corrected,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -16,9 +16,13 @@ Step = Callable[[Buffer, Buffer | None, Buffer, int], None]
 
 
 def summed_states(
-    states: int, source: Buffer, sums: tuple[Buffer, Buffer], spare: tuple[Buffer, Buffer],
-    step: Step, at_once: int = 1,
-) -> Buffer:  # fmt: skip
+    states: int,
+    source: Buffer,
+    sums: tuple[Buffer, Buffer],
+    spare: tuple[Buffer, Buffer],
+    step: Step,
+    at_once: int = 1,
+) -> Buffer:
     """source + M source + ... of so many `states`, in one of `sums` (or `source` where it is one).
 
     `spare` is overwritten, `source` is not. `step` takes `at_once` steps (1 or 2) at most.

@@ -56,13 +56,19 @@ class Emission(ChannelTextures):
         super().__init__(gpu, "track", placement.count)
         self.placement, self.scale = placement, 1.0
         self._pack = _Pack(gpu)
-        self.mean = Texture(gpu, "track mean", placement.count, gpu.filtered, dimension="3d",
-                            written=True)  # fmt: skip
+        self.mean = Texture(
+            gpu, "track mean", placement.count, gpu.filtered, dimension="3d", written=True
+        )
 
     def encode(
-        self, commands: Commands, track: Buffer, flux: float, forward: Buffer | None = None, *,
+        self,
+        commands: Commands,
+        track: Buffer,
+        flux: float,
+        forward: Buffer | None = None,
+        *,
         sigma_t: Rgb = (math.inf, math.inf, math.inf),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Fill the textures; `flux`, W, bounds what came into the lattice.
 
         `forward`: more track, of light that never was in it. `sigma_t`, m^-1, says how much of the
@@ -71,14 +77,22 @@ class Emission(ChannelTextures):
         cell = self.placement.cell
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
         params = EmissionParams(
-            count=self.placement.count, scale=self.scale, has_forward=int(forward is not None),
+            count=self.placement.count,
+            scale=self.scale,
+            has_forward=int(forward is not None),
             share=true_share(sigma_t, cell).tolist(),
-        )  # fmt: skip
+        )
         self._pack.dispatch(
-            commands, self.placement.count, params=params, track=track,
-            forward=forward or track, red=self.red, green=self.green, blue=self.blue,
+            commands,
+            self.placement.count,
+            params=params,
+            track=track,
+            forward=forward or track,
+            red=self.red,
+            green=self.green,
+            blue=self.blue,
             mean=self.mean,
-        )  # fmt: skip
+        )
 
     @property
     def mean_scale(self) -> float:
@@ -86,14 +100,21 @@ class Emission(ChannelTextures):
         return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
 
     def source(
-        self, walls: dict[str, Any], forward: ForwardSource | None = None, *,
+        self,
+        walls: dict[str, Any],
+        forward: ForwardSource | None = None,
+        *,
         is_similar: bool = False,
-    ) -> LatticeSource:  # fmt: skip
+    ) -> LatticeSource:
         """For marching; `walls` as Blockers.bound, `is_similar` as LatticeSource has it."""
         return LatticeSource(
-            self.placement, self.bound | walls, self.mean_scale, forward=forward, mean=self.mean,
+            self.placement,
+            self.bound | walls,
+            self.mean_scale,
+            forward=forward,
+            mean=self.mean,
             is_similar=is_similar,
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

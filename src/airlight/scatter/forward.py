@@ -75,8 +75,11 @@ class BlurParams(Struct):
 
 
 class _Blur(ComputePass):
-    slots = (uniform("params", BlurParams), texture("kept", "3d"),
-             image("blurred", "rgba16float", "3d"))  # fmt: skip
+    slots = (
+        uniform("params", BlurParams),
+        texture("kept", "3d"),
+        image("blurred", "rgba16float", "3d"),
+    )
     workgroup = (8, 8, 4)
     file = "forward_blur.wgsl"
 
@@ -104,57 +107,123 @@ class ForwardLight:
         cells = x * y * z
         self.sky = Buffer(gpu, "forward light of the sky", 3 * cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * cells * 16)
-        self.kept = Texture(gpu, "forward light by light", (x, y, z * max(1, light_count)),
-                            "rgba16float", dimension="3d", written=True)  # fmt: skip
+        self.kept = Texture(
+            gpu,
+            "forward light by light",
+            (x, y, z * max(1, light_count)),
+            "rgba16float",
+            dimension="3d",
+            written=True,
+        )
         self._blocks = tuple(-(-n // FORWARD_BLOCK) for n in (x, y, z))
         a, b, c = self._blocks
         self._blur = _Blur(gpu, generated=f"const BLOCK = {FORWARD_BLOCK}u;")
-        self.blurred = Texture(gpu, "blurred forward light", (a, b, c * max(1, light_count)),
-                               "rgba16float", dimension="3d", written=True)  # fmt: skip
+        self.blurred = Texture(
+            gpu,
+            "blurred forward light",
+            (a, b, c * max(1, light_count)),
+            "rgba16float",
+            dimension="3d",
+            written=True,
+        )
         self.scale = 1.0
 
     def encode_sky(
-        self, commands: Commands, bound: dict[str, Any], count: int, *, black: Buffer,
-        walls: Texture, openness: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        bound: dict[str, Any],
+        count: int,
+        *,
+        black: Buffer,
+        walls: Texture,
+        openness: Buffer,
+    ) -> None:
         """Of `count` lights that stand for the sky; arguments as InjectSingle.encode."""
         params = ForwardParams(light_count=count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0)
-        self._dispatch(commands, self._sky, self._sky_air, params, bound, base=black,
-                       forward=self.sky, lattice_walls=walls, openness=openness)  # fmt: skip
+        self._dispatch(
+            commands,
+            self._sky,
+            self._sky_air,
+            params,
+            bound,
+            base=black,
+            forward=self.sky,
+            lattice_walls=walls,
+            openness=openness,
+        )
 
     def encode(
-        self, commands: Commands, scene: Scene, bound: dict[str, Any], *, base: Buffer,
-        walls: Texture, openness: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        scene: Scene,
+        bound: dict[str, Any],
+        *,
+        base: Buffer,
+        walls: Texture,
+        openness: Buffer,
+    ) -> None:
         """Of the scene's lights, on top of `base`: the sky's, or no light."""
         count = len(scene.lights)
         self.scale = _scale(scene.lights, self.placement.cell)
         params = ForwardParams(light_count=count, stride=1, is_blurred=1, scale=self.scale)
-        self._dispatch(commands, self._lights, self._air, params, bound, base=base,
-                       forward=self.all, kept=self.kept, lattice_walls=walls,
-                       openness=openness)  # fmt: skip
+        self._dispatch(
+            commands,
+            self._lights,
+            self._air,
+            params,
+            bound,
+            base=base,
+            forward=self.all,
+            kept=self.kept,
+            lattice_walls=walls,
+            openness=openness,
+        )
         if count:
             a, b, c = self._blocks
             blur = BlurParams(count=self.placement.count, lights=count)
-            self._blur.dispatch(commands, (a, b, c * count), params=blur, kept=self.kept,
-                                blurred=self.blurred)  # fmt: skip
+            self._blur.dispatch(
+                commands, (a, b, c * count), params=blur, kept=self.kept, blurred=self.blurred
+            )
 
     def _dispatch(
-        self, commands: Commands, step: _Forward, air: GpuMedia, params: ForwardParams,
-        bound: dict[str, Any], **values: Any,
-    ) -> None:  # fmt: skip
-        names = ("lights", "parallel_views", "local_views", "parallel_shadows", "local_shadows",
-                 "shadow_compare")  # fmt: skip
+        self,
+        commands: Commands,
+        step: _Forward,
+        air: GpuMedia,
+        params: ForwardParams,
+        bound: dict[str, Any],
+        **values: Any,
+    ) -> None:
+        names = (
+            "lights",
+            "parallel_views",
+            "local_views",
+            "parallel_shadows",
+            "local_shadows",
+            "shadow_compare",
+        )
         step.dispatch(
-            commands, self.placement.count, params=params, lattice=self.placement.params(),
-            **{name: bound[name] for name in names}, **air.bound, **values,
-        )  # fmt: skip
+            commands,
+            self.placement.count,
+            params=params,
+            lattice=self.placement.params(),
+            **{name: bound[name] for name in names},
+            **air.bound,
+            **values,
+        )
 
     def source(self, table: Buffer) -> ForwardSource:
         """For marching; `table` of lights."""
         count = self.light_count
-        return ForwardSource(self.kept, self.blurred, table, count, max(1, count),
-                             1.0 / self.scale, self.placement.cell)  # fmt: skip
+        return ForwardSource(
+            self.kept,
+            self.blurred,
+            table,
+            count,
+            max(1, count),
+            1.0 / self.scale,
+            self.placement.cell,
+        )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -166,10 +235,11 @@ def _scale(lights: tuple[Light, ...], cell_size_m: float) -> float:
     """Such that no sun, and no lamp half a cell away, is too bright for half floats."""
     largest = max(
         (
-            max(x.irradiance) if isinstance(x, DirectionalLight)
+            max(x.irradiance)
+            if isinstance(x, DirectionalLight)
             else max(x.intensity) / (0.5 * cell_size_m) ** 2
             for x in lights
         ),
         default=0.0,
-    )  # fmt: skip
+    )
     return float(2.0 ** math.floor(math.log2(_LARGEST / max(largest, 1e-20))))

@@ -166,8 +166,9 @@ def returned(k: int, gain: str) -> list[str]:
     for axis in range(3):
         terms = [
             f"{'-' if offsets()[n][axis] > 0 else '+'} s{n} * ({' + '.join(f'd{j}' for j in seen)})"
-            for n, seen in sorted(faces.items()) if offsets()[n][axis]
-        ]  # fmt: skip
+            for n, seen in sorted(faces.items())
+            if offsets()[n][axis]
+        ]
         axes.append(" ".join(terms).removeprefix("+ "))
     return [*lines, f"    direct += {gain} * vec3f({', '.join(axes)});"]
 

@@ -97,9 +97,16 @@ class InjectBorder:
         self._key: object = None
 
     def find(
-        self, commands: Commands, medium: Medium, top: float, lights: list[Light],
-        blockers: Blockers, reflectance: Buffer | None, *, is_new: bool,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        medium: Medium,
+        top: float,
+        lights: list[Light],
+        blockers: Blockers,
+        reflectance: Buffer | None,
+        *,
+        is_new: bool,
+    ) -> None:
         """`medium`, endless below the height `top` (m), scatters evenly; `lights` reach it.
 
         `is_new`: walls or air are others than before. Without `reflectance` walls are black.
@@ -114,18 +121,30 @@ class InjectBorder:
         params = BorderParams(top=top, sigma=max(medium.sigma_t), has_walls=has_walls)
         bound: dict[str, Any] = {**blockers.bound, **self._air.medium_bound}
         self._find.dispatch(
-            commands, place.count, params=params, lattice=place.params(),
-            reflectance=reflectance or self._radiance, directions=self._directions,
-            radiance=self._radiance, border=self._border, **bound,
-        )  # fmt: skip
+            commands,
+            place.count,
+            params=params,
+            lattice=place.params(),
+            reflectance=reflectance or self._radiance,
+            directions=self._directions,
+            radiance=self._radiance,
+            border=self._border,
+            **bound,
+        )
 
     def encode(self, commands: Commands, cells: Buffer, base: Buffer) -> None:
         """cells += what `find` found, and beams = `base` + its track."""
         x, y, z = self.placement.count
         self._add.dispatch(
-            commands, (x, y, 3 * z), params=AddParams(count=(x, y, 3 * z)), border=self._border,
-            base=base, cells=cells, beams=self.beams, surface_beams=self.surface_beams,
-        )  # fmt: skip
+            commands,
+            (x, y, 3 * z),
+            params=AddParams(count=(x, y, 3 * z)),
+            border=self._border,
+            base=base,
+            cells=cells,
+            beams=self.beams,
+            surface_beams=self.surface_beams,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

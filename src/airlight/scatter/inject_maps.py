@@ -44,17 +44,35 @@ class _InjectMaps(ComputePass):
         super().__init__(gpu, generated=air.wgsl)
 
     def _add(
-        self, commands: Commands, maps: ReflectiveShadowMaps, lights: Buffer, owners: Buffer,
-        placement: Placement, walls: Texture, sums: Buffer, scale: float, params: MapParams,
+        self,
+        commands: Commands,
+        maps: ReflectiveShadowMaps,
+        lights: Buffer,
+        owners: Buffer,
+        placement: Placement,
+        walls: Texture,
+        sums: Buffer,
+        scale: float,
+        params: MapParams,
         lobe: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         lobes = LobeParams(scale=scale, lobe=lobe, hop_even=0.0, hop_direct=0.0, is_shaped=0)
         self.dispatch(
-            commands, (maps.resolution, maps.resolution, maps.layers), params=params,
-            lobes=lobes, lattice=placement.params(), views=maps.views, lights=lights,
-            owners=owners, depth=maps.depth, normal=maps.normal, flux=maps.flux,
-            lattice_walls=walls, sums=sums, **self._air.bound,
-        )  # fmt: skip
+            commands,
+            (maps.resolution, maps.resolution, maps.layers),
+            params=params,
+            lobes=lobes,
+            lattice=placement.params(),
+            views=maps.views,
+            lights=lights,
+            owners=owners,
+            depth=maps.depth,
+            normal=maps.normal,
+            flux=maps.flux,
+            lattice_walls=walls,
+            sums=sums,
+            **self._air.bound,
+        )
 
 
 class InjectReflected(_InjectMaps):
@@ -63,15 +81,32 @@ class InjectReflected(_InjectMaps):
     file = "inject_reflected.wgsl"
 
     def encode(
-        self, commands: Commands, maps: ReflectiveShadowMaps, lights: Buffer, owners: Buffer,
-        placement: Placement, walls: Texture, sums: Buffer, scale: float,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        maps: ReflectiveShadowMaps,
+        lights: Buffer,
+        owners: Buffer,
+        placement: Placement,
+        walls: Texture,
+        sums: Buffer,
+        scale: float,
+    ) -> None:
         """Add to `sums` (`scale` units per W sr^-1); `owners`: each layer's row of `lights`."""
         params = MapParams(
             resolution=maps.resolution, layers=maps.layers, samples=0, seed=0, is_stratified=0
         )
-        self._add(commands, maps, lights, owners, placement, walls, sums, scale, params,
-                  returned_sharpness())  # fmt: skip
+        self._add(
+            commands,
+            maps,
+            lights,
+            owners,
+            placement,
+            walls,
+            sums,
+            scale,
+            params,
+            returned_sharpness(),
+        )
 
 
 class InjectRays(_InjectMaps):
@@ -80,15 +115,28 @@ class InjectRays(_InjectMaps):
     file = "inject_rays.wgsl"
 
     def encode(
-        self, commands: Commands, maps: ReflectiveShadowMaps, lights: Buffer, owners: Buffer,
-        placement: Placement, walls: Texture, sums: Buffer, scale: float, *, samples: int = 8,
-        seed: int = 0, is_stratified: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        maps: ReflectiveShadowMaps,
+        lights: Buffer,
+        owners: Buffer,
+        placement: Placement,
+        walls: Texture,
+        sums: Buffer,
+        scale: float,
+        *,
+        samples: int = 8,
+        seed: int = 0,
+        is_stratified: bool = False,
+    ) -> None:
         """As InjectReflected.encode; the same `seed` gives the same bits."""
         params = MapParams(
-            resolution=maps.resolution, layers=maps.layers, samples=samples, seed=seed,
+            resolution=maps.resolution,
+            layers=maps.layers,
+            samples=samples,
+            seed=seed,
             is_stratified=int(is_stratified),
-        )  # fmt: skip
+        )
         self._add(commands, maps, lights, owners, placement, walls, sums, scale, params, 0.0)
 
 

@@ -53,18 +53,37 @@ class InjectSingle(ComputePass):
         super().__init__(gpu, generated=air.wgsl)
 
     def encode(
-        self, commands: Commands, placement: Placement, lights: dict[str, Any], count: int, *,
-        walls: Texture, base: Buffer, cells: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        placement: Placement,
+        lights: dict[str, Any],
+        count: int,
+        *,
+        walls: Texture,
+        base: Buffer,
+        cells: Buffer,
+    ) -> None:
         """`lights`: `lights`, views, shadows and `shadow_compare` as in Lights.bound.
 
         `count` of them shine; `cells` must not be `base`. The air's coefficients count as
         isotropic.
         """
-        names = ("lights", "parallel_views", "local_views", "parallel_shadows", "local_shadows",
-                 "shadow_compare")  # fmt: skip
+        names = (
+            "lights",
+            "parallel_views",
+            "local_views",
+            "parallel_shadows",
+            "local_shadows",
+            "shadow_compare",
+        )
         self.dispatch(
-            commands, placement.count, params=SingleParams(light_count=count),
-            lattice=placement.params(), lattice_walls=walls, base=base, cells=cells,
-            **{name: lights[name] for name in names}, **self._air.bound,
-        )  # fmt: skip
+            commands,
+            placement.count,
+            params=SingleParams(light_count=count),
+            lattice=placement.params(),
+            lattice_walls=walls,
+            base=base,
+            cells=cells,
+            **{name: lights[name] for name in names},
+            **self._air.bound,
+        )

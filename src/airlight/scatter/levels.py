@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..gpu.commands import Commands
-from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, pack_array, u32, vec3f, vec3u
+from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
-from ..gpu.slots import storage, uniform
 from ..maths.lattice26 import RHO, persistence
 from ..maths.lattice26_levels import mean_track
 from .balance import Balance
@@ -25,6 +23,7 @@ from .correction import Correction
 from .doubling import summed_states
 from .hop_wgsl import constants
 from .hop_wgsl import mean_track as mean_track_wgsl
+from .level_passes import LevelParams, Prolong, Restrict, RestrictAir, RestrictFaces
 from .propagate import MOVE, TRACK, Count, Step
 from .propagate_varied import VariedStep
 from .schedule import Schedule
@@ -32,55 +31,20 @@ from .small_levels import Part, SmallLevels, first_small
 from .walls import Walls, new_packs
 
 
-class LevelParams(Struct):
-    """Two lattices, one half as fine as the other."""
-
-    fine = vec3u("cells")
-    cell = f32("m, of the finer")
-    coarse = vec3u("cells")
-    flags = u32("1: there are walls; 2: the air varies")
-    way = vec3f("m of track per hop of isotropic light, by channel, where the air is even")
-
-
-_PAIR = uniform("params", LevelParams)
-
-
-class _Restrict(ComputePass):
-    slots = (_PAIR, storage("stepped", "vec4f"), storage("sum", "vec4f"),
-             storage("residual", "vec4f", "read_write"))  # fmt: skip
-    workgroup = (32, 4, 2)
-    file = "level_restrict.wgsl"
-
-
-class _Prolong(ComputePass):
-    slots = (_PAIR, storage("track", "vec4f"), storage("medium", "vec2f"),
-             storage("openness", "vec2u"), storage("sum", "vec4f"),
-             storage("change", "vec4f", "read_write"))  # fmt: skip
-    workgroup = (32, 4, 2)
-    file = "level_prolong.wgsl"
-
-
-class _RestrictAir(ComputePass):
-    slots = (_PAIR, storage("medium", "vec2f"), storage("coarse_medium", "vec2f", "read_write"))
-    workgroup = (32, 4, 2)
-    file = "level_air.wgsl"
-
-
-class _RestrictFaces(ComputePass):
-    slots = (_PAIR, storage("openness", "vec2u"), storage("reflectance", "u32"),
-             storage("coarse_openness", "vec2u", "read_write"),
-             storage("coarse_reflectance", "u32", "read_write"))  # fmt: skip
-    workgroup = (32, 8, 1)
-    file = "level_faces.wgsl"
-
-
 class Level:
     """One lattice of the stack and its buffers."""
 
     def __init__(
-        self, gpu: Gpu, count: Count, cell_size_m: float, *, is_blocked: bool, is_varied: bool,
-        is_coarse: bool, is_small: bool,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        count: Count,
+        cell_size_m: float,
+        *,
+        is_blocked: bool,
+        is_varied: bool,
+        is_coarse: bool,
+        is_small: bool,
+    ) -> None:
         """`is_small`: its light is SmallLevels'."""
         cells = count[0] * count[1] * count[2]
         nbytes = 16 if is_small else CHANNELS * cells * 16
@@ -107,38 +71,55 @@ class Levels:
     """Solves Q = I + M Q and hands on its track T Q."""
 
     def __init__(
-        self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, *,
-        is_blocked: bool, is_varied: bool, scheme: str = "deposit", is_straight: bool = True,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        count: Count,
+        cell_size_m: float,
+        schedule: Schedule,
+        *,
+        is_blocked: bool,
+        is_varied: bool,
+        scheme: str = "deposit",
+        is_straight: bool = True,
+    ) -> None:
         self.schedule, self.scheme = schedule, scheme
         self.is_blocked, self.is_varied = is_blocked, is_varied
         counts = schedule.counts(count)
         small = None if is_varied else first_small(counts)
         self.levels = [
-            Level(gpu, size, cell_size_m * 2**k, is_blocked=is_blocked, is_varied=is_varied,
-                  is_coarse=k > 0, is_small=small is not None and k >= small)
+            Level(
+                gpu,
+                size,
+                cell_size_m * 2**k,
+                is_blocked=is_blocked,
+                is_varied=is_varied,
+                is_coarse=k > 0,
+                is_small=small is not None and k >= small,
+            )
             for k, size in enumerate(counts)
-        ]  # fmt: skip
+        ]
         self._kept = persistence(max(count)) if is_straight else RHO**2
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
         self._correction, self._balance = Correction(gpu), Balance(gpu)
         rows = 2 * CHANNELS * (len(self.levels) + 1)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
-        self._step = VariedStep(gpu, is_blocked=is_blocked) if is_varied else Step(
-            gpu, is_blocked=is_blocked
-        )  # fmt: skip
+        self._step = (
+            VariedStep(gpu, is_blocked=is_blocked)
+            if is_varied
+            else Step(gpu, is_blocked=is_blocked)
+        )
         self._walls = Walls(gpu) if is_blocked else None
         self._restrict, self._prolong = (
-            _Restrict(gpu),
-            _Prolong(gpu, generated=f"{constants()}\n{mean_track_wgsl()}"),
+            Restrict(gpu),
+            Prolong(gpu, generated=f"{constants()}\n{mean_track_wgsl()}"),
         )
-        self._restrict_air = _RestrictAir(gpu) if is_varied else None
-        self._restrict_faces = _RestrictFaces(gpu) if is_blocked else None
+        self._restrict_air = RestrictAir(gpu) if is_varied else None
+        self._restrict_faces = RestrictFaces(gpu) if is_blocked else None
         self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
         self._recorded = Recorded(gpu, "cycles of a lattice")
-        self._small = SmallLevels(
-            gpu, counts, schedule, small, is_blocked=is_blocked
-        ) if small else None  # fmt: skip
+        self._small = (
+            SmallLevels(gpu, counts, schedule, small, is_blocked=is_blocked) if small else None
+        )
         self._source, self._medium = self._zero, self.levels[0].medium
         self._openness = self.levels[0].openness
 
@@ -167,9 +148,12 @@ class Levels:
             assert self._restrict_air
             coarse = self.levels[k]
             self._restrict_air.dispatch(
-                commands, (*coarse.count[:2], CHANNELS * coarse.count[2]), params=self._pair(k),
-                medium=self._air(k - 1), coarse_medium=coarse.medium,
-            )  # fmt: skip
+                commands,
+                (*coarse.count[:2], CHANNELS * coarse.count[2]),
+                params=self._pair(k),
+                medium=self._air(k - 1),
+                coarse_medium=coarse.medium,
+            )
 
     def set_walls(self, commands: Commands, openness: Buffer, reflectance: Buffer) -> None:
         """Take on walls: `openness` as lattice.blockers, `reflectance` u32 rgb unorm8 per cell."""
@@ -179,10 +163,14 @@ class Levels:
         for k, level in enumerate(self.levels):
             if k:
                 self._restrict_faces.dispatch(
-                    commands, level.count, params=self._pair(k), openness=openness,
-                    reflectance=white, coarse_openness=level.openness,
+                    commands,
+                    level.count,
+                    params=self._pair(k),
+                    openness=openness,
+                    reflectance=white,
+                    coarse_openness=level.openness,
                     coarse_reflectance=level.reflectance,
-                )  # fmt: skip
+                )
                 openness, white = level.openness, level.reflectance
             self._walls.encode(commands, level.count, openness, white, level.packs)
             if self._small and k >= self._small.first:
@@ -203,9 +191,12 @@ class Levels:
             current = self._cycle(commands, 0, current)
         if self.schedule.is_balanced:
             current = self._balance.encode(
-                commands, level.count, source=source, current=current,
+                commands,
+                level.count,
+                source=source,
+                current=current,
                 stepped=self._smoothed(commands, 0, current),
-            )  # fmt: skip
+            )
         self._apply(commands, 0, TRACK, current, self._zero, level.track)
         return current, level.track
 
@@ -251,16 +242,28 @@ class Levels:
         change = level.track
         nx, ny, nz = level.count
         self._prolong.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=self._pair(k + 1), track=track,
-            medium=self._air(k), openness=self._openness if k == 0 else level.openness,
-            sum=current, change=change,
-        )  # fmt: skip
+            commands,
+            (nx, ny, CHANNELS * nz),
+            params=self._pair(k + 1),
+            track=track,
+            medium=self._air(k),
+            openness=self._openness if k == 0 else level.openness,
+            sum=current,
+            change=change,
+        )
         self._apply(commands, k, MOVE, change, self._zero, level.answer, is_change=True)
         corrected = self._other(k, stepped)
         self._correction.encode(
-            commands, level.count, coarse.count, current=current, stepped=stepped, change=change,
-            answer=level.answer, corrected=corrected, is_finest=k == 0,
-        )  # fmt: skip
+            commands,
+            level.count,
+            coarse.count,
+            current=current,
+            stepped=stepped,
+            change=change,
+            answer=level.answer,
+            corrected=corrected,
+            is_finest=k == 0,
+        )
         return corrected
 
     def _solved_coarser(
@@ -271,9 +274,13 @@ class Levels:
         small = self._small if self._small and self._small.first == k else None
         nx, ny, nz = coarse.count
         self._restrict.dispatch(
-            commands, (nx, ny, CHANNELS * nz), params=self._pair(k), stepped=stepped,
-            sum=current, residual=small.source if small else coarse.source,
-        )  # fmt: skip
+            commands,
+            (nx, ny, CHANNELS * nz),
+            params=self._pair(k),
+            stepped=stepped,
+            sum=current,
+            residual=small.source if small else coarse.source,
+        )
         if small:
             small.encode(commands, self._coefficients)
             return small.track
@@ -289,24 +296,43 @@ class Levels:
         return target
 
     def _apply(
-        self, commands: Commands, k: int, row: int, before: Buffer, source: Buffer, after: Buffer,
-        *, is_change: bool = False, steps: int = 1,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        k: int,
+        row: int,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+        *,
+        is_change: bool = False,
+        steps: int = 1,
+    ) -> None:
         level = self.levels[k]
         keeps_deficits = k == 0 and not is_change
         buffers = {"before": before, "source": source, "after": after, "packs": level.packs}
         if isinstance(self._step, VariedStep):
             self._step.encode(
-                commands, level.count, level.cell, self._air(k), is_track=row == TRACK,
-                keeps_deficits=keeps_deficits, kept=self._kept, **buffers,
-            )  # fmt: skip
+                commands,
+                level.count,
+                level.cell,
+                self._air(k),
+                is_track=row == TRACK,
+                keeps_deficits=keeps_deficits,
+                kept=self._kept,
+                **buffers,
+            )
         else:
             # The finest level's rows for corrections come last.
             first = 2 * CHANNELS * (len(self.levels) if is_change and k == 0 else k) + row
             self._step.encode(
-                commands, level.count, self._coefficients, first, **buffers,
-                is_added=source is not self._zero, steps=steps,
-            )  # fmt: skip
+                commands,
+                level.count,
+                self._coefficients,
+                first,
+                **buffers,
+                is_added=source is not self._zero,
+                steps=steps,
+            )
 
     def _other(self, k: int, current: Buffer) -> Buffer:
         level = self.levels[k]
@@ -321,10 +347,12 @@ class Levels:
     def _pair(self, k: int) -> LevelParams:
         """Parameters for level k and the finer one before it."""
         return LevelParams.of(
-            fine=self.levels[k - 1].count, cell=self.levels[k - 1].cell,
-            coarse=self.levels[k].count, way=self._ways[k - 1],
+            fine=self.levels[k - 1].count,
+            cell=self.levels[k - 1].cell,
+            coarse=self.levels[k].count,
+            way=self._ways[k - 1],
             flags=int(self.is_blocked) + 2 * int(self.is_varied),
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

@@ -59,9 +59,16 @@ class MapBlockers(Blockers):
     """As lattice.blockers.Blockers, which it replaces; glowing surfaces are still its surfels."""
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, meshes: GpuScene, placement: Placement, count: int, *,
-        resolution: int, size: tuple[int, int, int] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        meshes: GpuScene,
+        placement: Placement,
+        count: int,
+        *,
+        resolution: int,
+        size: tuple[int, int, int] | None = None,
+    ) -> None:
         """`resolution`: texels along a map's side."""
         super().__init__(gpu, scene, meshes, placement, count, size=size)
         self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, len(VIEWS))
@@ -76,11 +83,20 @@ class MapBlockers(Blockers):
         self.maps.encode(commands, self.meshes, VIEWS, views)
         place, side = self.placement, self.maps.resolution
         self._texels.dispatch(
-            commands, (side, side, len(VIEWS)),
-            params=MapParams(origin=place.origin, cell=place.cell, count=place.count,
-                             resolution=side, units=UNITS),
-            views=self.maps.views, depth=self.maps.depth, flux=self.maps.flux, sums=self.sums,
-        )  # fmt: skip
+            commands,
+            (side, side, len(VIEWS)),
+            params=MapParams(
+                origin=place.origin,
+                cell=place.cell,
+                count=place.count,
+                resolution=side,
+                units=UNITS,
+            ),
+            views=self.maps.views,
+            depth=self.maps.depth,
+            flux=self.maps.flux,
+            sums=self.sums,
+        )
 
     def release(self) -> None:
         """Give the memory back."""

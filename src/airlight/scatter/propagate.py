@@ -76,10 +76,19 @@ class Step:
             self._columns = _Columns(gpu, generated=f"{text}\n{_column_functions(is_blocked)}")
 
     def encode(
-        self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
-        before: Buffer, source: Buffer, after: Buffer, packs: Buffer, is_added: bool = True,
+        self,
+        commands: Commands,
+        count: Count,
+        coefficients: Buffer,
+        row: int,
+        *,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+        packs: Buffer,
+        is_added: bool = True,
         steps: int = 1,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """after = source + K before, K by the rows `row` .. `row` + 2 of `coefficients`.
 
         Where not `is_added`, `source` holds zeros, which need not be read. `steps` are as many as
@@ -89,8 +98,12 @@ class Step:
         slabs = -(-nz // SLAB)
         tile, rows = fitting(count), rows_for(count)
         given = {"before": before, "source": source, "after": after}
-        values = {"params": StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
-                  "coefficients": coefficients, "packs": packs, **given}  # fmt: skip
+        values = {
+            "params": StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
+            "coefficients": coefficients,
+            "packs": packs,
+            **given,
+        }
         if self._has_rows and rows:
             # What is read anyway need not be read once more to be added.
             own = float(is_added and source is before and steps == 1)

@@ -42,17 +42,28 @@ class OpenColumns(ComputePass):
         super().__init__(gpu, generated=f"{constants()}\n{_tile_wgsl(*tile)}")
 
     def encode(
-        self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
-        before: Buffer, source: Buffer, after: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: Count,
+        coefficients: Buffer,
+        row: int,
+        *,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+    ) -> None:
         """As propagate.Step.encode."""
         nx, ny, nz = count
         slabs = -(-nz // SLAB)
         self.dispatch(
-            commands, (nx // self.tile[0], ny // self.tile[1], CHANNELS * slabs),
+            commands,
+            (nx // self.tile[0], ny // self.tile[1], CHANNELS * slabs),
             params=StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
-            coefficients=coefficients, before=before, source=source, after=after,
-        )  # fmt: skip
+            coefficients=coefficients,
+            before=before,
+            source=source,
+            after=after,
+        )
 
 
 def fitting(count: Count) -> Tile | None:
@@ -64,17 +75,26 @@ def _tile_wgsl(width: int, height: int) -> str:
     """The tile's size, what it holds of the layers on the way, and how a layer is added."""
     columns = range(width * height)
     fields = "".join(f"    v{k}: vec4f,\n" for k in columns)
-    return "\n".join([
-        f"const SLAB = {SLAB}u;", f"const WIDTH = {width}u;", f"const HEIGHT = {height}u;",
-        f"struct Tile {{\n{fields}}}",
-        "struct Layer { below: Tile, here: Tile, above: Tile }",
-        "fn layer_at(n: vec3u, c: StepCoefficients, w: Weights, base: u32, x: u32, y: u32)"
-        " -> Layer {",
-        "    var layer: Layer;",
-        *_rows(width, height), *sums_wgsl(width, height), "    return layer;", "}",
-        "fn store(at: vec2u, n: vec3u, index: u32, tile: Tile) {", *_stores(width, height), "}",
-        added_wgsl(width * height),
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"const SLAB = {SLAB}u;",
+            f"const WIDTH = {width}u;",
+            f"const HEIGHT = {height}u;",
+            f"struct Tile {{\n{fields}}}",
+            "struct Layer { below: Tile, here: Tile, above: Tile }",
+            "fn layer_at(n: vec3u, c: StepCoefficients, w: Weights, base: u32, x: u32, y: u32)"
+            " -> Layer {",
+            "    var layer: Layer;",
+            *_rows(width, height),
+            *sums_wgsl(width, height),
+            "    return layer;",
+            "}",
+            "fn store(at: vec2u, n: vec3u, index: u32, tile: Tile) {",
+            *_stores(width, height),
+            "}",
+            added_wgsl(width * height),
+        ]
+    )
 
 
 def _rows(width: int, height: int) -> list[str]:

@@ -52,18 +52,28 @@ def _march(rows: Rows, is_added: bool) -> list[str]:
         *opening(rows),
         *(line for name in "et" for line in held(name, width * height)),
         *(line for name in "ad" for line in held(name, width * (height + 2))),
-        "    var k = select(0u, 2u, at.z == 0u);", "    let end = z_last + 4u - at.z;",
-        "    loop {", "        let z = at.z + k - 2u;",
+        "    var k = select(0u, 2u, at.z == 0u);",
+        "    let end = z_last + 4u - at.z;",
+        "    loop {",
+        "        let z = at.z + k - 2u;",
         "        let base = first + min(z, n.z - 1u) * n.x * n.y;",
         "        let index = first + ((z - 2u) * n.y + at.y) * n.x + at.x;",
-        "        let has_layer = z < n.z;", "        let is_between = z >= 1u && z <= n.z;",
-    ]  # fmt: skip
+        "        let has_layer = z < n.z;",
+        "        let is_between = z >= 1u && z <= n.z;",
+    ]
     for y in range(height + 4):
         lines += [*read(rows, y, y - 2, "has_layer"), *summed(rows, "v", "r", y)]
         lines += _between(rows, y - 2) if y >= 2 else []
         lines += _after(rows, y - 4, is_added) if y >= 4 else []
-    return [*lines, "        k++;", "        if (k >= end) {", "            break;", "        }",
-            "    }", "}"]  # fmt: skip
+    return [
+        *lines,
+        "        k++;",
+        "        if (k >= end) {",
+        "            break;",
+        "        }",
+        "    }",
+        "}",
+    ]
 
 
 def _between(rows: Rows, y: int) -> list[str]:

@@ -74,16 +74,28 @@ class RowPass(ComputePass):
         super().__init__(gpu, generated=text)
 
     def encode(
-        self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
-        before: Buffer, source: Buffer, after: Buffer, own: float = 0.0,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: Count,
+        coefficients: Buffer,
+        row: int,
+        *,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+        own: float = 0.0,
+    ) -> None:
         """As propagate.Step.encode; adds `own` of `before` to what a single step gives."""
         x, y, slabs = tiles_for(count, *self.rows[:2], os.cpu_count() or 1)
         self.dispatch(
-            commands, (x, y, CHANNELS * slabs),
+            commands,
+            (x, y, CHANNELS * slabs),
             params=StepParams.of(count=count, row=row, slabs=slabs, own=own),
-            coefficients=coefficients, before=before, source=source, after=after,
-        )  # fmt: skip
+            coefficients=coefficients,
+            before=before,
+            source=source,
+            after=after,
+        )
 
 
 class OpenRows(RowPass):
@@ -97,12 +109,16 @@ def _march(rows: Rows, is_added: bool) -> list[str]:
     """`march`: `e{k}` and `t{k}` are what the layers so far send to the one before and this one."""
     width, height = rows.width, rows.height
     lines = [
-        *opening(rows), *held("e", width * height), *held("t", width * height),
-        "    let end = min(z_last, n.z - 1u);", "    var z = max(at.z, 1u) - 1u;",
+        *opening(rows),
+        *held("e", width * height),
+        *held("t", width * height),
+        "    let end = min(z_last, n.z - 1u);",
+        "    var z = max(at.z, 1u) - 1u;",
         # One loop for all layers, those beside the slab too, with its test at its end.
-        "    loop {", "        let base = first + z * n.x * n.y;",
+        "    loop {",
+        "        let base = first + z * n.x * n.y;",
         "        let index = first + ((z - 1u) * n.y + at.y) * n.x + at.x;",
-    ]  # fmt: skip
+    ]
     for y in range(height + 2):
         lines += [*read(rows, y, y - 1, "true"), *summed(rows, "v", "r", y)]
         if y < 2:
@@ -113,9 +129,13 @@ def _march(rows: Rows, is_added: bool) -> list[str]:
         lines += stored(rows, y - 2, whole, "z > at.z", is_added)
         lines += [f"e{k} = t{k} + {s}.here; t{k} = {s}.above;" for k, s in names]
     lines += [
-        "        z++;", "        if (z > end) {", "            break;", "        }", "    }",
+        "        z++;",
+        "        if (z > end) {",
+        "            break;",
+        "        }",
+        "    }",
         "    let index = first + ((n.z - 1u) * n.y + at.y) * n.x + at.x;",
-    ]  # fmt: skip
+    ]
     for y in range(height):
         whole = [f"e{width * y + i}" for i in range(width)]
         lines += stored(rows, y, whole, "z_last == n.z", is_added)
@@ -126,9 +146,10 @@ def opening(rows: Rows) -> list[str]:
     """The head of `march` and what all its rows ask for."""
     return [
         "fn march(n: vec3u, c: StepCoefficients, w: Weights, first: u32, at: vec3u, z_last: u32) {",
-        "    let is_first = at.x == 0u;", "    let is_last = at.x + WIDTH >= n.x;",
+        "    let is_first = at.x == 0u;",
+        "    let is_last = at.x + WIDTH >= n.x;",
         f"    let lane = (at.x / WIDTH) % {LANES}u;",
-    ]  # fmt: skip
+    ]
 
 
 def held(name: str, number: int) -> list[str]:
@@ -161,10 +182,12 @@ def read(rows: Rows, y: int, offset: int, inside: str) -> list[str]:
     return [
         *lines,
         f"    if (lane == 0u && !is_first && g{y}) {{",
-        f"        v{y}_0 = cell_pair(before[(b{y} >> 1u) - 1u]).b;", "    }",
+        f"        v{y}_0 = cell_pair(before[(b{y} >> 1u) - 1u]).b;",
+        "    }",
         f"    if (lane == {LANES - 1}u && !is_last && g{y}) {{",
-        f"        v{y}_{end} = cell_pair(before[(b{y} + WIDTH) >> 1u]).a;", "    }",
-    ]  # fmt: skip
+        f"        v{y}_{end} = cell_pair(before[(b{y} + WIDTH) >> 1u]).a;",
+        "    }",
+    ]
 
 
 def row_place(offset: int) -> tuple[str, str]:
@@ -218,6 +241,7 @@ def stored(rows: Rows, y: int, values: list[str], condition: str, is_added: bool
             f"        {f'if ({inside}) ' if inside else ''}{{",
             f"            let place = (index + {y}u * n.x + {k}u) >> 1u;",
             *(["            let s = cell_pair(source[place]);"] if is_added else []),
-            f"            after[place] = cell_pair_bits({', '.join(given)});", "        }",
-        ]  # fmt: skip
+            f"            after[place] = cell_pair_bits({', '.join(given)});",
+            "        }",
+        ]
     return [*lines, "    }"]

@@ -69,10 +69,20 @@ class VariedStep:
         self._rows: dict[tuple[bool, bool], VariedRows] = {}
 
     def encode(
-        self, commands: Commands, count: Count, cell_size_m: float, medium: Buffer, *,
-        is_track: bool, before: Buffer, source: Buffer, after: Buffer, packs: Buffer,
-        keeps_deficits: bool = True, kept: float = RHO**2,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: Count,
+        cell_size_m: float,
+        medium: Buffer,
+        *,
+        is_track: bool,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+        packs: Buffer,
+        keeps_deficits: bool = True,
+        kept: float = RHO**2,
+    ) -> None:
         """after = source + K before; K gives the track where `is_track`, else the next state.
 
         `kept` as in step_rows.
@@ -81,8 +91,14 @@ class VariedStep:
         params = VariedParams.of(
             count=count, cell=cell_size_m, straight=kept / RHO, deficit=float(keeps_deficits)
         )
-        values = {"params": params, "medium": medium, "before": before, "source": source,
-                  "after": after, "packs": packs}  # fmt: skip
+        values = {
+            "params": params,
+            "medium": medium,
+            "before": before,
+            "source": source,
+            "after": after,
+            "packs": packs,
+        }
         if self._has_rows and takes_rows(count):
             self._row_kernel(count, is_track).encode(commands, count, **values)
         else:
@@ -100,9 +116,12 @@ class VariedStep:
         is_whole = is_whole_row(count) and (False, is_track) not in self._rows
         if (is_whole, is_track) not in self._rows:
             self._rows[is_whole, is_track] = VariedRows(
-                self._gpu, VariedParams, is_track=is_track, is_blocked=self._is_blocked,
+                self._gpu,
+                VariedParams,
+                is_track=is_track,
+                is_blocked=self._is_blocked,
                 is_whole=is_whole,
-            )  # fmt: skip
+            )
         return self._rows[is_whole, is_track]
 
 
@@ -141,8 +160,10 @@ def _gathered(rules: dict[str, str], is_blocked: bool) -> str:
         *(f"    let h{k} = half_hop(own.t, LENGTH_{k});" for k in range(3)),
     ]
     if is_blocked:
-        lines += [f"    let {name} = packs[p + {k}u];"
-                  for k, name in enumerate(("in0", "in1", "out0", "out1"))]  # fmt: skip
+        lines += [
+            f"    let {name} = packs[p + {k}u];"
+            for k, name in enumerate(("in0", "in1", "out0", "out1"))
+        ]
         lines += ["    let white = unpack4x8unorm(out1.w)[channel];", *leaving_shares()]
     for j in range(COUNT):
         lines += ["    {", *_visit(j, rules, is_blocked), "    }"]

@@ -60,8 +60,10 @@ class VariedRows(ComputePass):
             f"const IS_TRACK = {str(is_track).lower()};",
             constants(),
             gathered_varied(is_track=is_track, is_blocked=is_blocked),
-            *_layer(is_whole), *_stepped(is_blocked), *_store(),
-        ]  # fmt: skip
+            *_layer(is_whole),
+            *_stepped(is_blocked),
+            *_store(),
+        ]
         super().__init__(gpu, generated="\n".join(texts))
 
     def encode(self, commands: Commands, count: Count, **values: Any) -> None:
@@ -77,12 +79,14 @@ def _layer(is_whole: bool) -> list[str]:
     return [
         f"struct Layer {{\n{fields}}}",
         "fn layer_at(n: vec3u, base: u32, at: vec2u, is_there: bool) -> Layer {",
-        "    var layer: Layer;", "    let is_first = at.x == 0u;",
+        "    var layer: Layer;",
+        "    let is_first = at.x == 0u;",
         "    let is_last = at.x + WIDTH >= n.x;",
         f"    let lane = (at.x / WIDTH) % {LANES}u;",
         *(line for row in range(HEIGHT + 2) for line in _row(row, is_whole)),
-        "    return layer;", "}",
-    ]  # fmt: skip
+        "    return layer;",
+        "}",
+    ]
 
 
 def _row(row: int, is_whole: bool) -> list[str]:
@@ -100,12 +104,13 @@ def _row(row: int, is_whole: bool) -> list[str]:
             there, pair = f"g{row} && at.x + {k}u < n.x", f"b{row} + min({k}u, n.x - 2u - at.x)"
             sigma = f"select(s{row}_{k}.y, s{row}_{k}.x, at.x + {k}u < n.x)"
         lines += [
-            f"    let i{row}_{k} = ({pair}) >> 1u;", f"    let t{row}_{k} = {there};",
+            f"    let i{row}_{k} = ({pair}) >> 1u;",
+            f"    let t{row}_{k} = {there};",
             f"    let s{row}_{k} = medium[i{row}_{k}];",
             f"    let p{row}_{k} = cell_pair(before[i{row}_{k}]);",
             f"    layer.v{first + 1 + k} = lit(p{row}_{k}.a, {sigma}, t{row}_{k});",
             f"    layer.v{first + 2 + k} = lit(p{row}_{k}.b, s{row}_{k}.y, t{row}_{k});",
-        ]  # fmt: skip
+        ]
     west, east = f"layer.v{first + 1}", f"layer.v{last - 1}"
     lines += [f"    var w{row} = before_this({east});", f"    var e{row} = after_this({west});"]
     if not is_whole:
@@ -120,12 +125,15 @@ def _row(row: int, is_whole: bool) -> list[str]:
 def _read_beside(row: int) -> list[str]:
     """What the lanes of another vector hold is read."""
     return [
-        "    if (lane == 0u && !is_first) {", f"        let place = (b{row} >> 1u) - 1u;",
-        f"        w{row} = lit(cell_pair(before[place]).b, medium[place].y, g{row});", "    }",
+        "    if (lane == 0u && !is_first) {",
+        f"        let place = (b{row} >> 1u) - 1u;",
+        f"        w{row} = lit(cell_pair(before[place]).b, medium[place].y, g{row});",
+        "    }",
         f"    if (lane == {LANES - 1}u && !is_last) {{",
         f"        let place = (b{row} + WIDTH) >> 1u;",
-        f"        e{row} = lit(cell_pair(before[place]).a, medium[place].x, g{row});", "    }",
-    ]  # fmt: skip
+        f"        e{row} = lit(cell_pair(before[place]).a, medium[place].x, g{row});",
+        "    }",
+    ]
 
 
 def _stepped(is_blocked: bool) -> list[str]:

@@ -43,33 +43,52 @@ class WallRows(ComputePass):
         super().__init__(gpu, generated=f"{constants()}\n{gathered_blocked()}\n{_wgsl()}")
 
     def encode(
-        self, commands: Commands, count: Count, coefficients: Buffer, row: int, *,
-        before: Buffer, source: Buffer, after: Buffer, packs: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: Count,
+        coefficients: Buffer,
+        row: int,
+        *,
+        before: Buffer,
+        source: Buffer,
+        after: Buffer,
+        packs: Buffer,
+    ) -> None:
         """As propagate.Step.encode."""
         x, y, slabs = tiles_for(count, WIDTH, HEIGHT, os.cpu_count() or 1)
         self.dispatch(
-            commands, (x, y, CHANNELS * slabs),
+            commands,
+            (x, y, CHANNELS * slabs),
             params=StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
-            coefficients=coefficients, before=before, source=source, after=after, packs=packs,
-        )  # fmt: skip
+            coefficients=coefficients,
+            before=before,
+            source=source,
+            after=after,
+            packs=packs,
+        )
 
 
 def _wgsl() -> str:
     """A layer's rows, how they are read, the step of each cell, and how pairs are stored."""
     fields = "".join(f"    v{k}: vec4f,\n" for k in range((HEIGHT + 2) * _COLUMNS))
-    return "\n".join([
-        "//! use cell_pairs",
-        f"const WIDTH = {WIDTH}u;\nconst HEIGHT = {HEIGHT}u;",
-        f"struct Layer {{\n{fields}}}",
-        "fn layer_at(n: vec3u, c: StepCoefficients, base: u32, at: vec2u, is_there: bool)"
-        " -> Layer {",
-        "    var layer: Layer;",
-        "    let is_first = at.x == 0u;", "    let is_last = at.x + WIDTH >= n.x;",
-        f"    let lane = (at.x / WIDTH) % {LANES}u;",
-        *(line for row in range(HEIGHT + 2) for line in _row(row)),
-        "    return layer;", "}", *_stepped(), *_store(),
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            "//! use cell_pairs",
+            f"const WIDTH = {WIDTH}u;\nconst HEIGHT = {HEIGHT}u;",
+            f"struct Layer {{\n{fields}}}",
+            "fn layer_at(n: vec3u, c: StepCoefficients, base: u32, at: vec2u, is_there: bool)"
+            " -> Layer {",
+            "    var layer: Layer;",
+            "    let is_first = at.x == 0u;",
+            "    let is_last = at.x + WIDTH >= n.x;",
+            f"    let lane = (at.x / WIDTH) % {LANES}u;",
+            *(line for row in range(HEIGHT + 2) for line in _row(row)),
+            "    return layer;",
+            "}",
+            *_stepped(),
+            *_store(),
+        ]
+    )
 
 
 def _row(row: int) -> list[str]:
@@ -93,12 +112,14 @@ def _row(row: int) -> list[str]:
         f"    var w{row} = subgroupShuffleUp(layer.v{last - 1}, 1u);",
         f"    var e{row} = subgroupShuffleDown(layer.v{first + 1}, 1u);",
         "    if (lane == 0u && !is_first) {",
-        f"        w{row} = cell_pair(before[((b{row} + at.x) >> 1u) - 1u]).b * g{row};", "    }",
+        f"        w{row} = cell_pair(before[((b{row} + at.x) >> 1u) - 1u]).b * g{row};",
+        "    }",
         f"    if (lane == {LANES - 1}u && !is_last) {{",
-        f"        e{row} = cell_pair(before[(b{row} + at.x + WIDTH) >> 1u]).a * g{row};", "    }",
+        f"        e{row} = cell_pair(before[(b{row} + at.x + WIDTH) >> 1u]).a * g{row};",
+        "    }",
         f"    layer.v{first} = select(w{row}, vec4f(0.0), is_first);",
         f"    layer.v{last} = select(e{row}, vec4f(0.0), is_last);",
-    ]  # fmt: skip
+    ]
 
 
 def _stepped() -> list[str]:

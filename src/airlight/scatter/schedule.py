@@ -86,9 +86,12 @@ def cycles_to(residual: float) -> int:
 
 
 def iterations_to(
-    residual: float, sigma_s: Sequence[float], sigma_t: Sequence[float], cell_size_m: float,
+    residual: float,
+    sigma_s: Sequence[float],
+    sigma_t: Sequence[float],
+    cell_size_m: float,
     count: Count,
-) -> int:  # fmt: skip
+) -> int:
     """Iterations after which about `residual` of the light is still under way, without walls.
 
     The slowest mode of a random walk with absorption out of the box, by the channel that takes

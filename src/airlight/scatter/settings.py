@@ -22,25 +22,37 @@ class ScatterSettings:
     """What multiple scattering on a lattice can be told."""
 
     scheme: str = setting(
-        "auto", "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
-        "eq. 3 as printed; paper-gamma: with what it loses put back", choices=SCHEMES)  # fmt: skip
+        "auto",
+        "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
+        "eq. 3 as printed; paper-gamma: with what it loses put back",
+        choices=SCHEMES,
+    )
     iterations: int = setting(
         12, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512
     )
-    residual: float = setting(0.0, "light that may still be under way; chooses the iterations "
-                              "where above 0", low=0.0, high=0.9)  # fmt: skip
+    residual: float = setting(
+        0.0,
+        "light that may still be under way; chooses the iterations where above 0",
+        low=0.0,
+        high=0.9,
+    )
     acceleration: str = setting(
-        "cycle", "coarser lattices for slow light: none, to finish with, or in multigrid cycles",
-        choices=ACCELERATIONS)  # fmt: skip
+        "cycle",
+        "coarser lattices for slow light: none, to finish with, or in multigrid cycles",
+        choices=ACCELERATIONS,
+    )
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
     single: str = setting(
-        "gather", "how first-scattered light comes into cells: gathered by them, or from points "
+        "gather",
+        "how first-scattered light comes into cells: gathered by them, or from points "
         "of every map texel's ray; off: what surfaces reflect alone",
-        choices=("gather", "random", "stratified", "off"))  # fmt: skip
+        choices=("gather", "random", "stratified", "off"),
+    )
     samples: int = setting(8, "points of a map texel's ray", low=1, high=64)
     seed: int = setting(0, "of random points", low=0)
-    map_resolution: int = setting(256, "side of reflective shadow maps", unit="px", low=8,
-                                  high=4096)  # fmt: skip
+    map_resolution: int = setting(
+        256, "side of reflective shadow maps", unit="px", low=8, high=4096
+    )
 
 
 def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:

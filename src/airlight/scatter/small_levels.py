@@ -115,8 +115,9 @@ class SmallLevels:
         self._states = Buffer(gpu, "light of small lattices", 16 * self._places[-1].end)
         top = self._places[0]
         nbytes = 16 * CHANNELS * top.cells
-        self.source, self.track = (Part(self._states, 16 * at, nbytes)
-                                   for at in (top.source, top.track))  # fmt: skip
+        self.source, self.track = (
+            Part(self._states, 16 * at, nbytes) for at in (top.source, top.track)
+        )
         cells = self._cells[-1] if is_blocked else 1
         self._packs = Buffer(gpu, "hops of small lattices", 64 * cells)
         self._openness = Buffer(gpu, "openness of small lattices", 8 * cells)
@@ -131,8 +132,10 @@ class SmallLevels:
         self._pass = _Small(gpu, f"{constants()}\n{walls}\n{_wgsl(is_blocked)}")
 
     def _packed(self) -> dict[str, Any]:
-        return {"small steps": pack_array(SmallStep, self._steps),
-                "small stages": pack_array(SmallStage, self._stages)}  # fmt: skip
+        return {
+            "small steps": pack_array(SmallStep, self._steps),
+            "small stages": pack_array(SmallStage, self._stages),
+        }
 
     def set_air(self, ways: Sequence[Sequence[float]]) -> None:
         """Metres of track per hop of isotropic light, of every level's three channels."""
@@ -151,10 +154,16 @@ class SmallLevels:
     def encode(self, commands: Commands, coefficients: Buffer) -> None:
         """`track` becomes the track of what is solved for `source`."""
         self._pass.dispatch(
-            commands, (self._pass.workgroup[0], CHANNELS), steps=self._tables[0],
-            stages=self._tables[1], levels=self._levels, coefficients=coefficients,
-            packs=self._packs, openness=self._openness, states=self._states,
-        )  # fmt: skip
+            commands,
+            (self._pass.workgroup[0], CHANNELS),
+            steps=self._tables[0],
+            stages=self._tables[1],
+            levels=self._levels,
+            coefficients=coefficients,
+            packs=self._packs,
+            openness=self._openness,
+            states=self._states,
+        )
 
     def _plan_visits(self) -> None:
         top = self._places[0]
@@ -188,8 +197,15 @@ class SmallLevels:
         self._stage(k, _PROLONG, current=current, given=coarse.track, made=own.track)
         self._step(k, MOVE, own.track, own.zero, own.answer)
         corrected = own.spare if stepped == own.sum else own.sum
-        self._stage(k, _CORRECT, current=current, given=stepped, change=own.track,
-                    answer=own.answer, made=corrected)  # fmt: skip
+        self._stage(
+            k,
+            _CORRECT,
+            current=current,
+            given=stepped,
+            change=own.track,
+            answer=own.answer,
+            made=corrected,
+        )
         return corrected
 
     def _smoothed(self, k: int, current: int) -> int:
@@ -199,22 +215,36 @@ class SmallLevels:
         return target
 
     def _step(self, k: int, row: int, before: int, source: int, after: int) -> None:
-        self._steps.append({
-            "count": self._places[k].count, "row": 2 * CHANNELS * (k + self.first) + row,
-            "before": before, "source": source, "after": after, "cell": self._cells[k],
-        })  # fmt: skip
+        self._steps.append(
+            {
+                "count": self._places[k].count,
+                "row": 2 * CHANNELS * (k + self.first) + row,
+                "before": before,
+                "source": source,
+                "after": after,
+                "cell": self._cells[k],
+            }
+        )
 
     def _stage(self, k: int, kind: int, **places: int) -> None:
         """What has been planned since the last stage, and what follows it."""
         coarse = self._places[min(k + 1, len(self._places) - 1)]
         first = self._stages[-1]["end"] if self._stages else 0
-        named = {name: places.get(name, 0)
-                 for name in ("current", "given", "change", "answer", "made")}  # fmt: skip
-        self._stages.append({
-            "fine": self._places[k].count, "coarse": coarse.count, "first": first,
-            "end": len(self._steps), "kind": kind, "level": k + self.first,
-            "cell": self._cells[k], **named,
-        })  # fmt: skip
+        named = {
+            name: places.get(name, 0) for name in ("current", "given", "change", "answer", "made")
+        }
+        self._stages.append(
+            {
+                "fine": self._places[k].count,
+                "coarse": coarse.count,
+                "first": first,
+                "end": len(self._steps),
+                "kind": kind,
+                "level": k + self.first,
+                "cell": self._cells[k],
+                **named,
+            }
+        )
 
     def release(self) -> None:
         """Give the memory back."""
@@ -243,10 +273,15 @@ def _wgsl(is_blocked: bool) -> str:
         "    let own = states[lattice + cell] * c.gain;",
     ]
     for j, offset in enumerate(offsets()):
-        places = [{-1: "low", 0: "at", 1: "high"}[k] + f".{axis}"
-                  for k, axis in zip(offset, "xyz", strict=True)]  # fmt: skip
-        inside = " && ".join({-1: "is_low", 1: "is_high"}[k] + f".{axis}"
-                             for k, axis in zip(offset, "xyz", strict=True) if k)  # fmt: skip
+        places = [
+            {-1: "low", 0: "at", 1: "high"}[k] + f".{axis}"
+            for k, axis in zip(offset, "xyz", strict=True)
+        ]
+        inside = " && ".join(
+            {-1: "is_low", 1: "is_high"}[k] + f".{axis}"
+            for k, axis in zip(offset, "xyz", strict=True)
+            if k
+        )
         x, y, z = places
         lines.append(
             f"    let n{j} = states[lattice + ({z} * n.y + {y}) * n.x + {x}]"

@@ -45,9 +45,7 @@ _SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky ligh
 class ScatterSolver:
     """Yields the irradiance of surfaces and the mean radiance that media scatter."""
 
-    def __init__(
-        self, kit: Kit, settings: ScatterSettings, *, has_volumes: bool = True
-    ) -> None:  # fmt: skip
+    def __init__(self, kit: Kit, settings: ScatterSettings, *, has_volumes: bool = True) -> None:
         """`has_volumes`: whether the scene's volumes are part of the lattice's medium.
 
         Raises SettingsError where the scheme cannot do the scene's media.
@@ -62,8 +60,9 @@ class ScatterSolver:
         sky_scene = dataclasses.replace(even, lights=tuple(self.sky.lights))
         # A turning sky may bring more lights.
         most = max(len(self.sky.lights), self.sky.maps.layers)
-        self.sky_air = GpuMedia(self.gpu, sky_scene, light_count=most,
-                           column_resolution=_SKY_COLUMNS)  # fmt: skip
+        self.sky_air = GpuMedia(
+            self.gpu, sky_scene, light_count=most, column_resolution=_SKY_COLUMNS
+        )
         self.maps = LightMaps(self.gpu, scene.lights, settings.map_resolution)
         self._owners = [
             buffer_of(self.gpu, "map owners", owner_rows(owners)) for owners in self.maps.owners
@@ -102,11 +101,15 @@ class ScatterSolver:
         self.reflectance = Buffer(gpu, "reflectance of cells", cells * 4)
         scheme = self.settings.scheme
         self.levels = Levels(
-            gpu, self.placement.count, self.placement.cell, self._schedule(similar_scene(scene)),
-            is_blocked=is_blocked, is_varied=self.is_varied,
+            gpu,
+            self.placement.count,
+            self.placement.cell,
+            self._schedule(similar_scene(scene)),
+            is_blocked=is_blocked,
+            is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
             is_straight=any(densest_air(scene)[1]),
-        )  # fmt: skip
+        )
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
         self._sigma_s = self._sigma_t = self._densest = (0.0, 0.0, 0.0)
@@ -144,10 +147,14 @@ class ScatterSolver:
             forward = self.forward if self._is_forward else None
             self.emission.encode(commands, track, flux, self._beams, sigma_t=self._densest)
             self.surfaces.encode(
-                commands, total, flux, medium=self.medium if self.is_varied else None,
-                sigma_s=self._sigma_s, sigma_t=self._sigma_t,
+                commands,
+                total,
+                flux,
+                medium=self.medium if self.is_varied else None,
+                sigma_s=self._sigma_s,
+                sigma_t=self._sigma_t,
                 forward=forward.all if forward else self._surface_beams,
-            )  # fmt: skip
+            )
         return self._added(frame.scene, fields)
 
     def _added(self, scene: Scene, fields: Fields) -> Fields:
@@ -211,20 +218,31 @@ class ScatterSolver:
         if self.sky.lights and self.sky.maps.layers:
             self._sky_table.write(table)
             maps = self.sky.maps
-            bound = {**self.lights.bound, "lights": self._sky_table,
-                     "parallel_views": maps.views, "parallel_shadows": maps.depth}  # fmt: skip
+            bound = {
+                **self.lights.bound,
+                "lights": self._sky_table,
+                "parallel_views": maps.views,
+                "parallel_shadows": maps.depth,
+            }
             count = len(self.sky.lights) if self.settings.single != "off" else 0
-            self.sky_single.encode(commands, place, bound, count, walls=walls,
-                                   base=self.black, cells=self.source)  # fmt: skip
+            self.sky_single.encode(
+                commands, place, bound, count, walls=walls, base=self.black, cells=self.source
+            )
             if self._is_forward:
-                self.forward.encode_sky(commands, bound, count, black=self.black, walls=walls,
-                                        openness=self.blockers.openness)  # fmt: skip
-            self.sky_reflected.encode(commands, maps, self._sky_table, self._sky_owners, place,
-                                      walls, self.sums, scale)  # fmt: skip
+                self.forward.encode_sky(
+                    commands,
+                    bound,
+                    count,
+                    black=self.black,
+                    walls=walls,
+                    openness=self.blockers.openness,
+                )
+            self.sky_reflected.encode(
+                commands, maps, self._sky_table, self._sky_owners, place, walls, self.sums, scale
+            )
             base = self.source
         if self.blockers.is_emissive:
-            self.inject_emission.encode(commands, self.blockers, self.sums, scale,
-                                        is_shaped=False)  # fmt: skip
+            self.inject_emission.encode(commands, self.blockers, self.sums, scale, is_shaped=False)
         self._resolve(commands, base, self.steady, scale)
 
     def _inject_reflected(self, commands: Commands, scale: float) -> None:
@@ -237,16 +255,23 @@ class ScatterSolver:
             self.inject_reflected.encode(*given)
             if self.settings.single in ("random", "stratified"):
                 self.inject_rays.encode(
-                    *given, samples=self.settings.samples, seed=self.settings.seed,
+                    *given,
+                    samples=self.settings.samples,
+                    seed=self.settings.seed,
                     is_stratified=self.settings.single == "stratified",
-                )  # fmt: skip
+                )
 
     def _inject_single(self, commands: Commands) -> None:
         count = self.lights.count if self.settings.single == "gather" else 0
         self.inject_single.encode(
-            commands, self.placement, self.lights.bound, count, walls=self.blockers.walls,
-            base=self.reflected, cells=self.source,
-        )  # fmt: skip
+            commands,
+            self.placement,
+            self.lights.bound,
+            count,
+            walls=self.blockers.walls,
+            base=self.reflected,
+            cells=self.source,
+        )
 
     def _inject_border(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *, is_new: bool
@@ -279,9 +304,13 @@ class ScatterSolver:
     def _take_forward(self, commands: Commands, scene: Scene) -> None:
         if self._is_forward:
             self.forward.encode(
-                commands, scene, self.lights.bound, base=self._surface_beams or self.black,
-                walls=self.blockers.walls, openness=self.blockers.openness,
-            )  # fmt: skip
+                commands,
+                scene,
+                self.lights.bound,
+                base=self._surface_beams or self.black,
+                walls=self.blockers.walls,
+                openness=self.blockers.openness,
+            )
 
     def marched(self) -> LatticeSource:
         """For marching."""
@@ -315,19 +344,38 @@ class ScatterSolver:
         """What was solved, for --stats."""
         plan = self.levels.schedule
         return {
-            "lattice": list(self.placement.count), "iterations": plan.iterations,
-            "levels": len(self.levels.levels), "cycles": plan.cycles,
-        }  # fmt: skip
+            "lattice": list(self.placement.count),
+            "iterations": plan.iterations,
+            "levels": len(self.levels.levels),
+            "cycles": plan.cycles,
+        }
 
     def release(self) -> None:
         """Give the memory back."""
         self.points.release()
         if self.border:
             self.border.release()
-        buffers = [*self._owners, self._sky_owners, self._sky_table, self.sums, self.black,
-                   self.steady, self.reflected, self.source, self.medium,
-                   self.reflectance, self.forward]  # fmt: skip
-        parts: list[Any] = [self.air, self.sky_air, self.maps, *buffers, self.levels,
-                            self.emission, self.surfaces]  # fmt: skip
+        buffers = [
+            *self._owners,
+            self._sky_owners,
+            self._sky_table,
+            self.sums,
+            self.black,
+            self.steady,
+            self.reflected,
+            self.source,
+            self.medium,
+            self.reflectance,
+            self.forward,
+        ]
+        parts: list[Any] = [
+            self.air,
+            self.sky_air,
+            self.maps,
+            *buffers,
+            self.levels,
+            self.emission,
+            self.surfaces,
+        ]
         for part in parts:
             part.release()

@@ -61,9 +61,16 @@ class SurfaceLight(ChannelTextures):
         self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}\n{gain}")
 
     def encode(
-        self, commands: Commands, total: Buffer, flux: float, *, medium: Buffer | None,
-        sigma_s: Rgb, sigma_t: Rgb, forward: Buffer | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        total: Buffer,
+        flux: float,
+        *,
+        medium: Buffer | None,
+        sigma_s: Rgb,
+        sigma_t: Rgb,
+        forward: Buffer | None = None,
+    ) -> None:
         """From the sum of states; `flux`, W, bounds what came in.
 
         `medium` as for VariedStep, or None for even `sigma_s`, `sigma_t`. `forward`: fluence and
@@ -72,16 +79,27 @@ class SurfaceLight(ChannelTextures):
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
         clear_m = mean_hop_length() * self.placement.cell
         params = SurfaceLightParams(
-            count=self.placement.count, cell=self.placement.cell, sigma_t=sigma_t,
-            sigma_s=sigma_s, chord=_mean_chord(self.placement),
-            scale=self.scale / clear_m, is_varied=int(medium is not None),
+            count=self.placement.count,
+            cell=self.placement.cell,
+            sigma_t=sigma_t,
+            sigma_s=sigma_s,
+            chord=_mean_chord(self.placement),
+            scale=self.scale / clear_m,
+            is_varied=int(medium is not None),
             # Fluence is read off as irradiance by surface_irradiance, whatever the lookup's scale.
             forward=self.scale / (LOOKUP_SCALE * self.placement.cell) if forward else 0.0,
-        )  # fmt: skip
+        )
         self._pack.dispatch(
-            commands, self.placement.count, params=params, total=total, medium=medium or total,
-            forward=forward or total, red=self.red, green=self.green, blue=self.blue,
-        )  # fmt: skip
+            commands,
+            self.placement.count,
+            params=params,
+            total=total,
+            medium=medium or total,
+            forward=forward or total,
+            red=self.red,
+            green=self.green,
+            blue=self.blue,
+        )
 
     def params(self) -> LatticeParams:
         """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""

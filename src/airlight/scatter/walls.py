@@ -75,15 +75,23 @@ class Walls:
         self._incoming = _Incoming(gpu, generated=_transposition())
 
     def encode(
-        self, commands: Commands, count: tuple[int, int, int], openness: Buffer,
-        reflectance: Buffer, packs: Buffer,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        count: tuple[int, int, int],
+        openness: Buffer,
+        reflectance: Buffer,
+        packs: Buffer,
+    ) -> None:
         """`openness` as lattice.blockers; `reflectance` one u32 (rgb unorm8) per cell."""
         params = WallParams(count=count)
         self._outgoing.dispatch(
-            commands, count, params=params, openness=openness, reflectance=reflectance,
+            commands,
+            count,
+            params=params,
+            openness=openness,
+            reflectance=reflectance,
             packs=packs,
-        )  # fmt: skip
+        )
         self._incoming.dispatch(commands, count, params=params, packs=packs)
 
 

@@ -162,9 +162,13 @@ def _cell_number(points: NDArray[np.floating[Any]], low: F64, cell: float, count
 
 
 def _with_lost(
-    positions: NDArray[np.float32], indices: NDArray[np.uint32], coarse: NDArray[np.uint32],
-    low: F64, cell: float, count: I64,
-) -> NDArray[np.uint32]:  # fmt: skip
+    positions: NDArray[np.float32],
+    indices: NDArray[np.uint32],
+    coarse: NDArray[np.uint32],
+    low: F64,
+    cell: float,
+    count: I64,
+) -> NDArray[np.uint32]:
     """The `coarse` triangles, but those of `indices` where much of their area was lost."""
     side, blocks = cell * _BLOCK, -(-count // _BLOCK)
     old, old_area = _blocks_and_areas(positions, indices, low, side, blocks)
@@ -176,9 +180,12 @@ def _with_lost(
 
 
 def _blocks_and_areas(
-    positions: NDArray[np.float32], triangles: NDArray[np.uint32], low: F64, side: float,
+    positions: NDArray[np.float32],
+    triangles: NDArray[np.uint32],
+    low: F64,
+    side: float,
     blocks: I64,
-) -> tuple[I64, F64]:  # fmt: skip
+) -> tuple[I64, F64]:
     """Of each triangle the block (n,) that its first corner lies in, and its area (n,)."""
     block, area = np.empty(len(triangles), np.int64), np.empty(len(triangles))
     for part in chunks(len(triangles)):

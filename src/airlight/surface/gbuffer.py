@@ -92,8 +92,12 @@ class GBuffer:
     def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         draws = scene.visible(clip_from_world)
         first, then, is_depth_first = self._parts.of(scene, draws)
-        depth = {"view": self.depth.resource, "depth_load_op": "clear",
-                 "depth_store_op": "store", "depth_clear_value": 0.0}  # fmt: skip
+        depth = {
+            "view": self.depth.resource,
+            "depth_load_op": "clear",
+            "depth_store_op": "store",
+            "depth_clear_value": 0.0,
+        }
         params = CameraParams(clip_from_world=clip_from_world)
         if self._visible:
             targets = (self.albedo, self.normal, self.emission)
@@ -126,14 +130,22 @@ class GBuffer:
         return opaque, later_last(scene, draws), is_depth_first
 
     def _draw(
-        self, commands: Commands, scene: GpuScene, used: MeshPass, draws: list[Draw],
-        params: CameraParams, depth: dict[str, Any], *, keep: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        scene: GpuScene,
+        used: MeshPass,
+        draws: list[Draw],
+        params: CameraParams,
+        depth: dict[str, Any],
+        *,
+        keep: bool = False,
+    ) -> None:
         targets = (self.albedo, self.normal, self.emission)
         with commands.render(
-            "g-buffer", color_attachments=color_attachments(targets, keep=keep),
+            "g-buffer",
+            color_attachments=color_attachments(targets, keep=keep),
             depth_stencil_attachment=depth,
-        ) as encoder:  # fmt: skip
+        ) as encoder:
             used.draw(commands, encoder, scene, draws, params)
 
     def release(self) -> None:

@@ -211,10 +211,12 @@ class GpuScene:
                 self.gpu,
                 self._uploaded,
                 self._materials,
-                [(self.first_vertices[i], self._material_index[id(self.current[i].material)])
-                 for i in self.order],
+                [
+                    (self.first_vertices[i], self._material_index[id(self.current[i].material)])
+                    for i in self.order
+                ],
                 self.store,
-            )  # fmt: skip
+            )
         return self._seen
 
     @property
@@ -333,13 +335,19 @@ def _placed(texture: SceneTexture | None) -> tuple[float, ...]:
 
 def _fields(m: Material) -> dict[str, Any]:
     return {
-        "base_color": m.base_color, "alpha": m.alpha, "emission": m.emission,
-        "alpha_cutoff": m.alpha_cutoff, "roughness": m.roughness, "metallic": m.metallic,
-        "specular": m.specular, "normal_scale": m.normal_scale,
+        "base_color": m.base_color,
+        "alpha": m.alpha,
+        "emission": m.emission,
+        "alpha_cutoff": m.alpha_cutoff,
+        "roughness": m.roughness,
+        "metallic": m.metallic,
+        "specular": m.specular,
+        "normal_scale": m.normal_scale,
         "uv_base_color": _placed(m.base_color_texture),
         "uv_metallic_roughness": _placed(m.metallic_roughness_texture),
-        "uv_normal": _placed(m.normal_texture), "uv_emission": _placed(m.emission_texture),
-    }  # fmt: skip
+        "uv_normal": _placed(m.normal_texture),
+        "uv_emission": _placed(m.emission_texture),
+    }
 
 
 def _vertex_data(g: Geometry) -> NDArray[Any]:

@@ -33,10 +33,16 @@ class LightData(Struct):
 def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
     """The values of `LightData`."""
     fields: dict[str, Any] = {
-        "color": (0, 0, 0), "kind": DIRECTIONAL, "position": (0, 0, 0), "cos_inner": -1.0,
-        "direction": (0, -1, 0), "cos_outer": -1.0, "first_view": first_view,
-        "view_count": view_count(light), "pad": (0, 0),
-    }  # fmt: skip
+        "color": (0, 0, 0),
+        "kind": DIRECTIONAL,
+        "position": (0, 0, 0),
+        "cos_inner": -1.0,
+        "direction": (0, -1, 0),
+        "cos_outer": -1.0,
+        "first_view": first_view,
+        "view_count": view_count(light),
+        "pad": (0, 0),
+    }
     match light:
         case DirectionalLight():
             fields |= {"color": light.irradiance, "direction": light.direction}
@@ -44,11 +50,13 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
             fields |= {"color": light.intensity, "kind": POINT, "position": light.position}
         case SpotLight():
             fields |= {
-                "color": light.intensity, "kind": SPOT, "position": light.position,
+                "color": light.intensity,
+                "kind": SPOT,
+                "position": light.position,
                 "direction": light.direction,
                 "cos_inner": math.cos(math.radians(light.inner_deg)),
                 "cos_outer": math.cos(math.radians(light.outer_deg)),
-            }  # fmt: skip
+            }
     return fields
 
 

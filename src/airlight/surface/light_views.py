@@ -25,9 +25,13 @@ from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 
 Vec3 = tuple[float, float, float]
 _CUBE = (  # forward, up: faces +x -x +y -y +z -z
-    ((1, 0, 0), (0, -1, 0)), ((-1, 0, 0), (0, -1, 0)), ((0, 1, 0), (0, 0, 1)),
-    ((0, -1, 0), (0, 0, -1)), ((0, 0, 1), (0, -1, 0)), ((0, 0, -1), (0, -1, 0)),
-)  # fmt: skip
+    ((1, 0, 0), (0, -1, 0)),
+    ((-1, 0, 0), (0, -1, 0)),
+    ((0, 1, 0), (0, 0, 1)),
+    ((0, -1, 0), (0, 0, -1)),
+    ((0, 0, 1), (0, -1, 0)),
+    ((0, 0, -1), (0, -1, 0)),
+)
 
 
 _WIDE_DEG = 50.0  # a single perspective would waste its texels on the axis
@@ -58,8 +62,10 @@ class LightView:
         return {
             "clip_from_world": self.clip_from_world,
             "world_from_clip": np.linalg.inv(self.clip_from_world),
-            "texel": self.texel, "is_perspective": int(self.is_perspective), "pad": 0.0,
-        }  # fmt: skip
+            "texel": self.texel,
+            "is_perspective": int(self.is_perspective),
+            "pad": 0.0,
+        }
 
 
 def widened(view: LightView, times: float) -> LightView:
@@ -135,9 +141,15 @@ def _cube(
 
 
 def _perspective(
-    position: tuple[float, float, float], forward: object, up: object, fov: float, index: int,
-    low: F64, high: F64, resolution: int,
-) -> LightView:  # fmt: skip
+    position: tuple[float, float, float],
+    forward: object,
+    up: object,
+    fov: float,
+    index: int,
+    low: F64,
+    high: F64,
+    resolution: int,
+) -> LightView:
     far = float(np.linalg.norm(box_corners(low, high) - position, axis=1).max()) * 1.01
     near = max(1e-3 * far, 1e-4)
     view = view_from_world(position, forward, up)  # type: ignore[arg-type]

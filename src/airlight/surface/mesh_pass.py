@@ -25,21 +25,38 @@ def _of_instances(fields: dict[str, tuple[str, int, int]]) -> dict[str, Any]:
         for name, (form, columns, location) in fields.items()
         for i in range(columns)
     ]
-    return {"array_stride": InstanceData.dtype.itemsize, "step_mode": "instance",
-            "attributes": attributes}  # fmt: skip
+    return {
+        "array_stride": InstanceData.dtype.itemsize,
+        "step_mode": "instance",
+        "attributes": attributes,
+    }
 
 
 _PLACED = {"world_from_object": ("float32x4", 4, 4)}
 VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
-    {"array_stride": 12, "step_mode": "vertex", "attributes": [
-        {"shader_location": 0, "offset": 0, "format": "float32x3"}]},
-    {"array_stride": 24, "step_mode": "vertex", "attributes": [
-        {"shader_location": 1, "offset": 0, "format": "snorm16x4"},
-        {"shader_location": 2, "offset": 8, "format": "float32x2"},
-        {"shader_location": 3, "offset": 16, "format": "float16x4"}]},
-    _of_instances({**_PLACED, "normal_from_object": ("float32x3", 3, 8),
-                   "material": ("uint32", 1, 11), "size": ("float32", 1, 12)}),
-)  # fmt: skip
+    {
+        "array_stride": 12,
+        "step_mode": "vertex",
+        "attributes": [{"shader_location": 0, "offset": 0, "format": "float32x3"}],
+    },
+    {
+        "array_stride": 24,
+        "step_mode": "vertex",
+        "attributes": [
+            {"shader_location": 1, "offset": 0, "format": "snorm16x4"},
+            {"shader_location": 2, "offset": 8, "format": "float32x2"},
+            {"shader_location": 3, "offset": 16, "format": "float16x4"},
+        ],
+    },
+    _of_instances(
+        {
+            **_PLACED,
+            "normal_from_object": ("float32x3", 3, 8),
+            "material": ("uint32", 1, 11),
+            "size": ("float32", 1, 12),
+        }
+    ),
+)
 INSTANCE_PLACES = _of_instances(_PLACED)
 _RECORDED = 64  # views whose draws are kept as they were encoded
 
@@ -57,9 +74,15 @@ class MeshPipeline(RasterPipeline):
     maps: ClassVar[tuple[str, ...]] = MAPS
 
     def __init__(
-        self, gpu: Gpu, *, is_cutout: bool, cull: str, maps: frozenset[str], front_face: str,
+        self,
+        gpu: Gpu,
+        *,
+        is_cutout: bool,
+        cull: str,
+        maps: frozenset[str],
+        front_face: str,
         is_placed: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
         if self.maps:
             constants["HAS_PLACED_MAPS"] = float(is_placed)
@@ -115,9 +138,14 @@ class MeshPass:
         self._recorded: dict[tuple[int, ...], tuple[Any, tuple[Any, ...]]] = {}
 
     def draw(
-        self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw], params: Any,
+        self,
+        commands: Commands,
+        encoder: Any,
+        scene: GpuScene,
+        draws: list[Draw],
+        params: Any,
         **bound: Any,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Draw into an open render pass; `params` is the uniform, `bound` more slots.
 
         The same `draws` (the list itself, as `GpuScene.visible` keeps it) with the same resources
@@ -127,9 +155,7 @@ class MeshPass:
             return
         if commands.tally is not None:
             self._count(commands, scene, draws)
-        shared = {
-            "params": params, "materials": scene.materials, **bound
-        }  # fmt: skip
+        shared = {"params": params, "materials": scene.materials, **bound}
         # What stands in the key by its id is kept beside it: the id stays its own.
         kept = (draws, commands, scene.instances, *bound.values())
         key = (commands.put(params), *map(id, kept))
@@ -142,9 +168,10 @@ class MeshPass:
         bundle = self._recorded[key][0]
         if bundle is None:
             recorder = self.gpu.device.create_render_bundle_encoder(
-                label=self.kind.__name__, color_formats=list(self.kind.targets),
+                label=self.kind.__name__,
+                color_formats=list(self.kind.targets),
                 depth_stencil_format=self.kind.depth,
-            )  # fmt: skip
+            )
             self._encode(commands, recorder, scene, draws, shared)
             self.gpu.check_alive()  # wgpu-native ends the process where a lost device finishes one
             bundle = recorder.finish(label=self.kind.__name__)
@@ -152,9 +179,13 @@ class MeshPass:
         encoder.execute_bundles([bundle])
 
     def _encode(
-        self, commands: Commands, encoder: Any, scene: GpuScene, draws: list[Draw],
+        self,
+        commands: Commands,
+        encoder: Any,
+        scene: GpuScene,
+        draws: list[Draw],
         shared: dict[str, Any],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Into a render pass, or a bundle to be."""
         active: MeshPipeline | None = None
         textures: Any = None
@@ -171,9 +202,12 @@ class MeshPass:
                 pipeline.bind_textures(commands, encoder, draw)
                 textures = draw.textures
             encoder.draw_indexed(
-                draw.index_count, draw.instance_count, draw.first_index, draw.base_vertex,
+                draw.index_count,
+                draw.instance_count,
+                draw.first_index,
+                draw.base_vertex,
                 draw.first_instance,
-            )  # fmt: skip
+            )
 
     def _count(self, commands: Commands, scene: GpuScene, draws: list[Draw]) -> None:
         """Vertices for invocations; what they are made of, beside what the pass binds."""
@@ -194,7 +228,11 @@ class MeshPass:
         if key not in self._pipelines:
             cull = "none" if two_sided else "back"
             self._pipelines[key] = kind(
-                self.gpu, is_cutout=is_cutout, cull=cull, maps=maps, is_placed=is_placed,
+                self.gpu,
+                is_cutout=is_cutout,
+                cull=cull,
+                maps=maps,
+                is_placed=is_placed,
                 front_face="cw" if draw.is_mirrored else "ccw",
-            )  # fmt: skip
+            )
         return self._pipelines[key]

@@ -44,9 +44,12 @@ def is_packable(m: Material) -> bool:
     linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
     sides = [side for t in maps for side in t.pixels.shape[:2]]
     return (
-        m.emission_texture is None and len(alike) <= 1 and linear
-        and max(sides, default=0) <= _MOST_SIDE and metallic_factor(m) is not None
-    )  # fmt: skip
+        m.emission_texture is None
+        and len(alike) <= 1
+        and linear
+        and max(sides, default=0) <= _MOST_SIDE
+        and metallic_factor(m) is not None
+    )
 
 
 def metallic_factor(m: Material) -> float | None:
@@ -133,9 +136,12 @@ def _count(height: int, width: int) -> int:
 
 
 def _packed(
-    base: NDArray[np.uint8] | None, rough: NDArray[np.uint8] | None,
-    normal: NDArray[np.uint8] | None, *, is_srgb: bool,
-) -> NDArray[np.uint32]:  # fmt: skip
+    base: NDArray[np.uint8] | None,
+    rough: NDArray[np.uint8] | None,
+    normal: NDArray[np.uint8] | None,
+    *,
+    is_srgb: bool,
+) -> NDArray[np.uint32]:
     """One level (texels, 2): roots of linear light, 10 bits each; the normal's xyz, roughness."""
     some = next(level for level in (base, rough, normal) if level is not None)
     texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)

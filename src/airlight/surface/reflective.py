@@ -83,9 +83,12 @@ class ReflectiveShadowMaps:
         """Raised whenever a map was drawn anew."""
 
     def encode(
-        self, commands: Commands, scene: GpuScene, lights: Sequence[Light],
+        self,
+        commands: Commands,
+        scene: GpuScene,
+        lights: Sequence[Light],
         views: list[LightView],
-    ) -> bool:  # fmt: skip
+    ) -> bool:
         """Draw those `views` that changed; returns whether any did."""
         stale = []
         for layer, view in enumerate(views):
@@ -117,8 +120,12 @@ class ReflectiveShadowMaps:
         self, layer: int, *, keep: bool = False
     ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         views = (self.normal.layer(layer), self.flux.layer(layer))
-        depth = {"view": self.depth.layer(layer), "depth_load_op": "load" if keep else "clear",
-                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        depth = {
+            "view": self.depth.layer(layer),
+            "depth_load_op": "load" if keep else "clear",
+            "depth_store_op": "store",
+            "depth_clear_value": 1.0,
+        }
         return color_attachments(views, keep=keep), depth
 
     def _draw(
@@ -127,9 +134,10 @@ class ReflectiveShadowMaps:
         fields = light_fields(light)
         names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
         params = ReflectiveParams(
-            clip_from_world=view.clip_from_world, inv_size=2 * (1.0 / self.resolution,),
+            clip_from_world=view.clip_from_world,
+            inv_size=2 * (1.0 / self.resolution,),
             **{name: fields[name] for name in names},
-        )  # fmt: skip
+        )
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)
         if self._visible:
@@ -151,9 +159,14 @@ class ReflectiveShadowMaps:
         return [], later_last(scene, draws)
 
     def _draw_seen(
-        self, commands: Commands, scene: GpuScene, layer: int, view: LightView,
-        params: ReflectiveParams, draws: list[Draw],
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        scene: GpuScene,
+        layer: int,
+        view: LightView,
+        params: ReflectiveParams,
+        draws: list[Draw],
+    ) -> None:
         """Draw `draws` by triangles that texels see."""
         assert self._visible
         _, depth = self._attachments(layer)

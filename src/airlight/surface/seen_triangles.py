@@ -37,11 +37,20 @@ class SeenInstance(Struct):
     what = u32("instance | material << 16")
 
 
-MATERIAL = np.dtype([
-    ("base_color", np.float16, 3), ("metallic", np.float16), ("emission", np.float16, 3),
-    ("specular", np.float16), ("roughness", np.float16), ("normal_scale", np.float16),
-    ("flags", np.uint16), ("levels", np.uint16), ("texels", np.uint32), ("size", np.uint32),
-])  # fmt: skip
+MATERIAL = np.dtype(
+    [
+        ("base_color", np.float16, 3),
+        ("metallic", np.float16),
+        ("emission", np.float16, 3),
+        ("specular", np.float16),
+        ("roughness", np.float16),
+        ("normal_scale", np.float16),
+        ("flags", np.uint16),
+        ("levels", np.uint16),
+        ("texels", np.uint32),
+        ("size", np.uint32),
+    ]
+)
 """A material as its pixels need it, in 32 bytes: half floats, as in the G-buffer."""
 
 
@@ -55,9 +64,13 @@ class SeenTriangles:
     """
 
     def __init__(
-        self, gpu: Gpu, geometries: dict[int, Geometry], materials: list[Material],
-        instances: list[tuple[int, int]], store: TextureStore,
-    ) -> None:  # fmt: skip
+        self,
+        gpu: Gpu,
+        geometries: dict[int, Geometry],
+        materials: list[Material],
+        instances: list[tuple[int, int]],
+        store: TextureStore,
+    ) -> None:
         """`geometries` by their first vertex in the scene's buffers, `instances` their geometry
         (its first vertex) and material in the scene's order."""
         fits = len(instances) <= _MOST and len(materials) <= _MOST
@@ -109,8 +122,16 @@ class SeenTriangles:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.positions, self.uvs, self.indices, self.instances, self.triangles,
-                     self.materials, self.placements, self.texels):  # fmt: skip
+        for part in (
+            self.positions,
+            self.uvs,
+            self.indices,
+            self.instances,
+            self.triangles,
+            self.materials,
+            self.placements,
+            self.texels,
+        ):
             part.release()
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
@@ -153,8 +174,18 @@ def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
     texels, size, flags, levels = maps.of(m) or (0, 1 | 1 << 16, 0, 1)
     metallic = m.metallic * (metallic_factor(m) or 0.0)
     emission = np.minimum(m.emission, _HALF_MAX)
-    return (m.base_color, metallic, emission, m.specular, m.roughness, m.normal_scale, flags,
-            levels, texels, size)  # fmt: skip
+    return (
+        m.base_color,
+        metallic,
+        emission,
+        m.specular,
+        m.roughness,
+        m.normal_scale,
+        flags,
+        levels,
+        texels,
+        size,
+    )
 
 
 def _placement(m: Material) -> tuple[float, ...]:

@@ -62,8 +62,12 @@ class ShadowMaps:
             self._draw(commands, scene, layer, views[layer])
 
     def _draw(self, commands: Commands, scene: GpuScene, layer: int, view: LightView) -> None:
-        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
-                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        depth = {
+            "view": self.depth.layer(layer),
+            "depth_load_op": "clear",
+            "depth_store_op": "store",
+            "depth_clear_value": 1.0,
+        }
         with commands.render(
             self.depth.label, color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:

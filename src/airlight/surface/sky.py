@@ -56,11 +56,14 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     lit = irradiance.max(axis=1) > 1e-6 * max(float(irradiance.max()), 1e-30)
     total = np.bincount(cell, weight, count)
     return [
-        SkyLight((float(-d[0]), float(-d[1]), float(-d[2])), (float(e[0]), float(e[1]),
-                 float(e[2])), _spread(float(np.linalg.norm(d)) / float(w)))
+        SkyLight(
+            (float(-d[0]), float(-d[1]), float(-d[2])),
+            (float(e[0]), float(e[1]), float(e[2])),
+            _spread(float(np.linalg.norm(d)) / float(w)),
+        )
         for d, e, w in zip(centroid[lit], irradiance[lit], total[lit], strict=True)
         if np.linalg.norm(d) > 0.0
-    ]  # fmt: skip
+    ]
 
 
 def _spread(mean_length: float) -> float:
@@ -119,9 +122,13 @@ class EnvironmentTexture:
         self.gpu = gpu
         self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
         self.sampler = Sampler(
-            gpu, "environment", mag_filter="linear", min_filter="linear",
-            address_mode_u="repeat", address_mode_v="clamp-to-edge",
-        )  # fmt: skip
+            gpu,
+            "environment",
+            mag_filter="linear",
+            min_filter="linear",
+            address_mode_u="repeat",
+            address_mode_v="clamp-to-edge",
+        )
         self._upload(environment)
         self._turn(environment)
 

@@ -87,12 +87,20 @@ class SurfelViews:
     ) -> None:
         layer = index * self.peels + peel
         colors = [
-            {"view": t.layer(layer), "load_op": "clear", "store_op": "store",
-             "clear_value": (0, 0, 0, 0)}
+            {
+                "view": t.layer(layer),
+                "load_op": "clear",
+                "store_op": "store",
+                "clear_value": (0, 0, 0, 0),
+            }
             for t in (self.normal, self.reflectance)
-        ]  # fmt: skip
-        depth = {"view": self.depth.layer(layer), "depth_load_op": "clear",
-                 "depth_store_op": "store", "depth_clear_value": 1.0}  # fmt: skip
+        ]
+        depth = {
+            "view": self.depth.layer(layer),
+            "depth_load_op": "clear",
+            "depth_store_op": "store",
+            "depth_clear_value": 1.0,
+        }
         params = SurfelViewParams(clip_from_world=view.clip_from_world, is_peeled=int(peel > 0))
         previous = self.depth.layer(layer - 1) if peel else self._nothing
         with commands.render(

@@ -15,9 +15,7 @@ from ..scene.material import Texture as SceneTexture
 from ..scene.material import Wrap
 from .packed_maps import draws_visible, image_of
 
-_WRAPS: dict[Wrap, str] = {
-    "repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"
-}  # fmt: skip
+_WRAPS: dict[Wrap, str] = {"repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"}
 
 
 class TextureStore:
@@ -61,10 +59,14 @@ class TextureStore:
         wrap: tuple[Wrap, Wrap] = texture.wrap if texture else ("repeat", "repeat")
         if wrap not in self._samplers:
             self._samplers[wrap] = Sampler(
-                self.gpu, f"material {wrap}", mag_filter="linear", min_filter="linear",
-                mipmap_filter="linear", address_mode_u=_WRAPS[wrap[0]],
+                self.gpu,
+                f"material {wrap}",
+                mag_filter="linear",
+                min_filter="linear",
+                mipmap_filter="linear",
+                address_mode_u=_WRAPS[wrap[0]],
                 address_mode_v=_WRAPS[wrap[1]],
-            )  # fmt: skip
+            )
         return self._samplers[wrap]
 
     def release(self) -> None:

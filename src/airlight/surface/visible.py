@@ -44,22 +44,28 @@ class SeenParams(Struct):
 
 
 _WHAT: dict[str, Any] = {
-    "array_stride": SeenInstance.dtype.itemsize, "step_mode": "instance", "attributes": [
+    "array_stride": SeenInstance.dtype.itemsize,
+    "step_mode": "instance",
+    "attributes": [
         {"shader_location": 8, "offset": 0, "format": "uint32"},
-        {"shader_location": 9, "offset": 4, "format": "uint32"}],
-}  # fmt: skip
+        {"shader_location": 9, "offset": 4, "format": "uint32"},
+    ],
+}
 _UV: dict[str, Any] = {
-    "array_stride": 8, "step_mode": "vertex", "attributes": [
-        {"shader_location": 1, "offset": 0, "format": "float32x2"}],
-}  # fmt: skip
+    "array_stride": 8,
+    "step_mode": "vertex",
+    "attributes": [{"shader_location": 1, "offset": 0, "format": "float32x2"}],
+}
 
 
 class _Visible(MeshPipeline):
     slots: ClassVar[tuple[Slot, ...]] = (uniform("params", VisibleParams), *MESH_SLOTS)
     second_slots: ClassVar[tuple[Slot, ...]] = ()
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = (
-        VERTEX_BUFFERS[0], INSTANCE_PLACES, _WHAT
-    )  # fmt: skip
+        VERTEX_BUFFERS[0],
+        INSTANCE_PLACES,
+        _WHAT,
+    )
     # Of two surfaces in one place the later one is seen: see `later_last`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)
@@ -95,10 +101,13 @@ class _CutoutToLight(_VisibleCutout):
 
 
 SEEN_SLOTS = (
-    texture("visible", "2d", "uint"), storage("triangles", "vec2<u64>"),
-    storage("instances", "vec2<u64>"), storage("materials", "vec4<u64>"),
-    storage("placements", "vec4f"), storage("texels", "u64"),
-)  # fmt: skip
+    texture("visible", "2d", "uint"),
+    storage("triangles", "vec2<u64>"),
+    storage("instances", "vec2<u64>"),
+    storage("materials", "vec4<u64>"),
+    storage("placements", "vec4f"),
+    storage("texels", "u64"),
+)
 """What a pass with `//! use seen_surface` binds beside its `params`."""
 
 
@@ -114,9 +123,13 @@ class VisibleSurfaces:
     """The two steps for pictures of one size, of a camera (depth reversed) or of lights."""
 
     def __init__(
-        self, gpu: Gpu, size: tuple[int, int], surface: type[FullscreenPass] = SeenGBuffer, *,
+        self,
+        gpu: Gpu,
+        size: tuple[int, int],
+        surface: type[FullscreenPass] = SeenGBuffer,
+        *,
         of_lights: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """`surface` is the second step: a pass with SEEN_SLOTS."""
         self.gpu, self._surface = gpu, surface
         kinds = (_CutoutToLight, _VisibleToLight) if of_lights else (_VisibleCutout, _Visible)
@@ -142,22 +155,38 @@ class VisibleSurfaces:
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
         seen = scene.seen
         return (
-            [replace(draw, base_vertex=seen.base_vertex[draw.base_vertex],
-                     first_index=seen.first_index[draw.base_vertex])
-             for draw, is_shown in zip(draws, shown, strict=True) if is_shown],
+            [
+                replace(
+                    draw,
+                    base_vertex=seen.base_vertex[draw.base_vertex],
+                    first_index=seen.first_index[draw.base_vertex],
+                )
+                for draw, is_shown in zip(draws, shown, strict=True)
+                if is_shown
+            ],
             later_last(scene, rest),
-        )  # fmt: skip
+        )
 
     def encode(
-        self, commands: Commands, scene: GpuScene, draws: list[Draw], clip_from_world: F64,
-        depth: dict[str, Any], targets: tuple[Any, ...], params: Struct,
-    ) -> None:  # fmt: skip
+        self,
+        commands: Commands,
+        scene: GpuScene,
+        draws: list[Draw],
+        clip_from_world: F64,
+        depth: dict[str, Any],
+        targets: tuple[Any, ...],
+        params: Struct,
+    ) -> None:
         """Fill all of `targets` and the attachment `depth`; zeros where none of `draws` is.
 
         `params` are those of the second step.
         """
-        color = {"view": self.seen.resource, "load_op": "clear", "store_op": "store",
-                 "clear_value": (0, 0, 0, 0)}  # fmt: skip
+        color = {
+            "view": self.seen.resource,
+            "load_op": "clear",
+            "store_op": "store",
+            "clear_value": (0, 0, 0, 0),
+        }
         with commands.render(
             "visible", color_attachments=[color], depth_stencil_attachment=depth
         ) as encoder:
@@ -169,10 +198,16 @@ class VisibleSurfaces:
             constants = {"HAS_PLACED_MAPS": float(is_placed)}
             self._surfaces[is_placed] = self._surface(self.gpu, constants=constants)
         self._surfaces[is_placed].draw(
-            commands, targets, params=params, visible=self.seen, triangles=seen.triangles,
-            instances=scene.instances, materials=seen.materials, placements=seen.placements,
+            commands,
+            targets,
+            params=params,
+            visible=self.seen,
+            triangles=seen.triangles,
+            instances=scene.instances,
+            materials=seen.materials,
+            placements=seen.placements,
             texels=seen.texels,
-        )  # fmt: skip
+        )
 
     def release(self) -> None:
         """Give the memory back."""

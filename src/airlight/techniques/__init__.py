@@ -91,16 +91,21 @@ def checked_settings(name: str, scene: Scene, given: Mapping[str, Any]) -> Any:
         having = [other for other, kind in TECHNIQUES.items() if key in kind.__dataclass_fields__]
         if having:
             raise SettingsError(
-                f"there is no setting '{key}'", where=where,
+                f"there is no setting '{key}'",
+                where=where,
                 remedy=f"{', '.join(having)} {'has' if len(having) == 1 else 'have'} it",
-            )  # fmt: skip
+            )
     return make_settings(known, merged, where=where)
 
 
 def make_technique(
-    gpu: Gpu, scene: Scene, meshes: GpuScene, name: str, given: Mapping[str, Any],
+    gpu: Gpu,
+    scene: Scene,
+    meshes: GpuScene,
+    name: str,
+    given: Mapping[str, Any],
     size: tuple[int, int],
-) -> Technique:  # fmt: skip
+) -> Technique:
     """The technique `name` for `scene`: the scene file's settings, then those `given` over them.
 
     `size` of the image in pixels. Raises SettingsError for an unknown technique or setting.

@@ -99,15 +99,19 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
         shafts="off", march_resolution=settings.march, march_steps=settings.march_steps
     )
     every = EveryMedium(context.scene)
-    media = Media(kit, air, sources=len(every(context.scene)), has_sky=False,
-                  solved=context.scene.volumes)  # fmt: skip
+    media = Media(
+        kit, air, sources=len(every(context.scene)), has_sky=False, solved=context.scene.volumes
+    )
     solved = PopMedia(kit, media.on_device, settings, every)
 
     def layers(view: Any) -> dict[str, Any]:
         found = media.layers(view)
-        return {"direct": found["direct"], "indirect": found["indirect"],
-                "scattered": found["multiple_scatter"],
-                "transmittance": found["transmittance"]}  # fmt: skip
+        return {
+            "direct": found["direct"],
+            "indirect": found["indirect"],
+            "scattered": found["multiple_scatter"],
+            "transmittance": found["transmittance"],
+        }
 
     return Technique("pop", kit, [media, solved], media=media, seen_as=seen_as, layers=layers)
 
@@ -136,8 +140,14 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
 
     kit = _scattering_kit(context, settings)
     volumes = context.scene.volumes
-    media = Media(kit, part_of(settings, MediaSettings), sources=len(volumes), solved=volumes,
-                  is_lattice_marched=True, has_multiple=True)  # fmt: skip
+    media = Media(
+        kit,
+        part_of(settings, MediaSettings),
+        sources=len(volumes),
+        solved=volumes,
+        is_lattice_marched=True,
+        has_multiple=True,
+    )
     lattice = ScatterSolver(kit, settings, has_volumes=False)
     solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvScatterSettings))
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved], media=media)

@@ -32,10 +32,12 @@ class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings):
 
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
     blockers: str = setting(
-        "surfels", "what is known of surfaces that stop light: samples of all of them, or what six "
-        "maps around the scene see, as in the paper", choices=("surfels", "maps"))  # fmt: skip
-    blocker_resolution: int = setting(
-        256, "side of those maps", unit="px", low=8, high=4096)  # fmt: skip
+        "surfels",
+        "what is known of surfaces that stop light: samples of all of them, or what six "
+        "maps around the scene see, as in the paper",
+        choices=("surfels", "maps"),
+    )
+    blocker_resolution: int = setting(256, "side of those maps", unit="px", low=8, high=4096)
 
 
 @dataclass(frozen=True)
@@ -45,9 +47,11 @@ class PopTechniqueSettings(SurfaceSettings, PopSettings):
     march: str = setting("half", "resolution of the marched picture", choices=tuple(RESOLUTIONS))
     march_steps: int = setting(128, "most steps of a view ray", low=8, high=1024)
     virtual_lights: int = setting(
-        64, "points of lit surfaces whose reflected light media see, once; 0: none",
-        low=0, high=512,
-    )  # fmt: skip
+        64,
+        "points of lit surfaces whose reflected light media see, once; 0: none",
+        low=0,
+        high=512,
+    )
 
 
 @dataclass(frozen=True)

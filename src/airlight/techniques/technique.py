@@ -29,9 +29,15 @@ class Technique:
     """
 
     def __init__(
-        self, name: str, kit: Kit, solvers: Sequence[Solver] = (), *, media: Media | None = None,
-        seen_as: SeenAs | None = None, layers: Layers | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        name: str,
+        kit: Kit,
+        solvers: Sequence[Solver] = (),
+        *,
+        media: Media | None = None,
+        seen_as: SeenAs | None = None,
+        layers: Layers | None = None,
+    ) -> None:
         """`seen_as`: the scene that solvers are given. `layers`: what is read, if not all."""
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
         self._seen_as = seen_as or (lambda scene: scene)

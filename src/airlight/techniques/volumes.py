@@ -108,16 +108,25 @@ class LatticeVolumes:
                 )
                 base = own.base
             self._inject.encode(
-                commands, part.placement, lights.bound, lights.count, walls=part.blockers.walls,
-                base=base, cells=own.cells,
-            )  # fmt: skip
+                commands,
+                part.placement,
+                lights.bound,
+                lights.count,
+                walls=part.blockers.walls,
+                base=base,
+                cells=own.cells,
+            )
         with commands.stage("propagate"):
             total = solver.propagated(commands, level, own.cells)
         with commands.stage("pack"):
             self.textures.encode(
-                commands, own.cells, total, solver.power_scale, is_shaped=solver.settings.occlusion,
+                commands,
+                own.cells,
+                total,
+                solver.power_scale,
+                is_shaped=solver.settings.occlusion,
                 placement=part.placement,
-            )  # fmt: skip
+            )
 
     def release(self) -> None:
         """Give the memory back; `air` is its owner's."""

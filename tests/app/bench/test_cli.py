@@ -43,9 +43,11 @@ def test_the_yardstick_computes_what_the_device_does(program, gpu, commands, own
     placement = Placement((0.0, 0.0, 0.0), 1.0, (side,) * 3)
     ours = owned(Propagate(gpu, placement, is_blocked=blocked, is_reflecting=blocked))
     total = ours.encode(
-        commands, owned(buffer_of(gpu, "states", states)), owned(buffer_of(gpu, "faces", faces)),
+        commands,
+        owned(buffer_of(gpu, "states", states)),
+        owned(buffer_of(gpu, "faces", faces)),
         bench_kernel.ITERATIONS,
-    )  # fmt: skip
+    )
     commands.submit()
     words = [str(program), "check", str(side), *(["blocked"] if blocked else [])]
     given = states.tobytes() + (faces.tobytes() if blocked else b"")
@@ -148,10 +150,17 @@ def test_a_part_of_it_as_json_and_as_a_page(gpu, tmp_path, capsys):
 def test_every_table_has_as_many_cells_as_columns():
     times = {"median": 2.0, "min": 1.0, "runs": 3}
     frame = {
-        "name": "a", "technique": "lpv", "size": [4, 3], "lattice": [2, 2, 2], "iterations": 8,
-        "frame_ms": times, "flying_ms": times, "python_ms": times, "peak_gpu_bytes": 3_000_000,
+        "name": "a",
+        "technique": "lpv",
+        "size": [4, 3],
+        "lattice": [2, 2, 2],
+        "iterations": 8,
+        "frame_ms": times,
+        "flying_ms": times,
+        "python_ms": times,
+        "peak_gpu_bytes": 3_000_000,
         "passes": {"sky": 1.0},
-    }  # fmt: skip
+    }
     row = {"value": 1, "cells": 8, "triangles": 2, "flying_ms": times, "passes": {"sky": 1.0}}
     kernel = {"side": 8, "is_blocked": False, "device_ms": times}
     with_c = kernel | {"is_blocked": True, "c_ms": times, "ratio_min": 1.0, "ratio_median": 2.0}

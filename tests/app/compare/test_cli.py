@@ -112,9 +112,15 @@ def triangle_scene(**changes):
 
 def compared(names, tmp_path, settings=None):
     return compare.compare_scene(
-        triangle_scene(), "a scene.toml", names, output=tmp_path, size=SIZE, spp=64, samples=4,
+        triangle_scene(),
+        "a scene.toml",
+        names,
+        output=tmp_path,
+        size=SIZE,
+        spp=64,
+        samples=4,
         settings=settings,
-    )  # fmt: skip
+    )
 
 
 def test_the_folder_holds_page_sheet_and_numbers(truth, techniques, tmp_path):
@@ -248,9 +254,14 @@ def test_without_a_libllvm_the_whole_has_a_reference_and_layers_come_with_one(tr
     monkeypatch.setattr(mitsuba, "render_layers", whole_alone)
     first, again = (reference_for(scene, SIZE, 16) for _ in range(2))
     assert not first.has_layers and first.image.layers.keys() == {"variance"}
-    assert first.notes == again.notes == (
-        "only the whole picture has a reference: no libLLVM 16 is found. Install it", "a note",
-    )  # fmt: skip
+    assert (
+        first.notes
+        == again.notes
+        == (
+            "only the whole picture has a reference: no libLLVM 16 is found. Install it",
+            "a note",
+        )
+    )
     assert (again.is_from_cache, truth.asked) == (True, [(16, 0)])
     # Once one is installed, what was kept without layers does not stand in their way.
     monkeypatch.setattr(mitsuba, "render_layers", all_layers)

@@ -40,8 +40,21 @@ irradiance = 5
 [animation]
 fps = 10
 """
-SMALL = ["-t", "direct", "--size", "24x16", "--samples", "1", "-D", "resolution=8", "-q",
-         "-D", "shadow_resolution=64", "-D", "surfels=500"]  # fmt: skip
+SMALL = [
+    "-t",
+    "direct",
+    "--size",
+    "24x16",
+    "--samples",
+    "1",
+    "-D",
+    "resolution=8",
+    "-q",
+    "-D",
+    "shadow_resolution=64",
+    "-D",
+    "surfels=500",
+]
 
 
 @pytest.fixture
@@ -176,13 +189,17 @@ def test_a_killed_run_goes_on_where_it_was(gpu, scene, tmp_path):
     [
         ("out.mp4", ["--format", "exr"], "a video has no EXR frames. Give a folder for frames."),
         ("out", ["--layers"], "--layers needs --format exr"),
-        ("out.avi", [], "out.avi: '.avi' is no kind of video that is written here. "
-                        "End it in .mp4, or give a folder."),
+        (
+            "out.avi",
+            [],
+            "out.avi: '.avi' is no kind of video that is written here. "
+            "End it in .mp4, or give a folder.",
+        ),
         ("out", ["--frames", "5-2"], "--frames 5-2 runs backwards"),
         ("out", ["-t", "lpw"], "unknown technique 'lpw'. Did you mean 'lpv'?"),
         ("no/out.mp4", [], "out.mp4: the folder '{tmp}/no' does not exist. Create it first."),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_refused_before_any_work(scene, tmp_path, capsys, output, more, message):
     assert sequence(scene, tmp_path / output, *more) == 2
     assert capsys.readouterr().err.strip().endswith(message.replace("{tmp}", str(tmp_path)))
@@ -227,12 +244,14 @@ class Farm:
     def _start(self, kind, *options):
         return subprocess.Popen(
             [sys.executable, "-m", f"distributed.cli.dask_{kind}", *options],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
 
     def add_worker(self):
-        return self._start("worker", self.address, "--nthreads", "1", "--no-nanny",
-                           "--no-dashboard")  # fmt: skip
+        return self._start(
+            "worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"
+        )
 
     def close(self):
         for process in (*self.workers, self.scheduler):
@@ -337,8 +356,9 @@ def test_what_is_doubtful_of_farmed_frames_is_said_as_of_local_ones(
     local = capsys.readouterr().err.splitlines()
     warned = [line for line in local if line.startswith("warning: ")]
     assert [line[:39] for line in warned] == [
-        "warning: frame 0: 1 of 384 pixels are N", "warning: frame 1: 1 of 384 pixels are N",
-    ]  # fmt: skip
+        "warning: frame 0: 1 of 384 pixels are N",
+        "warning: frame 1: 1 of 384 pixels are N",
+    ]
     monkeypatch.setattr(sequence_farm, "farm_frames", here)
     monkeypatch.setattr(sequence_farm, "check_farm", lambda address: None)
     assert sequence(scene, tmp_path / "farmed", "--frames", "2", "--farm", "tcp://there:1") == 0

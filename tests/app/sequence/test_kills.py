@@ -33,8 +33,23 @@ irradiance = 5
 [animation]
 fps = 10
 """
-ASKED = ["-t", "direct", "--size", "16x16", "--samples", "1", "--frames", "6", "-q",
-         "-D", "resolution=8", "-D", "shadow_resolution=64", "-D", "surfels=500"]  # fmt: skip
+ASKED = [
+    "-t",
+    "direct",
+    "--size",
+    "16x16",
+    "--samples",
+    "1",
+    "--frames",
+    "6",
+    "-q",
+    "-D",
+    "resolution=8",
+    "-D",
+    "shadow_resolution=64",
+    "-D",
+    "surfels=500",
+]
 KILLS = 8
 POLL_S = 0.001
 

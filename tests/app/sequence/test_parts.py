@@ -140,19 +140,43 @@ def test_a_folder_without_frames_is_begun_anew(tmp_path):
 @pytest.mark.parametrize(
     ("prepare", "changes", "resume", "message"),
     [
-        (None, {}, False, ": holds a sequence already (1 frames). Go on with it by --resume, or "
-                          "choose another folder."),
-        (None, {"technique": "pop"}, True, ": holds another sequence: its technique is \"lpv\", "
-                                           "here it is \"pop\". Choose another folder, or delete "
-                                           "this one."),
-        (None, {"scene": "abd"}, True, ": holds another sequence: the scene, or a file it names, "
-                                       "has changed. Choose another folder, or delete this one."),
-        ("damage", {}, True, "/sequence.json: is damaged. Choose another folder, or delete this "
-                             "one."),
-        ("remove", {}, True, ": holds frame-00001.png, but no sequence.json that says what it "
-                             "shows. Choose another folder, or delete this one."),
+        (
+            None,
+            {},
+            False,
+            ": holds a sequence already (1 frames). Go on with it by --resume, or "
+            "choose another folder.",
+        ),
+        (
+            None,
+            {"technique": "pop"},
+            True,
+            ': holds another sequence: its technique is "lpv", '
+            'here it is "pop". Choose another folder, or delete '
+            "this one.",
+        ),
+        (
+            None,
+            {"scene": "abd"},
+            True,
+            ": holds another sequence: the scene, or a file it names, "
+            "has changed. Choose another folder, or delete this one.",
+        ),
+        (
+            "damage",
+            {},
+            True,
+            "/sequence.json: is damaged. Choose another folder, or delete this one.",
+        ),
+        (
+            "remove",
+            {},
+            True,
+            ": holds frame-00001.png, but no sequence.json that says what it "
+            "shows. Choose another folder, or delete this one.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_sequences_never_mix(tmp_path, prepare, changes, resume, message):
     path = tmp_path / "out"
     folder = opened(path)
@@ -168,10 +192,22 @@ def test_sequences_never_mix(tmp_path, prepare, changes, resume, message):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{", "[]", "7", '{"asked": []}', '{"asked": {}, "devices": [1]}', "[" * 100_000,
-     '{"asked": {}, "devices": 3}', '{"asked": {}, "metered_stops": "far"}', "9" * 5000,
-     '{"asked": {}, "metered_stops": NaN}', '{"asked": {}, "metered_stops": 1e99}', "\xff"],
-)  # fmt: skip
+    [
+        "",
+        "{",
+        "[]",
+        "7",
+        '{"asked": []}',
+        '{"asked": {}, "devices": [1]}',
+        "[" * 100_000,
+        '{"asked": {}, "devices": 3}',
+        '{"asked": {}, "metered_stops": "far"}',
+        "9" * 5000,
+        '{"asked": {}, "metered_stops": NaN}',
+        '{"asked": {}, "metered_stops": 1e99}',
+        "\xff",
+    ],
+)
 def test_a_damaged_manifest_is_one_message(tmp_path, text):
     path = tmp_path / "out"
     path.mkdir()
@@ -289,8 +325,9 @@ def test_a_video_shows_every_frame_in_its_colours(tmp_path):
         assert (stream.width, stream.height) == (32, 18)  # sides are even
         assert float(stream.average_rate) == 12.5
         assert stream.codec_context.color_range == 1 and stream.codec_context.colorspace == 1
-        shown = [frame.to_ndarray(format="rgb24", src_colorspace=1) for frame in
-                 container.decode(stream)]  # fmt: skip
+        shown = [
+            frame.to_ndarray(format="rgb24", src_colorspace=1) for frame in container.decode(stream)
+        ]
     assert len(shown) == 5
     for k, pixels in enumerate(shown):
         assert abs(int(pixels[14, 20, 1]) - (40 * k + 30)) <= 3
@@ -312,13 +349,21 @@ def test_a_video_of_broken_frames_is_refused_whole(tmp_path):
 @pytest.mark.parametrize(
     ("package", "check", "given", "message"),
     [
-        ("av", "airlight.app.sequence.video:check_video", (),
-         "videos need the package 'av'. pip install 'airlight[video]', or give a folder for "
-         "frames."),
-        ("distributed", "airlight.app.sequence.farm:check_farm", ("tcp://127.0.0.1:8786",),
-         "--farm needs the package 'distributed'. pip install 'airlight[farm]'."),
+        (
+            "av",
+            "airlight.app.sequence.video:check_video",
+            (),
+            "videos need the package 'av'. pip install 'airlight[video]', or give a folder for "
+            "frames.",
+        ),
+        (
+            "distributed",
+            "airlight.app.sequence.farm:check_farm",
+            ("tcp://127.0.0.1:8786",),
+            "--farm needs the package 'distributed'. pip install 'airlight[farm]'.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_missing_packages_are_named(monkeypatch, package, check, given, message):
     find = importlib.util.find_spec
     monkeypatch.setattr(
@@ -357,8 +402,11 @@ def test_a_disk_that_fills_under_a_video_leaves_the_old_one(tmp_path, limit):
     path.write_bytes(b"the old one")
     done = subprocess.run(
         [sys.executable, "-c", _VIDEO_UNDER_A_LIMIT, str(limit), str(path), *map(str, files)],
-        capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == (
         f"{path}: the video cannot be written (File too large). The frames are kept; check the "

@@ -165,8 +165,12 @@ def test_nothing_is_printed_after_the_message(said, message):
         began = time.monotonic()
         done = subprocess.run(
             [sys.executable, "-c", _IN_CHILD, address],
-            capture_output=True, text=True, timeout=60, env=os.environ, check=False,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            timeout=60,
+            env=os.environ,
+            check=False,
+        )
     assert time.monotonic() - began < 15.0  # an end that was waited for took 20 s
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(message.format(address))
@@ -179,10 +183,19 @@ def test_a_real_scheduler_is_known():
         found.bind(("127.0.0.1", 0))
         port = found.getsockname()[1]
     started = subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1",
-         "--port", str(port), "--no-dashboard"],
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_scheduler",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            str(port),
+            "--no-dashboard",
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     try:
         scheduler.check_scheduler(f"tcp://127.0.0.1:{port}", 60.0)
     finally:

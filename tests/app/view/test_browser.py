@@ -21,8 +21,17 @@ from airlight.app.view.browser import PAGE, link_to, say_where
 from airlight.app.view.guard import bound_socket
 
 SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
-                          "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
+SMALL = [
+    word
+    for key in (
+        "resolution=8",
+        "shadow_resolution=64",
+        "sky_lights=0",
+        "surfels=2000",
+        "ambient_occlusion=false",
+    )
+    for word in ("-D", key)
+]
 
 
 def test_the_link_carries_the_token():
@@ -65,10 +74,23 @@ def test_a_port_in_use_ends_with_2_and_one_line(capsys):
 def server():
     """(link, process) of a viewer served by the real command."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "airlight", "view", str(SCENE), "--in", "browser", "--no-open",
-         "-t", "direct", *SMALL],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "airlight",
+            "view",
+            str(SCENE),
+            "--in",
+            "browser",
+            "--no-open",
+            "-t",
+            "direct",
+            *SMALL,
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     assert process.stdout is not None
     yield process.stdout.readline().strip(), process
     process.terminate()

@@ -26,8 +26,15 @@ class Toning:
         tone = Tone(self.gpu, (8, 8))
         metered = Buffer(self.gpu, "stops", 16)
         for _ in range(1000):
-            tone.encode(commands, self.picture, metered, is_metered=False, exposure_stops=0.0,
-                        curve="agx", is_raw=False)  # fmt: skip
+            tone.encode(
+                commands,
+                self.picture,
+                metered,
+                is_metered=False,
+                exposure_stops=0.0,
+                curve="agx",
+                is_raw=False,
+            )
             commands.submit()
             self.done += 1
         return self.done

@@ -17,8 +17,13 @@ from airlight.scene.io import load
 from airlight.scene.volume import Volume
 
 SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
-         "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 PANEL_PX = 340
 
 pytestmark = pytest.mark.needs("rendercanvas", "imgui_bundle")

@@ -14,8 +14,17 @@ import numpy as np
 import pytest
 
 SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
-                          "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
+SMALL = [
+    word
+    for key in (
+        "resolution=8",
+        "shadow_resolution=64",
+        "sky_lights=0",
+        "surfels=2000",
+        "ambient_occlusion=false",
+    )
+    for word in ("-D", key)
+]
 PANEL_PX = 340
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
 
@@ -29,10 +38,23 @@ def page():
 
     program = next(filter(None, map(shutil.which, CHROMIUMS)))
     viewer = subprocess.Popen(
-        [sys.executable, "-m", "airlight", "view", str(SCENE), "--in", "browser", "--no-open",
-         "-t", "direct", *SMALL],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "airlight",
+            "view",
+            str(SCENE),
+            "--in",
+            "browser",
+            "--no-open",
+            "-t",
+            "direct",
+            *SMALL,
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
     assert viewer.stdout is not None
     link = viewer.stdout.readline().strip()
     # A container's root has no user namespaces for the browser's sandbox.

@@ -12,8 +12,14 @@ from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
-SMALL = {"resolution": 8, "shadow_resolution": 64, "map_resolution": 32, "sky_lights": 0,
-         "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "map_resolution": 32,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 
 
 def drawn_with(**settings) -> Drawn:

@@ -18,8 +18,13 @@ from airlight.scene import Medium
 from airlight.scene.io import load
 from airlight.techniques import checked_settings
 
-SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0,
-         "surfels": 2000, "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 SIZE = (24, 14)
 
 
@@ -42,8 +47,11 @@ BOX = Path(__file__).with_name("view_box.toml")
 
 def finer_of(technique: str, *, fog: float = 0.0, sky: bool = True, **given):
     scene = load(BOX)
-    scene = replace(scene, environment=scene.environment if sky else None,
-                    medium=Medium((fog,) * 3) if fog else None)  # fmt: skip
+    scene = replace(
+        scene,
+        environment=scene.environment if sky else None,
+        medium=Medium((fog,) * 3) if fog else None,
+    )
     return finer_settings(checked_settings(technique, scene, given), scene, is_cpu=True)
 
 

@@ -22,9 +22,13 @@ TOKEN = "s3cret-token"
 
 
 def ask(
-    path: str, kind: str = "http", method: str = "GET", *, listen: str = "",
+    path: str,
+    kind: str = "http",
+    method: str = "GET",
+    *,
+    listen: str = "",
     headers: tuple[tuple[bytes, bytes], ...] = ((b"host", b"127.0.0.1:8900"),),
-) -> tuple[list[dict], list[str]]:  # fmt: skip
+) -> tuple[list[dict], list[str]]:
     """What was sent back, and the paths that came through."""
     sent: list[dict] = []
     through: list[str] = []
@@ -41,8 +45,10 @@ def ask(
     return sent, through
 
 
-@pytest.mark.parametrize("path", ["/", "/index.html", "/s3cret-toke/", "/S3CRET-TOKEN/", "//", "",
-                                  f"/x/{TOKEN}/", "/sécret/"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/index.html", "/s3cret-toke/", "/S3CRET-TOKEN/", "//", "", f"/x/{TOKEN}/", "/sécret/"],
+)
 def test_without_the_token_nothing_comes_through(path):
     sent, through = ask(path)
     assert through == []
@@ -75,11 +81,14 @@ def headers_of(*given: str) -> tuple[tuple[bytes, bytes], ...]:
 @pytest.mark.parametrize(
     "given",
     [
-        ["host localhost:8900"], ["host 127.0.0.1"], ["host [::1]:8900"], ["host LocalHost:9000"],
+        ["host localhost:8900"],
+        ["host 127.0.0.1"],
+        ["host [::1]:8900"],
+        ["host LocalHost:9000"],
         ["host localhost:8900", "origin http://localhost:8900"],
         ["host localhost", "origin https://localhost"],
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("kind", ["http", "websocket"])
 def test_the_viewers_own_page_comes_through(given, kind):
     assert ask(f"/{TOKEN}/", kind, headers=headers_of(*given))[1] == ["/"]
@@ -88,14 +97,21 @@ def test_the_viewers_own_page_comes_through(given, kind):
 @pytest.mark.parametrize(
     "given",
     [
-        [], ["host evil.example:8900"], ["host localhost.evil.example"], ["host 10.0.0.7:8900"],
-        ["host localhost", "host evil.example"], ["host evil.example@localhost"], ["host "],
+        [],
+        ["host evil.example:8900"],
+        ["host localhost.evil.example"],
+        ["host 10.0.0.7:8900"],
+        ["host localhost", "host evil.example"],
+        ["host evil.example@localhost"],
+        ["host "],
         ["host localhost:8900", "origin http://evil.example"],
         ["host localhost:8900", "origin http://localhost:9999"],
-        ["host localhost:8900", "origin null"], ["host [::1"], ["host localhost:8900/"],
+        ["host localhost:8900", "origin null"],
+        ["host [::1"],
+        ["host localhost:8900/"],
         ["host localhost", "origin http://localhost", "origin http://evil.example"],
     ],
-)  # fmt: skip
+)
 def test_other_names_and_other_sites_pages_do_not(given):
     sent, through = ask(f"/{TOKEN}/", headers=headers_of(*given))
     assert through == []

@@ -10,8 +10,13 @@ from airlight.errors import SettingsError
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
-SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
-         "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 
 
 @pytest.fixture

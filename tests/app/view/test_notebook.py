@@ -14,8 +14,13 @@ from airlight.errors import DeviceError, SceneError
 from airlight.gpu.device import open_gpu
 
 SIZE = (64, 36)
-SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
-         "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 
 
 @pytest.fixture(autouse=True)
@@ -94,8 +99,9 @@ def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
     cells = [nbformat.v4.new_code_cell(text.strip()) for text in (NOTEBOOK, FRONT_END)]
     notebook = nbformat.v4.new_notebook(cells=cells)
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}
-    nbclient.NotebookClient(notebook, timeout=240, resources={"metadata": {"path": tmp_path}}
-                            ).execute()  # fmt: skip
+    nbclient.NotebookClient(
+        notebook, timeout=240, resources={"metadata": {"path": tmp_path}}
+    ).execute()
     shown = next(o for o in cells[0].outputs if o.output_type == "execute_result").data
     assert "application/vnd.jupyter.widget-view+json" in shown
     # Without a kernel the page still has a picture.

@@ -24,8 +24,12 @@ class Example:
 def test_kinds_ranges_and_units():
     steps, reach, fast, scheme, bounds = controls(Example)
     assert [c.kind for c in (steps, reach, fast, scheme, bounds)] == [
-        "whole", "number", "flag", "choice", "text",
-    ]  # fmt: skip
+        "whole",
+        "number",
+        "flag",
+        "choice",
+        "text",
+    ]
     assert (steps.low, steps.high, steps.is_logarithmic) == (1, 4096, True)
     assert (reach.label, reach.is_logarithmic) == ("reach (m)", False)
     assert scheme.choices == ("auto", "off")

@@ -21,9 +21,12 @@ def session():
     )
     image = Image(np.full((4, 6, 3), 0.5, np.float32), {})
     return SimpleNamespace(
-        state=state, picture=lambda: image, scene_now=lambda: scene, loaded=scene,
+        state=state,
+        picture=lambda: image,
+        scene_now=lambda: scene,
+        loaded=scene,
         source="builtin:cornell",
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("ending", [".png", ".exr", ".toml"])

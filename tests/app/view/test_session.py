@@ -21,8 +21,13 @@ from airlight.scene.io import load
 from airlight.scene.io.images import load_image
 
 SIZE = (48, 28)
-SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000,
-         "ambient_occlusion": False}  # fmt: skip
+SMALL = {
+    "resolution": 8,
+    "shadow_resolution": 64,
+    "sky_lights": 0,
+    "surfels": 2000,
+    "ambient_occlusion": False,
+}
 SCENE = """
 [camera]
 position = [1.5, 1.4, 3.2]
@@ -74,9 +79,7 @@ def scene_file(tmp_path):
 
 @pytest.fixture
 def screen(gpu, scene_file):
-    session = Session(
-        load(scene_file), source=str(scene_file), technique="direct", settings=SMALL
-    )  # fmt: skip
+    session = Session(load(scene_file), source=str(scene_file), technique="direct", settings=SMALL)
     made = Screen(gpu, session)
     yield made
     session.close()
@@ -315,9 +318,17 @@ def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, sce
     assert not session.has_news()
     assert session.status == "refining   64 of 64"
     shown = screen.pixels
-    with Renderer(session.scene_now(), "single", SIZE, settings={
-            **SMALL, "march_resolution": "full", "shaft_resolution": "full", "resolution": 16},
-    ) as renderer:  # fmt: skip
+    with Renderer(
+        session.scene_now(),
+        "single",
+        SIZE,
+        settings={
+            **SMALL,
+            "march_resolution": "full",
+            "shaft_resolution": "full",
+            "resolution": 16,
+        },
+    ) as renderer:
         image = renderer.frame(samples=64)
     expected = display_srgb8(image.radiance, 0.0, "agx", dither=True).astype(int)
     assert np.abs(shown - expected).mean() < 0.5

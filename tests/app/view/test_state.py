@@ -68,8 +68,10 @@ def test_what_needs_another_renderer():
     state.scene = replace(state.scene, camera=Camera((9.0, 9.0, 9.0)))
     assert structure(state) == before
     for change in (
-        {"medium": Medium((0.1, 0.1, 0.1))}, {"lights": (SUN, SUN)}, {"meshes": (Mesh(box()),)},
-    ):  # fmt: skip
+        {"medium": Medium((0.1, 0.1, 0.1))},
+        {"lights": (SUN, SUN)},
+        {"meshes": (Mesh(box()),)},
+    ):
         assert structure(ViewState(replace(state.scene, **change))) != before
     state.settings["auto"] = {"resolution": 8}
     assert structure(state) != before

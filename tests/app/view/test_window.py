@@ -15,8 +15,17 @@ import pytest
 from airlight.app.cli import run
 
 SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [word for key in ("resolution=8", "shadow_resolution=64", "sky_lights=0", "surfels=2000",
-                          "ambient_occlusion=false") for word in ("-D", key)]  # fmt: skip
+SMALL = [
+    word
+    for key in (
+        "resolution=8",
+        "shadow_resolution=64",
+        "sky_lights=0",
+        "surfels=2000",
+        "ambient_occlusion=false",
+    )
+    for word in ("-D", key)
+]
 PANEL_PX, SIZE = 340, (640, 320)
 needs_a_desk = pytest.mark.needs("glfw", "imgui_bundle", ("Xvfb",), ("xdotool",))
 
@@ -36,17 +45,32 @@ class Desk:
     def __init__(self, scene: Path) -> None:
         self.x = subprocess.Popen(
             ["Xvfb", "-noreset", "-displayfd", "1", "-screen", "0", "800x500x24"],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        )  # fmt: skip
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         assert self.x.stdout is not None
         self.display = f":{self.x.stdout.readline().strip()}"
         self.environment = {**os.environ, "DISPLAY": self.display}
         self.environment.pop("WAYLAND_DISPLAY", None)
         self.viewer = subprocess.Popen(
-            [sys.executable, "-m", "airlight", "view", str(scene), "--size",
-             f"{SIZE[0]}x{SIZE[1]}", "-t", "direct", *SMALL],
-            env=self.environment, cwd=scene.parent, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "airlight",
+                "view",
+                str(scene),
+                "--size",
+                f"{SIZE[0]}x{SIZE[1]}",
+                "-t",
+                "direct",
+                *SMALL,
+            ],
+            env=self.environment,
+            cwd=scene.parent,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
 
     def do(self, *words: object) -> None:
         command = ["xdotool", *map(str, words)]
@@ -160,8 +184,13 @@ def test_a_saved_edit_is_shown_and_a_broken_one_said(desk):
 @pytest.mark.slow
 def test_a_window_that_becomes_tiny_and_large_again(desk):
     desk.rested()
-    found = subprocess.run(["xdotool", "search", "--name", "airlight"], env=desk.environment,
-                           capture_output=True, text=True, check=True).stdout.split()  # fmt: skip
+    found = subprocess.run(
+        ["xdotool", "search", "--name", "airlight"],
+        env=desk.environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split()
     desk.do("windowsize", found[-1], 1, 1)
     time.sleep(2.0)
     desk.do("windowsize", found[-1], *SIZE)

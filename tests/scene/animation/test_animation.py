@@ -47,23 +47,38 @@ def moving_scene():
         environment=Environment(),
         volumes=(Volume((1, 1, 1), density=growing(0.0)),),
         camera=Camera(exposure_stops=-1.0),
-        animation=Animation((
-            CameraTrack({"position": line((0, 1, 5), (4, 1, 5)), "fov_y_deg": line(40, 60)}),
-            LightTrack(1, {"position": line((0, 0, 0), (0, 2, 0)), "intensity": line(
-                (1, 1, 1), (-1, 3, 1))}),
-            MeshTrack(1, shift[None], Placing({"rotate_deg": line((0, 0, 0), (0, 0, 90))},
-                                              {"translate": (1.0, 0.0, 0.0)})),
-            EnvironmentTrack({"rotation_deg": line(0, 90)}),
-            VolumeTrack(0, MadeDensity(growing)),
-        )),
-    )  # fmt: skip
+        animation=Animation(
+            (
+                CameraTrack({"position": line((0, 1, 5), (4, 1, 5)), "fov_y_deg": line(40, 60)}),
+                LightTrack(
+                    1,
+                    {
+                        "position": line((0, 0, 0), (0, 2, 0)),
+                        "intensity": line((1, 1, 1), (-1, 3, 1)),
+                    },
+                ),
+                MeshTrack(
+                    1,
+                    shift[None],
+                    Placing(
+                        {"rotate_deg": line((0, 0, 0), (0, 0, 90))}, {"translate": (1.0, 0.0, 0.0)}
+                    ),
+                ),
+                EnvironmentTrack({"rotation_deg": line(0, 90)}),
+                VolumeTrack(0, MadeDensity(growing)),
+            )
+        ),
+    )
 
 
 def summary(scene):
     return (
-        scene.camera, scene.lights, scene.environment.rotation_deg,
-        [m.world_from_object.tobytes() for m in scene.meshes], scene.volumes[0].density.tobytes(),
-    )  # fmt: skip
+        scene.camera,
+        scene.lights,
+        scene.environment.rotation_deg,
+        [m.world_from_object.tobytes() for m in scene.meshes],
+        scene.volumes[0].density.tobytes(),
+    )
 
 
 def test_everything_is_where_its_keyframes_say():
@@ -85,8 +100,11 @@ def test_light_never_goes_below_zero():
 def test_a_time_does_not_remember_other_times():
     scene = moving_scene()
     wandered = scene.at(1.7).at(0.2).at(5.0).at(0.6)
-    assert summary(wandered) == summary(scene.at(0.6)) == summary(pickle.loads(
-        pickle.dumps(scene)).at(0.6))  # fmt: skip
+    assert (
+        summary(wandered)
+        == summary(scene.at(0.6))
+        == summary(pickle.loads(pickle.dumps(scene)).at(0.6))
+    )
 
 
 def test_a_scene_that_does_not_move_is_itself():
@@ -121,8 +139,10 @@ def test_what_cannot_be_names_the_time():
     with pytest.raises(SceneError) as caught:
         still.at(1.0)
     assert str(caught.value) == "at 1 s: camera position and target are the same point"
-    for value, message in [("now", "time_s must be a number, not 'now'"),
-                           (np.nan, "time_s is nan, it must be finite")]:  # fmt: skip
+    for value, message in [
+        ("now", "time_s must be a number, not 'now'"),
+        (np.nan, "time_s is nan, it must be finite"),
+    ]:
         with pytest.raises(SceneError, match=message):
             still.at(value)
 

@@ -20,9 +20,12 @@ UP_2[1, 3] = 2.0
 def two_nodes():
     """Node 1 hangs 2 m above node 0; node 0 goes 4 m along x in 2 s."""
     skeleton = Skeleton(
-        order=((0, -1), (1, 0)), translation=np.zeros((2, 3)),
-        rotation=np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), scale=np.ones((2, 3)), matrix={1: UP_2},
-    )  # fmt: skip
+        order=((0, -1), (1, 0)),
+        translation=np.zeros((2, 3)),
+        rotation=np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)),
+        scale=np.ones((2, 3)),
+        matrix={1: UP_2},
+    )
     path = Curve(np.array([0.0, 2.0]), np.array([[0, 0, 0], [4, 0, 0]]), "linear")
     clip = Clip("go", {(0, "translation"): path}, {})
     return Rig(skeleton, (Part(1),), ((1, PointLight((0, 0, 1), (1, 1, 1))),), clips=(clip,))
@@ -62,8 +65,9 @@ def test_the_files_place_may_move_too():
 def test_the_files_camera_keeps_the_scenes_exposure():
     rig = replace(two_nodes(), camera=(1, Camera((0, 0, 0), (0, 0, -1), fov_y_deg=30.0)))
     start = replace(scene(), camera=Camera(exposure_stops=-2.0))
-    assert rig.apply(start, 2.0).camera == Camera((4, 2, 0), (4, 2, -1), fov_y_deg=30.0,
-                                                  exposure_stops=-2.0)  # fmt: skip
+    assert rig.apply(start, 2.0).camera == Camera(
+        (4, 2, 0), (4, 2, -1), fov_y_deg=30.0, exposure_stops=-2.0
+    )
 
 
 def test_lights_and_cameras_through_a_matrix():

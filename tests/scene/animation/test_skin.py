@@ -13,10 +13,11 @@ RNG = np.random.default_rng(5)
 
 def one_bone(count, joints=1):
     return Skin(
-        joints=np.arange(joints), inverse_bind=np.tile(np.eye(4), (joints, 1, 1)),
+        joints=np.arange(joints),
+        inverse_bind=np.tile(np.eye(4), (joints, 1, 1)),
         influences=RNG.integers(0, joints, (count, 4)),
         weights=np.full((count, 4), 0.25, np.float32),
-    )  # fmt: skip
+    )
 
 
 def placed(linear, offset=(0.0, 0.0, 0.0)):

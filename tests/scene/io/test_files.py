@@ -58,9 +58,24 @@ def test_text_is_utf_8(tmp_path):
 
 
 OUTSIDE = [
-    "../a", "b/../../a", "..\\a", "/a", "\\a", "//host/a", "C:/a", "c:\\a", "c:a", "link/a",
-    "nul", "CON.png", "textures/aux.jpg", "com1", "lpt9.obj", "loop", "a\0b",
-]  # fmt: skip
+    "../a",
+    "b/../../a",
+    "..\\a",
+    "/a",
+    "\\a",
+    "//host/a",
+    "C:/a",
+    "c:\\a",
+    "c:a",
+    "link/a",
+    "nul",
+    "CON.png",
+    "textures/aux.jpg",
+    "com1",
+    "lpt9.obj",
+    "loop",
+    "a\0b",
+]
 
 
 @pytest.mark.parametrize("name", OUTSIDE)

@@ -108,11 +108,10 @@ def add_tube(draft, skin_node=0, **node):
             },
             "indices": draft.array(indices.reshape(-1), "u2"),
         },
-        skin=0, **node,
-    )  # fmt: skip
-    draft.json["nodes"] += [
-        {"translation": [0, 0, 0], "children": [2]}, {"translation": [0, 2, 0]}
-    ]  # fmt: skip
+        skin=0,
+        **node,
+    )
+    draft.json["nodes"] += [{"translation": [0, 0, 0], "children": [2]}, {"translation": [0, 2, 0]}]
     draft.json["scenes"] = [{"nodes": [0, 1]}]
     bind = np.tile(np.eye(4), (2, 1, 1))
     bind[1, 1, 3] = -2.0
@@ -127,8 +126,13 @@ def add_tube(draft, skin_node=0, **node):
 
 def test_a_skin_bends_as_a_loop_over_vertices_says(draft):
     positions, normals, weights = add_tube(draft, translation=[50, 0, 0])
-    add_clip(draft, [(2, "rotation", [0, 1], [(0, 0, 0, 1), (0, 0, HALF, HALF)]),
-                     (1, "translation", [0, 1], [(0, 0, 0), (3, 0, 0)])])  # fmt: skip
+    add_clip(
+        draft,
+        [
+            (2, "rotation", [0, 1], [(0, 0, 0, 1), (0, 0, HALF, HALF)]),
+            (1, "translation", [0, 1], [(0, 0, 0), (3, 0, 0)]),
+        ],
+    )
     scene = load_gltf(draft.glb())
     for time in (0.0, 0.4, 1.0):
         (mesh,) = scene.at(time).meshes

@@ -47,9 +47,17 @@ HUGE = "1" + "0" * 400
 
 @pytest.mark.parametrize("number", [HUGE, f"{HUGE}.5", f"-{HUGE}", "1e999", "1" + "0" * 5000])
 @pytest.mark.parametrize(
-    "place", ["accessors.0.count", "accessors.0.byteOffset", "nodes.0.scale.0", "nodes.0.mesh",
-              "cameras.0.perspective.yfov", "bufferViews.0.byteLength", "scene"]
-)  # fmt: skip
+    "place",
+    [
+        "accessors.0.count",
+        "accessors.0.byteOffset",
+        "nodes.0.scale.0",
+        "nodes.0.mesh",
+        "cameras.0.perspective.yfov",
+        "bufferViews.0.byteLength",
+        "scene",
+    ],
+)
 def test_gltf_numbers(bent_triangle, number, place):
     def bend(document):
         document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1}}]
@@ -137,7 +145,7 @@ NPY = {
     "larger than it is": npy("(400, 500, 600)"),
     "null byte": npy("(4, 5, 6)\0"),
     "long header": b"\x93NUMPY\x02\x00" + struct.pack("<I", 1 << 31) + bytes(500),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", NPY)
@@ -219,10 +227,15 @@ def png(width: int, height: int, *, bits: int = 8, color: int = 2) -> bytes:
 
 @pytest.mark.parametrize(
     "raw",
-    [png(12000, 12000), png(2**31 - 1, 2**31 - 1), png(16384, 16384, bits=1, color=0),
-     png(65000, 65000), b"GIF89a" + struct.pack("<HH", 65535, 65535) + bytes(50),
-     b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9999 9999\n(/etc/passwd) run\n"],
-)  # fmt: skip
+    [
+        png(12000, 12000),
+        png(2**31 - 1, 2**31 - 1),
+        png(16384, 16384, bits=1, color=0),
+        png(65000, 65000),
+        b"GIF89a" + struct.pack("<HH", 65535, 65535) + bytes(50),
+        b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9999 9999\n(/etc/passwd) run\n",
+    ],
+)
 def test_images(raw):
     with pytest.raises(SceneError, match=r"^a\.png: "):
         read_texture(raw, is_srgb=True, source="a.png")
@@ -252,9 +265,13 @@ def exr(low: tuple[int, int], high: tuple[int, int]) -> bytes:
 
 @pytest.mark.parametrize(
     ("low", "high"),
-    [((0, 0), (12000, 12000)), ((0, 0), (2**30, 2**30)), ((-(2**31), 0), (2**31 - 1, 5)),
-     ((5, 5), (0, 0))],
-)  # fmt: skip
+    [
+        ((0, 0), (12000, 12000)),
+        ((0, 0), (2**30, 2**30)),
+        ((-(2**31), 0), (2**31 - 1, 5)),
+        ((5, 5), (0, 0)),
+    ],
+)
 def test_exr(tmp_path, low, high):
     (tmp_path / "a.exr").write_bytes(exr(low, high))
     refusal(load_image, tmp_path / "a.exr")
@@ -271,15 +288,21 @@ STL_HEAD = b"made by hand".ljust(80)
         ("a.stl", STL_HEAD + struct.pack("<I", 1) + bytes(500)),
         ("a.stl", b"solid" + STL_HEAD[5:] + struct.pack("<I", 2) + bytes(50)),
         ("a.stl", b"\xff\xfe\x00" * 20),
-        ("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\n"
-         b"property float x\nproperty float y\nproperty float z\nend_header\n" + bytes(36)),
+        (
+            "a.ply",
+            b"ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\n"
+            b"property float x\nproperty float y\nproperty float z\nend_header\n" + bytes(36),
+        ),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 900000000000000000\nend_header\n"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex " + b"9" * 5000 + b"\nend_header\n"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex -4\nproperty float x\nend_header\n0\n"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement face 99999\nproperty list uchar int i\n"
-         b"end_header\n3 0 1 2\n"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement face 99999\nproperty list uchar int i\n"
+            b"end_header\n3 0 1 2\n",
+        ),
     ],
-)  # fmt: skip
+)
 def test_mesh_counts(tmp_path, name, raw):
     (tmp_path / name).write_bytes(raw)
     refusal(load, tmp_path / name)
@@ -322,9 +345,13 @@ def test_two_thousand_xml_spheres_share_their_triangles(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    [".".join(["a"] * 100_000) + " = 1\n", "[" + ".".join(["a"] * 100_000) + "]\n",
-     "a = {" + ".".join(['"b c"'] * 100_000) + " = 1}\n", "[[" + " . ".join(["a"] * 100_000)],
-)  # fmt: skip
+    [
+        ".".join(["a"] * 100_000) + " = 1\n",
+        "[" + ".".join(["a"] * 100_000) + "]\n",
+        "a = {" + ".".join(['"b c"'] * 100_000) + " = 1}\n",
+        "[[" + " . ".join(["a"] * 100_000),
+    ],
+)
 def test_toml_keys_of_many_parts(tmp_path, text):
     (tmp_path / "a.toml").write_text("\n" + text)
     message = refusal(load, tmp_path / "a.toml")
@@ -341,9 +368,32 @@ def nvdb(size: int, *, packed: bytes = b"", codec: int = 0, high: int = 7) -> by
     from airlight.scene.io.nanovdb import _FILE, _RECORD
 
     record = _RECORD.pack(
-        size, len(packed), 0, 0, 1, 0, *[0.0] * 6, 0, 0, 0, high, high, high, *[0.0] * 3, 8,
-        0, 0, 0, 0, 0, 0, 0, codec, 0, 0,
-    )  # fmt: skip
+        size,
+        len(packed),
+        0,
+        0,
+        1,
+        0,
+        *[0.0] * 6,
+        0,
+        0,
+        0,
+        high,
+        high,
+        high,
+        *[0.0] * 3,
+        8,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        codec,
+        0,
+        0,
+    )
     return _FILE.pack(b"NanoVDB0", 32 << 21, 1, codec) + record + b"density\0" + packed
 
 

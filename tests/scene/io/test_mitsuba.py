@@ -361,27 +361,40 @@ def test_files_outside_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        ('<shape type="cubee"/>', "scene.xml: shape (cubee) is no shape of Mitsuba's. "
-         "Did you mean 'cube'?"),
-        ('<emitter type="pont"/>', "scene.xml: emitter (pont) is no emitter of Mitsuba's. "
-         "Did you mean 'point'?"),
+        (
+            '<shape type="cubee"/>',
+            "scene.xml: shape (cubee) is no shape of Mitsuba's. Did you mean 'cube'?",
+        ),
+        (
+            '<emitter type="pont"/>',
+            "scene.xml: emitter (pont) is no emitter of Mitsuba's. Did you mean 'point'?",
+        ),
         ("<shap/>", "scene.xml: <shap> is no element of a scene. Did you mean 'shape'?"),
         ("<shape/>", "scene.xml: <shape> without a type"),
         ('<ref id="x"/>', "scene.xml: it refers to 'x', which is nowhere"),
         ('<include filename="scene.xml"/>', "scene.xml: elements are nested more than 60 deep"),
-        ('<float name="x" value="$y"/>', "scene.xml: the parameter $y has no value. "
-         'Add <default name="y" value="..."/> before it.'),
+        (
+            '<float name="x" value="$y"/>',
+            "scene.xml: the parameter $y has no value. "
+            'Add <default name="y" value="..."/> before it.',
+        ),
         ('<float name="x" value="1e"/>', "scene.xml: <float name='x'> is '1e', not a number"),
-        ('<rgb name="x" value="1 2"/>', "scene.xml: <rgb name='x'> has 2 numbers, "
-         "it must have 1 or 3"),
-        ('<bsdf type="twosided" id="a"><ref id="a"/></bsdf>', 
-         "scene.xml: bsdf 'a' (twosided) contains itself"),
+        (
+            '<rgb name="x" value="1 2"/>',
+            "scene.xml: <rgb name='x'> has 2 numbers, it must have 1 or 3",
+        ),
+        (
+            '<bsdf type="twosided" id="a"><ref id="a"/></bsdf>',
+            "scene.xml: bsdf 'a' (twosided) contains itself",
+        ),
         ('<shape type="obj"/>', "scene.xml: shape (obj) names no file"),
         ("<b>", "scene.xml: not readable XML (mismatched tag: line 1, column 28)"),
-        ('<shape type="cube"><transform name="to_world"><skew/></transform></shape>',
-         "scene.xml: <skew> is no step of a transform"),
+        (
+            '<shape type="cube"><transform name="to_world"><skew/></transform></shape>',
+            "scene.xml: <skew> is no step of a transform",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bad_scenes_get_one_message(tmp_path: Path, body: str, message: str) -> None:
     assert refusal(tmp_path, body) == message
 

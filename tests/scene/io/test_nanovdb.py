@@ -50,7 +50,7 @@ def tree() -> tuple[bytes, list[int], list[int]]:
 
 def nvdb_bytes(
     *, packed=True, kind=1, codec=None, version=(32 << 21) + (6 << 10), grid_class=2
-) -> bytes:  # fmt: skip
+) -> bytes:
     nodes, offsets, counts = tree()
     head = bytearray(672)
     half = np.array([[0.5, 0, 0], [0, 0.25, 0], [0, 0, 1.0]])
@@ -61,9 +61,31 @@ def nvdb_bytes(
     body = struct.pack("<Q", 0) + zlib.compress(buffer) if packed else buffer
     codec = int(packed) if codec is None else codec
     record = struct.pack(
-        "<4Q2I6d6i3dI4I3I2HI", len(buffer), len(body), 0, 0, kind, grid_class, *[0.0] * 6,
-        *FIRST, *LAST, 1.0, 1.0, 1.0, len(NAME), 0, 0, 0, 0, 0, 0, 0, codec, 0, version,
-    )  # fmt: skip
+        "<4Q2I6d6i3dI4I3I2HI",
+        len(buffer),
+        len(body),
+        0,
+        0,
+        kind,
+        grid_class,
+        *[0.0] * 6,
+        *FIRST,
+        *LAST,
+        1.0,
+        1.0,
+        1.0,
+        len(NAME),
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        codec,
+        0,
+        version,
+    )
     return struct.pack("<8sIHH", b"NanoVDB0", version, 1, codec) + record + NAME + body
 
 

@@ -41,9 +41,14 @@ def internal(count: int) -> bytes:
 
 
 def vdb_bytes(
-    values, *, matrix=None, of_class="fog volume", background=0.0, tree="Tree_float_5_4_3",
+    values,
+    *,
+    matrix=None,
+    of_class="fog volume",
+    background=0.0,
+    tree="Tree_float_5_4_3",
     counted=None,
-) -> bytes:  # fmt: skip
+) -> bytes:
     """One leaf (8, 8, 8) at the origin; voxels of 0.5 m moved to (1, 2, 3), or `matrix`."""
     head = struct.pack("<qIII", 0x56444220, 224, 10, 0) + b"\1" + b"0" * 36
     head += meta({}) + struct.pack("<I", 1)
@@ -126,5 +131,6 @@ def test_without_tinyvdb_the_extra_is_named(tmp_path, monkeypatch):
 
     real = builtins.__import__
     monkeypatch.setattr(builtins, "__import__", refuse)
+    (tmp_path / "a.vdb").write_bytes(b"")
     with pytest.raises(SceneError, match=r"Run: pip install 'airlight\[vdb\]'\."):
         read_volume(tmp_path / "a.vdb")

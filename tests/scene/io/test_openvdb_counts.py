@@ -46,9 +46,18 @@ def test_counts_that_the_size_cannot_justify(tmp_path, raw, told):
 
 @pytest.mark.parametrize(
     "raw",
-    [SCALED, TURNED_GRID, b"", b"abc" * 50, SCALED[:60], SCALED[:400],
-     claiming(SCALED, 57, 3), claiming(SCALED, 65, 1 << 31), claiming(SCALED, 8, 221)],
-)  # fmt: skip
+    [
+        SCALED,
+        TURNED_GRID,
+        b"",
+        b"abc" * 50,
+        SCALED[:60],
+        SCALED[:400],
+        claiming(SCALED, 57, 3),
+        claiming(SCALED, 65, 1 << 31),
+        claiming(SCALED, 8, 221),
+    ],
+)
 def test_all_else_is_left_to_tinyvdb(tmp_path, raw):
     path = tmp_path / "a.vdb"
     path.write_bytes(raw)

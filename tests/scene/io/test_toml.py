@@ -184,92 +184,154 @@ SYNTAX = [
 
 MISTAKES = [
     ("[camra]\n", "unknown table 'camra'. Did you mean 'camera'?"),
-    ("fov = 3\n", "unknown key outside any table, 'fov'. Known: animation, camera, environment, "
-     "light, medium, mesh, technique, volume."),
+    (
+        "fov = 3\n",
+        "unknown key outside any table, 'fov'. Known: animation, camera, environment, "
+        "light, medium, mesh, technique, volume.",
+    ),
     ("[mesh]\nshape = 'box'\n", "'mesh' must be written as a [[mesh]] table"),
     ("[[camera]]\n", "'camera' must be written as a [camera] table"),
     ("camera = 3\n", "[camera] must be a table of keys, not 3"),
-    (BOX + "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nfov_y = 3\n",
-     "unknown key 'fov_y' in [camera]. Did you mean 'fov_y_deg'?"),
-    (BOX + "[camera]\nposition = [0, 0, 5]\n",
-     "[camera] has no target. It is the point it looks at (vector, m)."),
+    (
+        BOX + "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nfov_y = 3\n",
+        "unknown key 'fov_y' in [camera]. Did you mean 'fov_y_deg'?",
+    ),
+    (
+        BOX + "[camera]\nposition = [0, 0, 5]\n",
+        "[camera] has no target. It is the point it looks at (vector, m).",
+    ),
     (BOX + CAMERA + "fov_y_deg = 200\n", "[camera]: fov_y_deg = 200 is outside [0.1, 179]"),
     (BOX + CAMERA + 'fov_y_deg = "wide"\n', "[camera]: fov_y_deg must be a number, not 'wide'"),
-    (BOX + "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 0]\n",
-     "[camera]: camera position and target are the same point"),
+    (
+        BOX + "[camera]\nposition = [0, 0, 0]\ntarget = [0, 0, 0]\n",
+        "[camera]: camera position and target are the same point",
+    ),
     (SUN, "there is nothing to see: no [[mesh]], [[volume]] or [medium]"),
     ("", "there is nothing to see: no [[mesh]], [[volume]] or [medium]"),
     ("[[mesh]]\n", "[[mesh]] 1 needs either a file or a shape"),
     (BOX + 'file = "a.obj"\n', "[[mesh]] 1 needs either a file or a shape"),
-    (BOX + '[[mesh]]\nfile = "gone.obj"\n',
-     "[[mesh]] 2: file 'gone.obj' does not exist. Paths are relative to the scene file."),
-    ('[[mesh]]\nfile = "room.toml"\n', "[[mesh]] 1: file 'room.toml' is not a mesh file. "
-     "Known endings: .obj, .glb, .gltf, .ply, .stl."),
-    ('[[mesh]]\nshape = "sphre"\n', "[[mesh]] 1: shape = 'sphre' is unknown. "
-     "Did you mean 'sphere'?"),
-    (BOX + "base_color = [0.5, 2, 0]\n",
-     "[[mesh]] 1: base_color = [0.5, 2.0, 0.0] is above 1"),
-    (BOX + "base_color = [0.5, 2]\n",
-     "[[mesh]] 1: base_color must be three numbers, not [0.5, 2]"),
+    (
+        BOX + '[[mesh]]\nfile = "gone.obj"\n',
+        "[[mesh]] 2: file 'gone.obj' does not exist. Paths are relative to the scene file.",
+    ),
+    (
+        '[[mesh]]\nfile = "room.toml"\n',
+        "[[mesh]] 1: file 'room.toml' is not a mesh file. "
+        "Known endings: .obj, .glb, .gltf, .ply, .stl.",
+    ),
+    (
+        '[[mesh]]\nshape = "sphre"\n',
+        "[[mesh]] 1: shape = 'sphre' is unknown. Did you mean 'sphere'?",
+    ),
+    (BOX + "base_color = [0.5, 2, 0]\n", "[[mesh]] 1: base_color = [0.5, 2.0, 0.0] is above 1"),
+    (BOX + "base_color = [0.5, 2]\n", "[[mesh]] 1: base_color must be three numbers, not [0.5, 2]"),
     (BOX + "roughness = true\n", "[[mesh]] 1: roughness must be a number, not True"),
     (BOX + "roughness = nan\n", "[[mesh]] 1: roughness is nan, it must be finite"),
-    (BOX + "scale = 0\n",
-     "[[mesh]] 1: scale = [0.0, 0.0, 0.0] flattens the mesh: no factor may be zero"),
+    (
+        BOX + "scale = 0\n",
+        "[[mesh]] 1: scale = [0.0, 0.0, 0.0] flattens the mesh: no factor may be zero",
+    ),
     (BOX + "matrix = [1, 2, 3]\n", "[[mesh]] 1: matrix must be 16 numbers, row major"),
-    (BOX + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 7,8,9,1]\n",
-     "[[mesh]] 1: matrix ends with the row [7.0, 8.0, 9.0, 1.0], it must be [0, 0, 0, 1]. "
-     "Rows come first: the translation is the 4th, 8th and 12th number."),
-    (BOX + "matrix = [1,0,0,0, 1,0,0,0, 0,0,1,0, 0,0,0,1]\n",
-     "[[mesh]] 1: matrix flattens the mesh: its determinant is zero"),
-    (BOX + "scale = 2\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n",
-     "[[mesh]] 1 has matrix beside scale. Use matrix alone, or translate, rotate_deg and scale."),
-    (BOX + "[[light]]\nposition = [0, 1, 0]\n",
-     '[[light]] 1 has no type. It is "directional", "point", "spot" or "points".'),
-    (BOX + '[[light]]\ntype = "sun"\n', "[[light]] 1: type = 'sun' is unknown. "
-     "Known: directional, point, points, spot."),
-    (BOX + SUN + SUN + "intensity = 3\n", "unknown key 'intensity' in [[light]] 2 (directional). "
-     "Known: between, direction, irradiance, type."),
-    (BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\n',
-     "[[light]] 1 (point) has no intensity. It is intensity (of a spot: on its axis) "
-     "(colour, W sr^-1)."),
-    (BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = -1\n',
-     "[[light]] 1: intensity = [-1.0, -1.0, -1.0] is negative"),
-    (BOX + '[[light]]\ntype = "directional"\ndirection = [0, 0, 0]\nirradiance = 1\n',
-     "[[light]] 1: direction is zero, it must point somewhere"),
-    (BOX + '[[light]]\ntype = "spot"\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\n'
-     "intensity = 1\ninner_deg = 40\n",
-     "[[light]] 1: inner_deg = 40 is above outer_deg = 30"),
-    (BOX + '[environment]\nfile = "sky.exr"\nradiance = 1\n',
-     "[environment] has both a file and a radiance. Use one of them."),
-    (BOX + '[environment]\nfile = "sky.exr"\n',
-     "[environment]: file 'sky.exr' does not exist. Paths are relative to the scene file."),
-    (BOX + '[environment]\nfile = "."\n',
-     "[environment]: file '.' is a folder, not a file. Paths are relative to the scene file."),
-    (BOX + "[environment]\nscale = -1\n", "[environment]: environment scale = -1 is outside "
-     "[0, 1e+15]"),
+    (
+        BOX + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 7,8,9,1]\n",
+        "[[mesh]] 1: matrix ends with the row [7.0, 8.0, 9.0, 1.0], it must be [0, 0, 0, 1]. "
+        "Rows come first: the translation is the 4th, 8th and 12th number.",
+    ),
+    (
+        BOX + "matrix = [1,0,0,0, 1,0,0,0, 0,0,1,0, 0,0,0,1]\n",
+        "[[mesh]] 1: matrix flattens the mesh: its determinant is zero",
+    ),
+    (
+        BOX + "scale = 2\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n",
+        "[[mesh]] 1 has matrix beside scale. Use matrix alone, or translate, rotate_deg and scale.",
+    ),
+    (
+        BOX + "[[light]]\nposition = [0, 1, 0]\n",
+        '[[light]] 1 has no type. It is "directional", "point", "spot" or "points".',
+    ),
+    (
+        BOX + '[[light]]\ntype = "sun"\n',
+        "[[light]] 1: type = 'sun' is unknown. Known: directional, point, points, spot.",
+    ),
+    (
+        BOX + SUN + SUN + "intensity = 3\n",
+        "unknown key 'intensity' in [[light]] 2 (directional). "
+        "Known: between, direction, irradiance, type.",
+    ),
+    (
+        BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\n',
+        "[[light]] 1 (point) has no intensity. It is intensity (of a spot: on its axis) "
+        "(colour, W sr^-1).",
+    ),
+    (
+        BOX + '[[light]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = -1\n',
+        "[[light]] 1: intensity = [-1.0, -1.0, -1.0] is negative",
+    ),
+    (
+        BOX + '[[light]]\ntype = "directional"\ndirection = [0, 0, 0]\nirradiance = 1\n',
+        "[[light]] 1: direction is zero, it must point somewhere",
+    ),
+    (
+        BOX + '[[light]]\ntype = "spot"\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\n'
+        "intensity = 1\ninner_deg = 40\n",
+        "[[light]] 1: inner_deg = 40 is above outer_deg = 30",
+    ),
+    (
+        BOX + '[environment]\nfile = "sky.exr"\nradiance = 1\n',
+        "[environment] has both a file and a radiance. Use one of them.",
+    ),
+    (
+        BOX + '[environment]\nfile = "sky.exr"\n',
+        "[environment]: file 'sky.exr' does not exist. Paths are relative to the scene file.",
+    ),
+    (
+        BOX + '[environment]\nfile = "."\n',
+        "[environment]: file '.' is a folder, not a file. Paths are relative to the scene file.",
+    ),
+    (
+        BOX + "[environment]\nscale = -1\n",
+        "[environment]: environment scale = -1 is outside [0, 1e+15]",
+    ),
     (BOX + "[environment]\nvisible = 1\n", "[environment]: visible must be true or false, not 1"),
-    ("[medium]\nsigma_s = 1\nalbedo = 0.5\n", "[medium] mixes sigma_s with albedo. "
-     "Use sigma_t and albedo, or sigma_s and sigma_a."),
-    ("[medium]\nsigma_t = 1\nsigma_a = 0.5\n", "[medium] mixes sigma_a with sigma_t. "
-     "Use sigma_t and albedo, or sigma_s and sigma_a."),
-    ("[medium]\nalbedo = 0.5\n", "[medium] has no sigma_t. "
-     "Use sigma_t and albedo, or sigma_s and sigma_a."),
+    (
+        "[medium]\nsigma_s = 1\nalbedo = 0.5\n",
+        "[medium] mixes sigma_s with albedo. Use sigma_t and albedo, or sigma_s and sigma_a.",
+    ),
+    (
+        "[medium]\nsigma_t = 1\nsigma_a = 0.5\n",
+        "[medium] mixes sigma_a with sigma_t. Use sigma_t and albedo, or sigma_s and sigma_a.",
+    ),
+    (
+        "[medium]\nalbedo = 0.5\n",
+        "[medium] has no sigma_t. Use sigma_t and albedo, or sigma_s and sigma_a.",
+    ),
     ("[medium]\nsigma_t = 1\ng = 1\n", "[medium]: g = [1.0, 1.0, 1.0] must lie in (-1, 1)"),
-    ("[medium]\nsigma_t = 1\nbounds = [[0, 0, 0], [1, 0, 1]]\n",
-     "[medium]: bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]"),
+    (
+        "[medium]\nsigma_t = 1\nbounds = [[0, 0, 0], [1, 0, 1]]\n",
+        "[medium]: bounds is empty: [0.0, 0.0, 0.0] to [1.0, 0.0, 1.0]",
+    ),
     ("[[volume]]\nsigma_t = 1\n", "[[volume]] 1 needs either a file, a sequence or a shape"),
-    ('[[volume]]\nshape = "box"\nsigma_t = 1\ngrid = "density"\n',
-     "[[volume]] 1: grid belongs to a file, not to a shape"),
-    ('[[volume]]\nshape = "box"\nalbedo = 1\n', "[[volume]] 1 has no sigma_t. "
-     "Use sigma_t and albedo, or sigma_s and sigma_a."),
-    ('[[volume]]\nfile = "smoke.vol"\nsigma_t = 1\n', "[[volume]] 1: file 'smoke.vol' does not "
-     "exist. Paths are relative to the scene file."),
+    (
+        '[[volume]]\nshape = "box"\nsigma_t = 1\ngrid = "density"\n',
+        "[[volume]] 1: grid belongs to a file, not to a shape",
+    ),
+    (
+        '[[volume]]\nshape = "box"\nalbedo = 1\n',
+        "[[volume]] 1 has no sigma_t. Use sigma_t and albedo, or sigma_s and sigma_a.",
+    ),
+    (
+        '[[volume]]\nfile = "smoke.vol"\nsigma_t = 1\n',
+        "[[volume]] 1: file 'smoke.vol' does not exist. Paths are relative to the scene file.",
+    ),
     ("technique = 3\n", "'technique' must be written as [technique.NAME] tables"),
-    (BOX + "[technique]\nresolution = 3\n", "[technique]: resolution stands outside a "
-     "technique's table. Write it under [technique.NAME], such as [technique.lpv] "
-     "resolution = ..."),
+    (
+        BOX + "[technique]\nresolution = 3\n",
+        "[technique]: resolution stands outside a "
+        "technique's table. Write it under [technique.NAME], such as [technique.lpv] "
+        "resolution = ...",
+    ),
     (BOX + f"roughness = {'9' * 400}\n", "[[mesh]] 1: roughness is too large"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("text", "expected"), MISTAKES, ids=[m for _, m in MISTAKES])

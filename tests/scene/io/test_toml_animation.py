@@ -101,34 +101,54 @@ def test_a_sequence_of_files_is_a_volume_that_changes(scene_of, tmp_path):
 
 BOX = '[[mesh]]\nshape = "box"\n'
 MISTAKES = [
-    ("[camera]\nposition=[0,0,1]\ntarget=[0,0,0]\nkey = 3\n" + BOX,
-     "[camera]: key must be written as [[camera.key]] tables"),
-    ("[camera]\nposition=[0,0,1]\ntarget=[0,0,0]\nkey = [{time_s = 0, fov_deg = 3}]\n" + BOX,
-     "unknown key 'fov_deg' in [camera] key 1. Did you mean 'fov_y_deg'?"),
+    (
+        "[camera]\nposition=[0,0,1]\ntarget=[0,0,0]\nkey = 3\n" + BOX,
+        "[camera]: key must be written as [[camera.key]] tables",
+    ),
+    (
+        "[camera]\nposition=[0,0,1]\ntarget=[0,0,0]\nkey = [{time_s = 0, fov_deg = 3}]\n" + BOX,
+        "unknown key 'fov_deg' in [camera] key 1. Did you mean 'fov_y_deg'?",
+    ),
     (BOX + "key = [{time_s = 0}]\n", "[[mesh]] 1 key 1 changes nothing: it sets time_s alone"),
-    (BOX + "key = [{translate = [0, 0, 0]}]\n",
-     "[[mesh]] 1 key 1 has no time_s. It is when (number, seconds)."),
-    (BOX + "key = [{time_s = 0, scale = 1}, {time_s = 1, translate = [0, 0, 1]}]\n",
-     "[[mesh]] 1: key 2 and key 1 differ in whether they set scale. "
-     "All keyframes of a table set the same keys."),
-    (BOX + "key = [{time_s = 1, scale = 1}, {time_s = 0, scale = 2}]\n",
-     "[[mesh]] 1: keyframe times must rise, but 0 s comes after 1 s"),
-    (BOX + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\nkey = [{time_s = 1, scale = 1}]\n",
-     "[[mesh]] 1 has keyframes beside matrix. Use translate, rotate_deg and scale."),
+    (
+        BOX + "key = [{translate = [0, 0, 0]}]\n",
+        "[[mesh]] 1 key 1 has no time_s. It is when (number, seconds).",
+    ),
+    (
+        BOX + "key = [{time_s = 0, scale = 1}, {time_s = 1, translate = [0, 0, 1]}]\n",
+        "[[mesh]] 1: key 2 and key 1 differ in whether they set scale. "
+        "All keyframes of a table set the same keys.",
+    ),
+    (
+        BOX + "key = [{time_s = 1, scale = 1}, {time_s = 0, scale = 2}]\n",
+        "[[mesh]] 1: keyframe times must rise, but 0 s comes after 1 s",
+    ),
+    (
+        BOX + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\nkey = [{time_s = 1, scale = 1}]\n",
+        "[[mesh]] 1 has keyframes beside matrix. Use translate, rotate_deg and scale.",
+    ),
     (BOX + "clip_speed = 2\n", "[[mesh]] 1: clip_speed is set, but its file is not animated"),
-    (BOX + '[[light]]\ntype = "point"\nposition = [0,0,0]\nintensity = 1\n'
-     "key = [{time_s = 0, irradiance = 1}]\n",
-     "unknown key 'irradiance' in [[light]] 1 key 1. Known: intensity, position, time_s."),
-    (BOX + "[animation]\nfps = 3\n",
-     "there is an [animation], but nothing moves. Add [[camera.key]], [[light.key]], [[mesh.key]], "
-     "[[environment.key]] or a volume sequence."),
+    (
+        BOX + '[[light]]\ntype = "point"\nposition = [0,0,0]\nintensity = 1\n'
+        "key = [{time_s = 0, irradiance = 1}]\n",
+        "unknown key 'irradiance' in [[light]] 1 key 1. Known: intensity, position, time_s.",
+    ),
+    (
+        BOX + "[animation]\nfps = 3\n",
+        "there is an [animation], but nothing moves. Add [[camera.key]], [[light.key]], "
+        "[[mesh.key]], [[environment.key]] or a volume sequence.",
+    ),
     (BOX + "[animation]\nfps = 0\n", "[animation]: fps = 0 is outside [1e-06, 1e+06]"),
-    ('[[volume]]\nsequence = "no/*.npy"\nsigma_t = 1\n',
-     "[[volume]] 1: sequence 'no/*.npy' names no files. "
-     "Paths are relative to the scene file; * stands for any number."),
-    ('[[volume]]\nshape = "box"\nsequence_fps = 3\nsigma_t = 1\n',
-     "[[volume]] 1: sequence_fps belongs to a sequence"),
-]  # fmt: skip
+    (
+        '[[volume]]\nsequence = "no/*.npy"\nsigma_t = 1\n',
+        "[[volume]] 1: sequence 'no/*.npy' names no files. "
+        "Paths are relative to the scene file; * stands for any number.",
+    ),
+    (
+        '[[volume]]\nshape = "box"\nsequence_fps = 3\nsigma_t = 1\n',
+        "[[volume]] 1: sequence_fps belongs to a sequence",
+    ),
+]
 
 
 @pytest.mark.parametrize(("text", "expected"), MISTAKES, ids=[m for _, m in MISTAKES])

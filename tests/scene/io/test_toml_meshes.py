@@ -45,9 +45,12 @@ def test_an_obj_is_read_and_placed(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("angles_deg", "start", "end"),
-    [((90, 0, 0), (0, 1, 0), (0, 0, 1)), ((0, 90, 0), (0, 0, 1), (1, 0, 0)),
-     ((0, 0, 90), (1, 0, 0), (0, 1, 0))],
-)  # fmt: skip
+    [
+        ((90, 0, 0), (0, 1, 0), (0, 0, 1)),
+        ((0, 90, 0), (0, 0, 1), (1, 0, 0)),
+        ((0, 0, 90), (1, 0, 0), (0, 1, 0)),
+    ],
+)
 def test_rotation_is_right_handed(angles_deg, start, end):
     np.testing.assert_allclose(rotation_xyz(angles_deg) @ start, end, atol=1e-15)
 

@@ -28,10 +28,19 @@ from airlight.scene.io.toml_tables import (
 )
 
 NOT_FIELDS = {
-    "file", "type", "sigma_s", "sigma_a", "grid", "channels", "between",
-    "translate", "rotate_deg", "scale", "matrix",
+    "file",
+    "type",
+    "sigma_s",
+    "sigma_a",
+    "grid",
+    "channels",
+    "between",
+    "translate",
+    "rotate_deg",
+    "scale",
+    "matrix",
     *(key.name for key in SEQUENCE_KEYS),
-}  # fmt: skip
+}
 """Keys that the loader turns into others."""
 
 

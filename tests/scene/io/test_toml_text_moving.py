@@ -22,32 +22,67 @@ from airlight.scene.io.toml_text import scene_text
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 VALUES: dict[str, object] = {  # by "table.key", else by the key; others by their kind
-    "mesh.file": "tri.obj", "environment.file": "sky.hdr", "volume.file": "smoke.npy",
-    "light.file": "many.npz", "volume.sequence": "smoke.*.npy", "grid": "density",
-    "channels": "density", "clip_start_s": 0.25, "clip_speed": 1.5, "clip": "wave",
-    "fov_y_deg": 33.5, "time_s": 0.0, "inner_deg": 11.0, "outer_deg": 88.0, "detail": 0.25,
-    "up": [0, 0.6, 0.8], "scale": 1.75, "fps": 12.5, "start_s": 0.125, "end_s": 4.5,
-    "g": [0.5, 0.25, -0.125], "volume.bounds": [[-2, 0, -2], [1, 3, 1]],
+    "mesh.file": "tri.obj",
+    "environment.file": "sky.hdr",
+    "volume.file": "smoke.npy",
+    "light.file": "many.npz",
+    "volume.sequence": "smoke.*.npy",
+    "grid": "density",
+    "channels": "density",
+    "clip_start_s": 0.25,
+    "clip_speed": 1.5,
+    "clip": "wave",
+    "fov_y_deg": 33.5,
+    "time_s": 0.0,
+    "inner_deg": 11.0,
+    "outer_deg": 88.0,
+    "detail": 0.25,
+    "up": [0, 0.6, 0.8],
+    "scale": 1.75,
+    "fps": 12.5,
+    "start_s": 0.125,
+    "end_s": 4.5,
+    "g": [0.5, 0.25, -0.125],
+    "volume.bounds": [[-2, 0, -2], [1, 3, 1]],
     "matrix": [0, 0, 1, 2, 0, 1, 0, 3, -1, 0, 0, 4, 0, 0, 0, 1],
-}  # fmt: skip
+}
 KINDS: dict[str, object] = {
-    "vector": [0.1, 1.2, 5.3], "unit vector (normalised for you)": [0, -1, 0],
-    "colour": [0.75, 0.5, 0.25], "number": 0.375, "boolean": None, "two corners":
-    [[-3, -1, -3], [3, 2, 3]], "number or vector": [1, 2, 3], 'number or "auto"': "auto",
-}  # fmt: skip
+    "vector": [0.1, 1.2, 5.3],
+    "unit vector (normalised for you)": [0, -1, 0],
+    "colour": [0.75, 0.5, 0.25],
+    "number": 0.375,
+    "boolean": None,
+    "two corners": [[-3, -1, -3], [3, 2, 3]],
+    "number or vector": [1, 2, 3],
+    'number or "auto"': "auto",
+}
 NEEDS = {  # keys that cannot stand alone
-    "mesh": {"shape": "box"}, "camera": {"position": [0, 1, 5], "target": [0, 1, 0]},
-    "environment": {"radiance": 0.5}, "medium": {"sigma_t": 0.2}, "volume": {"shape": "sphere",
-    "sigma_t": 3.0}, "volume.sigma_a": {"sigma_s": 1.5}, "medium.sigma_a": {"sigma_s": 0.5},
+    "mesh": {"shape": "box"},
+    "camera": {"position": [0, 1, 5], "target": [0, 1, 0]},
+    "environment": {"radiance": 0.5},
+    "medium": {"sigma_t": 0.2},
+    "volume": {"shape": "sphere", "sigma_t": 3.0},
+    "volume.sigma_a": {"sigma_s": 1.5},
+    "medium.sigma_a": {"sigma_s": 0.5},
     "light directional": {"direction": [0, -1, 0], "irradiance": [3, 2, 1]},
     "light point": {"position": [0, 3, 0], "intensity": 9},
     "light spot": {"position": [0, 3, 0], "direction": [0, -1, 0], "intensity": 9},
     "light points": {"file": "many.npz"},
-}  # fmt: skip
-INSTEAD = {"file": ("shape", "radiance"), "sequence": ("shape",), "shape": ("file",),
-           "sigma_s": ("sigma_t",), "sigma_a": ("sigma_t",), "detail": ("shape",)}  # fmt: skip
-BESIDE = {"detail": {"file": "smoke.npy"}, "grid": {"file": "smoke.npy"},
-          "channels": {"file": "smoke.npy"}, "top": {"endless": True}}  # fmt: skip
+}
+INSTEAD = {
+    "file": ("shape", "radiance"),
+    "sequence": ("shape",),
+    "shape": ("file",),
+    "sigma_s": ("sigma_t",),
+    "sigma_a": ("sigma_t",),
+    "detail": ("shape",),
+}
+BESIDE = {
+    "detail": {"file": "smoke.npy"},
+    "grid": {"file": "smoke.npy"},
+    "channels": {"file": "smoke.npy"},
+    "top": {"endless": True},
+}
 DIRECTIONS = ([0, -1, 0], [0, -0.6, 0.8], [0.6, -0.8, 0])
 SEQUENCE = {"sequence": "smoke.*.npy"}
 
@@ -200,8 +235,14 @@ def test_every_keyframe_comes_back(folder, table, kind, key):
 
 
 def test_other_folders_and_changed_motion(folder):
-    text = text_of({"mesh": {"shape": "box"}, "volume": {"sigma_t": 2.0, **SEQUENCE},
-                    "camera": NEEDS["camera"]}, keyframes("camera", "", "position"))  # fmt: skip
+    text = text_of(
+        {
+            "mesh": {"shape": "box"},
+            "volume": {"sigma_t": 2.0, **SEQUENCE},
+            "camera": NEEDS["camera"],
+        },
+        keyframes("camera", "", "position"),
+    )
     source, deep = folder / "scene.toml", folder / "deep"
     deep.mkdir(exist_ok=True)
     source.write_text(text)
@@ -222,8 +263,10 @@ def test_other_folders_and_changed_motion(folder):
 
 def test_what_moves_but_cannot_be_written_is_said(folder):
     scene = load("builtin:cornell")
-    turning = {"position": Curve(np.array([0.0, 1.0]), np.zeros((2, 3))),
-               "fov_y_deg": Curve(np.array([0.0, 2.0]), np.array([[20.0], [30.0]]))}  # fmt: skip
+    turning = {
+        "position": Curve(np.array([0.0, 1.0]), np.zeros((2, 3))),
+        "fov_y_deg": Curve(np.array([0.0, 2.0]), np.array([[20.0], [30.0]])),
+    }
     smoke = VolumeTrack(0, MadeDensity(lambda time_s: np.zeros((2, 2, 2), np.float32)))
     moving = replace(scene, camera=Camera(), animation=Animation((CameraTrack(turning), smoke)))
     text = scene_text(moving, scene, "builtin:cornell", folder)
@@ -235,12 +278,20 @@ def test_what_moves_but_cannot_be_written_is_said(folder):
 def test_an_animated_file_keeps_its_clip(folder, draft):
     moves, times = np.array([(0, 0, 0), (1, 0, 0), (1, 4, 0)]), [0.0, 1.0, 3.0]
     draft.single(draft.triangle())
-    draft.json["animations"] = [{
-        "name": "wave", "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
-        "samplers": [{"input": draft.array(times, "f4"), "output": draft.array(moves, "f4")}],
-    }]  # fmt: skip
+    draft.json["animations"] = [
+        {
+            "name": "wave",
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+            "samplers": [{"input": draft.array(times, "f4"), "output": draft.array(moves, "f4")}],
+        }
+    ]
     path = draft.glb()
-    clip = {"file": str(path), "clip": "wave", "clip_start_s": 0.25, "clip_speed": 1.5,
-            "clip_loop": True}  # fmt: skip
+    clip = {
+        "file": str(path),
+        "clip": "wave",
+        "clip_start_s": 0.25,
+        "clip_speed": 1.5,
+        "clip_loop": True,
+    }
     scene = same_again(folder, text_of({"mesh": clip}))
     assert not same(scene.at(0.7).meshes, scene.at(3.0).meshes)

@@ -88,12 +88,15 @@ def test_a_channel_is_chosen_by_name(tmp_path):
 @pytest.mark.parametrize(
     ("channels", "expected"),
     [
-        ("density", 'has 3 channels, which one is the density is not clear. Say channels = "r", '
-         '"g", "b" or "a".'),
+        (
+            "density",
+            'has 3 channels, which one is the density is not clear. Say channels = "r", '
+            '"g", "b" or "a".',
+        ),
         ("a", "has 3 channels, there is no channel 'a'"),
         ("dens", "channels = 'dens' is unknown. Did you mean 'density'?"),
     ],
-)  # fmt: skip
+)
 def test_channel_mistakes(tmp_path, channels, expected):
     (tmp_path / "a.vol").write_bytes(vol_bytes(counted(2, 3, 4, 3)))
     with pytest.raises(SceneError) as caught:
@@ -131,36 +134,66 @@ DAMAGED = [
     ("a.npy", b"\x93NUMPY\x01\x00\xff", "is not a NumPy array, or its header is damaged"),
     ("a.npy", huge_npy_header(), f"has 1,125,899,906,842,624 values, {TOO_MANY}"),
     ("a.npy", npy_bytes(counted(2, 3, 4))[:-1], "is cut short: 95 of 96 bytes of values"),
-    ("a.npy", npy_bytes(np.ones((2, 2, 2), complex)), "holds complex128 values, it must hold "
-     "numbers"),
+    (
+        "a.npy",
+        npy_bytes(np.ones((2, 2, 2), complex)),
+        "holds complex128 values, it must hold numbers",
+    ),
     ("a.npy", npy_bytes(np.array([[[None]]])), "holds Python objects, it must hold numbers"),
     ("a.npy", npy_bytes(counted(4)), "has shape (4,), it must be (z, y, x) or (z, y, x, channel)"),
     ("a.npy", npy_bytes(np.ones((0, 2, 2))), "is empty: its shape is (0, 2, 2)"),
-    ("a.npy", npy_bytes(np.array([[[1.0, np.nan, np.inf]]])), "2 of its 3 values are NaN or "
-     "infinite. Repair it: numpy.nan_to_num makes them 0."),
-    ("a.npy", npy_bytes(np.array([[[1.0, -np.inf]]])), "1 of its 2 values is NaN or infinite. "
-     "Repair it: numpy.nan_to_num makes them 0."),
-    ("a.npy", npy_bytes(np.array([[[1.0, -0.5]]])), "has negative densities, down to -0.5. "
-     "A density is at least 0: numpy.clip."),
-    ("a.vol", vol_bytes(np.full((1, 1, 1, 1), -2.0)), "has negative densities, down to -2. "
-     "A density is at least 0: numpy.clip."),
-    ("a.npz", b"PK nothing", "is not a readable .npz: File is not a zip file. "
-     "Write it with numpy.savez."),
+    (
+        "a.npy",
+        npy_bytes(np.array([[[1.0, np.nan, np.inf]]])),
+        "2 of its 3 values are NaN or infinite. Repair it: numpy.nan_to_num makes them 0.",
+    ),
+    (
+        "a.npy",
+        npy_bytes(np.array([[[1.0, -np.inf]]])),
+        "1 of its 2 values is NaN or infinite. Repair it: numpy.nan_to_num makes them 0.",
+    ),
+    (
+        "a.npy",
+        npy_bytes(np.array([[[1.0, -0.5]]])),
+        "has negative densities, down to -0.5. A density is at least 0: numpy.clip.",
+    ),
+    (
+        "a.vol",
+        vol_bytes(np.full((1, 1, 1, 1), -2.0)),
+        "has negative densities, down to -2. A density is at least 0: numpy.clip.",
+    ),
+    (
+        "a.npz",
+        b"PK nothing",
+        "is not a readable .npz: File is not a zip file. Write it with numpy.savez.",
+    ),
     ("a.npz", npz_of(huge_npy_header()), f"has 1,125,899,906,842,624 values, {TOO_MANY}"),
     ("a.vol", b"VOL", "is not a Mitsuba volume: it does not start with 'VOL' and a header"),
     ("a.vol", b"X" * 60, "is not a Mitsuba volume: it does not start with 'VOL' and a header"),
     ("a.vol", ONE[:-1], "has 51 bytes, its header of 1 x 1 x 1 voxels and 1 channels needs 52"),
-    ("a.vol", vol_bytes(np.ones((1, 1, 1, 1)), version=2),
-     "has version 2 and encoding 1, only version 3 with encoding 1 (float32) is read"),
-    ("a.vol", struct.pack("<3sBiiiii6f", b"VOL", 3, 1, -4, 2, 2, 1, *[0.0] * 6),
-     "has an impossible size -4 x 2 x 2 x 1"),
-    ("a.vol", struct.pack("<3sBiiiii6f", b"VOL", 3, 1, 1 << 30, 1 << 30, 1 << 30, 1, *[0.0] * 6),
-     f"has 1,237,940,039,285,380,274,899,124,224 values, {TOO_MANY}"),
-    ("a.vol", vol_bytes(np.ones((1, 1, 1, 1)), (0, 0, 0, 0, 1, 1)),
-     "the bounding box in its header is empty: [0.0, 0.0, 0.0] to [0.0, 1.0, 1.0]"),
+    (
+        "a.vol",
+        vol_bytes(np.ones((1, 1, 1, 1)), version=2),
+        "has version 2 and encoding 1, only version 3 with encoding 1 (float32) is read",
+    ),
+    (
+        "a.vol",
+        struct.pack("<3sBiiiii6f", b"VOL", 3, 1, -4, 2, 2, 1, *[0.0] * 6),
+        "has an impossible size -4 x 2 x 2 x 1",
+    ),
+    (
+        "a.vol",
+        struct.pack("<3sBiiiii6f", b"VOL", 3, 1, 1 << 30, 1 << 30, 1 << 30, 1, *[0.0] * 6),
+        f"has 1,237,940,039,285,380,274,899,124,224 values, {TOO_MANY}",
+    ),
+    (
+        "a.vol",
+        vol_bytes(np.ones((1, 1, 1, 1)), (0, 0, 0, 0, 1, 1)),
+        "the bounding box in its header is empty: [0.0, 0.0, 0.0] to [0.0, 1.0, 1.0]",
+    ),
     ("a.nvdb", b"", "is not a NanoVDB file"),
     ("a.txt", b"", "is not a density grid. Known endings: .npy, .npz, .vol, .nvdb, .vdb."),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("name", "content", "expected"), DAMAGED, ids=[d[2] for d in DAMAGED])

@@ -41,20 +41,30 @@ class Plan:
 
 
 QUICK = Plan(
-    frames=2, kernel_runs=2, kernel_sides=(8,), growth_frames=1, growth_tables=1,
+    frames=2,
+    kernel_runs=2,
+    kernel_sides=(8,),
+    growth_frames=1,
+    growth_tables=1,
     growth_size=QUICK_SIZE,
-)  # fmt: skip
+)
 
 
 @click.command("bench")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.json",
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE.json",
     help="Keep all numbers.",
-)  # fmt: skip
+)
 @click.option(
-    "--scene", "scenes", multiple=True, metavar="SCENE",
+    "--scene",
+    "scenes",
+    multiple=True,
+    metavar="SCENE",
     help="Draw it at 640x360 instead of builtin:room; may be repeated.",
-)  # fmt: skip
+)
 @click.option(
     "--only", "parts", multiple=True, type=click.Choice(PARTS), help="A part of it; repeatable."
 )
@@ -90,9 +100,15 @@ _MEASURED = ("scenes", "parts", "quick", "settings", "adapter", "is_long")
 
 
 def measured(
-    *, scenes: Sequence[str], parts: Sequence[str], quick: bool, settings: dict[str, str],
-    adapter: str, report: Report = lambda stage, fraction: None, is_long: bool = False,
-) -> dict[str, Any]:  # fmt: skip
+    *,
+    scenes: Sequence[str],
+    parts: Sequence[str],
+    quick: bool,
+    settings: dict[str, str],
+    adapter: str,
+    report: Report = lambda stage, fraction: None,
+    is_long: bool = False,
+) -> dict[str, Any]:
     """All numbers, as `-o` keeps them; `parts` of PARTS, all where empty. Raises AirlightError."""
     wanted, plan = parts or PARTS, QUICK if quick else Plan(is_long=is_long)
     results: dict[str, Any] = {"machine": machine(adapter), "is_quick": quick}

@@ -51,14 +51,10 @@ def axes(*, is_long: bool = False) -> tuple[Axis, ...]:
         Axis("iterations", (1, 8, 16, 32, 64), _of_setting("iterations")),
         Axis("map side, px", (64, 128, 256, 512), _of_setting("map_resolution")),
         Axis("point lights", (1, 2, 4, 8), _with_lights),
-        Axis(
-            "share of triangles, 1/n", (8, 4, 2, 1), _with_fewer_meshes, SCENE_OF_MANY_TRIANGLES
-        ),
+        Axis("share of triangles, 1/n", (8, 4, 2, 1), _with_fewer_meshes, SCENE_OF_MANY_TRIANGLES),
         Axis("thousand triangles", thousands, _with_ground),
-        Axis(
-            "cascades", (1, 2, 3), _of_setting("cascades"), SCENE_OF_MANY_TRIANGLES, "cascades"
-        ),
-    )  # fmt: skip
+        Axis("cascades", (1, 2, 3), _of_setting("cascades"), SCENE_OF_MANY_TRIANGLES, "cascades"),
+    )
 
 
 def lamps(scene: Scene, count: int) -> tuple[Light, ...]:
@@ -96,9 +92,13 @@ def _with_fewer_meshes(scene: Scene, value: int) -> tuple[Scene, Mapping[str, An
 
 
 def table(
-    axis: Axis, scene: Scene, size: tuple[int, int], frames: int, adapter: str,
+    axis: Axis,
+    scene: Scene,
+    size: tuple[int, int],
+    frames: int,
+    adapter: str,
     base: Mapping[str, Any] = PAPER_LATTICE,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """{"axis", "scene", "rows": [{value, cells, triangles, flying_ms, passes, ...}]}.
 
     `base` are the settings that do not vary.

@@ -52,8 +52,10 @@ def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str
     line = [Path(compiler).name, *C_FLAGS, source.name, "-o", program.name]
     done = subprocess.run(
         [compiler, *C_FLAGS, str(source), "-o", str(program)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode != 0:
         reason = next((x for x in done.stderr.splitlines() if "error" in x), done.stderr.strip())
         return None, f"skipped: the C file does not compile here ({reason})"
@@ -110,9 +112,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     cells = placement.cells
     injected = buffer_of(gpu, "injected", rng.random((3 * cells, 4), dtype=np.float32))
     faces = buffer_of(gpu, "faces", random_faces(rng, cells))
-    propagate = Propagate(
-        gpu, placement, "centroid", is_blocked=blocked, is_reflecting=blocked
-    )  # fmt: skip
+    propagate = Propagate(gpu, placement, "centroid", is_blocked=blocked, is_reflecting=blocked)
     commands = Commands(gpu)
 
     def run() -> float:

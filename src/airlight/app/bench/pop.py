@@ -23,9 +23,14 @@ if TYPE_CHECKING:
 SIZE, QUICK_SIZE = (800, 600), (48, 36)
 SETTING: Mapping[str, Any] = {"ordinates": 64, "grid": 20, "iterations": 10}
 PAPER_MS: Mapping[str, float] = {
-    "importance": 5.0, "ordinates": 2.0, "initialisation": 2.0, "propagation": 12.0,
-    "residuum": 2.0, "merge and upsampling": 4.0, "marching": 5.0,
-}  # fmt: skip
+    "importance": 5.0,
+    "ordinates": 2.0,
+    "initialisation": 2.0,
+    "propagation": 12.0,
+    "residuum": 2.0,
+    "merge and upsampling": 4.0,
+    "marching": 5.0,
+}
 """Elek2014 Fig. 14, a GeForce GTX 770."""
 STAGES: Mapping[str, tuple[str, ...]] = {
     "importance": ("pop importance",),
@@ -39,9 +44,11 @@ STAGES: Mapping[str, tuple[str, ...]] = {
 """Our stages under the paper's names; delta-beam's deposits stand for propagation, its one solve
 for the residuum."""
 CASES: Mapping[str, Mapping[str, Any]] = {
-    "delta-beam": {}, "delta-beam, medium moving": {}, "split": {"scheme": "split"},
+    "delta-beam": {},
+    "delta-beam, medium moving": {},
+    "split": {"scheme": "split"},
     "paper": {"scheme": "paper"},
-}  # fmt: skip
+}
 TURN_DEG = 0.5
 Vary = Callable[["Scene", int], tuple["Scene", dict[str, Any]]]
 
@@ -104,9 +111,14 @@ def moved(scene: Scene, step: int, *, moves: bool) -> Scene:
 
 
 def _frames(
-    scene: Scene, size: tuple[int, int], settings: Mapping[str, Any], frames: int, adapter: str,
-    *, moves: bool = False,
-) -> dict[str, Any]:  # fmt: skip
+    scene: Scene,
+    size: tuple[int, int],
+    settings: Mapping[str, Any],
+    frames: int,
+    adapter: str,
+    *,
+    moves: bool = False,
+) -> dict[str, Any]:
     """{frame_ms, python_ms, stages_ms, passes, settings, ...}."""
     from ...rendering import Renderer
 
@@ -122,11 +134,15 @@ def _frames(
         passes = {n: float(statistics.median(p.get(n, 0.0) for p in timed)) for n in names}
         stats = made.stats()
         return {
-            "settings": dict(settings), "device": stats["device"], "grid": stats.get("grid"),
-            "frame_ms": spread(made.frame_ms), "python_ms": spread(made.python_ms),
-            "stages_ms": under_the_papers_names(passes), "passes": passes,
+            "settings": dict(settings),
+            "device": stats["device"],
+            "grid": stats.get("grid"),
+            "frame_ms": spread(made.frame_ms),
+            "python_ms": spread(made.python_ms),
+            "stages_ms": under_the_papers_names(passes),
+            "passes": passes,
             "peak_gpu_bytes": stats["peak_gpu_bytes"],
-        }  # fmt: skip
+        }
 
 
 def _timed(made: Renderer, scene: Scene, step: int, *, moves: bool) -> dict[str, float]:

@@ -152,8 +152,9 @@ def _first_images(cases: Sequence[Mapping[str, Any]]) -> Table:
     )
     return Table(
         "First image: the whole command in a process of its own",
-        ("case", "size", "seconds", "host memory, MB"), rows,
-    )  # fmt: skip
+        ("case", "size", "seconds", "host memory, MB"),
+        rows,
+    )
 
 
 def _growth(table: Mapping[str, Any]) -> Table:
@@ -192,11 +193,12 @@ def pop_tables(found: Mapping[str, Any]) -> list[Table]:
     for growth in found["growth"]:
         lines = tuple(
             (
-                str(row["value"]), milliseconds(row["frame_ms"]["median"]),
+                str(row["value"]),
+                milliseconds(row["frame_ms"]["median"]),
                 *(milliseconds(row["stages_ms"][n]) for n in names),
             )
             for row in growth["rows"]
-        )  # fmt: skip
+        )
         columns = (growth["axis"], "frame, ms", *names)
         tables.append(Table(f"Principal ordinates: growth with {growth['axis']}", columns, lines))
     return tables

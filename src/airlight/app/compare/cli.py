@@ -74,26 +74,42 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     help="Techniques to judge.  [default: direct auto]",
 )
 @click.option(
-    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="DIR",
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR",
     help="Folder for index.html, contact_sheet.png and results.json.",
-)  # fmt: skip
+)
 @size_option("640x360")
 @click.option(
-    "--spp", type=click.IntRange(4, 65536), default=64, show_default=True,
+    "--spp",
+    type=click.IntRange(4, 65536),
+    default=64,
+    show_default=True,
     help="Samples a pixel of the reference, at least.",
-)  # fmt: skip
+)
 @click.option(
-    "--noise", type=Number(0.0, min_open=True), metavar="RELMSE",
+    "--noise",
+    type=Number(0.0, min_open=True),
+    metavar="RELMSE",
     help="Sample until the reference's noise floor is below this.",
-)  # fmt: skip
+)
 @click.option(
-    "--timeout", "timeout_s", type=Number(1.0), default=3600.0, show_default=True,
+    "--timeout",
+    "timeout_s",
+    type=Number(1.0),
+    default=3600.0,
+    show_default=True,
     help="Seconds the reference may take.",
-)  # fmt: skip
+)
 @click.option(
-    "--samples", type=click.IntRange(1, 4096), default=16, show_default=True,
+    "--samples",
+    type=click.IntRange(1, 4096),
+    default=16,
+    show_default=True,
     help="Jittered samples a pixel of each technique.",
-)  # fmt: skip
+)
 @settings_option("A setting of each technique that has it; may be repeated.")
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
@@ -169,9 +185,15 @@ def compare_scene(
 
 
 def _outcome(
-    scene: Scene, label: str, name: str, settings: Mapping[str, str], size: tuple[int, int],
-    samples: int, adapter: str, reference: Reference,
-) -> Outcome:  # fmt: skip
+    scene: Scene,
+    label: str,
+    name: str,
+    settings: Mapping[str, str],
+    size: tuple[int, int],
+    samples: int,
+    adapter: str,
+    reference: Reference,
+) -> Outcome:
     """One technique rendered and scored; whatever goes wrong with it is its own affair."""
     from ...reference.metrics import compare
     from .result import Outcome
@@ -188,11 +210,14 @@ def _outcome(
         return Outcome(name, made, error=f"internal error: {type(error).__name__}: {error}")
     l2, floor_l2 = metrics.relative_l2 or 0.0, metrics.noise_floor_l2 or 0.0
     return Outcome(
-        name, made, image, metrics,
+        name,
+        made,
+        image,
+        metrics,
         equal_time=_in_equal_time(metrics.relmse, reference.floor, taken_s, reference),
         equal_time_l2=_in_equal_time(l2**2, floor_l2**2, taken_s, reference),
         seconds=taken_s,
-    )  # fmt: skip
+    )
 
 
 def _in_equal_time(error: float, floor: float, taken_s: float, reference: Reference) -> EqualTime:
@@ -208,9 +233,13 @@ def _in_equal_time(error: float, floor: float, taken_s: float, reference: Refere
 
 
 def picture(
-    scene: Scene, technique: str, size: tuple[int, int], samples: int, adapter: str = "auto",
+    scene: Scene,
+    technique: str,
+    size: tuple[int, int],
+    samples: int,
+    adapter: str = "auto",
     settings: Mapping[str, Any] | None = None,
-) -> tuple[Image, float]:  # fmt: skip
+) -> tuple[Image, float]:
     """The picture and the seconds it took once shaders were compiled and textures loaded.
 
     Its layer one_bounce, where the technique can leave later bounces out, is the indirect light of
@@ -260,9 +289,15 @@ def _files(folder: Path) -> tuple[Path, Path, Path]:
 
 
 def _compare_command(
-    label: str, techniques: tuple[str, ...], output: Path, size: tuple[int, int], spp: int,
-    noise: float | None, samples: int, settings: Mapping[str, str],
-) -> str:  # fmt: skip
+    label: str,
+    techniques: tuple[str, ...],
+    output: Path,
+    size: tuple[int, int],
+    spp: int,
+    noise: float | None,
+    samples: int,
+    settings: Mapping[str, str],
+) -> str:
     words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
     words += ["--size", f"{size[0]}x{size[1]}", "--spp", str(spp), "--samples", str(samples)]
     words += _settings_words(settings)

@@ -23,24 +23,41 @@ if TYPE_CHECKING:
 
 @click.command("sequence")
 @click.argument("scene")
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
-              metavar="DIR|FILE.mp4", help="A folder for frames, or a video.")  # fmt: skip
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR|FILE.mp4",
+    help="A folder for frames, or a video.",
+)
 @click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
 @click.option("--start", "start_s", type=SECONDS, metavar="SECONDS", help="The first frame's time.")
 @click.option("--end", "end_s", type=SECONDS, metavar="SECONDS", help="When it ends.")
 @click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
 @click.option("-t", "--technique", default="auto", show_default=True, help="As for render.")
 @size_option("1280x720")
-@click.option("--samples", type=click.IntRange(1, 4096), default=4, show_default=True,
-              help="Jittered samples per pixel.")  # fmt: skip
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 4096),
+    default=4,
+    show_default=True,
+    help="Jittered samples per pixel.",
+)
 @settings_option()
-@click.option("--format", "kind", type=click.Choice(list(FORMATS)), help="Of frames: png is tone "
-              "mapped, exr linear.  [default: png]")  # fmt: skip
+@click.option(
+    "--format",
+    "kind",
+    type=click.Choice(list(FORMATS)),
+    help="Of frames: png is tone mapped, exr linear.  [default: png]",
+)
 @click.option("--layers", is_flag=True, help="Keep every layer in EXR frames.")
-@click.option("--exposure", type=Number(-64, 64), metavar="STOPS",
-              help="Instead of the camera's.")  # fmt: skip
-@click.option("--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]),
-              help="Display curve.  [default: agx]")  # fmt: skip
+@click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help="Instead of the camera's.")
+@click.option(
+    "--tone-map",
+    type=click.Choice(["agx", "aces", "neutral", "none"]),
+    help="Display curve.  [default: agx]",
+)
 @adapter_option()
 @click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
 @click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")
@@ -81,12 +98,17 @@ def command(scene: str, output: Path, **options: Any) -> None:
     folder.open(asked, resume=options["resume"])
     make_frames(plan, loaded, folder, farm=options["farm"], quiet=options["quiet"])
     if is_video:
-        with counted("frames encoded", len(plan.frames), quiet=options["quiet"]) as count:
-            files = [folder.file(plan, frame) for frame in plan.frames]
-            write_video(files, plan.fps, output, comment, lambda share: count())
+        _encode(plan, folder, output, comment, quiet=options["quiet"])
         if not options["keep_frames"]:
             folder.clear()
     click.echo(str(output))
+
+
+def _encode(plan: Plan, folder: FrameFolder, output: Path, comment: str, *, quiet: bool) -> None:
+    """The frames of `folder` as a video, marked by `comment`."""
+    with counted("frames encoded", len(plan.frames), quiet=quiet) as count:
+        files = [folder.file(plan, frame) for frame in plan.frames]
+        write_video(files, plan.fps, output, comment, lambda share: count())
 
 
 def make_frames(
@@ -120,9 +142,13 @@ def make_frames(
 
 
 def _farmed(
-    address: str, plan: Plan, scene: Scene, folder: FrameFolder, missing: list[int],
+    address: str,
+    plan: Plan,
+    scene: Scene,
+    folder: FrameFolder,
+    missing: list[int],
     count: Callable[[], None],
-) -> None:  # fmt: skip
+) -> None:
     from ...scene.io.writing import whole_file
     from .farm import farm_frames
 
@@ -166,9 +192,10 @@ def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> 
         check_video()
     elif output.suffix and not is_folder(output):
         raise OutputError(
-            f"'{output.suffix}' is no kind of video that is written here", where=output,
+            f"'{output.suffix}' is no kind of video that is written here",
+            where=output,
             remedy="End it in .mp4, or give a folder.",
-        )  # fmt: skip
+        )
     if options["layers"] and options["kind"] != "exr":
         raise SettingsError("--layers needs --format exr")
 
@@ -178,9 +205,17 @@ def _plan(scene: Scene, options: dict[str, Any], *, is_video: bool) -> Plan:
         scene, options["frames"], options["start_s"], options["end_s"], options["fps"]
     )
     return Plan(
-        technique=options["technique"], size=options["size"], start_s=start_s, fps=fps,
-        first=first, last=last, settings=options["settings"], samples=options["samples"],
-        adapter=options["adapter"], ending=FORMATS[options["kind"] or "png"],
-        layers=options["layers"], exposure_stops=options["exposure"],
+        technique=options["technique"],
+        size=options["size"],
+        start_s=start_s,
+        fps=fps,
+        first=first,
+        last=last,
+        settings=options["settings"],
+        samples=options["samples"],
+        adapter=options["adapter"],
+        ending=FORMATS[options["kind"] or "png"],
+        layers=options["layers"],
+        exposure_stops=options["exposure"],
         tone_map=options["tone_map"],
-    )  # fmt: skip
+    )

@@ -40,10 +40,15 @@ def check_farm(address: str) -> None:
 
 
 def farm_frames(
-    address: str, plan: Plan, scene: Scene, frames: Sequence[int],
-    take: Callable[[int, bytes, str, list[str]], None], *, answer_s: float = ANSWER_S,
+    address: str,
+    plan: Plan,
+    scene: Scene,
+    frames: Sequence[int],
+    take: Callable[[int, bytes, str, list[str]], None],
+    *,
+    answer_s: float = ANSWER_S,
     patience_s: float = PATIENCE_S,
-) -> None:  # fmt: skip
+) -> None:
     """Make `frames` on the cluster at `address`, each once.
 
     `take(frame, bytes, device, doubts)` gets them, in any order. Raises SettingsError where

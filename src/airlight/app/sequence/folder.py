@@ -46,8 +46,9 @@ class FrameFolder:
             if found:
                 raise OutputError(
                     f"holds {found[0]}, but no {MANIFEST} that says what it shows",
-                    where=self.path, remedy=_ENOUGH,
-                )  # fmt: skip
+                    where=self.path,
+                    remedy=_ENOUGH,
+                )
             self.note(asked=dict(asked))
         self._sweep()
 
@@ -98,25 +99,28 @@ class FrameFolder:
             ) from None
         except OSError as error:
             raise OutputError(
-                f"cannot be made ({error.strerror or error})", where=self.path,
+                f"cannot be made ({error.strerror or error})",
+                where=self.path,
                 remedy="Choose another folder, or check its permissions and free space.",
-            ) from None  # fmt: skip
+            ) from None
 
     def _take_up(self, asked: Mapping[str, Any], count: int, *, resume: bool) -> None:
         self.manifest = _read(self.path / MANIFEST)
         there = self.manifest["asked"]
         if not resume:
             raise OutputError(
-                f"holds a sequence already ({count} frames)", where=self.path,
+                f"holds a sequence already ({count} frames)",
+                where=self.path,
                 remedy="Go on with it by --resume, or choose another folder.",
-            )  # fmt: skip
+            )
         now = json.loads(json_text(asked))
         for name in [*now, *there]:
             if now.get(name) != there.get(name):
                 raise OutputError(
                     f"holds another sequence: {_difference(name, there.get(name), now.get(name))}",
-                    where=self.path, remedy=_ENOUGH,
-                )  # fmt: skip
+                    where=self.path,
+                    remedy=_ENOUGH,
+                )
 
     def _sweep(self) -> None:
         """Remove what killed runs left half-written."""

@@ -54,12 +54,19 @@ class Plan:
         from ...scene.fingerprint import fingerprint
 
         return {
-            "airlight": __version__, "scene": fingerprint(scene), "technique": self.technique,
+            "airlight": __version__,
+            "scene": fingerprint(scene),
+            "technique": self.technique,
             "settings": {name: str(value) for name, value in sorted(self.settings.items())},
-            "size": list(self.size), "samples": self.samples, "start_s": self.start_s,
-            "fps": self.fps, "format": self.ending.removeprefix("."), "layers": self.layers,
-            "exposure": self.exposure_stops, "tone_map": self.tone_map,
-        }  # fmt: skip
+            "size": list(self.size),
+            "samples": self.samples,
+            "start_s": self.start_s,
+            "fps": self.fps,
+            "format": self.ending.removeprefix("."),
+            "layers": self.layers,
+            "exposure": self.exposure_stops,
+            "tone_map": self.tone_map,
+        }
 
 
 def digest(asked: Mapping[str, Any]) -> str:

@@ -39,9 +39,13 @@ def _bar(what: str, total: int, done: int) -> Iterator[Callable[[], None]]:
     )
 
     columns = (
-        TextColumn("{task.description}"), MofNCompleteColumn(), BarColumn(), TimeElapsedColumn(),
-        TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
+        TextColumn("{task.description}"),
+        MofNCompleteColumn(),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
     # Frames may take minutes each: the rate is of all of them so far.
     with Progress(
         *columns, console=Console(stderr=True), transient=True, speed_estimate_period=86400.0

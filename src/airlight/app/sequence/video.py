@@ -35,9 +35,12 @@ def check_video() -> None:
 
 
 def write_video(
-    frames: Sequence[Path], fps: float, path: Path, comment: str,
+    frames: Sequence[Path],
+    fps: float,
+    path: Path,
+    comment: str,
     report: Callable[[float], None] = lambda share: None,
-) -> None:  # fmt: skip
+) -> None:
     """Write `frames`, pictures of one size, to `path`, whole or not at all.
 
     `comment` is kept in it; `report(share)` is called as it goes. Raises OutputError.
@@ -51,9 +54,10 @@ def write_video(
                 _encode(container, frames, fps, report)
         except av.FFmpegError as error:
             raise OutputError(
-                f"the video cannot be written ({error.strerror or error})", where=path,
+                f"the video cannot be written ({error.strerror or error})",
+                where=path,
                 remedy="The frames are kept; check the free space, and go on by --resume.",
-            ) from None  # fmt: skip
+            ) from None
 
 
 def video_comment(path: Path) -> str:
@@ -102,8 +106,9 @@ def _even(file: Path) -> NDArray[np.uint8]:
     except (OSError, ValueError, SceneError) as error:
         reason = error.problem if isinstance(error, SceneError) else error
         raise OutputError(
-            f"is not a whole picture ({reason})", where=file,
+            f"is not a whole picture ({reason})",
+            where=file,
             remedy="Delete it, and make it again by --resume.",
-        ) from None  # fmt: skip
+        ) from None
     height, width = pixels.shape[:2]
     return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

@@ -55,9 +55,13 @@ PAGE = """<!DOCTYPE html>
 
 
 def serve(
-    session: Session, size: tuple[int, int], *, port: int = 0, listen: str = "",
+    session: Session,
+    size: tuple[int, int],
+    *,
+    port: int = 0,
+    listen: str = "",
     opens: bool = False,
-) -> None:  # fmt: skip
+) -> None:
     """Serve `session` until interrupted; the link goes to stdout.
 
     Raises AirlightError where a package is missing, the port is in use or the address is not
@@ -76,9 +80,13 @@ def serve(
     http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
     config = uvicorn.Config(
-        Guard(http.asgi, token, listen), log_level="error", lifespan="on",
-        ws_max_size=_LARGEST_MESSAGE, timeout_graceful_shutdown=1, access_log=False,
-    )  # fmt: skip
+        Guard(http.asgi, token, listen),
+        log_level="error",
+        lifespan="on",
+        ws_max_size=_LARGEST_MESSAGE,
+        timeout_graceful_shutdown=1,
+        access_log=False,
+    )
     server = uvicorn.Server(config)
 
     def stop(event: dict[str, Any]) -> None:

@@ -16,9 +16,17 @@ from .save import Copy, Saver
 from .session import Session
 
 EVENTS = (
-    "pointer_down", "pointer_up", "pointer_move", "wheel", "key_down", "key_up", "resize",
-    "pointer_enter", "pointer_leave", "char",
-)  # fmt: skip
+    "pointer_down",
+    "pointer_up",
+    "pointer_move",
+    "wheel",
+    "key_down",
+    "key_up",
+    "resize",
+    "pointer_enter",
+    "pointer_leave",
+    "char",
+)
 NOT_INSTALLED = "Install it with: pip install 'airlight[view]'"
 _LARGEST_SIDE_PX = 8192
 _NEWS_S = 0.1
@@ -29,9 +37,13 @@ class CanvasView:
     """Draws when something changed, and goes on until the picture is refined."""
 
     def __init__(
-        self, canvas: Any, session: Session, *, folder: Path | None = None,
+        self,
+        canvas: Any,
+        session: Session,
+        *,
+        folder: Path | None = None,
         copy: Copy | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.canvas, self.session = canvas, session
         self.surface = CanvasSurface(session.gpu, canvas)
         session.attach(self.surface.format)

@@ -13,25 +13,36 @@ from ..scene_argument import load_scene, show_warnings
 @click.command("view")
 @click.argument("scene")
 @click.option(
-    "--in", "place", type=click.Choice(["window", "browser"]), default="window",
-    show_default=True, help="Where to look at it.",
-)  # fmt: skip
+    "--in",
+    "place",
+    type=click.Choice(["window", "browser"]),
+    default="window",
+    show_default=True,
+    help="Where to look at it.",
+)
 @click.option(
-    "-t", "--technique", default="auto", show_default=True,
+    "-t",
+    "--technique",
+    default="auto",
+    show_default=True,
     help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
-)  # fmt: skip
+)
 @size_option("1280x720")
 @settings_option()
 @adapter_option()
 @click.option(
-    "--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="N",
     help="With --in browser: the port to serve on.  [default: a free one]",
-)  # fmt: skip
+)
 @click.option(
-    "--listen", metavar="ADDRESS",
+    "--listen",
+    metavar="ADDRESS",
     help="With --in browser: an address other than this machine's own loopback. Anyone who can "
     "reach it and sees the link can look and steer; the link is not encrypted.",
-)  # fmt: skip
+)
 @click.option(
     "--open/--no-open", "opens", default=True, help="Open the browser, or only say where."
 )
@@ -53,9 +64,12 @@ def command(scene: str, place: str, **options: Any) -> None:
     loaded = load_scene(scene)
     show_warnings(loaded)
     session = Session(
-        loaded, source=scene, technique=options["technique"], settings=options["settings"],
+        loaded,
+        source=scene,
+        technique=options["technique"],
+        settings=options["settings"],
         adapter=options["adapter"],
-    )  # fmt: skip
+    )
     if place == "window":
         from .window import open_window
 
@@ -64,6 +78,9 @@ def command(scene: str, place: str, **options: Any) -> None:
     from .browser import serve
 
     serve(
-        session, options["size"], port=options["port"], listen=options["listen"] or "",
+        session,
+        options["size"],
+        port=options["port"],
+        listen=options["listen"] or "",
         opens=options["opens"],
-    )  # fmt: skip
+    )

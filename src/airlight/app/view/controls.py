@@ -24,10 +24,17 @@ _NEARER_PER_NOTCH = 0.88
 _FASTER = 4.0
 _REACH_PER_S = 0.12  # of the scene's size that flying covers in a second
 _MOVES: dict[str, tuple[int, int, int]] = {  # right, up, forward
-    "w": (0, 0, 1), "s": (0, 0, -1), "a": (-1, 0, 0), "d": (1, 0, 0), "q": (0, -1, 0),
-    "e": (0, 1, 0), "ArrowUp": (0, 0, 1), "ArrowDown": (0, 0, -1), "ArrowLeft": (-1, 0, 0),
+    "w": (0, 0, 1),
+    "s": (0, 0, -1),
+    "a": (-1, 0, 0),
+    "d": (1, 0, 0),
+    "q": (0, -1, 0),
+    "e": (0, 1, 0),
+    "ArrowUp": (0, 0, 1),
+    "ArrowDown": (0, 0, -1),
+    "ArrowLeft": (-1, 0, 0),
     "ArrowRight": (1, 0, 0),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True)
@@ -68,9 +75,13 @@ class CameraControls:
     def handle(self, event: Mapping[str, Any]) -> None:
         """Take one event of a rendercanvas canvas; unknown ones do nothing."""
         does = {
-            "pointer_down": self._down, "pointer_up": self._up, "pointer_move": self._move,
-            "wheel": self._wheel, "key_down": self._key_down, "key_up": self._key_up,
-        }.get(event["event_type"])  # fmt: skip
+            "pointer_down": self._down,
+            "pointer_up": self._up,
+            "pointer_move": self._move,
+            "wheel": self._wheel,
+            "key_down": self._key_down,
+            "key_up": self._key_up,
+        }.get(event["event_type"])
         if does:
             does(event)
 

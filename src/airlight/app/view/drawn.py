@@ -90,8 +90,14 @@ def _quickly(r: Renderer) -> Iterator[None]:
 def solved_by(r: Renderer) -> tuple[Any, ...]:
     """What the solution of the renderer's scene depends on."""
     scene = r.scene
-    parts = (scene.lights, scene.light_groups, scene.medium, scene.volumes,
-             scene.environment, scene.meshes)  # fmt: skip
+    parts = (
+        scene.lights,
+        scene.light_groups,
+        scene.medium,
+        scene.volumes,
+        scene.environment,
+        scene.meshes,
+    )
     # Fog without bounds reaches to the camera where that stands outside the scene.
     fog = scene.medium
     place = scene.camera.position if fog is not None and fog.bounds is None else None

@@ -35,10 +35,12 @@ _HEADERS = [
     (b"cache-control", b"no-store"),
     (b"referrer-policy", b"no-referrer"),
     (b"x-content-type-options", b"nosniff"),
-    (b"content-security-policy",
-     b"default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
-     b"script-src 'self' 'unsafe-inline'; connect-src 'self' ws: wss:; frame-ancestors 'none'"),
-]  # fmt: skip
+    (
+        b"content-security-policy",
+        b"default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+        b"script-src 'self' 'unsafe-inline'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
+    ),
+]
 _WRONG_TOKEN = 4403  # a close code of our own
 
 
@@ -95,8 +97,9 @@ def _is_from_own_page(scope: Message, listen: str) -> bool:
     if not is_own(_without_port(host), listen):
         return False
     return not origins or origins[0].decode("latin-1").lower() in (
-        f"http://{host}", f"https://{host}"
-    )  # fmt: skip
+        f"http://{host}",
+        f"https://{host}",
+    )
 
 
 def _without_port(host: str) -> str:

@@ -198,8 +198,9 @@ class Panel:
         if changed:
             hands.camera = replace(hands.camera, fov_y_deg=fov)
         low = -2.0
-        changed, speed = imgui.slider_float("size of steps", hands.reach_m, 10.0**low, 1e4, "%.3g",
-                                            imgui.SliderFlags_.logarithmic)  # fmt: skip
+        changed, speed = imgui.slider_float(
+            "size of steps", hands.reach_m, 10.0**low, 1e4, "%.3g", imgui.SliderFlags_.logarithmic
+        )
         if changed:
             hands.reach_m = speed
         if imgui.button("steps as the scene"):
@@ -215,9 +216,9 @@ class Panel:
             imgui.progress_bar(ms / whole, (-1.0, 0.0), f"{name}  {ms:.1f} ms")
         imgui.pop_style_color()
         if session.renderer:
-            imgui.text_wrapped(", ".join(
-                f"{k} {v}" for k, v in session.renderer.technique.stats.items()
-            ))  # fmt: skip
+            imgui.text_wrapped(
+                ", ".join(f"{k} {v}" for k, v in session.renderer.technique.stats.items())
+            )
             megabytes = session.gpu.allocated_bytes / 2**20
             imgui.text(f"{session.gpu.info.name}\n{megabytes:.0f} MiB")
 
@@ -247,12 +248,17 @@ def style_like_a_darkroom() -> None:
     style = imgui.get_style()
     style.window_rounding = style.frame_rounding = style.grab_rounding = 3.0
     for colour, grey, alpha in (
-        (imgui.Col_.window_bg, 0.10, 0.92), (imgui.Col_.frame_bg, 0.20, 1.0),
-        (imgui.Col_.title_bg_active, 0.18, 1.0), (imgui.Col_.header, 0.24, 1.0),
-        (imgui.Col_.button, 0.28, 1.0), (imgui.Col_.slider_grab, 0.60, 1.0),
-        (imgui.Col_.check_mark, 0.90, 1.0), (imgui.Col_.frame_bg_hovered, 0.27, 1.0),
-        (imgui.Col_.header_hovered, 0.32, 1.0), (imgui.Col_.button_hovered, 0.38, 1.0),
-    ):  # fmt: skip
+        (imgui.Col_.window_bg, 0.10, 0.92),
+        (imgui.Col_.frame_bg, 0.20, 1.0),
+        (imgui.Col_.title_bg_active, 0.18, 1.0),
+        (imgui.Col_.header, 0.24, 1.0),
+        (imgui.Col_.button, 0.28, 1.0),
+        (imgui.Col_.slider_grab, 0.60, 1.0),
+        (imgui.Col_.check_mark, 0.90, 1.0),
+        (imgui.Col_.frame_bg_hovered, 0.27, 1.0),
+        (imgui.Col_.header_hovered, 0.32, 1.0),
+        (imgui.Col_.button_hovered, 0.38, 1.0),
+    ):
         style.set_color_(colour, (grey, grey, grey, alpha))
 
 

@@ -78,8 +78,9 @@ def _edited(light: Light, scene: Scene) -> Light | None:
             changed, outer = imgui.slider_float("half angle", light.outer_deg, 1.0, 89.0)
             if changed:
                 edited = replace(edited, outer_deg=outer, inner_deg=min(light.inner_deg, outer))
-    unit, name = ("W/m2", "irradiance") if isinstance(light, DirectionalLight) else (
-        "W/sr", "intensity")  # fmt: skip
+    unit, name = (
+        ("W/m2", "irradiance") if isinstance(light, DirectionalLight) else ("W/sr", "intensity")
+    )
     changed, colour = _strength(f"{name} ({unit})", getattr(light, name))
     if changed:
         changes: dict[str, Any] = {name: colour}
@@ -128,9 +129,10 @@ def _strength(label: str, rgb: Sequence[float]) -> tuple[bool, tuple[float, floa
     """A logarithmic slider of the largest channel, and a colour with that at 1."""
     largest = max(*rgb, 1e-6)
     tinted, colour = imgui.color_edit3(
-        f"##{label}", [c / largest for c in rgb],
+        f"##{label}",
+        [c / largest for c in rgb],
         imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.float,
-    )  # fmt: skip
+    )
     imgui.same_line()
     scaled, strength = imgui.slider_float(label, largest, 1e-3, 1e4, "%.3g", _LOGARITHMIC)
     return tinted or scaled, _triple([c * strength for c in colour])

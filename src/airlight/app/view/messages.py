@@ -14,12 +14,18 @@ _SERVERS_OWN = ("close", "_clients_change")  # a tab that closes must not end th
 _FARTHEST, _LONGEST_LIST, _LONGEST_TEXT = 1e9, 32, 64
 _POINTER = ("x", "y")
 _NEEDED = {
-    "pointer_down": (*_POINTER, "button"), "pointer_up": (*_POINTER, "button"),
-    "pointer_move": _POINTER, "pointer_enter": (), "pointer_leave": (),
-    "double_click": _POINTER, "wheel": (*_POINTER, "dx", "dy"),
-    "key_down": ("key",), "key_up": ("key",), "char": (),
+    "pointer_down": (*_POINTER, "button"),
+    "pointer_up": (*_POINTER, "button"),
+    "pointer_move": _POINTER,
+    "pointer_enter": (),
+    "pointer_leave": (),
+    "double_click": _POINTER,
+    "wheel": (*_POINTER, "dx", "dy"),
+    "key_down": ("key",),
+    "key_up": ("key",),
+    "char": (),
     "_framefeedback": ("index", "timestamp"),
-}  # fmt: skip
+}
 
 
 def believed(event: Any) -> dict[str, Any] | None:
@@ -45,9 +51,11 @@ def _resize(event: dict[str, Any]) -> dict[str, Any] | None:
     if width < 1 or height < 1 or not 0.1 <= ratio <= 10.0:
         return None  # a tab folded to nothing: the last size stays
     return {
-        **event, "pwidth": min(width, LARGEST_SIDE_PX), "pheight": min(height, LARGEST_SIDE_PX),
+        **event,
+        "pwidth": min(width, LARGEST_SIDE_PX),
+        "pheight": min(height, LARGEST_SIDE_PX),
         "ratio": ratio,
-    }  # fmt: skip
+    }
 
 
 def _is_number(value: Any) -> bool:

@@ -19,9 +19,13 @@ _STILL_SAMPLES = 8
 
 
 def view(
-    scene: Scene | str | Path, technique: str = "auto", size: tuple[int, int] = (800, 450), *,
-    settings: Mapping[str, Any] | None = None, adapter: str = "auto",
-) -> Any:  # fmt: skip
+    scene: Scene | str | Path,
+    technique: str = "auto",
+    size: tuple[int, int] = (800, 450),
+    *,
+    settings: Mapping[str, Any] | None = None,
+    adapter: str = "auto",
+) -> Any:
     """Look at `scene` in a notebook: the live widget, to be the last value of a cell.
 
     A path or builtin:NAME is loaded, and read again when the file is saved. Where the widget

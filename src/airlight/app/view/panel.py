@@ -54,9 +54,15 @@ def controls(settings: type) -> tuple[Control, ...]:
 def _control(field: dataclasses.Field[Any]) -> Control:
     m = field.metadata
     return Control(
-        field.name, _kind(field), field.default, m.get("help", ""), m.get("unit", ""),
-        m.get("low"), m.get("high"), tuple(m.get("choices", ())),
-    )  # fmt: skip
+        field.name,
+        _kind(field),
+        field.default,
+        m.get("help", ""),
+        m.get("unit", ""),
+        m.get("low"),
+        m.get("high"),
+        tuple(m.get("choices", ())),
+    )
 
 
 def _kind(field: dataclasses.Field[Any]) -> Kind:
@@ -90,8 +96,9 @@ def shown_value(control: Control, values: Mapping[str, Any]) -> Any:
 
 def _parsed(control: Control, text: str) -> Any:
     """A value that came as text from the command line."""
-    one = dataclasses.make_dataclass("One", [(control.name, Any, dataclasses.field(
-        default=control.default, metadata={}))])  # fmt: skip
+    one = dataclasses.make_dataclass(
+        "One", [(control.name, Any, dataclasses.field(default=control.default, metadata={}))]
+    )
     try:
         return getattr(make_settings(one, {control.name: text}), control.name)
     except SettingsError:

@@ -47,9 +47,14 @@ class Session:
     """
 
     def __init__(
-        self, scene: Scene, *, source: str = "", technique: str = "auto",
-        settings: Mapping[str, Any] | None = None, adapter: str = "auto",
-    ) -> None:  # fmt: skip
+        self,
+        scene: Scene,
+        *,
+        source: str = "",
+        technique: str = "auto",
+        settings: Mapping[str, Any] | None = None,
+        adapter: str = "auto",
+    ) -> None:
         checked_settings(technique, scene, settings or {})
         self.gpu = open_gpu(adapter)
         self.source, self.loaded, self._adapter = source, scene, adapter

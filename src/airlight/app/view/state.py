@@ -99,11 +99,15 @@ def structure(state: ViewState) -> tuple[Any, ...]:
     scene = state.scene
     chosen = {**scene.settings.get(state.technique, {}), **state.chosen_settings}
     return (
-        state.technique, repr(sorted(chosen.items())), id(scene.meshes),
-        tuple(type(light) for light in scene.lights), scene.medium is None,
+        state.technique,
+        repr(sorted(chosen.items())),
+        id(scene.meshes),
+        tuple(type(light) for light in scene.lights),
+        scene.medium is None,
         tuple((v.shape, id(v.density), v.bounds) for v in scene.volumes),
-        scene.environment is None, id(scene.environment.map) if scene.environment else 0,
-    )  # fmt: skip
+        scene.environment is None,
+        id(scene.environment.map) if scene.environment else 0,
+    )
 
 
 def reloaded(now: Scene, before: Scene, after: Scene) -> Scene:

@@ -113,16 +113,18 @@ class FileSequence:
             stamp = path.stat().st_mtime_ns
         except OSError as error:
             raise SceneError(
-                f"cannot be read ({error.strerror or error})", where=path,
+                f"cannot be read ({error.strerror or error})",
+                where=path,
                 remedy="The sequence had it when the scene was loaded.",
-            ) from None  # fmt: skip
+            ) from None
         density = _density(path, stamp, self.grid, self.channels)
         if density.shape != self.shape:
             have, want = (" x ".join(map(str, s)) for s in (density.shape, self.shape))
             raise SceneError(
-                f"its grid has {have} cells, the sequence's first has {want}", where=path,
+                f"its grid has {have} cells, the sequence's first has {want}",
+                where=path,
                 remedy="Resample the sequence to one size.",
-            )  # fmt: skip
+            )
         return density
 
 

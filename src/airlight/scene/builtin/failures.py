@@ -41,16 +41,25 @@ def one_iteration() -> Scene:
 
 
 def _hall(
-    name: str, lamp: SpotLight, camera: Camera, settings: dict[str, dict[str, Any]] | None = None,
-    *, turned_deg: float = 0.0, grey: float = 0.5,
-) -> Scene:  # fmt: skip
+    name: str,
+    lamp: SpotLight,
+    camera: Camera,
+    settings: dict[str, dict[str, Any]] | None = None,
+    *,
+    turned_deg: float = 0.0,
+    grey: float = 0.5,
+) -> Scene:
     sigma_t, albedo = extinction_and_albedo(_SIGMA_S, 0.0)
     # No bounds: the hall is closed, and the paper's scheme knows none.
     air = Medium(sigma_t, albedo)
     return Scene(
-        name=name, meshes=(*_walls(grey), _board(turned_deg)), lights=(lamp,), camera=camera,
-        medium=air, settings=settings or {},
-    )  # fmt: skip
+        name=name,
+        meshes=(*_walls(grey), _board(turned_deg)),
+        lights=(lamp,),
+        camera=camera,
+        medium=air,
+        settings=settings or {},
+    )
 
 
 def _spot(inner_deg: float, outer_deg: float) -> SpotLight:
@@ -77,9 +86,11 @@ def _walls(reflectance: float) -> tuple[Mesh, ...]:
     slabs = [
         box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
         box((-x - t, y, -z - t), (x + t, y + t, z + t)),
-        box((-x - t, 0.0, -z - t), (-x, y, z + t)), box((x, 0.0, -z - t), (x + t, y, z + t)),
-        box((-x, 0.0, -z - t), (x, y, -z)), box((-x, 0.0, z), (x, y, z + t)),
-    ]  # fmt: skip
+        box((-x - t, 0.0, -z - t), (-x, y, z + t)),
+        box((x, 0.0, -z - t), (x + t, y, z + t)),
+        box((-x, 0.0, -z - t), (x, y, -z)),
+        box((-x, 0.0, z), (x, y, z + t)),
+    ]
     grey = _lambert("grey", reflectance)
     here = [placed_at(0.0, 0.0, 0.0)]
     return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, here, "wall"))

@@ -46,10 +46,16 @@ def milk() -> Scene:
         environment=clear_sky(SUN_TRAVEL),
         camera=Camera((0.0, 1.05, 2.5), (0.0, 0.45, 0.0), fov_y_deg=38.0, exposure_stops=-2.9),
         volumes=(
-            Volume(sigma_t=sigma_t, density=knot_density(), bounds=BOUNDS, albedo=albedo,
-                   g=(0.6, 0.6, 0.6), source="builtin milk"),
+            Volume(
+                sigma_t=sigma_t,
+                density=knot_density(),
+                bounds=BOUNDS,
+                albedo=albedo,
+                g=(0.6, 0.6, 0.6),
+                source="builtin milk",
+            ),
         ),
-    )  # fmt: skip
+    )
 
 
 def knot_density() -> F32:
@@ -66,11 +72,18 @@ def knot_density() -> F32:
 def knot(stations: int = 192, sides: int = 24) -> Geometry:
     """A tube of radius TUBE_M around a trefoil, leaning back, closed."""
     t = np.linspace(0.0, 2.0 * np.pi, stations + 1)
-    line = np.stack([np.sin(t) + 2.0 * np.sin(2.0 * t), np.cos(t) - 2.0 * np.cos(2.0 * t),
-                     -1.3 * np.sin(3.0 * t)], axis=-1)  # fmt: skip
+    line = np.stack(
+        [
+            np.sin(t) + 2.0 * np.sin(2.0 * t),
+            np.cos(t) - 2.0 * np.cos(2.0 * t),
+            -1.3 * np.sin(3.0 * t),
+        ],
+        axis=-1,
+    )
     lean = np.radians(50.0)
-    turn = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(lean), -np.sin(lean)],
-                     [0.0, np.sin(lean), np.cos(lean)]])  # fmt: skip
+    turn = np.array(
+        [[1.0, 0.0, 0.0], [0.0, np.cos(lean), -np.sin(lean)], [0.0, np.sin(lean), np.cos(lean)]]
+    )
     line = 0.172 * line @ turn.T
     line[:, 1] += TUBE_M + 0.02 - line[:, 1].min()
     ring = _rings(line, np.linspace(0.0, 2.0 * np.pi, sides + 1))

@@ -33,9 +33,12 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
 
 
 def with_default_lights(
-    scene: Scene, probe: Callable[[], Probe] | None = None, *,
-    is_scene_file: bool = False, is_exposed: bool = False,
-) -> Scene:  # fmt: skip
+    scene: Scene,
+    probe: Callable[[], Probe] | None = None,
+    *,
+    is_scene_file: bool = False,
+    is_exposed: bool = False,
+) -> Scene:
     """The scene, with a sun and a sky where it has no light of its own.
 
     Lights and an environment are light; what emits is, too, in a scene file (`is_scene_file`),

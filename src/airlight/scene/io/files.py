@@ -34,9 +34,15 @@ SMALLER = "Make it smaller, or free some memory."
 
 _WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d|conin\$|conout\$)\s*(\..*)?", re.I)
 _OF_PARSERS = (
-    ValueError, ArithmeticError, LookupError, RecursionError, EOFError, struct.error, zlib.error,
+    ValueError,
+    ArithmeticError,
+    LookupError,
+    RecursionError,
+    EOFError,
+    struct.error,
+    zlib.error,
     zipfile.BadZipFile,
-)  # fmt: skip
+)
 """What libraries raise for files that they did not expect. Others are mistakes of ours."""
 
 
@@ -94,12 +100,14 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
         if _WINDOWS_DEVICE.fullmatch(part):
             raise SceneError(
                 f"it names '{name}', which is a device under Windows",
-                where=where, remedy="Call the file otherwise.",
-            )  # fmt: skip
+                where=where,
+                remedy="Call the file otherwise.",
+            )
     outside = SceneError(
         f"it names '{name}', which is outside its folder",
-        where=where, remedy="Copy the file beside it.",
-    )  # fmt: skip
+        where=where,
+        remedy="Copy the file beside it.",
+    )
     if plain.is_absolute() or PureWindowsPath(name).drive:
         raise outside
     try:
@@ -111,8 +119,9 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
             raise outside
         raise SceneError(
             f"it names '{name}', a link to '{path}', which is outside its folder",
-            where=where, remedy=outside.remedy,
-        )  # fmt: skip
+            where=where,
+            remedy=outside.remedy,
+        )
     return path
 
 

@@ -73,9 +73,11 @@ class Deforms:
         if len(influences) <= int(read.rows.max()):
             raise attributes.error(f"has joints for {len(influences)} vertices only")
         return Skin(
-            joints, self._inverse_bind(skin, len(joints)), influences[read.rows],
+            joints,
+            self._inverse_bind(skin, len(joints)),
+            influences[read.rows],
             weights[read.rows],
-        )  # fmt: skip
+        )
 
     def _inverse_bind(self, skin: Item, joints: int) -> F64:
         if not skin.has("inverseBindMatrices"):

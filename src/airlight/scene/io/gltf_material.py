@@ -175,8 +175,10 @@ class Materials:
         source = webp if webp.has("source") else texture
         if not source.has("source"):
             names = ", ".join(texture.child("extensions").keys()) or "nothing"
-            self._warn(texture, f"has no image that airlight can read, but {names}; a magenta "
-                       "checker stands in")  # fmt: skip
+            self._warn(
+                texture,
+                f"has no image that airlight can read, but {names}; a magenta checker stands in",
+            )
             return missing_texture(texture.place) if is_srgb else None
         k = source.index("source", self._images, "images")
         if (k, is_srgb) not in self._pixels:

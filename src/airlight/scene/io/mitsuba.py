@@ -39,11 +39,20 @@ DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
 # Values that say how to render, not what: leaving them out changes no picture.
 _HOW = frozenset(
     (
-        "main_specular_sampling_rate", "clearcoat_sampling_rate", "sampling_weight", "accel",
-        "diffuse_reflectance_sampling_rate", "near_clip", "far_clip", "mis_compensation",
-        "format", "sample_emitters", "silhouette_sampling_weight", "max_value",
+        "main_specular_sampling_rate",
+        "clearcoat_sampling_rate",
+        "sampling_weight",
+        "accel",
+        "diffuse_reflectance_sampling_rate",
+        "near_clip",
+        "far_clip",
+        "mis_compensation",
+        "format",
+        "sample_emitters",
+        "silhouette_sampling_weight",
+        "max_value",
     )
-)  # fmt: skip
+)
 _HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
 
 

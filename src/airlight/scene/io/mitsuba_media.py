@@ -173,9 +173,11 @@ def _region(shape: Node, source: Source) -> tuple[str, F64, Bounds]:
     if not parts:
         raise SceneError(f"{shape} holds a medium, but is not read", where=source.path)
     points = np.concatenate(
-        [p.geometry.positions @ p.world_from_object[:3, :3].T + p.world_from_object[:3, 3]
-         for p in parts]
-    )  # fmt: skip
+        [
+            p.geometry.positions @ p.world_from_object[:3, :3].T + p.world_from_object[:3, 3]
+            for p in parts
+        ]
+    )
     source.note(f"{shape}: its medium fills the box around it")
     return "cube", np.eye(4), (_rgb(points.min(axis=0)), _rgb(points.max(axis=0) + 1e-9))
 

@@ -227,6 +227,15 @@ _MAKERS: dict[str, Callable[[], Geometry]] = {
     "disk": _disk,
 }
 _LEFT_OUT = (
-    "serialized", "instance", "shapegroup", "merge", "bsplinecurve", "linearcurve",
-    "ellipsoids", "ellipsoidsmesh", "sdfgrid", "hair", "heightfield",
-)  # fmt: skip
+    "serialized",
+    "instance",
+    "shapegroup",
+    "merge",
+    "bsplinecurve",
+    "linearcurve",
+    "ellipsoids",
+    "ellipsoidsmesh",
+    "sdfgrid",
+    "hair",
+    "heightfield",
+)

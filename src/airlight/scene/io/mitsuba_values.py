@@ -16,10 +16,18 @@ from ..checks import F64, Rgb
 
 VALUE_TAGS = frozenset(
     (
-        "float", "integer", "boolean", "string", "rgb", "srgb", "spectrum",
-        "point", "vector", "transform",
+        "float",
+        "integer",
+        "boolean",
+        "string",
+        "rgb",
+        "srgb",
+        "spectrum",
+        "point",
+        "vector",
+        "transform",
     )
-)  # fmt: skip
+)
 
 
 class Spectrum(tuple[float, float, float]):

@@ -24,10 +24,22 @@ MOST_EXPANDED = 1 << 24
 """Characters that parameters put into a scene, all together."""
 OBJECT_TAGS = frozenset(
     (
-        "bsdf", "emitter", "film", "include", "integrator", "medium", "phase", "rfilter",
-        "sampler", "scene", "sensor", "shape", "texture", "volume",
+        "bsdf",
+        "emitter",
+        "film",
+        "include",
+        "integrator",
+        "medium",
+        "phase",
+        "rfilter",
+        "sampler",
+        "scene",
+        "sensor",
+        "shape",
+        "texture",
+        "volume",
     )
-)  # fmt: skip
+)
 
 
 @dataclass(eq=False)

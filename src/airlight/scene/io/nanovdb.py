@@ -44,7 +44,7 @@ _ROOT_TILE, _UPPER, _LOWER, _LEAF = (
         (["low", "table"], [("<i4", 3), ("<i8", (16, 16, 16))], [0, 1088], 33856),
         (["low", "values"], [("<i4", 3), ("<f4", (8, 8, 8))], [0, 96], 2144),
     )
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +161,10 @@ def check_span(size: NDArray[np.int64], file_bytes: int) -> None:
         have = " x ".join(str(n) for n in size)
         raise SceneError(
             f"spans {have} voxels, too many for a file of {file_bytes:,} bytes"
-            if voxels <= LARGEST_VOXEL_COUNT else f"spans {have} voxels, too many",
+            if voxels <= LARGEST_VOXEL_COUNT
+            else f"spans {have} voxels, too many",
             remedy="Downsample it, or crop it to what it holds.",
-        )  # fmt: skip
+        )
 
 
 def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
@@ -178,8 +179,9 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
         raise SceneError("has no active voxels")
     check_span(end - first, file_bytes)
     # The map, and where each kind of node begins and how many there are.
-    matrix, shift = (np.frombuffer(buffer, "<f8", n, _MAP_OFFSET + at) for n, at in
-                     ((9, 88), (3, 232)))  # fmt: skip
+    matrix, shift = (
+        np.frombuffer(buffer, "<f8", n, _MAP_OFFSET + at) for n, at in ((9, 88), (3, 232))
+    )
     offsets = np.frombuffer(buffer, "<i8", 4, _TREE_OFFSET) + _TREE_OFFSET
     counts = np.frombuffer(buffer, "<u4", 3, _TREE_OFFSET + 32)
     world_from_index = np.eye(4)
@@ -193,15 +195,21 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
     values = _with_leaves(blocks, corner, leaf)
     cut = tuple(slice(a, b) for a, b in zip(first - 8 * corner, end - 8 * corner, strict=True))
     return SparseGrid(
-        np.ascontiguousarray(values[cut]), record.low, world_from_index,
+        np.ascontiguousarray(values[cut]),
+        record.low,
+        world_from_index,
         record.grid_class == _LEVEL_SET,
-    )  # fmt: skip
+    )
 
 
 def _blocks(
-    buffer: bytes, root: int, corner: NDArray[np.int64], shape: NDArray[np.int64],
-    upper: NDArray[np.void], lower: NDArray[np.void],
-) -> F32:  # fmt: skip
+    buffer: bytes,
+    root: int,
+    corner: NDArray[np.int64],
+    shape: NDArray[np.int64],
+    upper: NDArray[np.void],
+    lower: NDArray[np.void],
+) -> F32:
     """Values of the 8^3 blocks from block `corner` on, of all that is coarser than leaves."""
     tile_count, background = struct.unpack_from("<If", buffer, root + 24)
     blocks = np.full(shape, background, np.float32)

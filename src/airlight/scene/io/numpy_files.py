@@ -33,8 +33,13 @@ MOST_UNPACKED = 512
 _MAGIC = b"\x93NUMPY"
 _LONGEST_HEADER = 1 << 16
 _DAMAGED_ZIP = (
-    zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError,
-)  # fmt: skip
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    RuntimeError,
+    NotImplementedError,
+    ValueError,
+)
 
 
 def read_npy(path: Path, *, most_values: int | None = None) -> NDArray[Any]:

@@ -22,6 +22,7 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
 
     Raises SceneError where it cannot be read, or tinyvdb is not there.
     """
+    regular_file(path)  # what is no file is said before what is not installed
     try:
         import tinyvdb
     except ImportError:
@@ -30,9 +31,9 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         ) from None
     check_counts(path)
     try:
-        with tinyvdb.open(str(regular_file(path))) as file:
-            file.read_grids()
-            grids = [file.grid(i) for i in range(file.grid_count)]
+        with tinyvdb.open(str(regular_file(path))) as opened:
+            opened.read_grids()
+            grids = [opened.grid(i) for i in range(opened.grid_count)]
             names = [grid.name for grid in grids]
             chosen = 0 if len(grids) == 1 else names.index(wanted) if wanted in names else -1
             if chosen < 0:

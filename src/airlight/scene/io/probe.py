@@ -212,8 +212,10 @@ def _largest_areas(meshes: Sequence[Mesh]) -> dict[int, float]:
     found: dict[int, float] = {}
     for geometry in (mesh.geometry for mesh in meshes):
         if count[id(geometry)] > 1 and id(geometry) not in found:
-            areas = [_areas(geometry.positions[geometry.indices[part]].astype(np.float64))[1].max()
-                     for part in chunks(len(geometry.indices))]  # fmt: skip
+            areas = [
+                _areas(geometry.positions[geometry.indices[part]].astype(np.float64))[1].max()
+                for part in chunks(len(geometry.indices))
+            ]
             found[id(geometry)] = float(max(areas))
     return found
 

@@ -111,9 +111,12 @@ def _clip(rig: Rig, values: Raw, label: str) -> Rig:
     if wanted not in names:
         raise SceneError(f"{label}: the file has no clip '{wanted}'", remedy=nearest(wanted, names))
     return replace(
-        rig, clip=names.index(wanted), start_s=values.get("clip_start_s", 0.0),
-        speed=values.get("clip_speed", 1.0), is_loop=values.get("clip_loop", False),
-    )  # fmt: skip
+        rig,
+        clip=names.index(wanted),
+        start_s=values.get("clip_start_s", 0.0),
+        speed=values.get("clip_speed", 1.0),
+        is_loop=values.get("clip_loop", False),
+    )
 
 
 def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Track:
@@ -154,8 +157,14 @@ def file_sequence(
     values: dict[str, Any], files: tuple[Path, ...], shape: tuple[int, ...]
 ) -> FileSequence:
     """The sequence that a [[volume]]'s keys describe; takes them out of `values`."""
-    names = {"sequence_fps": "fps", "sequence_start_s": "start_s", "sequence_loop": "is_loop",
-             "between": "between", "grid": "grid", "channels": "channels"}  # fmt: skip
+    names = {
+        "sequence_fps": "fps",
+        "sequence_start_s": "start_s",
+        "sequence_loop": "is_loop",
+        "between": "between",
+        "grid": "grid",
+        "channels": "channels",
+    }
     given = {field: values.pop(name) for name, field in names.items() if name in values}
     return FileSequence(files, shape, **given)
 

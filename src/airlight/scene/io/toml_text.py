@@ -33,9 +33,12 @@ _SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g")
 
 
 def scene_text(
-    scene: Scene, original: Scene, source: str, folder: Path,
+    scene: Scene,
+    original: Scene,
+    source: str,
+    folder: Path,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
-) -> str:  # fmt: skip
+) -> str:
     """A scene file for `scene`, loaded from `source` as `original` and changed since.
 
     `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
@@ -127,14 +130,22 @@ def _camera(camera: Camera) -> dict[str, Any]:
 
 def _light(light: Light) -> dict[str, Any]:
     if isinstance(light, DirectionalLight):
-        return {"type": "directional", "direction": light.direction,
-                "irradiance": _colour(light.irradiance)}  # fmt: skip
+        return {
+            "type": "directional",
+            "direction": light.direction,
+            "irradiance": _colour(light.irradiance),
+        }
     table = {"position": light.position, "intensity": _colour(light.intensity)}
     if isinstance(light, PointLight):
         return {"type": "point", **table}
     assert isinstance(light, SpotLight)
-    return {"type": "spot", **table, "direction": light.direction,
-            "inner_deg": light.inner_deg, "outer_deg": light.outer_deg}  # fmt: skip
+    return {
+        "type": "spot",
+        **table,
+        "direction": light.direction,
+        "inner_deg": light.inner_deg,
+        "outer_deg": light.outer_deg,
+    }
 
 
 def _environment(
@@ -151,9 +162,10 @@ def _environment(
         table["radiance"] = _colour(environment.radiance)
     changed = {"scale": 1.0, "rotation_deg": 0.0, "visible": True}
     return table | {
-        key: getattr(environment, key) for key, usual in changed.items()
+        key: getattr(environment, key)
+        for key, usual in changed.items()
         if getattr(environment, key) != usual or key in raw
-    }  # fmt: skip
+    }
 
 
 def _medium(medium: Medium | None, raw: Mapping[str, Any]) -> dict[str, Any]:

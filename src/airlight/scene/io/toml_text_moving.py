@@ -121,10 +121,11 @@ def _times(animation: Animation | None, raw: Mapping[str, Any]) -> dict[str, Any
     before = raw.get("animation", {})
     names = {"start_s": "start_s", "end_s": "end_s", "fps": "fps", "is_loop": "loop"}
     return {
-        name: getattr(animation, field) for field, name in names.items()
+        name: getattr(animation, field)
+        for field, name in names.items()
         if getattr(animation, field) is not None
         and (getattr(animation, field) != _USUAL[field] or name in before)
-    }  # fmt: skip
+    }
 
 
 def _name(track: Any) -> str:

@@ -24,9 +24,13 @@ def load_volume_scene(file: Path) -> Scene:
     grid = read_volume(file)
     sigma_t = fitting_sigma_t(grid.density, grid.bounds)
     volume = Volume(
-        sigma_t=(sigma_t,) * 3, density=grid.density, bounds=grid.bounds, albedo=(ALBEDO,) * 3,
-        world_from_volume=grid.world_from_volume, source=str(file),
-    )  # fmt: skip
+        sigma_t=(sigma_t,) * 3,
+        density=grid.density,
+        bounds=grid.bounds,
+        albedo=(ALBEDO,) * 3,
+        world_from_volume=grid.world_from_volume,
+        source=str(file),
+    )
     chosen = (
         f"{file.name} says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
         "were chosen; a scene file with [[volume]] sets them"

@@ -100,13 +100,16 @@ def _sound(density: F32, path: Path) -> tuple[str, ...]:
         count = int((~np.isfinite(density)).sum())
         raise SceneError(
             f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} NaN or "
-            "infinite", where=path, remedy="Repair it: numpy.nan_to_num makes them 0.",
-        )  # fmt: skip
+            "infinite",
+            where=path,
+            remedy="Repair it: numpy.nan_to_num makes them 0.",
+        )
     if least < 0.0:
         raise SceneError(
-            f"has negative densities, down to {least:g}", where=path,
+            f"has negative densities, down to {least:g}",
+            where=path,
             remedy="A density is at least 0: numpy.clip.",
-        )  # fmt: skip
+        )
     return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
 
 
