@@ -90,17 +90,14 @@ def command(scene: str, output: Path, **options: Any) -> None:
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
     if is_video:
         sweep_video(output)
-    if is_video and options["resume"] and video_comment(output) == comment:
-        if not options["keep_frames"]:
-            folder.clear()  # all done, but perhaps for the clearing up
-        click.echo(str(output))
-        return
-    folder.open(asked, resume=options["resume"])
-    make_frames(plan, loaded, folder, farm=options["farm"], quiet=options["quiet"])
-    if is_video:
-        _encode(plan, folder, output, comment, quiet=options["quiet"])
-        if not options["keep_frames"]:
-            folder.clear()
+    # A video that says it is this one is done, but perhaps for the clearing up.
+    if not (is_video and options["resume"] and video_comment(output) == comment):
+        folder.open(asked, resume=options["resume"])
+        make_frames(plan, loaded, folder, farm=options["farm"], quiet=options["quiet"])
+        if is_video:
+            _encode(plan, folder, output, comment, quiet=options["quiet"])
+    if is_video and not options["keep_frames"]:
+        folder.clear()
     click.echo(str(output))
 
 
