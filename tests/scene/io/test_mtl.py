@@ -127,8 +127,8 @@ def test_missing_texture_is_a_magenta_checker_with_a_warning(material):
     m, warnings = material("Kd 1 1 1\nmap_Kd gone.png\nmap_Bump lost.png\n")
     assert m.base_color_texture.pixels[0, 1].tolist() == [255, 0, 255, 255]
     assert m.normal_texture is None
-    assert "gone.png: texture is missing; a magenta checker stands in" in warnings[0]
-    assert "lost.png: texture is missing; the surface goes without" in warnings[1]
+    assert "texture 'gone.png' is missing; a magenta checker stands in" in warnings[0]
+    assert "texture 'lost.png' is missing; the surface goes without" in warnings[1]
 
 
 def test_kd_above_one_is_cut_and_said(material):
