@@ -84,8 +84,8 @@ class EvenLight:
             states = np.zeros((*place.count[::-1], 4), np.float32)
             states[..., 0] = self.irradiance
             texture.write(states.astype(np.float32 if "32" in texture.format else np.float16))
-        # Light from everywhere of radiance L brings pi L: a lattice's rows say what a state is.
-        rows = [place.params(power_scale=np.pi / place.cell**2 / np.pi, lookup_scale=1.0)]
+        # The lookup divides by the cell's area: then a state of 1 is read as it is.
+        rows = [place.params(power_scale=1.0 / place.cell**2, lookup_scale=1.0)]
         table = self.kit.lattices.table.filled(rows)
         return replace(fields, irradiance=Irradiance({"lattices": table, **textures.bound}))
 
