@@ -9,7 +9,7 @@ import pytest
 
 from airlight.scene import Material, Texture
 from airlight.surface import draw_parts
-from airlight.surface.draw_parts import DrawParts, later_last
+from airlight.surface.draw_parts import DrawParts, in_draw_order
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_colours_that_come_later_change_all_of_them(on_device, square, parts):
 
 
 def test_no_more_are_kept_than_there_are_views(on_device, square, parts, monkeypatch):
-    monkeypatch.setattr(draw_parts, "VIEWS_KEPT", 2)
+    monkeypatch.setattr(draw_parts, "MOST_CACHED_VIEWS", 2)
     scene = on_device(square((0, 0, 0), (1, 0, 0), (0, 1, 0)))
     some = [list(scene.draws) for _ in range(3)]
     made = [parts.of(scene, draws) for draws in some]
@@ -68,11 +68,11 @@ def test_what_is_drawn_in_a_second_step_comes_last(on_device, square):
         square(*corners, holed),
         square(*corners, Material()),
     )
-    found = later_last(scene, scene.draws)
-    late = [scene.comes_later(draw) for draw in found]
+    found = in_draw_order(scene, scene.draws)
+    late = [scene.is_drawn_last(draw) for draw in found]
     assert late == [False, False, True, True]
     for is_late in (False, True):
-        wanted = [draw for draw in scene.draws if scene.comes_later(draw) is is_late]
-        assert [draw for draw in found if scene.comes_later(draw) is is_late] == wanted
+        wanted = [draw for draw in scene.draws if scene.is_drawn_last(draw) is is_late]
+        assert [draw for draw in found if scene.is_drawn_last(draw) is is_late] == wanted
     plain = on_device(square(*corners), square(*corners, holed))
-    assert later_last(plain, plain.draws) is plain.draws
+    assert in_draw_order(plain, plain.draws) is plain.draws

@@ -11,7 +11,7 @@ from airlight.maths.transforms import clip_from_view_infinite, view_from_world
 from airlight.scene import Material, Texture
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.mesh_pass import MeshPass
-from airlight.surface.packed_maps import draws_visible
+from airlight.surface.packed_maps import uses_visibility_buffer
 
 WIDTH, HEIGHT = 32, 24
 NEAR_M = 0.01
@@ -22,8 +22,8 @@ UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 def way(request, monkeypatch, gpu):
     """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
     if request.param == "surfaces as they come":
-        monkeypatch.setattr("airlight.surface.gbuffer.draws_visible", lambda gpu: False)
-    elif not draws_visible(gpu):
+        monkeypatch.setattr("airlight.surface.gbuffer.uses_visibility_buffer", lambda gpu: False)
+    elif not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
 
 

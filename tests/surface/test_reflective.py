@@ -8,7 +8,7 @@ import pytest
 from airlight.maths.solid_angle import polygon_solid_angle
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
 from airlight.surface.light_views import light_views
-from airlight.surface.packed_maps import draws_visible
+from airlight.surface.packed_maps import uses_visibility_buffer
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIDE = 128
@@ -20,8 +20,8 @@ RED = Material(base_color=tuple(ALBEDO), specular=0.0)
 def way(request, monkeypatch, gpu):
     """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
     if request.param == "surfaces as they come":
-        monkeypatch.setattr("airlight.surface.reflective.draws_visible", lambda gpu: False)
-    elif not draws_visible(gpu):
+        monkeypatch.setattr("airlight.surface.reflective.uses_visibility_buffer", lambda gpu: False)
+    elif not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
 
 

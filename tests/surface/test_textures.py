@@ -71,7 +71,7 @@ def test_samplers_are_shared_by_their_wrapping(gpu, owned):
 
 @pytest.mark.parametrize("is_packed", [True, False])
 def test_chains_are_kept_only_where_they_are_packed_later(gpu, owned, monkeypatch, is_packed):
-    monkeypatch.setattr("airlight.surface.textures.draws_visible", lambda gpu: is_packed)
+    monkeypatch.setattr("airlight.surface.textures.uses_visibility_buffer", lambda gpu: is_packed)
     store, texture = owned(TextureStore(gpu)), Texture(np.full((4, 4, 4), 90, np.uint8))
     chain = store.chain(texture)
     assert (store.chain(texture) is chain) is is_packed

@@ -1,4 +1,4 @@
-//! use seen_surfel
+//! use view_surfel
 //! use blocker_sums
 
 fn add(index: u32, units: i32) {
@@ -23,7 +23,7 @@ fn add_axis(first: u32, axis: u32, covered: f32, offset: f32, reflectance: vec3f
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let seen = seen_surfel(id);
+    let seen = view_surfel(id);
     if (seen.corner == NO_CORNER) {
         return;
     }

@@ -64,7 +64,7 @@ _LISTS = (
     storage("listed", "vec4u", "read_write"),
 )
 _LIT = """
-fn lit_of(pixel: vec2u) -> vec4f { return picture_texel(lit, pixel); }
+fn lit_of(pixel: vec2u) -> vec4f { return image_texel(lit, pixel); }
 """
 _NOT_LIT = """
 fn lit_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
@@ -93,7 +93,7 @@ PLACES = ("places", "place_sky", "place_returned")
 """What `Places` brings, by slot."""
 _PLACED = tuple(texture(name, "2d", "unfilterable-float") for name in PLACES)
 _FROM_PLACES = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return picture_texel({name}, pixel); }}\n"
+    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return image_texel({name}, pixel); }}\n"
     for name in PLACES
 )
 _NO_PLACES = "".join(
@@ -133,7 +133,7 @@ _SURFACE_SLOTS = (
     texture("albedo", "2d", "unfilterable-float"),
     texture("normal", "2d", "unfilterable-float"),
     texture("emission", "2d", "unfilterable-float"),
-    sampler("picture_sampler", "non-filtering"),
+    sampler("image_sampler", "non-filtering"),
 )
 _LIGHT_SLOTS = (
     storage("lights", LightData),

@@ -1,5 +1,5 @@
 //! use pixel_point
-//! use picture_texel
+//! use image_texel
 //! use surface_reflection
 
 override HAS_SURFACES: bool = true;
@@ -35,9 +35,9 @@ struct Gathered {
         }
         return out;
     }
-    let base = picture_texel(albedo, pixel);
-    let bent = picture_texel(normal, pixel);
-    let glow = picture_texel(emission, pixel);
+    let base = image_texel(albedo, pixel);
+    let bent = image_texel(normal, pixel);
+    let glow = image_texel(emission, pixel);
     let n = normalize(bent.xyz);
     let r = reflector(base.rgb, base.a, bent.w, glow.a);
     var found = Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);

@@ -47,7 +47,7 @@ class _Seen(FullscreenPass):
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
-        sampler("picture_sampler", "non-filtering"),
+        sampler("image_sampler", "non-filtering"),
     )
     targets = ("rgba32uint",)
     file = "occlusion_seen.wgsl"
@@ -133,7 +133,7 @@ class Occlusion:
             "depth": depth,
             "normal": normal,
             "lit": lit or normal,
-            "picture_sampler": self._nearest,
+            "image_sampler": self._nearest,
         }
         self._seen.draw(commands, (layers.seen,), **picture)
         self._horizons.draw(commands, (layers.sampled,), seen=layers.seen, **picture)

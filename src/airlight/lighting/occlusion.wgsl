@@ -1,7 +1,7 @@
 // Horizons around each texel of the picture as `occlusion_seen` hands it on.
 //! use occlusion
 //! use near_texel
-//! use picture_texel
+//! use image_texel
 
 override SLICES: u32 = 2;
 override STEPS: u32 = 4;
@@ -52,9 +52,9 @@ fn at_pixel(pixel: vec2i) -> Sample {
     let inverse = params.depth_scale * depth_texel(depth, inside);
     var light = vec3f(0.0);
     if (HAS_LIGHT) {
-        light = picture_texel(lit, inside).rgb;
+        light = image_texel(lit, inside).rgb;
     }
-    return Sample(point(inside, inverse), picture_texel(normal, inside).xyz, light);
+    return Sample(point(inside, inverse), image_texel(normal, inside).xyz, light);
 }
 
 fn at_texel(texel: vec2i) -> Sample {

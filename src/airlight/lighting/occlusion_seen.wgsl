@@ -1,7 +1,7 @@
 // The picture as horizons sample it: depth, normal and light of a texel side by side, and on software
 // drivers a quarter of the pixels, which stay in the caches.
 //! use near_texel
-//! use picture_texel
+//! use image_texel
 
 override HAS_LIGHT: bool = false;    // what occludes shows its light in `lit`
 
@@ -39,9 +39,9 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let inverse = inverse_distance(pixel);
     var seen = Seen(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
     if (inverse > 0.0) {
-        seen.normal = picture_texel(normal, pixel).xyz;
+        seen.normal = image_texel(normal, pixel).xyz;
         if (HAS_LIGHT) {
-            seen.light = picture_texel(lit, pixel).rgb;
+            seen.light = image_texel(lit, pixel).rgb;
         }
     }
     return packed_seen(seen);

@@ -32,7 +32,7 @@ class _Places(FullscreenPass):
         storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
-        sampler("picture_sampler", "non-filtering"),
+        sampler("image_sampler", "non-filtering"),
         texture("near_texels", "2d", "uint"),
         *(
             texture(n, "3d")

@@ -1,6 +1,6 @@
 // Where each pixel's surface looks the lattice's light up, and the sky's light on it.
 //! use pixel_point
-//! use picture_texel
+//! use image_texel
 //! use sky_reflected
 
 struct Places {
@@ -17,10 +17,10 @@ struct Places {
     }
     let p = pixel_point(position.xy, d);
     let v = normalize(params.eye - p);
-    let base = picture_texel(albedo, pixel);
-    let bent = picture_texel(normal, pixel);
+    let base = image_texel(albedo, pixel);
+    let bent = image_texel(normal, pixel);
     let n = normalize(bent.xyz);
-    let r = reflector(base.rgb, base.a, bent.w, picture_texel(emission, pixel).a);
+    let r = reflector(base.rgb, base.a, bent.w, image_texel(emission, pixel).a);
     let n_v = max(dot(n, v), 1e-4);
     let lattice = first_lattices();
     let uvw = lattice_coordinates(lattice, p, n);

@@ -142,7 +142,7 @@ class Surfaces:
             "emission": g.emission,
             "near_texels": view.occlusion.near,
             **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
-            "picture_sampler": self._nearest,
+            "image_sampler": self._nearest,
             "sky_cube": sky.cube,
             **self.kit.blockers.bound,
             "linear_clamp": self._linear,

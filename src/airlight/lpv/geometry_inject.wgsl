@@ -1,4 +1,4 @@
-//! use seen_surfel
+//! use view_surfel
 
 fn add(index: u32, value: f32) {
     let units = i32(round(value * params.units));
@@ -6,7 +6,7 @@ fn add(index: u32, value: f32) {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let seen = seen_surfel(id);
+    let seen = view_surfel(id);
     if (seen.corner == NO_CORNER) {
         return;
     }

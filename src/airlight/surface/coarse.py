@@ -118,13 +118,13 @@ def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
     vertex = welded(positions)
     is_open = open_vertices(vertex[indices])
     is_leaf = np.empty(len(indices), dtype=bool)
-    kept = []
+    remaining = []
     for part in chunks(len(indices)):
         is_leaf[part] = is_open[vertex[indices[part]]].all(axis=1)
         a, b, c = cluster[indices[part]].T
         is_left = (a != b) & (b != c) & (c != a) & ~is_leaf[part]
-        kept.append(np.stack([a[is_left], b[is_left], c[is_left]], axis=1))
-    corners = np.concatenate(kept)
+        remaining.append(np.stack([a[is_left], b[is_left], c[is_left]], axis=1))
+    corners = np.concatenate(remaining)
     turn = corners.argmin(axis=1)[:, None]
     corners = np.take_along_axis(corners, (turn + np.arange(3)) % 3, axis=1)
     key = (corners[:, 0] * len(middle) + corners[:, 1]) * len(middle) + corners[:, 2]

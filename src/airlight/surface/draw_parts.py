@@ -8,18 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from .geometry import VIEWS_KEPT, Draw, GpuScene
+from .geometry import MOST_CACHED_VIEWS, Draw, GpuScene
 
 Parts = TypeVar("Parts")
 
 
-def later_last(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
+def in_draw_order(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
     """`draws` in the order in which they are drawn on every device.
 
     Of surfaces in one place the last is seen: what software drivers draw in a second step (see
-    `GpuScene.comes_later`) is last on GPUs, too.
+    `GpuScene.is_drawn_last`) is last on GPUs, too.
     """
-    is_late = [scene.comes_later(draw) for draw in draws]
+    is_late = [scene.is_drawn_last(draw) for draw in draws]
     if not any(is_late) or all(is_late):
         return draws
     late = [draw for draw, late in zip(draws, is_late, strict=True) if late]
@@ -34,16 +34,16 @@ class DrawParts(Generic[Parts]):
         self._scene: GpuScene | None = None
         self._state = (0, 0)
         # The lists themselves are kept, too: their ids stay their own.
-        self._kept: dict[int, tuple[list[Draw], Parts]] = {}
+        self._cached: dict[int, tuple[list[Draw], Parts]] = {}
 
     def of(self, scene: GpuScene, draws: list[Draw]) -> Parts:
         """`make(scene, draws)`."""
         self._forget(scene)
-        found = self._kept.get(id(draws))
+        found = self._cached.get(id(draws))
         if found is None:
-            if len(self._kept) >= VIEWS_KEPT:
-                self._kept.pop(next(iter(self._kept)))
-            found = self._kept[id(draws)] = (draws, self._make(scene, draws))
+            if len(self._cached) >= MOST_CACHED_VIEWS:
+                self._cached.pop(next(iter(self._cached)))
+            found = self._cached[id(draws)] = (draws, self._make(scene, draws))
         return found[1]
 
     def _forget(self, scene: GpuScene) -> None:
@@ -51,8 +51,8 @@ class DrawParts(Generic[Parts]):
         state = (scene.version, scene.color_changes)
         if scene is self._scene and state == self._state:
             return
-        whole = self._kept.get(id(scene.draws))
-        self._kept.clear()
+        whole = self._cached.get(id(scene.draws))
+        self._cached.clear()
         if whole and scene is self._scene and state[1] == self._state[1]:
-            self._kept[id(scene.draws)] = whole
+            self._cached[id(scene.draws)] = whole
         self._scene, self._state = scene, state

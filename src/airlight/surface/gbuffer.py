@@ -11,16 +11,16 @@ from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
-from .draw_parts import DrawParts, later_last
+from .draw_parts import DrawParts, in_draw_order
 from .geometry import Draw, GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
-from .packed_maps import draws_visible
-from .visible import SeenParams, VisibleSurfaces
+from .packed_maps import uses_visibility_buffer
+from .visibility_buffer import VisibilityBuffer, VisibilityParams
 
 DEPTH_FIRST_PX = 0.8
 """Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once.
 
-GPUs alone ask: software drivers draw `surface.visible`."""
+GPUs alone ask: software drivers draw `surface.visibility_buffer`."""
 
 
 class CameraParams(Struct):
@@ -57,7 +57,7 @@ class GBuffer:
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
         self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
-        self._visible = VisibleSurfaces(gpu, size) if draws_visible(gpu) else None
+        self._visibility = VisibilityBuffer(gpu, size) if uses_visibility_buffer(gpu) else None
         self._parts = DrawParts(self._split)
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
         self.version = 0
@@ -76,8 +76,8 @@ class GBuffer:
         self.release()
         self._parts, self._key = DrawParts(self._split), None
         self._make_textures(size)
-        if self._visible:
-            self._visible.resize(size)
+        if self._visibility:
+            self._visibility.resize(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         """Rasterise the scene as seen through `clip_from_world`; kept while both stay so."""
@@ -99,12 +99,14 @@ class GBuffer:
             "depth_clear_value": 0.0,
         }
         params = CameraParams(clip_from_world=clip_from_world)
-        if self._visible:
+        if self._visibility:
             targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
-            seen = SeenParams(clip_from_world=clip_from_world, inv_size=inv_size)
+            visibility = VisibilityParams(clip_from_world=clip_from_world, inv_size=inv_size)
             if first or not then:
-                self._visible.encode(commands, scene, first, clip_from_world, depth, targets, seen)
+                self._visibility.encode(
+                    commands, scene, first, clip_from_world, depth, targets, visibility
+                )
                 depth = {**depth, "depth_load_op": "load"}
             if then:
                 keep = bool(first)
@@ -122,12 +124,12 @@ class GBuffer:
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw], bool]:
         """What the first pass draws, what the second, and whether the first is of depth."""
-        if self._visible:
-            return *self._visible.split(scene, draws), False
+        if self._visibility:
+            return *self._visibility.split(scene, draws), False
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
         is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
         opaque = [draw for draw in draws if draw.material.alpha_cutoff <= 0.0]
-        return opaque, later_last(scene, draws), is_depth_first
+        return opaque, in_draw_order(scene, draws), is_depth_first
 
     def _draw(
         self,
@@ -152,5 +154,5 @@ class GBuffer:
         """Give the memory back."""
         for texture in (self.depth, self.albedo, self.normal, self.emission):
             texture.release()
-        if self._visible:
-            self._visible.release()
+        if self._visibility:
+            self._visibility.release()

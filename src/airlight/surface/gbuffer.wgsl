@@ -9,8 +9,8 @@ struct GBufferOut {
     @location(2) emission: vec4f,
 }
 
-@vertex fn vertex(in: VertexIn, at: Placement) -> VertexOut {
-    return placed_vertex(in, at, params.clip_from_world);
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
 }
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> GBufferOut {

@@ -18,15 +18,15 @@ from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
 from .packed_maps import is_packable
-from .seen_triangles import SeenTriangles
 from .textures import TextureStore
+from .triangle_table import TriangleTable
 
 F64 = NDArray[np.float64]
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
 
 
-_UNPLACED = (1.0, 1.0, 0.0, 0.0)  # scale and offset of a map
-VIEWS_KEPT = 256
+_IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)  # scale and offset of a map
+MOST_CACHED_VIEWS = 256
 """Whose culling is remembered."""
 
 MAPS = ("base_color", "metallic_roughness", "normal", "emission")
@@ -70,7 +70,7 @@ class Draw:
     material: Material
     textures: dict[str, Texture | Sampler]
     maps: frozenset[str]
-    is_placed: bool  # whether any of the maps has a scale or an offset
+    has_map_transform: bool  # whether any of the maps has a scale or an offset
     is_mirrored: bool
 
     def part(self, first: int, count: int) -> Draw:
@@ -107,14 +107,14 @@ class GpuScene:
         self._material_index = {key: i for i, key in enumerate(materials)}
         self._materials = list(materials.values())
         self._is_packable: dict[int, bool] = {}
-        self._seen: SeenTriangles | None = None
+        self._triangle_table: TriangleTable | None = None
         self.materials = buffer_of(
             gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
         )
         self.instances = Buffer(
             gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes)), vertex=True
         )
-        self._placed = b""
+        self._packed_instances = b""
         self._first = scene.meshes
         self.draws: list[Draw] = []
         first = 0
@@ -131,7 +131,7 @@ class GpuScene:
                     mesh.material,
                     self._bound_textures(mesh.material),
                     frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
-                    any(_placed(_map(mesh.material, n)) != _UNPLACED for n in MAPS),
+                    any(_uv_transform(_map(mesh.material, n)) != _IDENTITY_UV for n in MAPS),
                     is_mirrored(mesh),
                 )
             )
@@ -159,9 +159,9 @@ class GpuScene:
         ]
         packed = pack_array(InstanceData, rows)
         self.current = meshes
-        if packed.tobytes() == self._placed and not deformed:
+        if packed.tobytes() == self._packed_instances and not deformed:
             return
-        self._placed = packed.tobytes()
+        self._packed_instances = packed.tobytes()
         self.instances.write(packed)
         boxes = np.array([meshes[i].world_bounds for i in self.order]).reshape(-1, 2, 3)
         self._low, self._high = boxes[:, 0], boxes[:, 1]
@@ -192,11 +192,11 @@ class GpuScene:
             had_colors = self._uploaded[first].colors is not None
             self.color_changes += had_colors != (geometry.colors is not None)
             self._uploaded[first] = geometry
-            if self._seen:
-                self._seen.deform(first, geometry)
+            if self._triangle_table:
+                self._triangle_table.deform(first, geometry)
         return bool(changed)
 
-    def comes_later(self, draw: Draw) -> bool:
+    def is_drawn_last(self, draw: Draw) -> bool:
         """Whether software drivers cannot draw it by triangles that pixels see, however few."""
         key = id(draw.material)
         if key not in self._is_packable:
@@ -204,10 +204,10 @@ class GpuScene:
         return not self._is_packable[key] or self._uploaded[draw.base_vertex].colors is not None
 
     @property
-    def seen(self) -> SeenTriangles:
+    def triangle_table(self) -> TriangleTable:
         """Triangles as pixels find them; made when first asked for."""
-        if self._seen is None:
-            self._seen = SeenTriangles(
+        if self._triangle_table is None:
+            self._triangle_table = TriangleTable(
                 self.gpu,
                 self._uploaded,
                 self._materials,
@@ -217,7 +217,7 @@ class GpuScene:
                 ],
                 self.store,
             )
-        return self._seen
+        return self._triangle_table
 
     @property
     def bounds(self) -> tuple[F64, F64]:
@@ -233,7 +233,7 @@ class GpuScene:
         key = clip_from_world.tobytes()
         found = self._visible.get(key)
         if found is None:
-            if len(self._visible) >= VIEWS_KEPT:
+            if len(self._visible) >= MOST_CACHED_VIEWS:
                 self._visible.pop(next(iter(self._visible)))
             found = self._visible[key] = self._culled(clip_from_world)
         return found
@@ -245,13 +245,13 @@ class GpuScene:
         planes = np.stack([w + x, w - x, w + y, w - y, w])
         # The corner that lies farthest inside a plane decides.
         nearest = self._middles @ planes[:, :3].T + self._halves @ np.abs(planes[:, :3]).T
-        seen = (nearest + planes[:, 3] >= 0.0).all(axis=1)
-        if seen.all():
+        is_inside = (nearest + planes[:, 3] >= 0.0).all(axis=1)
+        if is_inside.all():
             return self.draws
         # Runs of instances of one draw.
-        begins = seen & ~(np.roll(seen, 1) & (np.roll(self._draw_of, 1) == self._draw_of))
-        ends = seen & ~(np.roll(seen, -1) & (np.roll(self._draw_of, -1) == self._draw_of))
-        begins[0], ends[-1] = seen[0], seen[-1]
+        begins = is_inside & ~(np.roll(is_inside, 1) & (np.roll(self._draw_of, 1) == self._draw_of))
+        ends = is_inside & ~(np.roll(is_inside, -1) & (np.roll(self._draw_of, -1) == self._draw_of))
+        begins[0], ends[-1] = is_inside[0], is_inside[-1]
         first, last = np.flatnonzero(begins), np.flatnonzero(ends)
         runs = zip(self._draw_of[first].tolist(), first.tolist(), last.tolist(), strict=True)
         return [self.draws[d].part(begin, end - begin + 1) for d, begin, end in runs]
@@ -262,8 +262,8 @@ class GpuScene:
             part.release()
         if self._owns_store:
             self.store.release()
-        if self._seen:
-            self._seen.release()
+        if self._triangle_table:
+            self._triangle_table.release()
 
     def _upload(self, geometries: list[Geometry]) -> dict[int, tuple[int, int]]:
         offsets, index_count, vertex_count = {}, 0, 0
@@ -315,22 +315,22 @@ def is_mirrored(mesh: Mesh) -> bool:
 def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     """Mesh indices in runs that share geometry and material, opaque before cut-out."""
 
-    first_seen: dict[int, int] = {}
+    first_use: dict[int, int] = {}
     for mesh in meshes:
         for part in (mesh.material, mesh.geometry):
-            first_seen.setdefault(id(part), len(first_seen))
+            first_use.setdefault(id(part), len(first_use))
 
     def key(index: int) -> tuple[Any, ...]:
         m, g = meshes[index].material, meshes[index].geometry
         maps = tuple(_map(m, name) is not None for name in MAPS)
         sides = (m.two_sided, is_mirrored(meshes[index]))
-        return (m.alpha_cutoff > 0.0, sides, maps, first_seen[id(m)], first_seen[id(g)])
+        return (m.alpha_cutoff > 0.0, sides, maps, first_use[id(m)], first_use[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
 
 
-def _placed(texture: SceneTexture | None) -> tuple[float, ...]:
-    return (*texture.scale, *texture.offset) if texture else _UNPLACED
+def _uv_transform(texture: SceneTexture | None) -> tuple[float, ...]:
+    return (*texture.scale, *texture.offset) if texture else _IDENTITY_UV
 
 
 def _fields(m: Material) -> dict[str, Any]:
@@ -343,10 +343,10 @@ def _fields(m: Material) -> dict[str, Any]:
         "metallic": m.metallic,
         "specular": m.specular,
         "normal_scale": m.normal_scale,
-        "uv_base_color": _placed(m.base_color_texture),
-        "uv_metallic_roughness": _placed(m.metallic_roughness_texture),
-        "uv_normal": _placed(m.normal_texture),
-        "uv_emission": _placed(m.emission_texture),
+        "uv_base_color": _uv_transform(m.base_color_texture),
+        "uv_metallic_roughness": _uv_transform(m.metallic_roughness_texture),
+        "uv_normal": _uv_transform(m.normal_texture),
+        "uv_emission": _uv_transform(m.emission_texture),
     }
 
 

@@ -27,7 +27,7 @@ class LightMaps:
 
     def __init__(self, gpu: Gpu, lights: Sequence[Light], resolution: int) -> None:
         """`resolution`: side of a directional light's map, texels."""
-        sides, names = (resolution, max(SMALLEST_LOCAL, resolution // 2)), ("suns", "lamps")
+        sides, names = (resolution, max(SMALLEST_LOCAL, resolution // 2)), ("directional", "local")
         self.owners = [
             [row for row, light in group for _ in range(view_count(light))]
             for group in _by_kind(lights)
@@ -66,5 +66,5 @@ _Rows = list[tuple[int, Light]]
 def _by_kind(lights: Sequence[Light]) -> tuple[_Rows, _Rows]:
     """(row among the lights, light) of directional lights, and of all others."""
     rows = list(enumerate(lights))
-    suns: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
-    return suns, [row for row in rows if not isinstance(row[1], DirectionalLight)]
+    directional: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
+    return directional, [row for row in rows if not isinstance(row[1], DirectionalLight)]

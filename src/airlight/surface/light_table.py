@@ -13,7 +13,7 @@ from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from .light_views import view_count
 
 DIRECTIONAL, POINT, SPOT = 0, 1, 2
-_MOST_KEPT = 8
+_MOST_RECENT = 8
 
 
 class LightData(Struct):
@@ -70,7 +70,7 @@ def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:
     return rows
 
 
-_kept: tuple[tuple[tuple[Light, ...], NDArray[np.void]], ...] = ()
+_recent: tuple[tuple[tuple[Light, ...], NDArray[np.void]], ...] = ()
 
 
 def packed_lights(lights: tuple[Light, ...]) -> NDArray[np.void]:
@@ -78,12 +78,12 @@ def packed_lights(lights: tuple[Light, ...]) -> NDArray[np.void]:
 
     A sky is a hundred lights, several tables of which are asked for in every frame.
     """
-    global _kept
+    global _recent
     # Tuples of the very same lights compare without looking into them.
-    table = next((found for given, found in _kept if given == lights), None)
+    table = next((found for given, found in _recent if given == lights), None)
     if table is None:
         table = pack_array(LightData, light_rows(lights))
         table.flags.writeable = False
-    rest = tuple(kept for kept in _kept if kept[1] is not table)
-    _kept = ((lights, table), *rest)[:_MOST_KEPT]
+    rest = tuple(entry for entry in _recent if entry[1] is not table)
+    _recent = ((lights, table), *rest)[:_MOST_RECENT]
     return table

@@ -101,7 +101,7 @@ def view_count(light: Light) -> int:
 def _parallel(
     light: DirectionalLight, index: int, low: F64, high: F64, resolution: int
 ) -> LightView:
-    view, near, far = _seen_along(_triple(light.direction), _triple(low), _triple(high))
+    view, near, far = _extent_along(_triple(light.direction), _triple(low), _triple(high))
     margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
@@ -117,7 +117,7 @@ def _triple(values: Sequence[float] | F64) -> Vec3:
 
 
 @lru_cache(maxsize=64)
-def _seen_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64]:
+def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64]:
     """view_from_world, and the box in it: a sun's shadows and what it reflects see the same."""
     view = view_from_world((0.0, 0.0, 0.0), direction, (0.0, 1.0, 0.0))
     corners = transformed(box_corners(np.array(low), np.array(high)), view)

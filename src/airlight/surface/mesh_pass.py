@@ -32,7 +32,7 @@ def _of_instances(fields: dict[str, tuple[str, int, int]]) -> dict[str, Any]:
     }
 
 
-_PLACED = {"world_from_object": ("float32x4", 4, 4)}
+_TRANSFORM = {"world_from_object": ("float32x4", 4, 4)}
 VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     {
         "array_stride": 12,
@@ -50,14 +50,14 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     },
     _of_instances(
         {
-            **_PLACED,
+            **_TRANSFORM,
             "normal_from_object": ("float32x3", 3, 8),
             "material": ("uint32", 1, 11),
             "size": ("float32", 1, 12),
         }
     ),
 )
-INSTANCE_PLACES = _of_instances(_PLACED)
+INSTANCE_TRANSFORMS = _of_instances(_TRANSFORM)
 _RECORDED = 64  # views whose draws are kept as they were encoded
 
 
@@ -81,11 +81,11 @@ class MeshPipeline(RasterPipeline):
         cull: str,
         maps: frozenset[str],
         front_face: str,
-        is_placed: bool,
+        has_map_transform: bool,
     ) -> None:
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
         if self.maps:
-            constants["HAS_PLACED_MAPS"] = float(is_placed)
+            constants["HAS_MAP_TRANSFORM"] = float(has_map_transform)
         if self.second_slots:
             constants["IS_CUTOUT"] = float(is_cutout)
         super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
@@ -114,7 +114,7 @@ class DepthPipeline(MeshPipeline):
     """Depth of opaque materials alone. Subclass it with `slots`, the first called `params`."""
 
     second_slots = ()
-    vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_PLACES)
+    vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_TRANSFORMS)
     fragment_entry = ""
     maps = ()
     file = "shadow_opaque.wgsl"
@@ -223,8 +223,8 @@ class MeshPass:
         is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
         kind = self.kind if is_cutout else self.opaque
         maps = draw.maps & frozenset(kind.maps)
-        is_placed = draw.is_placed and bool(maps)
-        key = (is_cutout, two_sided, draw.is_mirrored, maps, is_placed)
+        has_map_transform = draw.has_map_transform and bool(maps)
+        key = (is_cutout, two_sided, draw.is_mirrored, maps, has_map_transform)
         if key not in self._pipelines:
             cull = "none" if two_sided else "back"
             self._pipelines[key] = kind(
@@ -232,7 +232,7 @@ class MeshPass:
                 is_cutout=is_cutout,
                 cull=cull,
                 maps=maps,
-                is_placed=is_placed,
+                has_map_transform=has_map_transform,
                 front_face="cw" if draw.is_mirrored else "ccw",
             )
         return self._pipelines[key]

@@ -25,7 +25,7 @@ _MOST_SIDE = 65535
 _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 
-def draws_visible(gpu: Gpu) -> bool:
+def uses_visibility_buffer(gpu: Gpu) -> bool:
     """Whether it is faster on a device to draw which triangle pixels see, and so to pack maps."""
     return gpu.takes_cpu_paths and "shader-int64" in gpu.features
 
@@ -79,8 +79,8 @@ class PackedMaps:
         self._chain, self._most = chain, most
         self._parts: list[NDArray[np.uint32]] = []
         self._length = 0
-        self._kept: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
-        self._places: dict[tuple[Any, ...], tuple[int, int, int, int] | None] = {}
+        self._alive: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
+        self._locations: dict[tuple[Any, ...], tuple[int, int, int, int] | None] = {}
 
     def of(self, m: Material) -> tuple[int, int, int, int] | None:
         """(first, width | height << 16, flags, levels) of a material; None if it is not packable,
@@ -92,10 +92,10 @@ class PackedMaps:
             return None
         maps = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
         key = tuple(None if t is None else (image_of(t), t.wrap) for t in maps)
-        if key not in self._places:
-            self._kept.append(maps)
-            self._places[key] = self._add(*maps)
-        return self._places[key]
+        if key not in self._locations:
+            self._alive.append(maps)
+            self._locations[key] = self._add(*maps)
+        return self._locations[key]
 
     @property
     def texels(self) -> NDArray[np.uint32]:

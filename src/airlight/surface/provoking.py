@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 U32 = NDArray[np.uint32]
 
 
-def told_apart(indices: U32) -> tuple[U32, U32]:
+def unique_provoking(indices: U32) -> tuple[U32, U32]:
     """Vertices anew, so that triangle t's first one is vertex t.
 
     `indices` (T, 3) -> sources (V',), which vertex each new one is a copy of, and indices (T, 3)

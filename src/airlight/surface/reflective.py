@@ -17,13 +17,13 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
-from .draw_parts import DrawParts, later_last
+from .draw_parts import DrawParts, in_draw_order
 from .geometry import Draw, GpuScene
 from .light_table import light_fields
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
-from .packed_maps import draws_visible
-from .visible import SEEN_SLOTS, VisibleSurfaces
+from .packed_maps import uses_visibility_buffer
+from .visibility_buffer import VISIBILITY_SLOTS, VisibilityBuffer
 
 
 class ReflectiveParams(Struct):
@@ -47,10 +47,10 @@ class _ReflectivePipeline(MeshPipeline):
     file = "reflective.wgsl"
 
 
-class _SeenFlux(FullscreenPass):
-    slots = (uniform("params", ReflectiveParams), *SEEN_SLOTS)
+class _FluxFromIds(FullscreenPass):
+    slots = (uniform("params", ReflectiveParams), *VISIBILITY_SLOTS)
     targets = _ReflectivePipeline.targets
-    file = "visible_flux.wgsl"
+    file = "visibility_flux.wgsl"
 
 
 class ReflectiveShadowMaps:
@@ -72,9 +72,9 @@ class ReflectiveShadowMaps:
         self.flux = map_of("flux", "rgba16float")
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
         self._pass = MeshPass(gpu, _ReflectivePipeline)
-        self._visible = (
-            VisibleSurfaces(gpu, (resolution, resolution), _SeenFlux, of_lights=True)
-            if layers and draws_visible(gpu)
+        self._visibility = (
+            VisibilityBuffer(gpu, (resolution, resolution), _FluxFromIds, of_lights=True)
+            if layers and uses_visibility_buffer(gpu)
             else None
         )
         self._parts = DrawParts(self._split)
@@ -140,9 +140,9 @@ class ReflectiveShadowMaps:
         )
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)
-        if self._visible:
+        if self._visibility:
             if first or not draws:
-                self._draw_seen(commands, scene, layer, view, params, first)
+                self._draw_triangle_ids(commands, scene, layer, view, params, first)
             if not draws:
                 return
             keep = bool(first)
@@ -154,11 +154,11 @@ class ReflectiveShadowMaps:
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
         """What is drawn by triangles that texels see, and then the rest."""
-        if self._visible:
-            return self._visible.split(scene, draws)
-        return [], later_last(scene, draws)
+        if self._visibility:
+            return self._visibility.split(scene, draws)
+        return [], in_draw_order(scene, draws)
 
-    def _draw_seen(
+    def _draw_triangle_ids(
         self,
         commands: Commands,
         scene: GpuScene,
@@ -168,14 +168,16 @@ class ReflectiveShadowMaps:
         draws: list[Draw],
     ) -> None:
         """Draw `draws` by triangles that texels see."""
-        assert self._visible
+        assert self._visibility
         _, depth = self._attachments(layer)
         targets = (self.normal.layer(layer), self.flux.layer(layer))
-        self._visible.encode(commands, scene, draws, view.clip_from_world, depth, targets, params)
+        self._visibility.encode(
+            commands, scene, draws, view.clip_from_world, depth, targets, params
+        )
 
     def release(self) -> None:
         """Give the memory back."""
         for part in (self.depth, self.normal, self.flux, self.views):
             part.release()
-        if self._visible:
-            self._visible.release()
+        if self._visibility:
+            self._visibility.release()

@@ -2,8 +2,8 @@
 
 override IS_CUTOUT: bool = false;
 
-@vertex fn vertex(in: VertexIn, at: Placement) -> VertexOut {
-    return placed_vertex(in, at, params.clip_from_world);
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
 }
 
 @fragment fn fragment(in: VertexOut) {

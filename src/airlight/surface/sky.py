@@ -118,7 +118,7 @@ class EnvironmentTexture:
     """The map on the device, for the background; black where there is none or it is invisible."""
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
-        height, width = _seen(environment)[0].shape[:2]
+        height, width = _background_map(environment)[0].shape[:2]
         self.gpu = gpu
         self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
         self.sampler = Sampler(
@@ -137,7 +137,7 @@ class EnvironmentTexture:
         old = self._shown
         is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
         if not is_same:
-            if _seen(environment)[0].shape[1::-1] != self.texture.size[:2]:
+            if _background_map(environment)[0].shape[1::-1] != self.texture.size[:2]:
                 return False
             self._upload(environment)
         self._turn(environment)
@@ -149,7 +149,7 @@ class EnvironmentTexture:
 
     def _upload(self, environment: Environment | None) -> None:
         """The texels, a band at a time where they are many: the device copies what is uploaded."""
-        radiance, scale = _seen(environment)
+        radiance, scale = _background_map(environment)
         height, width = radiance.shape[:2]
         for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
             if rows.start:
@@ -157,7 +157,7 @@ class EnvironmentTexture:
             self.texture.write(_half_pixels(radiance[rows], scale), row=rows.start)
 
 
-def _seen(environment: Environment | None) -> tuple[NDArray[Any], float]:
+def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:
     """The map (H, W, 3) that is seen in the background, and its factor."""
     if environment is None or not environment.visible:
         return np.zeros((1, 1, 3)), 1.0

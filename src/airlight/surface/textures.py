@@ -13,7 +13,7 @@ from ..gpu.memory import Sampler, Texture
 from ..maths.colour import srgb_decode, srgb_encode
 from ..scene.material import Texture as SceneTexture
 from ..scene.material import Wrap
-from .packed_maps import draws_visible, image_of
+from .packed_maps import image_of, uses_visibility_buffer
 
 _WRAPS: dict[Wrap, str] = {"repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"}
 
@@ -46,7 +46,7 @@ class TextureStore:
         found = self._chains.get(image_of(texture))
         if found is None:
             found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
-            if draws_visible(self.gpu):
+            if uses_visibility_buffer(self.gpu):
                 self._chains[image_of(texture)] = found
         return found[1]
 

@@ -1,6 +1,6 @@
 //! use mapped_normal
 //! use mesh_vertex
-//! use placed_map
+//! use material_map
 
 // Materials of meshes. A pass that uses this binds `materials` and, as group 1, the four maps and
 // their samplers; the overrides say which maps a pipeline's materials have.
@@ -26,7 +26,7 @@ fn base_color_at(in: VertexOut) -> vec4f {
     if (!HAS_BASE_COLOR_MAP) {
         return factor;
     }
-    let at = map_place(in.uv, m.uv_base_color);
+    let at = map_coordinates(in.uv, m.uv_base_color);
     return factor * map_at(base_color_map, base_color_sampler, at.uv, at.dx, at.dy);
 }
 
@@ -40,7 +40,7 @@ fn surface_normal(in: VertexOut, m: MaterialData, is_front: bool) -> vec3f {
     if (!HAS_NORMAL_MAP) {
         return n;
     }
-    let at = map_place(in.uv, m.uv_normal);
+    let at = map_coordinates(in.uv, m.uv_normal);
     let bump = map_at(normal_map, normal_sampler, at.uv, at.dx, at.dy).xyz * 2.0 - 1.0;
     return mapped_normal(n, dpdx(in.world), -dpdy(in.world), at.dx, -at.dy,
         vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
@@ -58,13 +58,13 @@ fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
     point.emission = m.emission;
     point.specular = m.specular;
     if (HAS_METALLIC_ROUGHNESS_MAP) {
-        let at = map_place(in.uv, m.uv_metallic_roughness);
+        let at = map_coordinates(in.uv, m.uv_metallic_roughness);
         let mr = map_at(metallic_roughness_map, metallic_roughness_sampler, at.uv, at.dx, at.dy);
         point.roughness = clamp(m.roughness * mr.g, 0.0, 1.0);
         point.metallic = clamp(m.metallic * mr.b, 0.0, 1.0);
     }
     if (HAS_EMISSION_MAP) {
-        let at = map_place(in.uv, m.uv_emission);
+        let at = map_coordinates(in.uv, m.uv_emission);
         point.emission *= map_at(emission_map, emission_sampler, at.uv, at.dx, at.dy).rgb;
     }
     return point;

@@ -1,7 +1,7 @@
 // Vertices of meshes, and where their instance stands: attributes too, which software drivers read
 // once for many vertices, and storage buffers once for each.
 
-struct Placement {
+struct InstanceTransform {
     @location(4) x: vec4f,      // columns of world_from_object
     @location(5) y: vec4f,
     @location(6) z: vec4f,
@@ -30,11 +30,11 @@ struct VertexOut {
     @location(5) @interpolate(flat) size: f32,
 }
 
-fn world_position(at: Placement, position: vec3f) -> vec4f {
+fn world_position(at: InstanceTransform, position: vec3f) -> vec4f {
     return mat4x4f(at.x, at.y, at.z, at.w) * vec4f(position, 1.0);
 }
 
-fn placed_vertex(in: VertexIn, at: Placement, clip_from_world: mat4x4f) -> VertexOut {
+fn transformed_vertex(in: VertexIn, at: InstanceTransform, clip_from_world: mat4x4f) -> VertexOut {
     var out: VertexOut;
     let world = world_position(at, in.position);
     out.clip = clip_from_world * world;

@@ -13,12 +13,13 @@ from airlight.scene import DirectionalLight, Material, Mesh, Scene, SpotLight, T
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
-from airlight.surface.packed_maps import draws_visible, most_texels
+from airlight.surface.packed_maps import most_texels, uses_visibility_buffer
 from airlight.surface.reflective import ReflectiveShadowMaps
-from airlight.surface.seen_triangles import most_triangles
 from airlight.surface.textures import mip_chain
+from airlight.surface.triangle_table import most_triangles
 
 SIZE = (48, 32)
+GBUFFER, REFLECTIVE = "airlight.surface.gbuffer", "airlight.surface.reflective"
 RNG = np.random.default_rng(11)
 UVS = np.array([[-0.3, 1.4], [1.7, 1.1], [1.3, 0.2], [0.1, -0.6]], np.float32)
 
@@ -76,7 +77,7 @@ def _drawn(gpu, commands, scene, meshes, eye):
     found = {}
     for is_visible in (True, False):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("airlight.surface.gbuffer.draws_visible", lambda gpu, v=is_visible: v)
+            patch.setattr(f"{GBUFFER}.uses_visibility_buffer", lambda gpu, v=is_visible: v)
             g = GBuffer(gpu, SIZE)
         on_device = GpuScene(gpu, scene)
         clip = clip_from_view_infinite(1.2, SIZE[0] / SIZE[1], 0.01)
@@ -99,7 +100,7 @@ def _lit(gpu, commands, scene, light):
     views = light_views([light], *on_device.bounds, 64)
     for is_visible in (True, False):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("airlight.surface.reflective.draws_visible", lambda gpu, v=is_visible: v)
+            patch.setattr(f"{REFLECTIVE}.uses_visibility_buffer", lambda gpu, v=is_visible: v)
             maps = ReflectiveShadowMaps(gpu, "maps", 64, len(views))
         maps.encode(commands, on_device, [light], views)
         commands.submit()
@@ -112,7 +113,7 @@ def _lit(gpu, commands, scene, light):
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
 def test_both_ways_see_the_same(gpu, commands, square, case, eye):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     meshes = [
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
@@ -146,7 +147,7 @@ def test_both_ways_see_the_same(gpu, commands, square, case, eye):
 )
 @pytest.mark.parametrize("case", ["maps", "holes", "maps of light come after"])
 def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     meshes = tuple(
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), m, uvs=UVS)
@@ -161,7 +162,7 @@ def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
 
 
 def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     still = square((0, 0, 0), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
     g = still.geometry
@@ -176,10 +177,10 @@ def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
 
 @pytest.mark.parametrize("fitting", [0, 1])
 def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monkeypatch, fitting):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     texels = 16 * 16 * 4 // 3 + 8  # of a map, its levels and their table
-    limit = "airlight.surface.seen_triangles.most_texels"
+    limit = "airlight.surface.triangle_table.most_texels"
     monkeypatch.setattr(limit, lambda gpu: fitting * texels + 2)
     materials = [_painted(), _painted(), Material(base_color=(0.2, 0.5, 0.7))]
     meshes = tuple(
@@ -187,7 +188,7 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
         for k, m in enumerate(materials)
     )
     scene = GpuScene(gpu, Scene(meshes=meshes))
-    shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in scene.draws]
+    shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in scene.draws]
     scene.release()
     assert sum(shown) == 1 + fitting
     ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), meshes, (0.4, 0.9, 2.2))
@@ -196,7 +197,7 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
 
 
 def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", 64 * 64 * 8)
     assert most_texels(gpu) == 64 * 64
@@ -211,17 +212,20 @@ def test_a_map_larger_than_what_a_device_binds_is_drawn(gpu, commands, square, m
 def test_triangles_that_do_not_fit_are_drawn_as_they_come(
     gpu, commands, square, monkeypatch, triangles
 ):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
-    limit = "airlight.surface.seen_triangles.most_triangles"
+    limit = "airlight.surface.triangle_table.most_triangles"
     monkeypatch.setattr(limit, lambda gpu: triangles)
     meshes = tuple(
         square((0.5 * k, 0, -0.4 * k), (1, 0.1, 0.2), (0.1, 1, -0.3), _painted(), uvs=UVS)
         for k in range(2)
     )
     scene = GpuScene(gpu, Scene(meshes=meshes))
-    assert sum(scene.seen.shows(d.base_vertex, d.material) for d in scene.draws) == triangles // 2
-    assert scene.seen.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
+    assert (
+        sum(scene.triangle_table.shows(d.base_vertex, d.material) for d in scene.draws)
+        == triangles // 2
+    )
+    assert scene.triangle_table.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
     scene.release()
     bent = tuple(
         replace(m, geometry=replace(m.geometry, positions=m.geometry.positions + np.float32(0.1)))
@@ -238,7 +242,7 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
 
 
 def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for k in range(40))
     bound = 60 * 80 + 8
@@ -285,7 +289,7 @@ KINDS = {
 def test_of_surfaces_in_one_place_both_ways_see_the_same(
     gpu, commands, square, monkeypatch, kinds, seen, depth_first_px
 ):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     monkeypatch.setattr("airlight.surface.gbuffer.DEPTH_FIRST_PX", depth_first_px)
     paints = [KINDS[kind] for kind in kinds]
@@ -376,7 +380,7 @@ def _uv_on_plane(clip, pixels, uv_of):
     ],
 )
 def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, eye, repeats):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     noise = RNG.choice(np.array([0, 255], np.uint8), (8, 16, 4))  # as hard as edges come
     noise[..., 3] = 255
@@ -426,7 +430,7 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
 
 
 def test_hard_edges_far_off_are_as_bright_both_ways(gpu, commands, square):
-    if not draws_visible(gpu):
+    if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     checks = (np.indices((16, 16)) // 2).sum(axis=0) % 2 * 255
     pixels = np.stack([checks, 255 - checks, 255 * np.eye(16), np.full((16, 16), 255)], axis=-1)

@@ -2,19 +2,19 @@
 //! use two_words
 
 // The surface point of a pixel, from the triangle that it sees. Who uses it binds `triangles`, `instances`,
-// `materials`, `placements` and `texels`, as surface/visible.py does, and `params` with `clip_from_world`
+// `materials`, `uv_transforms` and `texels`, as surface/visibility_buffer.py does, and `params` with `clip_from_world`
 // and `inv_size`.
 
-override HAS_PLACED_MAPS: bool = true;
+override HAS_MAP_TRANSFORM: bool = true;
 
-struct SeenPoint {
+struct VisiblePoint {
     world: vec3f,
     normal: vec3f,          // world, facing the viewer, no map in it
     world_dx: vec3f,        // to the next pixel's right, and down
     world_dy: vec3f,
     uv_dx: vec2f,
     uv_dy: vec2f,
-    material: SeenMaterial,
+    material: PackedMaterial,
     texel: PackedTexel,
 }
 
@@ -28,7 +28,7 @@ struct Corner {
     whole: vec3f,
 }
 
-struct SeenMaterial {
+struct PackedMaterial {
     color: vec4f,       // base colour, metallic
     emission: vec4f,    // W m^-2 sr^-1, specular
     roughness: f32,
@@ -36,19 +36,19 @@ struct SeenMaterial {
     maps: vec4u,        // as packed_maps_at has them
 }
 
-fn material_of(index: u32) -> SeenMaterial {
+fn material_of(index: u32) -> PackedMaterial {
     let bits = materials[index];
     let color = two_words(bits.x);
     let emission = two_words(bits.y);
     let rest = two_words(bits.z);
     let place = two_words(bits.w);
     let gloss = unpack2x16float(rest.x);
-    return SeenMaterial(vec4f(unpack2x16float(color.x), unpack2x16float(color.y)),
+    return PackedMaterial(vec4f(unpack2x16float(color.x), unpack2x16float(color.y)),
         vec4f(unpack2x16float(emission.x), unpack2x16float(emission.y)), gloss.x, gloss.y,
         vec4u(place, rest.y & 0xffffu, rest.y >> 16u));
 }
 
-fn placement_of(index: u32) -> mat4x4f {
+fn transform_of(index: u32) -> mat4x4f {
     let at = 9u * index;       // pairs of words of an InstanceData
     let x = bitcast<vec4f>(four_words(instances[at]));
     let y = bitcast<vec4f>(four_words(instances[at + 1u]));
@@ -94,16 +94,16 @@ fn normals_at(d: vec4u, e: vec4u, at: vec2f) -> vec3f {
 }
 
 // What the pixel around `position` has of `seen`: a triangle's number and 1, instance | material << 16.
-fn seen_point(seen: vec2u, position: vec2f) -> SeenPoint {
+fn visible_point(seen: vec2u, position: vec2f) -> VisiblePoint {
     let row = 5u * (max(seen.x, 1u) - 1u);
     let a = four_words(triangles[row]);
     let b = four_words(triangles[row + 1u]);
     let c = four_words(triangles[row + 2u]);
     let d = four_words(triangles[row + 3u]);
     let e = four_words(triangles[row + 4u]);
-    let placed = placement_of(seen.y & 0xffffu);
+    let world_from_object = transform_of(seen.y & 0xffffu);
     let m = material_of(seen.y >> 16u);
-    let on = corner_of(a, b, c.x, placed);
+    let on = corner_of(a, b, c.x, world_from_object);
 
     // Differences over the pixel's quad, as drivers take them.
     let pace = vec2f(2.0, -2.0) * params.inv_size;
@@ -120,13 +120,13 @@ fn seen_point(seen: vec2u, position: vec2f) -> SeenPoint {
     var uv = uv_0 + inside.x * uv_1 + inside.y * uv_2;
     var uv_dx = dx.x * uv_1 + dx.y * uv_2;
     var uv_dy = dy.x * uv_1 + dy.y * uv_2;
-    if (HAS_PLACED_MAPS) {
-        let place = placements[seen.y >> 16u];
-        uv = uv * place.xy + place.zw;
-        uv_dx *= place.xy;
-        uv_dy *= place.xy;
+    if (HAS_MAP_TRANSFORM) {
+        let transform = uv_transforms[seen.y >> 16u];
+        uv = uv * transform.xy + transform.zw;
+        uv_dx *= transform.xy;
+        uv_dy *= transform.xy;
     }
-    var point: SeenPoint;
+    var point: VisiblePoint;
     point.material = m;
     point.texel = packed_maps_at(m.maps, uv, uv_dx, uv_dy);
     point.texel.light = select(vec3f(1.0), point.texel.light, (m.maps.z & MAPS_BASE) != 0u);
@@ -137,7 +137,7 @@ fn seen_point(seen: vec2u, position: vec2f) -> SeenPoint {
     point.uv_dy = uv_dy;
 
     // Cofactors keep normals at right angles to their surface, mirrored ones outside.
-    let columns = mat3x3f(placed[0].xyz, placed[1].xyz, placed[2].xyz);
+    let columns = mat3x3f(world_from_object[0].xyz, world_from_object[1].xyz, world_from_object[2].xyz);
     let cofactors = mat3x3f(cross(columns[1], columns[2]), cross(columns[2], columns[0]),
         cross(columns[0], columns[1]));
     let mirrored = select(1.0, -1.0, dot(columns[0], cofactors[0]) < 0.0);

@@ -1,6 +1,6 @@
 """What a pixel needs to know of its triangle: corners, normals, uv, material and its maps.
 
-Software drivers alone use it: `surface.visible` draws which triangle each pixel sees.
+Software drivers alone use it: `surface.visibility_buffer` draws which triangle each pixel sees.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
 from .packed_maps import PackedMaps, metallic_factor, most_texels
-from .provoking import U32, told_apart
+from .provoking import U32, unique_provoking
 from .textures import TextureStore
 
 WORDS = 20  # of a triangle
@@ -30,7 +30,7 @@ def most_triangles(gpu: Gpu) -> int:
     return min(limits) // (4 * WORDS)
 
 
-class SeenInstance(Struct):
+class InstanceIds(Struct):
     """What a vertex adds to its number, and what its pixels are of."""
 
     first = u32("1 + number of its triangle, less its vertex's")
@@ -54,12 +54,12 @@ MATERIAL = np.dtype(
 """A material as its pixels need it, in 32 bytes: half floats, as in the G-buffer."""
 
 
-class SeenTriangles:
+class TriangleTable:
     """Buffers beside those of a `GpuScene`, of the geometries and materials that can be told apart.
 
-    positions  of the vertices of `told_apart`
+    positions  of the vertices of `unique_provoking`
     indices    in the scene's order, into those
-    instances  SeenInstance, in the scene's order
+    instances  InstanceIds, in the scene's order
     triangles  WORDS u32 each, object space: corner and edges, uv and its edges, normals
     """
 
@@ -82,7 +82,7 @@ class SeenTriangles:
         indices: list[U32] = []
         vertex_count = triangle_count = 0
         for key, geometry in geometries.items():
-            self._sources[key], corners = told_apart(geometry.indices)
+            self._sources[key], corners = unique_provoking(geometry.indices)
             self.base_vertex[key], self._first_triangle[key] = vertex_count, triangle_count
             self.first_index[key] = 3 * triangle_count
             vertex_count += len(self._sources[key])
@@ -129,13 +129,13 @@ class SeenTriangles:
             self.instances,
             self.triangles,
             self.materials,
-            self.placements,
+            self.uv_transforms,
             self.texels,
         ):
             part.release()
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
-        packed = np.zeros(max(1, len(instances)), SeenInstance.dtype)
+        packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)
         for index, (key, material) in enumerate(instances):
             first = 1 + self._first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
@@ -145,12 +145,12 @@ class SeenTriangles:
         maps = PackedMaps(store.chain, most_texels(gpu))
         self._is_packed = {id(m): maps.of(m) is not None for m in materials}
         rows = np.zeros(max(1, len(materials)), MATERIAL)
-        placements = np.tile(np.array(_UNPLACED, np.float32), (len(rows), 1))
+        uv_transforms = np.tile(np.array(_IDENTITY_UV, np.float32), (len(rows), 1))
         for index, m in enumerate(materials):
-            rows[index], placements[index] = _fields(m, maps), _placement(m)
+            rows[index], uv_transforms[index] = _fields(m, maps), _uv_transform(m)
         self.materials = buffer_of(gpu, "seen materials", rows)
-        self.placements = buffer_of(gpu, "placements of maps", placements)
-        self.has_placed_maps = bool((placements != _UNPLACED).any())
+        self.uv_transforms = buffer_of(gpu, "uv_transforms of maps", uv_transforms)
+        self.has_map_transforms = bool((uv_transforms != _IDENTITY_UV).any())
         self.texels = buffer_of(gpu, "packed maps", maps.texels)
         store.forget_chains()
 
@@ -166,7 +166,7 @@ def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
 
 
 _HALF_MAX = 65504.0
-_UNPLACED = (1.0, 1.0, 0.0, 0.0)
+_IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
 
 
 def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
@@ -188,10 +188,10 @@ def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
     )
 
 
-def _placement(m: Material) -> tuple[float, ...]:
+def _uv_transform(m: Material) -> tuple[float, ...]:
     """Scale and offset of the material's maps."""
     some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
-    return (*some.scale, *some.offset) if some else _UNPLACED
+    return (*some.scale, *some.offset) if some else _IDENTITY_UV
 
 
 def _uvs(g: Geometry) -> NDArray[np.float32]:

@@ -1,5 +1,5 @@
 //! use mapped_normal
-//! use seen_surface
+//! use visibility_surface
 
 // The surface point of each pixel, from the triangle that it sees: what gbuffer.wgsl makes of varyings.
 
@@ -10,8 +10,8 @@ struct GBufferOut {
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> GBufferOut {
-    let seen = textureLoad(visible, vec2i(position.xy), 0).xy;
-    let point = seen_point(seen, position.xy);
+    let seen = textureLoad(triangle_ids, vec2i(position.xy), 0).xy;
+    let point = visible_point(seen, position.xy);
     let m = point.material;
     let bump = point.texel.surface.xyz * 2.0 - 1.0;
     let bent = mapped_normal(point.normal, point.world_dx, -point.world_dy, point.uv_dx, -point.uv_dy,

@@ -2,24 +2,24 @@
 
 // Maps of materials, read by passes that shade surfaces as they come.
 
-override HAS_PLACED_MAPS: bool = true;      // whether any has a scale or an offset
+override HAS_MAP_TRANSFORM: bool = true;      // whether any has a scale or an offset
 
-struct MapPlace {
+struct MapCoordinates {
     uv: vec2f,
     dx: vec2f,
     dy: vec2f,
 }
 
-// Where a map is read, `place` its scale and offset. Gradients come from the interpolated uv, and the scale
+// Where a map is read, `transform` its scale and offset. Gradients come from the interpolated uv, and the scale
 // goes on after: beside a triangle's edge some drivers read 0 from buffers in the lanes that only serve
 // differences.
-fn map_place(uv: vec2f, place: vec4f) -> MapPlace {
+fn map_coordinates(uv: vec2f, transform: vec4f) -> MapCoordinates {
     let dx = dpdx(uv);
     let dy = dpdy(uv);
-    if (HAS_PLACED_MAPS) {
-        return MapPlace(uv * place.xy + place.zw, dx * place.xy, dy * place.xy);
+    if (HAS_MAP_TRANSFORM) {
+        return MapCoordinates(uv * transform.xy + transform.zw, dx * transform.xy, dy * transform.xy);
     }
-    return MapPlace(uv, dx, dy);
+    return MapCoordinates(uv, dx, dy);
 }
 
 fn map_at(map: texture_2d<f32>, map_sampler: sampler, uv: vec2f, dx: vec2f, dy: vec2f) -> vec4f {

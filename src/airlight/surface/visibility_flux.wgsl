@@ -1,5 +1,5 @@
 //! use reflected_power
-//! use seen_surface
+//! use visibility_surface
 
 // What each texel of a reflective shadow map sees: what reflective.wgsl makes of varyings.
 
@@ -9,8 +9,8 @@ struct ReflectiveOut {
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> ReflectiveOut {
-    let seen = textureLoad(visible, vec2i(position.xy), 0).xy;
-    let point = seen_point(seen, position.xy);
+    let seen = textureLoad(triangle_ids, vec2i(position.xy), 0).xy;
+    let point = visible_point(seen, position.xy);
     let base = point.material.color.rgb * point.texel.light;
     let size = bitcast<vec2f>(two_words(instances[9u * (seen.y & 0xffffu) + 8u].x)).y;
     let is_seen = seen.x != 0u;

@@ -1,7 +1,7 @@
 //! use mesh_vertex
-//! use placed_map
+//! use material_map
 
-// As visible.wgsl, of materials with holes.
+// As visibility_ids.wgsl, of materials with holes.
 
 override IS_CUTOUT: bool = true;
 override HAS_BASE_COLOR_MAP: bool = true;
@@ -13,7 +13,7 @@ struct Seen {
 }
 
 @vertex fn vertex(
-    @location(0) position: vec3f, @location(1) uv: vec2f, at: Placement,
+    @location(0) position: vec3f, @location(1) uv: vec2f, at: InstanceTransform,
     @location(8) first: u32, @location(9) what: u32, @builtin(vertex_index) index: u32,
 ) -> Seen {
     let clip = params.clip_from_world * world_position(at, position);
@@ -24,7 +24,7 @@ struct Seen {
     let m = materials[in.what.y >> 16u];
     var alpha = m.alpha;
     if (HAS_BASE_COLOR_MAP) {
-        let at = map_place(in.uv, m.uv_base_color);
+        let at = map_coordinates(in.uv, m.uv_base_color);
         alpha *= map_at(base_color_map, base_color_sampler, at.uv, at.dx, at.dy).a;
     }
     if (IS_CUTOUT && alpha < m.alpha_cutoff) {

@@ -17,26 +17,26 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
-from .draw_parts import later_last
+from .draw_parts import in_draw_order
 from .geometry import Draw, GpuScene
 from .mesh_pass import (
-    INSTANCE_PLACES,
+    INSTANCE_TRANSFORMS,
     MATERIAL_SLOTS,
     MESH_SLOTS,
     VERTEX_BUFFERS,
     MeshPass,
     MeshPipeline,
 )
-from .seen_triangles import SeenInstance
+from .triangle_table import InstanceIds
 
 
-class VisibleParams(Struct):
+class TriangleIdParams(Struct):
     """Where the camera is."""
 
     clip_from_world = mat4x4f()
 
 
-class SeenParams(Struct):
+class VisibilityParams(Struct):
     """Where the camera is, and how wide pixels are."""
 
     clip_from_world = mat4x4f()
@@ -44,7 +44,7 @@ class SeenParams(Struct):
 
 
 _WHAT: dict[str, Any] = {
-    "array_stride": SeenInstance.dtype.itemsize,
+    "array_stride": InstanceIds.dtype.itemsize,
     "step_mode": "instance",
     "attributes": [
         {"shader_location": 8, "offset": 0, "format": "uint32"},
@@ -58,87 +58,91 @@ _UV: dict[str, Any] = {
 }
 
 
-class _Visible(MeshPipeline):
-    slots: ClassVar[tuple[Slot, ...]] = (uniform("params", VisibleParams), *MESH_SLOTS)
+class _TriangleIds(MeshPipeline):
+    slots: ClassVar[tuple[Slot, ...]] = (uniform("params", TriangleIdParams), *MESH_SLOTS)
     second_slots: ClassVar[tuple[Slot, ...]] = ()
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = (
         VERTEX_BUFFERS[0],
-        INSTANCE_PLACES,
+        INSTANCE_TRANSFORMS,
         _WHAT,
     )
-    # Of two surfaces in one place the later one is seen: see `later_last`.
+    # Of two surfaces in one place the later one is seen: see `in_draw_order`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)
     maps: ClassVar[tuple[str, ...]] = ()
-    file = "visible.wgsl"
+    file = "visibility_ids.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """Vertices that tell triangles apart, where instances are, and what."""
-        return (scene.seen.positions, scene.instances, scene.seen.instances)
+        return (scene.triangle_table.positions, scene.instances, scene.triangle_table.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
         """Into those vertices."""
-        return scene.seen.indices
+        return scene.triangle_table.indices
 
 
-class _VisibleCutout(_Visible):
+class _CutoutTriangleIds(_TriangleIds):
     second_slots = MATERIAL_SLOTS
-    vertex_buffers = (*_Visible.vertex_buffers, _UV)
+    vertex_buffers = (*_TriangleIds.vertex_buffers, _UV)
     maps = ("base_color",)
-    file = "visible_cutout.wgsl"
+    file = "visibility_ids_cutout.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """Those, and where the maps lie on them."""
-        return (*super().vertices_of(scene), scene.seen.uvs)
+        return (*super().vertices_of(scene), scene.triangle_table.uvs)
 
 
-class _VisibleToLight(_Visible):
+class _LightTriangleIds(_TriangleIds):
     depth_compare = "less-equal"
 
 
-class _CutoutToLight(_VisibleCutout):
+class _LightCutoutTriangleIds(_CutoutTriangleIds):
     depth_compare = "less-equal"
 
 
-SEEN_SLOTS = (
-    texture("visible", "2d", "uint"),
+VISIBILITY_SLOTS = (
+    texture("triangle_ids", "2d", "uint"),
     storage("triangles", "vec2<u64>"),
     storage("instances", "vec2<u64>"),
     storage("materials", "vec4<u64>"),
-    storage("placements", "vec4f"),
+    storage("uv_transforms", "vec4f"),
     storage("texels", "u64"),
 )
-"""What a pass with `//! use seen_surface` binds beside its `params`."""
+"""What a pass with `//! use visibility_surface` binds beside its `params`."""
 
 
-class SeenGBuffer(FullscreenPass):
-    """The G-buffer of what pixels see; its params are SeenParams."""
+class GBufferFromIds(FullscreenPass):
+    """The G-buffer of what pixels see; its params are VisibilityParams."""
 
-    slots = (uniform("params", SeenParams), *SEEN_SLOTS)
+    slots = (uniform("params", VisibilityParams), *VISIBILITY_SLOTS)
     targets = ("rgba16float", "rgba16float", "rgba16float")
-    file = "visible_surface.wgsl"
+    file = "visibility_gbuffer.wgsl"
 
 
-class VisibleSurfaces:
+class VisibilityBuffer:
     """The two steps for pictures of one size, of a camera (depth reversed) or of lights."""
 
     def __init__(
         self,
         gpu: Gpu,
         size: tuple[int, int],
-        surface: type[FullscreenPass] = SeenGBuffer,
+        surface: type[FullscreenPass] = GBufferFromIds,
         *,
         of_lights: bool = False,
     ) -> None:
-        """`surface` is the second step: a pass with SEEN_SLOTS."""
+        """`surface` is the second step: a pass with VISIBILITY_SLOTS."""
         self.gpu, self._surface = gpu, surface
-        kinds = (_CutoutToLight, _VisibleToLight) if of_lights else (_VisibleCutout, _Visible)
+        kinds = (
+            (_LightCutoutTriangleIds, _LightTriangleIds)
+            if of_lights
+            else (_CutoutTriangleIds, _TriangleIds)
+        )
         self._pass = MeshPass(gpu, kinds[0], opaque=kinds[1])
         self._surfaces: dict[bool, FullscreenPass] = {}
         self._take(size)
 
     def _take(self, size: tuple[int, int]) -> None:
-        self.seen = Texture(self.gpu, "visible", size, "rg32uint", target=True)
+        self.triangle_ids = Texture(self.gpu, "triangle ids", size, "rg32uint", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
@@ -149,22 +153,22 @@ class VisibleSurfaces:
     def split(scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
         """The draws that can be drawn this way, for `encode`, and the rest, to be drawn over them.
 
-        Those alone that did not fit into memory are out of the order of `later_last`.
+        Those alone that did not fit into memory are out of the order of `in_draw_order`.
         """
-        shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in draws]
+        shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in draws]
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
-        seen = scene.seen
+        table = scene.triangle_table
         return (
             [
                 replace(
                     draw,
-                    base_vertex=seen.base_vertex[draw.base_vertex],
-                    first_index=seen.first_index[draw.base_vertex],
+                    base_vertex=table.base_vertex[draw.base_vertex],
+                    first_index=table.first_index[draw.base_vertex],
                 )
                 for draw, is_shown in zip(draws, shown, strict=True)
                 if is_shown
             ],
-            later_last(scene, rest),
+            in_draw_order(scene, rest),
         )
 
     def encode(
@@ -182,33 +186,34 @@ class VisibleSurfaces:
         `params` are those of the second step.
         """
         color = {
-            "view": self.seen.resource,
+            "view": self.triangle_ids.resource,
             "load_op": "clear",
             "store_op": "store",
             "clear_value": (0, 0, 0, 0),
         }
         with commands.render(
-            "visible", color_attachments=[color], depth_stencil_attachment=depth
+            "triangle ids", color_attachments=[color], depth_stencil_attachment=depth
         ) as encoder:
             self._pass.draw(
-                commands, encoder, scene, draws, VisibleParams(clip_from_world=clip_from_world)
+                commands, encoder, scene, draws, TriangleIdParams(clip_from_world=clip_from_world)
             )
-        seen, is_placed = scene.seen, scene.seen.has_placed_maps
-        if is_placed not in self._surfaces:
-            constants = {"HAS_PLACED_MAPS": float(is_placed)}
-            self._surfaces[is_placed] = self._surface(self.gpu, constants=constants)
-        self._surfaces[is_placed].draw(
+        table = scene.triangle_table
+        has_transforms = table.has_map_transforms
+        if has_transforms not in self._surfaces:
+            constants = {"HAS_MAP_TRANSFORM": float(has_transforms)}
+            self._surfaces[has_transforms] = self._surface(self.gpu, constants=constants)
+        self._surfaces[has_transforms].draw(
             commands,
             targets,
             params=params,
-            visible=self.seen,
-            triangles=seen.triangles,
+            triangle_ids=self.triangle_ids,
+            triangles=table.triangles,
             instances=scene.instances,
-            materials=seen.materials,
-            placements=seen.placements,
-            texels=seen.texels,
+            materials=table.materials,
+            uv_transforms=table.uv_transforms,
+            texels=table.texels,
         )
 
     def release(self) -> None:
         """Give the memory back."""
-        self.seen.release()
+        self.triangle_ids.release()

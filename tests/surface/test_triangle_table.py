@@ -8,14 +8,14 @@ import numpy as np
 
 from airlight.scene import Material, Scene
 from airlight.surface.geometry import GpuScene
-from airlight.surface.seen_triangles import MATERIAL, WORDS
+from airlight.surface.triangle_table import MATERIAL, WORDS
 
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 
 def test_a_triangle_is_its_corner_and_edges(gpu, owned, square):
     mesh = square((1, 2, 3), (1, 0, 0), (0, 0.5, 0), uvs=UVS)
-    seen = owned(GpuScene(gpu, Scene(meshes=(mesh,)))).seen
+    seen = owned(GpuScene(gpu, Scene(meshes=(mesh,)))).triangle_table
     rows = seen.triangles.read(np.float32).reshape(-1, WORDS)
     g = mesh.geometry
     corners = np.stack([rows[:, 0:3], rows[:, 0:3] + rows[:, 3:6], rows[:, 0:3] + rows[:, 6:9]], 1)
@@ -37,7 +37,7 @@ def test_a_material_is_in_half_floats(gpu, owned, square):
         emission=(1e6, 2.0, 0.0),
     )
     scene = owned(GpuScene(gpu, Scene(meshes=(square((0, 0, 0), (1, 0, 0), (0, 1, 0), painted),))))
-    row = scene.seen.materials.read(MATERIAL)[0]
+    row = scene.triangle_table.materials.read(MATERIAL)[0]
     assert row["base_color"].tolist() == [0.5, 0.25, 1.0]
     assert row["emission"].tolist() == [65504.0, 2.0, 0.0]
     assert (row["metallic"], row["roughness"], row["specular"]) == (0.75, 0.5, 0.25)
@@ -48,7 +48,7 @@ def test_coloured_vertices_are_not_shown_this_way(gpu, owned, square):
     plain = square((0, 0, 0), (1, 0, 0), (0, 1, 0))
     coloured = square((0, 0, 0), (1, 0, 0), (0, 1, 0), colors=colors)
     scene = owned(GpuScene(gpu, Scene(meshes=(plain, coloured))))
-    shown = [scene.seen.shows(draw.base_vertex, draw.material) for draw in scene.draws]
+    shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in scene.draws]
     assert sorted(shown) == [False, True]
 
 
@@ -56,25 +56,25 @@ def test_colours_that_come_later_are_not_shown_this_way(gpu, owned, square):
     plain = square((0, 0, 0), (1, 0, 0), (0, 1, 0))
     scene = owned(GpuScene(gpu, Scene(meshes=(plain,))))
     draw = scene.draws[0]
-    assert scene.seen.shows(draw.base_vertex, draw.material)
+    assert scene.triangle_table.shows(draw.base_vertex, draw.material)
     colors = np.full((4, 4), 0.5, np.float32)
     scene.move((replace(plain, geometry=replace(plain.geometry, colors=colors)),))
-    assert not scene.seen.shows(draw.base_vertex, draw.material)
+    assert not scene.triangle_table.shows(draw.base_vertex, draw.material)
     scene.move((plain,))
-    assert scene.seen.shows(draw.base_vertex, draw.material)
+    assert scene.triangle_table.shows(draw.base_vertex, draw.material)
 
 
 def test_where_maps_lie_is_uploaded_where_it_changed(gpu, owned, square, monkeypatch):
     mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), uvs=UVS)
     scene = owned(GpuScene(gpu, Scene(meshes=(mesh,))))
-    writes, write = [], scene.seen.uvs.write
-    monkeypatch.setattr(scene.seen.uvs, "write", lambda *a: writes.append(a) or write(*a))
+    writes, write = [], scene.triangle_table.uvs.write
+    monkeypatch.setattr(scene.triangle_table.uvs, "write", lambda *a: writes.append(a) or write(*a))
     for shift, uvs in ((0.1, UVS), (0.2, UVS), (0.2, UVS + np.float32(0.5))):
         positions = mesh.geometry.positions + np.float32(shift)
         geometry = replace(mesh.geometry, positions=positions, uvs=mesh.geometry.uvs)
         if uvs is not UVS:
             geometry = replace(geometry, uvs=uvs)
         scene.move((replace(mesh, geometry=geometry),))
-        first = scene.seen.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
+        first = scene.triangle_table.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
         np.testing.assert_array_equal(first, geometry.uvs[geometry.indices[:, 0]])
     assert len(writes) == 1

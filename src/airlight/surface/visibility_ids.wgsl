@@ -8,7 +8,7 @@ struct Seen {
 }
 
 @vertex fn vertex(
-    @location(0) position: vec3f, at: Placement, @location(8) first: u32, @location(9) what: u32,
+    @location(0) position: vec3f, at: InstanceTransform, @location(8) first: u32, @location(9) what: u32,
     @builtin(vertex_index) index: u32,
 ) -> Seen {
     return Seen(params.clip_from_world * world_position(at, position), vec2u(first + index, what));

@@ -6,7 +6,7 @@
 const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
 const NO_CORNER = 0xffffffffu;
 
-struct SeenSurfel {
+struct ViewSurfel {
     corner: u32,            // around which it counts, half a cell beside the lattice; or NO_CORNER
     offset: vec3f,          // cells from there
     normal: vec3f,
@@ -15,7 +15,7 @@ struct SeenSurfel {
 }
 
 // m^2 of the surface that a texel shows.
-fn seen_area(view: LightViewData, world: vec3f, n: vec3f, centre: vec2f) -> f32 {
+fn surfel_area(view: LightViewData, world: vec3f, n: vec3f, centre: vec2f) -> f32 {
     let towards = view_direction(view, world, centre);
     var across = view_texel_measure(view, centre, params.resolution);
     if (view.is_perspective != 0u) {
@@ -25,8 +25,8 @@ fn seen_area(view: LightViewData, world: vec3f, n: vec3f, centre: vec2f) -> f32 
     return across / max(abs(dot(n, towards)), GRAZING);
 }
 
-fn seen_surfel(id: vec3u) -> SeenSurfel {
-    var seen = SeenSurfel(NO_CORNER, vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
+fn view_surfel(id: vec3u) -> ViewSurfel {
+    var seen = ViewSurfel(NO_CORNER, vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
     if (any(id.xy >= vec2u(params.resolution))) {
         return seen;
     }
@@ -50,7 +50,7 @@ fn seen_surfel(id: vec3u) -> SeenSurfel {
     seen.corner = (c.z * size.y + c.y) * size.x + c.x;
     seen.offset = place - vec3f(corner);
     seen.normal = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
-    seen.area = seen_area(view, world, seen.normal, centre) / (params.cell * params.cell);
+    seen.area = surfel_area(view, world, seen.normal, centre) / (params.cell * params.cell);
     seen.reflectance = textureLoad(reflectance, vec2i(id.xy), layer, 0).rgb;
     return seen;
 }
