@@ -44,8 +44,8 @@ def test_an_unknown_library_names_who_asked(library, nested):
     source = Source()
     text = "\n//! use outer" if nested else "\n\n//! use phaze"
     with pytest.raises(ShaderError) as caught:
-        source.add(text, "media/march.wgsl")
-    where = "wgsl/outer.wgsl:2" if nested else "media/march.wgsl:3"
+        source.add(text, "media/march/march.wgsl")
+    where = "wgsl/outer.wgsl:2" if nested else "media/march/march.wgsl:3"
     assert str(caught.value) == f"{where}: there is no shader library 'phaze'"
 
 

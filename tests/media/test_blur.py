@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from airlight.media.shafts.shafts.blur import Blur
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
-from airlight.media.blur import Blur
 from airlight.media.rays import Rays
 from airlight.scene import Camera, Mesh, Scene
 

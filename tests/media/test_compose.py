@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
-from airlight.media.compose import Compose
+from airlight.media.compositing.compose import Compose
 
 SIZE = (5, 3)
 

@@ -10,12 +10,12 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
-from airlight.media.compose import Compose
-from airlight.media.finish import Finish, can_finish
+from airlight.media.compositing.compose import Compose
+from airlight.media.compositing.finish import Finish, can_finish
+from airlight.media.compositing.transmittance import Transmittance
+from airlight.media.compositing.upsample import Upsample, UpsampleOnto
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.rays import Rays
-from airlight.media.transmittance import Transmittance
-from airlight.media.upsample import Upsample, UpsampleOnto
 from airlight.scene import Camera, Medium, Mesh, Scene
 
 SIZE = (37, 23)

@@ -1,6 +1,7 @@
 """Marching light that was scattered forwards: the closed form of one constant beam."""
 
 import numpy as np
+from airlight.media.march.march.march import March
 
 from airlight.fields import ForwardSource, LatticeSource
 from airlight.gpu.layout import pack_array
@@ -8,7 +9,6 @@ from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.maths.forward_phase import fused_phase
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march import March
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.lights import DirectionalLight, PointLight

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.media.guided import GuidedUpsample
+from airlight.media.compositing.guided import GuidedUpsample
 from airlight.rendering import render
 from airlight.scene import Camera, DirectionalLight, Material, Mesh, PointLight, Scene, Volume
 from airlight.scene.image import Image

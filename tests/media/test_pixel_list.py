@@ -10,7 +10,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Buffer, Texture
-from airlight.media.finish import Finish
+from airlight.media.compositing.finish import Finish
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.pixel_list import PixelList, RedrawParams
 from airlight.media.rays import Rays

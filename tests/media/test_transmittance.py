@@ -9,9 +9,9 @@ import numpy as np
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
+from airlight.media.compositing.transmittance import Transmittance
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.rays import Rays
-from airlight.media.transmittance import Transmittance
 from airlight.reference.quadrature import box_path
 from airlight.scene import Camera, Medium, Mesh, Scene
 

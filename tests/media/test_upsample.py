@@ -10,8 +10,8 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
+from airlight.media.compositing.upsample import Upsample
 from airlight.media.rays import Rays
-from airlight.media.upsample import Upsample
 from airlight.scene import Camera, Mesh, Scene
 
 SIZE = (40, 24)

@@ -9,8 +9,8 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
-from airlight.pop.importance import Look, ViewImportance, coarse_air
-from airlight.pop.placement import placed
+from airlight.pop.light.importance import Look, ViewImportance, coarse_air
+from airlight.pop.medium.placement import placed
 from airlight.pop.settings import PopSettings
 from airlight.pop.solver import PopSolver
 from airlight.scene import Camera, Environment, Volume

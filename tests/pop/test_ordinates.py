@@ -10,8 +10,8 @@ import pytest
 
 from airlight.maths.beam_phase import PHASE_TABLE
 from airlight.maths.ordinates import even_sky, parallel
-from airlight.pop.ordinates import Kind, OrdinateTable, SceneOrdinates
-from airlight.pop.placement import placed
+from airlight.pop.light.ordinates import Kind, OrdinateTable, SceneOrdinates
+from airlight.pop.medium.placement import placed
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, PointLight
 from airlight.scene.volume import Volume

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.maths.transforms import F64
-from airlight.pop.placement import medium_width, placed, shape_density
+from airlight.pop.medium.placement import medium_width, placed, shape_density
 from airlight.scene.volume import Volume
 
 BOUNDS = ((-1.0, 0.0, 2.0), (1.0, 3.0, 2.5))

@@ -8,8 +8,8 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.lighting.kit import Context, Kit, SurfaceSettings
 from airlight.media.gpu_media import GpuMedia
-from airlight.pop.reflected_maps import reflected_maps
 from airlight.pop.settings import PopSettings
+from airlight.pop.virtual.maps import reflected_maps
 from airlight.scene import DirectionalLight, Material, Mesh, Scene, Volume
 from airlight.scene.shapes import quad
 from airlight.surface.geometry import GpuScene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.pop.sharp_lobes import SHARPEST, SharpLobes
+from airlight.pop.delta_scaling import SHARPEST, SharpLobes
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Medium, Scene, Volume
 

@@ -17,7 +17,7 @@ from airlight.maths.lamp_beam import axis_share, lamp, near_fluence
 from airlight.maths.ordinates import Ordinates, even_sky
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
-from airlight.pop.ordinates import SceneOrdinates
+from airlight.pop.light.ordinates import SceneOrdinates
 from airlight.pop.settings import PopSettings
 from airlight.pop.solver import PopSolver
 from airlight.scene.environment import Environment

@@ -9,7 +9,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
-from airlight.pop import together
+from airlight.pop import several_media as together
 from airlight.scene import Camera, Scene, Volume
 from airlight.scene.lights import DirectionalLight, Light, PointLight
 from airlight.techniques.settings import PopTechniqueSettings

@@ -12,13 +12,13 @@ from airlight.gpu.device import Gpu
 from airlight.maths.ordinate_grid import ordinate_grids
 from airlight.maths.radial_grid import radial_grid
 from airlight.maths.transforms import F64
-from airlight.pop import hop_grids
-from airlight.pop.hop_grids import FAR, FIXED_POINT_BITS, HopGridData
-from airlight.pop.hopping import Hopping
+from airlight.pop.grids import grids as hop_grids
+from airlight.pop.grids.grids import FAR, FIXED_POINT_BITS, HopGridData
+from airlight.pop.grids.propagation import Hopping
 from airlight.pop.media import PopMedia
-from airlight.pop.placement import placed
+from airlight.pop.medium.placement import placed
 from airlight.pop.settings import PopSettings
-from airlight.pop.virtual_grids import is_hopping
+from airlight.pop.virtual.grids import is_hopping
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Material, Mesh, Scene, SpotLight, Volume
 from airlight.scene.shapes import box, quad

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.pop.virtual_lights import TILE, VirtualLights
+from airlight.pop.virtual.lights import TILE, VirtualLights
 from airlight.rendering import render
 from airlight.scene import Camera, Material, Mesh, Scene, SpotLight, Volume
 from airlight.scene.shapes import quad

@@ -8,8 +8,8 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.maths.ordinates import even_sky, joined, parallel
 from airlight.maths.transforms import F64
+from airlight.pop.light.visibility import sights
 from airlight.pop.media import PopMedia
-from airlight.pop.visibility import sights
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Mesh, PointLight, Scene, Volume
 from airlight.scene.lights import Light

@@ -19,7 +19,7 @@ from ..lighting.view import View
 from ..scene.medium import medium_box
 from ..scene.volume import Volume
 from .gpu_media import GpuMedia
-from .half_space import HalfSpace
+from .march.half_space import HalfSpace
 from .media_image import MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia

@@ -16,18 +16,18 @@ from ..lighting.view import View
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .compose import Compose
-from .finish import Finish, can_finish
+from .compositing.compose import Compose
+from .compositing.finish import Finish, can_finish
+from .compositing.guided import GuidedUpsample
+from .compositing.transmittance import Transmittance
+from .compositing.upsample import Upsample, UpsampleOnto
 from .gpu_media import GpuMedia
-from .guided import GuidedUpsample
-from .jitter import Jitter
-from .march import March
+from .march.march import March
 from .rays import RESOLUTIONS, RayParams, Rays
 from .settings import MediaSettings
-from .shadow_volumes import Volumes
-from .shafts import SITE_SPACING, Shafts
-from .transmittance import Transmittance
-from .upsample import Upsample, UpsampleOnto
+from .shafts.jitter import Jitter
+from .shafts.shadow_volumes import Volumes
+from .shafts.shafts import SITE_SPACING, Shafts
 
 COARSE_TEXEL = 1.0 / 80.0
 """The side of a reduced texel in units of how far off it is, beyond which shafts fit between

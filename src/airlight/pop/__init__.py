@@ -1,13 +1,25 @@
 """Principal-ordinates propagation: multiple anisotropic scattering in clouds (Elek2014).
 
-placement    where a medium's own grid is        density    its cells, from a volume's voxels
-ordinates    light as a few directions           paths      how much air lies before each cell
-importance   what the camera sees of the sky
-deposit      light that leaves the beams         diffuse    where it spreads: one linear solve
-near_light   what both miss close to lamps       emission   in-scattered radiance to the eye
-schemes      beams, or hops from cell to cell     hop_grids  a grid per ordinate and lamp
-propagate    hops through all grids at once      hop_merge  back to the medium's cells
-solver       one medium, top to bottom           media      all media of a scene, marched
-mixture      media in one another's grids        given      what others scatter into one
-together     several media in one frame
+Each medium has a grid of its own. What a frame computes on it, and what flows between the parts:
+
+    lights, environment -> light/       ordinates; which share of each reaches every cell
+    maps of surfaces    -> virtual/     virtual point lights, which are ordinates, too
+    other media         -> exchange/    what they scatter, as ordinates of inter-medium irradiance
+                               |
+             delta/ (default)  |  grids/ (schemes split and paper)
+             beams, diffusion  |  propagation from cell to cell
+                               |
+    indirect light of a lattice -> emission: radiance that cells scatter towards the eye -> marching
+
+settings       what a user can choose
+medium/        the grid of a medium, its density, and the coefficients of all media in its cells
+light/         ordinates of lights and sky, the density before each cell, shadows of surfaces
+virtual/       virtual point lights of what surfaces reflect
+exchange/      light that one medium scatters into another
+delta/         the scheme delta-beam: forward-scaled beams and one diffusion solve
+grids/         the schemes split and paper: light propagates in a grid per ordinate
+indirect       indirect light of surfaces, from the lattice that another solver filled
+solver         one medium, top to bottom; several_media: all of them in turn
+media          the solver of a technique: all media of a scene, as sources for marching
+delta_scaling  media whose phase function is sharper than the ordinates resolve
 """

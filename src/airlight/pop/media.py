@@ -19,16 +19,16 @@ from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
-from ..media.march import MAX_SOURCES
+from ..media.march.march import MAX_SOURCES
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .importance import Look
-from .reflected_maps import reflected_maps
+from .light.importance import Look
+from .light.visibility import Surfaces
 from .settings import PopSettings
+from .several_media import encode, introduce
 from .solver import Illumination, PopSolver
-from .together import encode, introduce
-from .visibility import Surfaces
+from .virtual.maps import reflected_maps
 
 MediaOf = Callable[[Scene], list[Volume]]
 

@@ -16,22 +16,22 @@ from ..maths.ordinate_hops import switch_iteration
 from ..maths.ordinates import Ordinates, parallel
 from ..maths.transforms import F64
 from ..scene.lights import Light
-from .deposit import Deposit
-from .diffuse import Diffuse
-from .emission import Emission
-from .given import Given
-from .grid_medium import GridMedium, Sent
-from .hop_emission import HopEmission, Isotropic, bound_emission
-from .hopping import Hopping
-from .mixture import Mix
-from .near_light import NearLight
-from .ordinates import Lamp, OrdinateTable
-from .paths import Paths
-from .placement import MediumParams
+from .delta.deposit import Deposit
+from .delta.diffuse import Diffuse
+from .delta.emission import Emission
+from .delta.near_light import NearLight
+from .exchange.irradiance import Given
+from .grids.emission import HopEmission, Isotropic, bound_emission
+from .grids.propagation import Hopping
+from .light.ordinates import Lamp, OrdinateTable
+from .light.paths import Paths
+from .light.visibility import Surfaces, Visibility
+from .medium.grid_medium import GridMedium, Sent
+from .medium.mixture import Mix
+from .medium.placement import MediumParams
 from .settings import PopSettings
-from .virtual_grids import is_hopping
-from .virtual_lights import VirtualLights
-from .visibility import Surfaces, Visibility
+from .virtual.grids import is_hopping
+from .virtual.lights import VirtualLights
 
 
 class Beams:

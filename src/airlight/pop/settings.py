@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..scene.settings import setting
-from .importance import WAYS
-from .ordinates import MAKERS
+from .light.importance import WAYS
+from .light.ordinates import MAKERS
 
 SCHEMES = ("delta-beam", "split", "paper")
 

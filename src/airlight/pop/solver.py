@@ -23,16 +23,16 @@ from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import Light, PointLight
 from ..scene.volume import Volume
-from .bounce import Bounce
-from .emission import Emission
-from .grid_medium import GridMedium
-from .importance import Look, ViewImportance
-from .mixture import Mix
-from .ordinates import SceneOrdinates, even_light, lamps_of
+from .delta.emission import Emission
+from .indirect import Bounce
+from .light.importance import Look, ViewImportance
+from .light.ordinates import SceneOrdinates, even_light, lamps_of
+from .light.sky_correction import SkyLight
+from .light.visibility import Surfaces
+from .medium.grid_medium import GridMedium
+from .medium.mixture import Mix
 from .schemes import Beams, HoppingBeams
 from .settings import PopSettings
-from .sky_gain import SkyLight
-from .visibility import Surfaces
 
 _DARK = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _WHITE = (1.0, 1.0, 1.0)

@@ -23,7 +23,7 @@ from ..maths.lattice26_walls import returned_sharpness
 from ..maths.plane_air import plane_light, plane_radiance
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
-from ..media.half_space import suns
+from ..media.march.half_space import suns
 from ..scene.lights import Light
 from ..scene.medium import Medium
 from .hop_wgsl import literal

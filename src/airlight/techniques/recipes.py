@@ -87,8 +87,8 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal ordinates for every medium (Elek2014); surfaces are lit directly."""
     from ..media.media import Media
+    from ..pop.delta_scaling import SharpLobes
     from ..pop.media import EveryMedium, PopMedia
-    from ..pop.sharp_lobes import SharpLobes
 
     lobes = SharpLobes()
     seen_as = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled

@@ -1,7 +1,7 @@
 //! use ordinate_light
 
 // An ordinate's light in a cell, less what surfaces keep from it. The including pass binds what
-// wgsl/ordinate_light.wgsl asks for, `passed` (pop/paths.py)
+// wgsl/ordinate_light.wgsl asks for, `passed` (pop/light/paths.py)
 // and what wgsl/one_medium_beams.wgsl or mixed_media_beams.wgsl do.
 fn beam_light(n: u32, cell: u32, point: vec3f) -> OrdinateLight {
     var light = ordinate_light(n, point);

@@ -1,4 +1,4 @@
-// Where the bounds of shadow-map squares lie in their buffer; see media/bounds.py.
+// Where the bounds of shadow-map squares lie in their buffer; see media/shafts/bounds.py.
 
 // A texel that nothing covers shadows nothing, however far.
 const NEVER = 1e30;

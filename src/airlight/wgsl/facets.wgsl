@@ -1,5 +1,5 @@
 // A shadow map told as a quad-tree of planar facets, neighbours at most one level apart; see
-// media/facets.py. The including pass declares FacetParams `tree`, `shadows` and `facets`.
+// media/shafts/facets.py. The including pass declares FacetParams `tree`, `shadows` and `facets`.
 // Corners of a square run +x -y, +x +y, -x +y, -x -y; side i goes from corner i to the next.
 //! use depth_bounds
 

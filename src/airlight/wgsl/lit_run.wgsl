@@ -1,5 +1,5 @@
 // Radiance towards the eye from a lit stretch of an eye ray that `air_enter` has entered. The
-// including pass adds run_wgsl (media/shafts.py), which says what cannot occur: software drivers
+// including pass adds run_wgsl (media/shafts/shafts.py), which says what cannot occur: software drivers
 // run both sides of every branch, and bodies of loops once before a test at their head.
 //! use air
 //! use air_light

@@ -1,6 +1,6 @@
 // What lattices scatter towards the eye. The including pass binds what `lattice` needs and the
 // table `lattices`, the finest first, and adds LATTICES_AT_ONCE, how many fade into each other at one
-// place, and what samples their textures (media/march.py). Loops are tested at their ends: software
+// place, and what samples their textures (media/march/march.py). Loops are tested at their ends: software
 // drivers run a body once more than a test before it lets through.
 //! use air
 //! use lattice
@@ -56,7 +56,7 @@ fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
         + (t - select(low, 1.0 + high, is_above)) / width;
 }
 
-// lattice_eased(bent_place(p)) of the only lattice, from its packed cells (media/march_cells.py).
+// lattice_eased(bent_place(p)) of the only lattice, from its packed cells (media/march/cells.py).
 fn eased_alone(p: vec3f) -> vec3f {
     let place = (p - alone.origin) * alone.per_metre;
     let cell = clamp(floor(place), vec3f(0.0), alone.last);

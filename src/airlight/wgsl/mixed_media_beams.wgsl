@@ -1,6 +1,6 @@
 // What all media did to an ordinate's light on its way to a cell of one of them. The including pass
-// binds `params` (MediumParams), `media` (MixedData, its own first), `passed` (pop/paths.py) and
-// `given` (vec4f, [block][cell], pop/given.py). See wgsl/one_medium_beams.wgsl.
+// binds `params` (MediumParams), `media` (MixedData, its own first), `passed` (pop/light/paths.py) and
+// `given` (vec4f, [block][cell], pop/exchange/irradiance.py). See wgsl/one_medium_beams.wgsl.
 //! use delta_beam
 
 // In the own box.

@@ -1,5 +1,5 @@
 // What one medium did to an ordinate's light on its way to a cell. The including pass binds `params`
-// (MediumParams) and `passed` (pop/paths.py). See wgsl/mixed_media_beams.wgsl.
+// (MediumParams) and `passed` (pop/light/paths.py). See wgsl/mixed_media_beams.wgsl.
 //! use delta_beam
 
 fn true_depth(n: u32, cell: u32) -> vec3f {

@@ -24,7 +24,7 @@ fn mean_inverse_square(away: vec3f) -> f32 {
     return total / 8.0;
 }
 
-// A piece of surface; see pop/virtual_lights.py. Its own width and the cell's blunt the fall-off.
+// A piece of surface; see pop/virtual/lights.py. Its own width and the cell's blunt the fall-off.
 fn reflected_light(n: u32, away: vec3f) -> OrdinateLight {
     let o = ordinates[n];
     let r2 = dot(away, away);
@@ -34,7 +34,7 @@ fn reflected_light(n: u32, away: vec3f) -> OrdinateLight {
     return OrdinateLight(travel, o.irradiance.rgb * cosine / blunt, sqrt(r2));
 }
 
-// A block of another medium; see pop/given.py, which knows what arrives of it.
+// A block of another medium; see pop/exchange/irradiance.py, which knows what arrives of it.
 fn block_light(n: u32, away: vec3f) -> OrdinateLight {
     let distance = max(length(away), 1e-9);
     return OrdinateLight(away / distance, vec3f(1.0), distance);

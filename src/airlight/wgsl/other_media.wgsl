@@ -1,5 +1,5 @@
 // Ways through other media. The including pass binds `params` (MediumParams), `media` (MixedData),
-// `linear_clamp` and the textures of fine_of (pop/mixture.py).
+// `linear_clamp` and the textures of fine_of (pop/medium/mixture.py).
 //! use medium
 
 // Density of medium m on a ray from `begin` to `end`, m of density 1, in the own medium's frame.

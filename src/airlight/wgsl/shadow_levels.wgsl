@@ -1,4 +1,4 @@
-// Where shadow maps and the bounds of their squares lie in one buffer; see media/bounds.py.
+// Where shadow maps and the bounds of their squares lie in one buffer; see media/shafts/bounds.py.
 // Level 0 is the map itself, as float32; a square of the levels above is one word: the nearest depth
 // in its low half, the farthest in its high one, in parts of 65535, rounded outwards. A texel that
 // nothing covers has depth 1; rays are held before it, so that it shadows nothing.

@@ -1,4 +1,4 @@
-// Which texels of a reduced picture are sites (media/sites.wgsl): a row of them begins at an even
+// Which texels of a reduced picture are sites (media/shafts/sparse_samples.wgsl): a row of them begins at an even
 // and an odd texel by turns.
 
 fn texel_of_site(site: vec2u) -> vec2u {

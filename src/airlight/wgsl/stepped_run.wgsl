@@ -1,7 +1,7 @@
 // Radiance towards the eye from a lit stretch of an eye ray through density grids: what
 // lit_run.wgsl is for even air. The ray is cut into steps that do not depend on what is lit. Air is
 // even within a step, so a lit piece of it has its exact share of the step's light.
-// The including pass adds run_wgsl (media/shafts.py). Loops are tested at their ends: software
+// The including pass adds run_wgsl (media/shafts/shafts.py). Loops are tested at their ends: software
 // drivers run a body once more than a test before it lets through.
 //! use air
 //! use air_light

@@ -1,0 +1,141 @@
+"""Reduced pictures of air at full size, its transmittance and what is behind it, in one pass.
+
+The same as `upsample`, `transmittance` and `compose` one after the other, where no density grid
+asks for more: what they read of a pixel is read once, and surfaces are dimmed where they are.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from ...gpu.commands import Commands
+from ...gpu.device import Gpu
+from ...gpu.memory import Texture, nearest_sampler
+from ...gpu.raster import FullscreenPass
+from ...gpu.slots import sampler, texture, uniform
+from ..gpu_media import GpuMedia
+from ..pixel_list import PixelList, RedrawParams, pixel_list_slots
+from ..rays import RayParams
+
+_TARGETS = ("direct", "indirect", "multiple", "transmittance")
+_BYTES = 16  # of a pixel of one target
+_FEATURE = "float32-blendable"
+_KEPT = {"src_factor": "zero", "dst_factor": "one", "operation": "add"}
+_TIMES = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
+_ONCE = """
+// Light scattered once by lamps and suns: weighed, and between which colours it lies.
+struct Once {
+    sum: vec3f,
+    least: vec3f,
+    most: vec3f,
+}
+"""
+_SKY = "return reduced_texel(skylit, texel).rgb;"
+_SHAFTS = "(*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);"
+_ADD_SHAFTS = """
+    let here = reduced_texel(shafts, texel).rgb;
+    (*once).sum += weight * here;
+    let is_same = likeness > SAME_DEPTH;
+    (*once).least = select((*once).least, min((*once).least, here), is_same);
+    (*once).most = select((*once).most, max((*once).most, here), is_same);
+"""
+_LIST_SHAFTS = """
+    (*out).single = vec4f(once.sum / total + sky, 1.0);
+    if (is_redrawn(once.least, once.most, redrawn.contrast)) {
+        list_pixel(vec2u(pixel), sky, redrawn.group);
+    }
+"""
+
+
+def can_finish(gpu: Gpu) -> bool:
+    """Whether a pass may have as many targets, and multiply what is in them."""
+    most = gpu.limits["max-color-attachment-bytes-per-sample"]
+    return most >= _BYTES * (len(_TARGETS) + 1) and _FEATURE in gpu.features
+
+
+class Finish(FullscreenPass):
+    """Reduced pictures of air -> the layers of surfaces, dimmed, and those of the air.
+
+    Reduced pictures hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
+    scattered once is a reduced picture too, added to the shafts. `lists`: shafts are reduced, too,
+    and pixels that cannot be made of their texels are listed, to be drawn anew.
+    """
+
+    vertex_entry = "vertex"
+    blend: ClassVar[dict[str, Any]] = {"color": _TIMES, "alpha": _KEPT}
+    blended = 2
+    file = "finish.wgsl"
+
+    def __init__(self, gpu: Gpu, air: GpuMedia, *, has_sky: bool, lists: bool = False) -> None:
+        self._air, self._has_sky, self._has_single = air, has_sky, has_sky or lists
+        names = [*_TARGETS, *["single"] * self._has_single]
+        self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
+        read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single]
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            texture("depth", "2d", "depth"),
+            *air.medium_slots,
+            *(texture(name, "2d", "unfilterable-float") for name in read),
+            sampler("nearest", "non-filtering"),
+            *(pixel_list_slots() if lists else ()),
+        )
+        self._nearest = nearest_sampler(gpu)
+        super().__init__(
+            gpu,
+            generated=air.medium_wgsl + self._generated(names, lists=lists),
+            constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)},
+        )
+
+    def _generated(self, names: list[str], *, lists: bool) -> str:
+        """What is read and written of light scattered once."""
+        fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
+        sky = _SKY if self._has_sky else "return vec3f(0.0);"
+        shafts = _SHAFTS if self._has_sky else ""
+        return (
+            f"{'//! use pixel_list' if lists else ''}\n"
+            f"struct Finished {{\n{fields}}}\n{_ONCE}"
+            f"const AIR_IS_BOX = {str(self._air.is_one_box).lower()};\n"
+            f"fn skylit_at(texel: vec2f) -> vec3f {{ {sky} }}\n"
+            "fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32) {"
+            f"{_ADD_SHAFTS if lists else ''}}}\n"
+            "fn set_single(out: ptr<function, Finished>, pixel: vec2i, once: Once, total: f32,"
+            f" sky: vec3f) {{{_LIST_SHAFTS if lists else shafts}}}\n"
+        )
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        depth: Texture,
+        *,
+        reduced: Texture,
+        skylit: Texture | None,
+        shafts: Texture,
+        surfaces: tuple[Texture, Texture],
+        multiple: Texture,
+        transmittance: Texture,
+        single: Texture,
+        redrawn: RedrawParams | None = None,
+        listed: PixelList | None = None,
+    ) -> None:
+        """Dim `surfaces` (direct, indirect); fill `multiple`, `transmittance` and, with a sky or
+        shafts, `single` from what is read: `reduced`, `skylit` and `shafts`, which is reduced
+        where pixels are `listed`, else of full size.
+        """
+        read = {"skylit": skylit} if self._has_sky else {}
+        read |= {"shafts": shafts} if self._has_single else {}
+        bound = {}
+        if listed is not None:
+            listed.begin(commands)
+            bound = {"redrawn": redrawn, **listed.bound}
+        self.draw(
+            commands,
+            (*surfaces, multiple, transmittance, *[single] * self._has_single),
+            rays=params,
+            depth=depth,
+            reduced=reduced,
+            nearest=self._nearest,
+            **self._air.medium_bound,
+            **read,
+            **bound,
+        )

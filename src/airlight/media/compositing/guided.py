@@ -1,0 +1,67 @@
+"""Reduced pictures of air at full size, guided by how much each pixel's own ray sees of it.
+
+Where neighbouring texels let different shares of light through, the pixel's ray is marched through
+the density alone, with the steps of the march itself, and the light is scaled to what it then
+hides: thin wisps and edges are as sharp as at full resolution.
+Source: Elek2014 section 4.4, which guides a joint bilateral upsampling (Kopf et al. 2007) of its
+grids by the density. differs: the same for the marched picture; the grids are marched with the
+full density anyway.
+"""
+
+from __future__ import annotations
+
+from ...gpu.commands import Commands
+from ...gpu.device import Gpu
+from ...gpu.memory import Texture
+from ...gpu.raster import FullscreenPass
+from ...gpu.slots import texture, uniform
+from ..gpu_media import GpuMedia
+from ..march.kernel import MarchParams
+from ..march.march import March
+from ..rays import RayParams, Rays
+
+
+class GuidedUpsample(FullscreenPass):
+    """Full-size light and transmittance <- reduced ones, their rays, depth and the air."""
+
+    targets = ("rgba32float", "rgba32float")
+    file = "guided.wgsl"
+
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            uniform("march", MarchParams),
+            texture("depth", "2d", "depth"),
+            texture("picked", "2d", "unfilterable-float"),
+            texture("reduced", "2d", "unfilterable-float"),
+            texture("passed", "2d", "unfilterable-float"),
+            *air.medium_slots,
+        )
+        self._air = air
+        super().__init__(gpu, generated=air.medium_wgsl)
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        march: March,
+        depth: Texture,
+        *,
+        scattered: Texture,
+        transmittance: Texture,
+        targets: tuple[Texture, Texture],
+    ) -> None:
+        """Fill `targets` from what `march` wrote last, over `rays`."""
+        assert march.params is not None
+        self.draw(
+            commands,
+            targets,
+            rays=params,
+            march=march.params,
+            depth=depth,
+            picked=rays.picked,
+            reduced=scattered,
+            passed=transmittance,
+            **self._air.medium_bound,
+        )

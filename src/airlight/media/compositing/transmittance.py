@@ -1,0 +1,35 @@
+"""The transmittance of air without density grids to every pixel's surface, in closed form.
+
+Source: Beer-Lambert, over the stretch of the eye ray in each medium.
+"""
+
+from __future__ import annotations
+
+from ...gpu.commands import Commands
+from ...gpu.device import Gpu
+from ...gpu.memory import Texture
+from ...gpu.raster import FullscreenPass
+from ...gpu.slots import texture, uniform
+from ..gpu_media import GpuMedia
+from ..rays import RayParams
+
+
+class Transmittance(FullscreenPass):
+    """Depth -> transmittance of the eye ray, rgb."""
+
+    targets = ("rgba32float",)
+
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            texture("depth", "2d", "depth"),
+            *air.medium_slots,
+        )
+        self._air = air
+        super().__init__(gpu, generated=air.medium_wgsl)
+
+    def encode(
+        self, commands: Commands, params: RayParams, depth: Texture, target: Texture
+    ) -> None:
+        """Fill `target`."""
+        self.draw(commands, (target,), rays=params, depth=depth, **self._air.medium_bound)

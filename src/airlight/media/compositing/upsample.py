@@ -1,0 +1,77 @@
+"""A reduced picture at full size: bilinear among texels of about the pixel's own depth.
+
+Source: Kopf et al. 2007 (joint bilateral upsampling), with depth as the guide.
+"""
+
+from __future__ import annotations
+
+from ...gpu.commands import Commands
+from ...gpu.device import Gpu
+from ...gpu.memory import Texture
+from ...gpu.raster import FullscreenPass
+from ...gpu.slots import texture, uniform
+from ..rays import RayParams, Rays
+
+_SLOTS = (
+    uniform("rays", RayParams),
+    texture("depth", "2d", "depth"),
+    texture("picked", "2d", "unfilterable-float"),
+    texture("reduced", "2d", "unfilterable-float"),
+)
+
+
+class Upsample(FullscreenPass):
+    """Full-size target <- reduced picture, its rays and the picture's depth."""
+
+    slots = _SLOTS
+    targets = ("rgba32float",)
+
+    def __init__(self, gpu: Gpu) -> None:
+        super().__init__(gpu, generated="fn base_at(pixel: vec2i) -> vec4f { return vec4f(0.0); }")
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        depth: Texture,
+        reduced: Texture,
+        target: Texture,
+    ) -> None:
+        """Fill `target` from `reduced`; `params` as `rays.encode` gave them."""
+        self.draw(
+            commands, (target,), rays=params, depth=depth, picked=rays.picked, reduced=reduced
+        )
+
+
+class UpsampleOnto(FullscreenPass):
+    """The same, added to a full-size picture."""
+
+    slots = (*_SLOTS, texture("base", "2d", "unfilterable-float"))
+    targets = ("rgba32float",)
+    file = "upsample.wgsl"
+
+    def __init__(self, gpu: Gpu) -> None:
+        loaded = "fn base_at(pixel: vec2i) -> vec4f { return textureLoad(base, pixel, 0); }"
+        super().__init__(gpu, generated=loaded)
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        depth: Texture,
+        reduced: Texture,
+        base: Texture,
+        target: Texture,
+    ) -> None:
+        """`target` = `base` + `reduced`."""
+        self.draw(
+            commands,
+            (target,),
+            rays=params,
+            depth=depth,
+            picked=rays.picked,
+            reduced=reduced,
+            base=base,
+        )

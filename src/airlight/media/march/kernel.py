@@ -1,0 +1,276 @@
+"""What marching's kernel is made of, by what is marched: parameters, slots, generated WGSL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...gpu.layout import Struct, f32, i32, mat4x4f, u32
+from ...gpu.slots import Slot, sampler, storage, texture, uniform
+from ...lattice.placement import LatticeParams
+from ..gpu_media import GpuMedia
+from ..rays import RayParams
+from .forward_source import FORWARD_WGSL, forward_slots
+from .half_space import NO_FAR_WGSL, far_slots, far_wgsl
+
+MAX_LEVELS_AT_ONCE = 3
+"""Nested lattices that fade into each other at one place."""
+
+
+class MarchParams(Struct):
+    """How rays are cut into steps, and how the lattice is read."""
+
+    step = f32("m")
+    max_steps = u32()
+    cutoff = f32("transmittance below which a ray ends")
+    lattice_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    lattice_direct = f32("share of b that the phase function keeps, per g")
+    sky_scale = f32("W m^-2 sr^-1 per stored unit of a")
+    sky_direct = f32("share of b that the phase function keeps, per g")
+    forward_scale = f32("W m^-2 per stored unit of light scattered forwards")
+    forward_spread = f32("m^-2, see ForwardSource")
+    forward_slabs = f32("lights that its texture holds along z")
+    forward_count = u32("of which so many shine")
+    far_top = f32("m, of endless air")
+    far_sigma = f32("m^-1, of endless air")
+
+
+class SourceData(Struct):
+    """One source texture; its box is 0..1 on each axis of its own space."""
+
+    uvw_from_world = mat4x4f()
+    scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
+    medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
+    scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
+    lattice; how many nested lattices there are at one place; the directions, squared, of
+    endless air beyond them; whether lattices hold light of similar even air; what is asked for,
+    the rays' transmittance, their light, or both.
+    """
+
+    sources: int = 0
+    has_lattice: bool = False
+    has_sky: bool = False
+    is_even: bool = False
+    is_sky_even: bool = False
+    has_third_band: bool = False
+    has_forward: bool = False
+    levels: int = 1
+    far_side: int = 0
+    is_similar: bool = False
+    has_passed: bool = True
+    has_light: bool = True
+
+
+_NO_LATTICE = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+_NO_FORWARD = """
+fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, evenly: vec3f) -> ForwardLight {
+    return ForwardLight(vec3f(0.0), vec3f(0.0));
+}
+"""
+
+
+def slots(air: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
+    """What the kernel binds."""
+    made = [
+        uniform("rays", RayParams),
+        uniform("march", MarchParams),
+        texture("picked", "2d", "unfilterable-float"),
+        *air.medium_slots,
+    ]
+    if variant.sources:
+        made += [storage("sources", SourceData), sampler("source_linear")]
+        made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
+    names: list[str] = []
+    if variant.has_lattice or variant.has_sky:
+        made += [
+            storage("lattices", LatticeParams),
+            sampler("linear_clamp"),
+            texture("march_cells", "3d", "uint"),
+        ]
+        colours = ("red", "green", "blue", "open_a", "open_b", "walls")
+        names += [f"lattice_{name}" for name in colours]
+    if variant.has_sky:
+        names += [f"sky_{name}" for name in ("red", "green", "blue")]
+    has_mean = variant.is_even or variant.is_similar
+    names += ["lattice_mean"] * has_mean + ["sky_mean"] * variant.is_sky_even
+    names += ["sky_third"] * variant.has_third_band
+    made += [texture(name, "3d") for name in names]
+    beams = forward_slots() if variant.has_forward else ()
+    beams += far_slots() if variant.far_side else ()
+    return (*made, *beams)
+
+
+def target_names(variant: Variant) -> list[str]:
+    """What the kernel writes."""
+    light = ["scattered", *["skylit"] * variant.has_sky]
+    return [*light * variant.has_light, *["passed"] * variant.has_passed]
+
+
+def at_once(variant: Variant, most: int) -> tuple[Variant, ...]:
+    """One kernel, or two that share its targets where a pass may have but `most`."""
+    if len(target_names(variant)) <= most or not (variant.has_light and variant.has_passed):
+        return (variant,)
+    return replace(variant, has_passed=False), replace(variant, has_light=False)
+
+
+def firsts(variant: Variant) -> dict[str, tuple[str, ...]]:
+    """Tables of which the first row alone is read, and what is not read of it."""
+    has_table = variant.has_lattice or variant.has_sky
+    return {"lattices": ("power_scale", "lookup_scale", "is_paper")} if has_table else {}
+
+
+def _targets_wgsl(variant: Variant) -> str:
+    """The struct of them, made of radiance (a: how far the ray goes), the sky's, transmittance."""
+    names = target_names(variant)
+    values = {"scattered": "scattered", "skylit": "vec4f(sky, 1.0)", "passed": "vec4f(T, 1.0)"}
+    fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
+    made = ", ".join(values[n] for n in names)
+    return (
+        f"struct Marched {{\n{fields}}}\nfn marched(scattered: vec4f, sky: vec3f, T: vec3f) "
+        f"-> Marched {{ return Marched({made}); }}\n"
+    )
+
+
+def generated(variant: Variant) -> str:
+    """The WGSL before the kernel."""
+    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_LATTICE
+    beams = FORWARD_WGSL if variant.has_forward else _NO_FORWARD
+    far = NO_FAR_WGSL
+    if variant.far_side:
+        far = far_wgsl(variant.far_side, has_forward=variant.has_forward)
+    similar = f"const IS_SIMILAR = {str(variant.is_similar).lower()};\n"
+    return (
+        _targets_wgsl(variant)
+        + similar
+        + _sources_wgsl(variant)
+        + lattice
+        + _sky_wgsl(variant)
+        + beams
+        + far
+    )
+
+
+def _sources_wgsl(variant: Variant) -> str:
+    """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
+    `step_share`: how long a step from a place is, in steps of the finest source.
+    """
+    sources, has_lattices = variant.sources, variant.has_lattice or variant.has_sky
+    parts = ["    lattice_enter(p);\n"] if has_lattices else []
+    parts += [
+        f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
+        f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
+        f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
+        f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
+        for i in range(sources)
+    ]
+    held = ""
+    if variant.has_lattice:
+        held = "    sum += lattice_emission(p, travel);\n"
+    if variant.has_lattice and variant.far_side:
+        held += "    sum += far_emission(p, travel);\n"
+    if not variant.is_similar:
+        parts.append(held)
+    uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
+    share = "march_step_share(p)" if has_lattices and not sources else "1.0"
+    uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    return (
+        f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
+        + "".join(parts)
+        + "    return sum;\n}\nfn similar_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
+        + "    var sum = vec3f(0.0);\n"
+        + held * variant.is_similar
+        + "    return sum;\n}\n"
+    )
+
+
+def _lattice_wgsl(variant: Variant) -> str:
+    """`lattice_emission`, and how many lattices fade into each other at one place."""
+    count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
+    if variant.is_similar:
+        seen = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_seen")
+        return count + _even_wgsl("lattice") + seen
+    seen = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+    return count + seen + (_even_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+
+
+def _sky_wgsl(variant: Variant) -> str:
+    """`skylit_at`, after `emission_at` of the same place, and `sky_even_at`, after that."""
+    if not variant.has_sky:
+        return (
+            "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+            "fn sky_even_at() -> vec3f { return vec3f(0.0); }\n"
+        )
+    far = " + far_skylit(p, travel)" if variant.far_side else ""
+    even = "vec3f(0.0)"
+    if variant.is_similar:
+        even = "sky_even_here()" + (" + far_sky_even()" if variant.far_side else "")
+    return (
+        _third_wgsl(variant)
+        + (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        + f"fn sky_even_at() -> vec3f {{ return {even}; }}\n"
+        + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
+        f"    return sky_emission(p, travel){far};\n}}\n"
+    )
+
+
+def _third_wgsl(variant: Variant) -> str:
+    """`sky_third_at`: what the third band is per g^2, rgb."""
+    if not variant.has_third_band:
+        return "fn sky_third_at(travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
+    return "//! use third_band\n"
+
+
+def _emission_wgsl(name: str) -> str:
+    """`{name}_emission`, W m^-3 sr^-1: the phase function keeps g of the two-band direction.
+
+    Of media whose single scattering comes with a source of its own, that is whole.
+    """
+    samples = "".join(
+        f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
+        for c in ("red", "green", "blue")
+    )
+    third = "g.{0} * g.{0} * third.{0}, 0.0, 0.0, 0.0" if name == "sky" else "0.0"
+    channels = ", ".join(
+        f"lattice_radiance({c} + vec4f({third.format(c[0])}), travel, own.{name}_direct * g.{c[0]})"
+        for c in ("red", "green", "blue")
+    )
+    kept = ""
+    if name == "sky":
+        samples += "    let third = sky_third_at(travel);\n"
+        samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
+        kept = _SKY_EVEN
+    return (
+        f"{kept}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
+        "        let g = air[m].g;\n"
+        f"        sum += air_here[m] * air_shines[m] * vec3f({channels});\n    }}\n"
+        f"    return own.{name}_scale * sum;\n}}\n"
+    )
+
+
+_SKY_EVEN = """
+var<private> sky_means: vec3f;
+// Of the same place, what similar even air would scatter of the sky's light.
+fn sky_even_here() -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < AIR_COUNT; m++) { sum += air_here[m] * air_evens[m]; }
+    return own.sky_scale * select(vec3f(0.0), sum * sky_means, lattice_at[0].w > 0.0);
+}
+"""
+
+
+def _even_wgsl(name: str) -> str:
+    """The same where all air scatters evenly: of the three channels' means."""
+    return (
+        f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
+        "        sum += air_here[m] * air_evens[m];\n"
+        f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
+        "lattice_at[0].w > 0.0);\n}\n"
+    )

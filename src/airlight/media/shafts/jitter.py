@@ -1,0 +1,102 @@
+"""Single scattering by jittered steps: the cheap scheme.
+
+Rays are cut into even steps (and steps of at least a voxel inside grids); each takes one sample
+per light at a place that differs over every 4 x 4 pixels, and `blur` takes the pattern out.
+1/r^2 is integrated exactly over each step (Kulla and Fajardo 2012).
+"""
+
+from __future__ import annotations
+
+from ...gpu.commands import Commands
+from ...gpu.compute import ComputePass
+from ...gpu.device import Gpu
+from ...gpu.layout import Struct, u32
+from ...gpu.memory import Texture
+from ...gpu.slots import image, sampler, storage, texture, uniform
+from ...lighting.lights import Lights
+from ...surface.light_table import LightData
+from ...surface.light_views import LightViewData
+from ..gpu_media import GpuMedia
+from ..rays import RayParams, Rays
+from .blur import Blur
+
+
+class JitterParams(Struct):
+    """How many lights and steps."""
+
+    light_count = u32()
+    steps = u32()
+
+
+class _Jitter(ComputePass):
+    workgroup = (8, 8, 1)
+    file = "jitter.wgsl"
+
+    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            uniform("params", JitterParams),
+            texture("picked", "2d", "unfilterable-float"),
+            *air.slots,
+            storage("lights", LightData),
+            storage("parallel_views", LightViewData),
+            storage("local_views", LightViewData),
+            texture("parallel_shadows", "2d-array", "depth"),
+            texture("local_shadows", "2d-array", "depth"),
+            sampler("shadow_compare", "comparison"),
+            image("scattered", "rgba32float"),
+        )
+        super().__init__(gpu, generated=air.wgsl)
+
+
+class Jitter:
+    """The scheme `jitter`, for any air."""
+
+    def __init__(
+        self, gpu: Gpu, air: GpuMedia, reduced: tuple[int, int], *, steps: int = 32
+    ) -> None:
+        self.air, self.steps = air, steps
+        self._pass, self._blur = _Jitter(gpu, air), Blur(gpu)
+        self._make_raw(reduced)
+
+    def _make_raw(self, reduced: tuple[int, int]) -> None:
+        gpu = self.air.gpu
+        self._raw = Texture(gpu, "jittered", reduced, "rgba32float", written=True)
+
+    def resize(self, reduced: tuple[int, int]) -> None:
+        """Go on with reduced pictures of this size, pixels."""
+        self.release()
+        self._make_raw(reduced)
+
+    def prepare(self, commands: Commands) -> None:
+        """Nothing to make beforehand."""
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        lights: Lights,
+        scattered: Texture,
+    ) -> None:
+        """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
+        self._pass.dispatch(
+            commands,
+            rays.reduced,
+            rays=params,
+            picked=rays.picked,
+            params=JitterParams(light_count=lights.count, steps=self.steps),
+            **self.air.bound,
+            lights=lights.table,
+            parallel_views=lights.parallel.views,
+            local_views=lights.local.views,
+            parallel_shadows=lights.parallel.depth,
+            local_shadows=lights.local.depth,
+            shadow_compare=lights.parallel.sampler,
+            scattered=self._raw,
+        )
+        self._blur.encode(commands, params, rays, self._raw, scattered)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._raw.release()

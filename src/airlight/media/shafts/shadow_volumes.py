@@ -1,0 +1,183 @@
+"""Single scattering by light volumes: the boundary of the shadows, drawn face by face.
+
+F(t), the light that reaches the eye from the first t metres of its ray where nothing shadows, has
+a closed form. The boundary of what each shadow map leaves dark is drawn as triangles; the eye gets
+F(surface), plus F wherever its ray enters the dark and less F wherever it leaves it, which a
+32-bit float target sums. F(0) = 0: what lies behind the eye needs no cap; and F stops at the
+visible surface, so nothing is tested against its depth.
+Source: Billeter et al. 2010, "Real time volumetric shadows using polygonal light volumes"; the
+scheme of Billeter2012 section 3. differs: the closed forms are those of `lit_run`, without tables;
+the dark is bounded rather than the lit, so that the map's own borders need no lids.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...errors import SettingsError
+from ...gpu.commands import Commands
+from ...gpu.compute import ComputePass
+from ...gpu.device import Gpu
+from ...gpu.layout import Struct, mat4x4f, u32
+from ...gpu.memory import Texture
+from ...gpu.raster import FullscreenPass, RasterPipeline
+from ...gpu.slots import image, storage, texture, uniform
+from ...lighting.lights import Lights
+from ...maths.transforms import F64
+from ...surface.light_table import LightData
+from ...surface.light_views import LightViewData
+from ..gpu_media import GpuMedia
+from ..rays import RayParams, Rays
+from .facets import TREE_SLOTS, Draw, FacetTrees
+from .shafts import run_wgsl
+
+FEATURE = "float32-blendable"
+_ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
+
+
+class LitParams(Struct):
+    """How many lights there are."""
+
+    light_count = u32()
+
+
+class VolumeParams(Struct):
+    """Which map's shadows are drawn."""
+
+    clip_from_eye = mat4x4f("from metres, of what the eye is the origin of")
+    is_parallel = u32()
+    light_count = u32()
+
+
+class _Lit(FullscreenPass):
+    targets = ("rgba32float",)
+    file = "shadow_volumes_lit.wgsl"
+
+    def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            uniform("params", LitParams),
+            *air.slots,
+            storage("lights", LightData),
+            texture("picked", "2d", "unfilterable-float"),
+        )
+        super().__init__(gpu, generated=run_wgsl(air, lights))
+
+
+class _Dark(RasterPipeline):
+    targets = ("rgba32float",)
+    blend: ClassVar[dict[str, Any]] = {"color": _ADDED, "alpha": _ADDED}
+    file = "shadow_volumes.wgsl"
+
+    def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("rays", RayParams),
+            uniform("params", VolumeParams),
+            *TREE_SLOTS,
+            *air.slots,
+            storage("lights", LightData),
+            storage("views", LightViewData),
+            storage("facets", "vec4f"),
+            storage("triangles", "u32"),
+            texture("picked", "2d", "unfilterable-float"),
+        )
+        super().__init__(gpu, generated=run_wgsl(air, lights))
+
+
+class _Settle(ComputePass):
+    slots = (texture("summed", "2d", "unfilterable-float"), image("scattered", "rgba32float"))
+    file = "shadow_volumes_clamp.wgsl"
+
+
+class Volumes:
+    """The scheme `volumes`: for one box of even air."""
+
+    def __init__(
+        self,
+        gpu: Gpu,
+        air: GpuMedia,
+        lights: Lights,
+        reduced: tuple[int, int],
+        *,
+        tolerance: float = 0.5,
+    ) -> None:
+        """Raises SettingsError where the air or the device cannot be drawn so."""
+        _check(gpu, air)
+        self.air = air
+        self.parallel = FacetTrees(gpu, lights.parallel, tolerance)
+        self.local = FacetTrees(gpu, lights.local, tolerance)
+        self._settle = _Settle(gpu)
+        self._lit, self._dark = _Lit(gpu, air, lights), _Dark(gpu, air, lights)
+        self._make_sum(reduced)
+
+    def _make_sum(self, reduced: tuple[int, int]) -> None:
+        self._sum = Texture(self.air.gpu, "light volumes", reduced, "rgba32float", target=True)
+
+    def resize(self, reduced: tuple[int, int]) -> None:
+        """Go on with reduced pictures of this size, pixels."""
+        self._sum.release()
+        self._make_sum(reduced)
+
+    def prepare(self, commands: Commands) -> None:
+        """Bring the boundaries up to date, where shadow maps changed."""
+        self.parallel.encode(commands)
+        self.local.encode(commands)
+
+    def encode(
+        self,
+        commands: Commands,
+        params: RayParams,
+        rays: Rays,
+        lights: Lights,
+        scattered: Texture,
+    ) -> None:
+        """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
+        shared = {"rays": params, "lights": lights.table, "picked": rays.picked, **self.air.bound}
+        self._lit.draw(commands, (self._sum,), params=LitParams(light_count=lights.count), **shared)
+        target = {"view": self._sum.resource, "load_op": "load", "store_op": "store"}
+        clip = _clip_from_eye(params, rays)
+        with commands.render("light volumes", color_attachments=[target]) as encoder:
+            encoder.set_pipeline(self._dark.pipeline)
+            for trees in (self.parallel, self.local):
+                for layer in range(trees.maps.layers):
+                    drawn = VolumeParams(
+                        clip_from_eye=clip,
+                        light_count=lights.count,
+                        is_parallel=int(trees is self.parallel),
+                    )
+                    self._dark.bindings.bind(
+                        commands, encoder, 0, {**shared, "params": drawn, **trees.bound(layer)}
+                    )
+                    encoder.draw_indirect(trees.draws.handle, Draw.dtype.itemsize * layer)
+        self._settle.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self._sum, self.parallel, self.local):
+            part.release()
+
+
+def _check(gpu: Gpu, air: GpuMedia) -> None:
+    if not air.is_one_box:
+        raise SettingsError(
+            "shafts = 'volumes' knows one box of even air, and the scene has other air",
+            remedy="Use shafts = 'minmax', the same light by another way",
+        )
+    if FEATURE not in gpu.features:
+        raise SettingsError(
+            f"shafts = 'volumes' adds up in a 32-bit float target, and {gpu.info.name} lacks "
+            f"{FEATURE}",
+            remedy="Use shafts = 'minmax', the same light by another way",
+        )
+
+
+def _clip_from_eye(params: RayParams, rays: Rays) -> F64:
+    """Onto the reduced picture, whose last texels may reach beyond the full one."""
+    world_from_clip = params.record["world_from_clip"].T.astype(np.float64)
+    eye_from_clip = world_from_clip.copy()
+    eye_from_clip[:3] -= np.outer(params.record["eye"], world_from_clip[3])
+    kx, ky = np.array(rays.size) / (rays.scale * np.array(rays.reduced))
+    onto = np.array([[kx, 0, 0, kx - 1], [0, ky, 0, 1 - ky], [0, 0, 1, 0], [0, 0, 0, 1]])
+    return np.asarray(onto @ np.linalg.inv(eye_from_clip))

@@ -1,0 +1,9 @@
+"""The scheme delta-beam: an attenuated beam per ordinate, and diffusion of what leaves the beams.
+
+    ordinates, paths -> deposit: power that leaves all beams in every cell
+      -> diffuse: fluence and flux of scattered light, one linear solve
+      -> near_light: what both miss close to local lights
+      -> emission: radiance that every cell scatters towards the eye
+
+differs: Elek2014 propagates every ordinate from cell to cell; `grids` does.
+"""

@@ -1,0 +1,7 @@
+"""The light that reaches the cells of a medium, as ordinates (Elek2014 sections 4.1 and 5.1).
+
+lights, environment -> ordinates (importance: directed to what the camera sees)
+ordinates, density  -> paths: density before every cell, an entry per ordinate and cell
+shadow maps         -> visibility: share of each ordinate that surfaces let through
+environment map     -> sky_correction: exact single scattering of the sky in clear media
+"""

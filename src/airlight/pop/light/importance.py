@@ -1,0 +1,128 @@
+"""What a view sees of the light around a medium, as a map; see `maths.view_importance`.
+
+On the host, where volumes are known: from a dozen cells a side, made again where the medium
+changed, and 30 ms of hops and sums for a new view. Nothing is read back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...maths.delta_beam import MediumGrid
+from ...maths.latlong import latlong_from_direction, latlong_texel_directions
+from ...maths.transforms import F64
+from ...maths.view_importance import (
+    ROWS,
+    Frustum,
+    WayOut,
+    importance_map,
+    scattered_importance,
+    view_grid,
+    way_out,
+)
+from ...maths.voxels import box_averaged, trilinear
+from ...scene.camera import Camera
+from ...scene.volume import Volume
+from ..medium.placement import SPHERE_SIDE, MediumPlacement, shape_density
+
+WAYS = ("none", "view")
+"""Whether ordinates are drawn to what the camera sees."""
+_SIDE = 12  # cells along a side of a cube-shaped medium
+_AVERAGED = 24  # cells along each axis that voxels are averaged to before
+_SHAPE = (ROWS, 2 * ROWS)
+
+
+@dataclass(frozen=True)
+class Look:
+    """A camera and its picture's width over its height."""
+
+    camera: Camera
+    aspect: float
+
+    def frustum(self, placement: MediumPlacement) -> Frustum:
+        """In a medium's frame."""
+        c = self.camera
+        forward = np.subtract(c.target, c.position)
+        right = np.cross(forward, c.up)
+        axes = np.stack([right, np.cross(right, forward), forward])
+        axes = placement.direction(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+        up = float(np.tan(0.5 * np.radians(c.fov_y_deg)))
+        eye = placement.point(np.array(c.position))
+        return Frustum(eye, axes[0], axes[1], axes[2], (self.aspect * up, up))
+
+
+class ViewImportance:
+    """Importance of one medium's sky."""
+
+    def __init__(self) -> None:
+        self._key: tuple[Any, ...] = ()
+        self._view_key: tuple[Any, ...] = ()
+        self._seen = np.ones(_SHAPE)
+        self._volume: Volume | None = None
+        self._air: MediumGrid | None = None
+        self._out: WayOut | None = None
+
+    def of(
+        self, volume: Volume, placement: MediumPlacement, look: Look, rotation_deg: float
+    ) -> F64:
+        """(16, 32), mean 1, by direction towards an environment turned by `rotation_deg`.
+
+        1 everywhere where the medium is not in the picture. The same array for the same view.
+        """
+        air, out = self._of_medium(volume, placement)
+        view_key = (*self._key, look, rotation_deg, placement.world_from_medium.tobytes())
+        if view_key != self._view_key:
+            self._view_key = view_key
+            self._seen = _seen(air, out, placement, look, rotation_deg)
+        return self._seen
+
+    def _of_medium(self, volume: Volume, placement: MediumPlacement) -> tuple[MediumGrid, WayOut]:
+        """Known again while the volume and its box are the same."""
+        matrices = (placement.unit_from_medium.tobytes(), placement.extent.tobytes())
+        key = (id(volume.density), volume.sigma_t, volume.albedo, volume.g, *matrices)
+        if self._air is None or self._out is None or key != self._key:
+            self._key, self._volume = key, volume
+            self._air = coarse_air(volume, placement)
+            towards = latlong_texel_directions(*_SHAPE).reshape(-1, 3)
+            self._out = way_out(self._air, towards)
+        return self._air, self._out
+
+
+def coarse_air(volume: Volume, placement: MediumPlacement) -> MediumGrid:
+    """One channel, the mean of three, on about a dozen cells a side of the medium's box."""
+    voxels = box_averaged(shape_density(volume, SPHERE_SIDE), (_AVERAGED,) * 3)
+    extent = placement.extent
+    side = float(np.cbrt(np.prod(extent))) / _SIDE
+    x, y, z = np.clip(np.round(extent / side), 4, 3 * _SIDE).astype(int)
+    one = np.ones((z, y, x))
+    mean = [np.array([float(np.mean(v))]) for v in (volume.sigma_t, volume.albedo, volume.g)]
+    cells = MediumGrid(extent, one, one, *mean)
+    unit = cells.centres @ placement.unit_from_medium[:3, :3].T + placement.unit_from_medium[:3, 3]
+    inside = np.all((unit >= 0.0) & (unit <= 1.0), axis=-1)
+    density = np.where(inside, trilinear(voxels, unit * _AVERAGED), 0.0)
+    return MediumGrid(extent, density, density, *mean)
+
+
+def _seen(
+    air: MediumGrid, out: WayOut, placement: MediumPlacement, look: Look, rotation_deg: float
+) -> F64:
+    grid = view_grid(look.frustum(placement), air.extent)
+    if grid is None:
+        return np.ones(_SHAPE)
+    seen = importance_map(scattered_importance(grid, air), out, air, _SHAPE)
+    angle = np.radians(rotation_deg)
+    c, s = np.cos(angle), np.sin(angle)
+    about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    towards = latlong_texel_directions(*_SHAPE) @ about_y.T
+    return _looked_up(seen, placement.direction(towards))
+
+
+def _looked_up(seen: F64, towards: F64) -> F64:
+    """A map (h, w) at directions (..., 3), bilinear."""
+    wide = np.pad(seen, ((0, 0), (1, 1)), mode="wrap")[None]
+    u, v = np.moveaxis(latlong_from_direction(towards), -1, 0)
+    h, w = seen.shape
+    return trilinear(wide, np.stack([u * w + 1.0, v * h, np.full(u.shape, 0.5)], axis=-1))

@@ -1,0 +1,201 @@
+"""Surfaces shade the medium: how much of every ordinate's light reaches every cell past them.
+
+Suns and lamps by their shadow maps. An ordinate of the sky by the depth maps of those of the sky's
+directional lights that lie in its part of the sphere. Elek2014 section 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...gpu.commands import Commands
+from ...gpu.compute import ComputePass
+from ...gpu.device import Gpu
+from ...gpu.layout import Struct, f32, mat4x4f, u32
+from ...gpu.memory import Buffer
+from ...gpu.slots import sampler, storage, texture, uniform
+from ...lattice.blockers import Blockers
+from ...lighting.lights import Lights
+from ...lighting.sky import Sky
+from ...maths.ordinates import Ordinates
+from ...maths.transforms import F64
+from ...scene.lights import DirectionalLight, Light
+from ...surface.geometry import GpuScene
+from ...surface.light_table import LightData
+from ...surface.light_views import LightViewData
+from ..medium.placement import MediumParams, MediumPlacement
+from ..virtual.lights import Reflected
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """What shades media: the maps of a technique for surfaces, solved before the media are."""
+
+    meshes: GpuScene
+    lights: Lights
+    sky: Sky
+    reflected: Reflected | None = None
+    blockers: Blockers | None = None  # what stands between media
+
+    @property
+    def version(self) -> tuple[int, ...]:
+        """Another one whenever a map was drawn anew."""
+        own = self.meshes.version, self.lights.parallel.version, self.lights.local.version
+        return own if self.reflected is None else (*own, self.reflected.version)
+
+    @property
+    def virtual_lights(self) -> int:
+        """How many there are, the last of a medium's ordinates."""
+        return 0 if self.reflected is None else self.reflected.count
+
+
+class SightParams(Struct):
+    """Where the medium is."""
+
+    world_from_medium = mat4x4f()
+
+
+class SightData(Struct):
+    """By which maps an ordinate is seen."""
+
+    light = u32("its number in the scene from 1; 0 for the sky's")
+    first = u32("of its sky views")
+    count = u32("of its sky views; 0: nothing shades it")
+    pad = u32()
+
+
+class SkyViewData(Struct):
+    """A directional light of the sky."""
+
+    layer = u32()
+    weight = f32("share of its ordinate's light")
+
+
+class Visibility(ComputePass):
+    """Fills the second half of `Paths.passed`: shares of light, 0..1."""
+
+    slots = (
+        uniform("params", MediumParams),
+        uniform("sight", SightParams),
+        storage("sights", SightData),
+        storage("sky_shares", SkyViewData),
+        storage("reach", "u32"),
+        storage("lights", LightData),
+        storage("parallel_views", LightViewData),
+        storage("local_views", LightViewData),
+        storage("sky_views", LightViewData),
+        texture("parallel_shadows", "2d-array", "depth"),
+        texture("local_shadows", "2d-array", "depth"),
+        texture("sky_depth", "2d-array", "depth"),
+        sampler("shadow_compare", "comparison"),
+        storage("passed", "f32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+
+    def __init__(self, gpu: Gpu, capacity: int) -> None:
+        """For up to `capacity` ordinates."""
+        super().__init__(gpu)
+        self._gpu = gpu
+        self._sights = Buffer(gpu, "sights", SightData.dtype.itemsize * capacity)
+        self._shares = Buffer(gpu, "sky shares", SkyViewData.dtype.itemsize)
+        self._unshaded = 0
+
+    def write(
+        self, ordinates: Ordinates, lights: tuple[Light, ...], sky: Sky, unshaded: int = 0
+    ) -> None:
+        """Take the light; `ordinates` without the scene's lamps, suns first. Nothing shades
+        `unshaded` more of them.
+        """
+        rows, shares = sights(ordinates, lights, sky.lights if sky.maps.layers else [])
+        rows = np.concatenate([rows, np.zeros(unshaded, rows.dtype)])
+        self._unshaded = unshaded
+        self._sights.write(rows)
+        if shares.nbytes > self._shares.nbytes:
+            self._shares.release()
+            self._shares = Buffer(self._gpu, "sky shares", shares.nbytes)
+        self._shares.write(shares)
+
+    def encode(
+        self,
+        commands: Commands,
+        params: MediumParams,
+        placement: MediumPlacement,
+        count: int,
+        surfaces: Surfaces,
+        *,
+        reach: Buffer,
+        passed: Buffer,
+    ) -> None:
+        """For the first `count` ordinates but the unshaded, after their paths were marched."""
+        lights, maps = surfaces.lights, surfaces.sky.maps
+        self.dispatch(
+            commands,
+            (placement.cells, max(1, count - self._unshaded)),
+            params=params,
+            sight=SightParams(world_from_medium=placement.world_from_medium),
+            sights=self._sights,
+            sky_shares=self._shares,
+            reach=reach,
+            lights=lights.table,
+            parallel_views=lights.parallel.views,
+            local_views=lights.local.views,
+            sky_views=maps.views,
+            parallel_shadows=lights.parallel.depth,
+            local_shadows=lights.local.depth,
+            sky_depth=maps.depth,
+            shadow_compare=lights.parallel.sampler,
+            passed=passed,
+        )
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._sights.release()
+        self._shares.release()
+
+
+def sights(
+    ordinates: Ordinates, lights: tuple[Light, ...], sky: Sequence[DirectionalLight]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """`SightData` of the ordinates, then of the lamps; and the sky's shares in their order.
+
+    Every light of the sky belongs to the nearest ordinate; an ordinate without one takes the
+    nearest.
+    """
+    suns = [i for i, light in enumerate(lights) if isinstance(light, DirectionalLight)]
+    lamps = [i for i, light in enumerate(lights) if not isinstance(light, DirectionalLight)]
+    of_sky = ordinates.direction[len(suns) :]
+    rows = np.zeros(max(1, ordinates.count + len(lamps)), SightData.dtype)
+    rows["light"][: len(suns)] = np.array(suns, np.uint32) + 1
+    rows["light"][ordinates.count : ordinates.count + len(lamps)] = np.array(lamps, np.uint32) + 1
+    if not sky or not len(of_sky):
+        return rows, np.zeros(1, SkyViewData.dtype)
+    directions = np.array([light.direction for light in sky])
+    weights = np.array([light.irradiance for light in sky]).sum(axis=1)
+    owner, layer, weight = _shared(of_sky, directions, weights)
+    counts = np.bincount(owner, minlength=len(of_sky))
+    part = rows[len(suns) : ordinates.count]
+    part["count"] = counts
+    part["first"] = np.cumsum(counts) - counts
+    shares = np.zeros(len(layer), SkyViewData.dtype)
+    shares["layer"] = layer
+    shares["weight"] = weight / np.bincount(owner, weight, len(of_sky))[owner]
+    return rows, shares
+
+
+def _shared(
+    of_sky: F64, directions: F64, weights: F64
+) -> tuple[NDArray[np.intp], NDArray[np.intp], F64]:
+    """(owner, layer, weight) of every share, by owner."""
+    cosine = of_sky @ directions.T
+    owner = np.argmax(cosine, axis=0)
+    lonely = np.setdiff1d(np.arange(len(of_sky)), owner)
+    layer = np.concatenate([np.arange(len(directions)), np.argmax(cosine[lonely], axis=1)])
+    owner = np.concatenate([owner, lonely])
+    order = np.argsort(owner, kind="stable")
+    weight = np.maximum(weights[layer], 1e-12 * max(float(weights.max()), 1e-30))
+    return owner[order], layer[order], weight[order]

@@ -1,0 +1,6 @@
+"""A medium on a grid of its own: what every pass over its cells binds.
+
+volume -> placement: a box of cells -> density: means of voxels in cells
+       -> mixture: coefficients of all media in those cells
+grid_medium: all of it for one volume
+"""
