@@ -187,4 +187,7 @@ class Solver(Protocol):
         """What was solved, for --stats."""
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Called when the technique goes, before the kit's `gpu` gives back what was made with it.
+
+        For what a solver holds beside that; a class that derives from this one need not have it.
+        """

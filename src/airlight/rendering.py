@@ -84,19 +84,18 @@ class Renderer:
         technique, settings, adapter = self._wanted
         self._is_torn = True
         self._accumulator: Accumulator | None = None
-        self.gpu = gpu = open_gpu(adapter)
+        self.gpu = gpu = open_gpu(adapter).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
-        gpu.peak_bytes = gpu.allocated_bytes
+        gpu.memory.forget_peak()
         with gpu.guarded(), ExitStack() as made:
+            made.callback(gpu.release)
             self.commands = Commands(gpu)
             self.meshes = GpuScene(gpu, self._first)
-            made.callback(self.meshes.release)
             self.technique = make_technique(
                 gpu, self._first, self.meshes, technique, settings, self.size
             )
             made.callback(self.technique.release)
             self.view = View(gpu, self.size)
-            made.callback(self.view.release)
             if self.scene.meshes is not self._first.meshes:
                 self.meshes.move(self.scene.meshes)
             self._made = made.pop_all()
@@ -270,9 +269,7 @@ class Renderer:
 
     def _release(self) -> None:
         """Give back all that is on the device."""
-        with self._made:
-            if self._accumulator:
-                self._accumulator.release()
+        self._made.close()
         self._accumulator = None
 
     def _asked(self, scene: Scene, **changes: Any) -> Scene:

@@ -6,6 +6,7 @@ falls back to OpenGL silently where Vulkan is missing and then lacks what we nee
 
 from __future__ import annotations
 
+import copy
 import os
 import tempfile
 import threading
@@ -23,6 +24,7 @@ from .failures import OPEN_REMEDY, TO_FIND, TO_OPEN, Guarded, check_memory, is_a
 from .pipelines import Pipelines
 from .process import enter_driver
 from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
+from .scope import Memory, Scope
 
 NO_DRIVER_REMEDY = (
     "Install a Vulkan driver: your GPU vendor's, or the software one "
@@ -122,13 +124,15 @@ def chosen_reason(found: Sequence[AdapterInfo], chosen: AdapterInfo, wanted: str
     return f"{chosen.adapter_type} comes before {', '.join(sorted(others))}"
 
 
-class Gpu:
-    """An open device, its queue, and what was allocated on it.
+class Gpu(Scope):
+    """An open device with its queue, and a scope of what is made on it.
 
-    Its code paths are decided here, once. Raises DeviceError where it cannot be opened.
+    All scopes of a device share everything but what they own. Its code paths are decided here,
+    once. Raises DeviceError where it cannot be opened.
     """
 
     def __init__(self, info: AdapterInfo, paths: Paths, asked: Asked = "auto") -> None:
+        super().__init__()
         adapter = _enumerate()[info.index]
         check_memory(TO_OPEN)
         self.info, self.paths, self.asked = info, paths, asked
@@ -148,9 +152,9 @@ class Gpu:
         self.has_uniforms_in_storage = self.takes_cpu_paths and has_uniforms_in_storage(self.limits)
         """Whether shaders read their parameters from storage buffers, see `slots.on_software`."""
         self.pipelines = Pipelines()
-        self.allocated_bytes = 0
-        self.peak_bytes = 0
-        self._counting = threading.RLock()  # a destructor may count in the midst of it
+        self.memory = Memory()
+        self.facts: dict[str, bool] = {}
+        """What was tried out on the device, once for all its scopes."""
         self._fences: list[Any] = []  # that nobody waits for
         self._fence_source = self.device.create_buffer(
             label="fence source", size=4, usage=wgpu.BufferUsage.COPY_SRC
@@ -175,11 +179,22 @@ class Gpu:
         is_whole = self.takes_cpu_paths and "float32-filterable" in self.features
         return "rgba32float" if is_whole else "rgba16float"
 
-    def count(self, nbytes: int) -> None:
-        """So much more (or less) is allocated; any thread may say so."""
-        with self._counting:
-            self.allocated_bytes += int(nbytes)  # NumPy integers, too: JSON knows none
-            self.peak_bytes = max(self.peak_bytes, self.allocated_bytes)
+    def scope(self) -> Gpu:
+        """The same device with a scope of its own within this one, released no later than it."""
+        inner = copy.copy(self)
+        Scope.__init__(inner)
+        self.own(inner)
+        return inner
+
+    @property
+    def allocated_bytes(self) -> int:
+        """Bytes that all scopes of the device hold."""
+        return self.memory.allocated_bytes
+
+    @property
+    def peak_bytes(self) -> int:
+        """The most that they held since a Renderer was last made."""
+        return self.memory.peak_bytes
 
     def guarded(self) -> Guarded:
         """A context in which lost devices, memory that ran out and forks are DeviceErrors."""

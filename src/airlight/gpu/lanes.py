@@ -7,7 +7,6 @@ the order of lanes (eight in a row along x) ask here first.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -48,7 +47,6 @@ class _Probe(ComputePass):
     file = "lanes.wgsl"
 
 
-@cache
 def has_row_lanes(gpu: Gpu) -> bool:
     """Whether LANES invocations along x are one subgroup in that order, and 64-bit integers work.
 
@@ -56,6 +54,13 @@ def has_row_lanes(gpu: Gpu) -> bool:
     """
     if not gpu.takes_cpu_paths or any(name not in gpu.features for name in _FEATURES):
         return False
+    if "row lanes" not in gpu.facts:
+        gpu.facts["row lanes"] = _found_row_lanes(gpu)
+    return gpu.facts["row lanes"]
+
+
+def _found_row_lanes(gpu: Gpu) -> bool:
+    """Whether invocations find their neighbours' numbers where they are looked for."""
     groups = 2
     found = Buffer(gpu, "lanes", groups * LANES * 8)
     commands = Commands(gpu)

@@ -1,4 +1,4 @@
-"""Textures and buffers: labelled, counted, with their views made once."""
+"""Textures and buffers: labelled, counted, owned by a scope, with their views made once."""
 
 from __future__ import annotations
 
@@ -57,18 +57,23 @@ class _Counted:
     handle: Any = None
     nbytes: int
 
+    def _hold(self, gpu: Gpu) -> None:
+        """Count the memory, and let the scope `gpu` give it back."""
+        gpu.memory.count(self.nbytes)
+        gpu.own(self)
+
     def release(self) -> None:
-        """Give the memory back."""
+        """Give the memory back before the scope does."""
         handle, self.handle = self.handle, None
         if handle is not None:
-            self.gpu.count(-self.nbytes)
+            self.gpu.memory.count(-self.nbytes)
             if not is_forked():
                 handle.destroy()
 
     def __del__(self) -> None:
         # Where an error came before a release. What is encoded still may need it: not destroyed.
         if self.handle is not None:
-            self.gpu.count(-self.nbytes)
+            self.gpu.memory.count(-self.nbytes)
 
 
 class Texture(_Counted):
@@ -110,7 +115,7 @@ class Texture(_Counted):
         self._layers: dict[int, Any] = {}
         self.nbytes = width * height * depth * _BYTES[format] * (4 if mips > 1 else 3) // 3
         self.handle = made
-        gpu.count(self.nbytes)
+        self._hold(gpu)
 
     def layer(self, index: int) -> Any:
         """The view of one array layer, for rendering into it."""
@@ -201,7 +206,7 @@ class Buffer(_Counted):
         with gpu.guarded():
             self.handle = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)
         self.resource: Any = {"buffer": self.handle, "offset": 0, "size": self.nbytes}
-        gpu.count(self.nbytes)
+        self._hold(gpu)
 
     def write(self, data: NDArray[Any], offset: int = 0) -> None:
         """Upload; happens before anything submitted later, after anything submitted before."""

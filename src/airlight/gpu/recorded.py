@@ -48,6 +48,7 @@ class Recorded:
     def __init__(self, gpu: Gpu, label: str) -> None:
         self._gpu, self.label = gpu, label
         self._recordings: dict[tuple[Any, ...], Recording] = {}  # the last used last
+        gpu.own(self)
 
     def encode(self, commands: Commands, key: tuple[Any, ...], encode: Callable[[], T]) -> T:
         """What `encode()` encodes and returns, replayed as long as `key` is equal.
@@ -104,7 +105,7 @@ class Recording:
         with gpu.guarded():
             params = gpu.device.create_buffer(label=label, size=nbytes, usage=usage)
         self.nbytes = nbytes
-        gpu.count(nbytes)
+        gpu.memory.count(nbytes)
         if data:
             gpu.queue.write_buffer(params, 0, data)
         made: dict[tuple[int, ...], Any] = {}  # by ids, which are theirs as dispatches live
@@ -152,12 +153,12 @@ class Recording:
     def release(self) -> None:
         """Let go of it all. What is encoded and not yet submitted keeps what it needs."""
         nbytes, self.nbytes = self.nbytes, 0
-        self._gpu.count(-nbytes)
+        self._gpu.memory.count(-nbytes)
         self._rows, self._kept, self._last, self.found = [], (), None, None
 
     def __del__(self) -> None:
         if self.nbytes:  # an error came before its release
-            self._gpu.count(-self.nbytes)
+            self._gpu.memory.count(-self.nbytes)
 
 
 def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:

@@ -6,7 +6,7 @@ kit       shadow maps -> blockers -> the sky's maps and its light in all cells
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -81,10 +81,13 @@ class Kit:
         *,
         make_blockers: MakeBlockers = Blockers,
     ) -> None:
-        """`nest`: where lattices are, if not one over the scene. Raises SettingsError."""
-        self.context, self.settings = context, settings
-        self.gpu, self.meshes = context.gpu, context.meshes
-        gpu, scene = context.gpu, context.scene
+        """`nest`: where lattices are, if not one over the scene. Raises SettingsError.
+
+        `gpu` owns all that a technique makes on the device, solvers and surfaces included.
+        """
+        self.gpu = gpu = context.gpu.scope()
+        self.context, self.settings = replace(context, gpu=gpu), settings
+        self.meshes, scene = context.meshes, context.scene
         self.lights = Lights(
             gpu,
             scene.lights,
@@ -161,10 +164,8 @@ class Kit:
         return {"lattice": list(self.placement.count), "iterations": 0}
 
     def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.lights, self.sky, self.lattices, self._dark):
-            if part is not None:
-                part.release()
+        """Give the memory back, also that of solvers: all that was made with `gpu`."""
+        self.gpu.release()
 
 
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_air: bool = False) -> Nest:

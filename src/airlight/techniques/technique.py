@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..fields import Fields, Frame, Solver
@@ -89,11 +90,11 @@ class Technique:
         return {"chosen": self.name, **found}
 
     def release(self) -> None:
-        """Give the memory back."""
-        for solver in self.solvers:
-            solver.release()
-        self.surfaces.release()
-        self.kit.release()
+        """Give the memory back: the solvers' own, then all that was made with the kit's `gpu`."""
+        with ExitStack() as gone:
+            gone.callback(self.kit.release)
+            for solver in self.solvers:
+                gone.callback(solver.release)
 
 
 def _surface_layers(view: View) -> dict[str, Texture]:
