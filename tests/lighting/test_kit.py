@@ -59,4 +59,4 @@ def test_no_light_is_black(gpu: Any, owned: Any, square: Any) -> None:
     bound = kit.no_irradiance.bound
     assert not bound["lattice_red"].read().any()
     assert bound["lattice_red"].size == kit.lattices.texture_size
-    assert not kit.no_irradiance.is_bounced
+    assert not kit.no_irradiance.is_reflected

@@ -11,7 +11,7 @@ import pytest
 import airlight
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
-from airlight.lighting.lattice_box import AIR_BEYOND, lattice_box
+from airlight.lighting.lattice_box import MEDIUM_BEYOND, lattice_box
 from airlight.scene import Camera, Environment, Medium, Mesh, Scene
 from airlight.scene.animation import Animation
 from airlight.scene.animation.curve import Curve
@@ -43,7 +43,7 @@ def test_bad_bounds_are_refused(bounds, message):
 
 def test_bounds_of_the_settings_have_the_last_word():
     given = (-9.0, -9.0, -9.0, -8.0, -8.0, -8.0)
-    assert lattice_box(replace(CUBE, medium=FOG), given, in_air=True) == (given[:3], given[3:])
+    assert lattice_box(replace(CUBE, medium=FOG), given, in_medium=True) == (given[:3], given[3:])
 
 
 def test_surfaces_alone_where_the_lattice_holds_no_light_in_the_medium():
@@ -51,28 +51,29 @@ def test_surfaces_alone_where_the_lattice_holds_no_light_in_the_medium():
 
 
 def test_fog_without_bounds_is_covered_up_to_a_camera_outside():
-    low, high = lattice_box(replace(CUBE, medium=FOG), in_air=True)
+    low, high = lattice_box(replace(CUBE, medium=FOG), in_medium=True)
     np.testing.assert_allclose(low, -0.5)  # a hair beyond the walls is none
     np.testing.assert_allclose(high, [1.0, 0.5, 1.4], atol=0.01)
 
 
 def test_a_camera_inside_changes_nothing():
     inside = replace(CUBE, medium=FOG, camera=Camera((0.1, 0.1, 0.1), (0.0, 0.0, 0.0)))
-    np.testing.assert_array_equal(lattice_box(inside, in_air=True), inside.bounds)
+    np.testing.assert_array_equal(lattice_box(inside, in_medium=True), inside.bounds)
 
 
 def test_explicit_bounds_of_the_same_box_are_the_same():
     filled = medium_box(FOG, *CUBE.bounds, OUTSIDE.position)
     explicit = replace(CUBE, medium=replace(FOG, bounds=filled))
     np.testing.assert_allclose(
-        lattice_box(explicit, in_air=True), lattice_box(replace(CUBE, medium=FOG), in_air=True)
+        lattice_box(explicit, in_medium=True),
+        lattice_box(replace(CUBE, medium=FOG), in_medium=True),
     )
 
 
 def test_fog_for_miles_does_not_take_all_cells():
     wide = replace(FOG, bounds=((-1000.0,) * 3, (1000.0,) * 3))
-    low, high = lattice_box(replace(CUBE, medium=wide), in_air=True)
-    np.testing.assert_allclose([low, high], [[-0.5 - AIR_BEYOND] * 3, [0.5 + AIR_BEYOND] * 3])
+    low, high = lattice_box(replace(CUBE, medium=wide), in_medium=True)
+    np.testing.assert_allclose([low, high], [[-0.5 - MEDIUM_BEYOND] * 3, [0.5 + MEDIUM_BEYOND] * 3])
 
 
 def test_the_fog_is_covered_wherever_the_camera_goes():
@@ -83,7 +84,7 @@ def test_the_fog_is_covered_wherever_the_camera_goes():
         camera=Camera((0.0, 0.0, 0.4)),
         animation=Animation((CameraTrack({"position": path}),)),
     )
-    _, high = lattice_box(moving, in_air=True)
+    _, high = lattice_box(moving, in_medium=True)
     assert high[1] == pytest.approx(1.2, abs=0.01)
 
 

@@ -19,6 +19,6 @@ def least(gpu: Gpu) -> Gpu:
 
 @pytest.mark.parametrize("part", ["whole", "lights", "lattices", "rest"])
 def test_no_more_textures_than_any_device_has(least: Gpu, part: Part) -> None:
-    """Of the parts that all devices draw; "placed" is for software drivers."""
+    """Of the parts that all devices draw; "cached" is for CPU adapters."""
     made = Lighting(least, part=part)  # raises where a stage has too many
     assert sum("texture" in slot.layout for slot in made.slots) <= GRANTED

@@ -22,7 +22,7 @@ FULL_RANGE = 0.4  # as in occlusion.wgsl
 
 @pytest.fixture
 def seen_around(gpu, commands, owned):
-    """seen_around(meshes, camera, size, radius, ...) -> (light and packed depth, way and share).
+    """seen_around(meshes, camera, size, radius, ...) -> (packed light, direction and share).
 
     Each (H, W, 4). `radiance(depth)`: of each pixel, W m^-2 sr^-1; else occluders are black.
     """
@@ -63,21 +63,21 @@ def seen_around(gpu, commands, owned):
         )
         commands.submit()
         texels = (view.occlusion.near if blurred else view.occlusion.sampled).read()
-        return near_surroundings(texels.astype(np.int64))
+        return near_field_at(texels.astype(np.int64))
 
     return look
 
 
-def near_surroundings(texels):
-    """Words (..., 4) of wgsl/near_texel.wgsl -> light and packed depth, way and share."""
+def near_field_at(texels):
+    """Words (..., 4) of wgsl/near_field_texel.wgsl -> packed light, direction and share."""
     a, b, c, depth = np.moveaxis(texels, -1, 0)
     scale = np.exp2((b >> 13 & 0xFF) - 126.0 - 13.0)
     light = np.stack([a & 0x1FFF, a >> 13 & 0x1FFF, b & 0x1FFF], axis=-1) * scale[..., None]
-    way = np.stack([b >> 21, c >> 16 & 0x7FF, c >> 27 << 6 | a >> 26], axis=-1)
-    way = np.where(way > 0x3FF, way - 0x800, way) / 1023.0
+    direction = np.stack([b >> 21, c >> 16 & 0x7FF, c >> 27 << 6 | a >> 26], axis=-1)
+    direction = np.where(direction > 0x3FF, direction - 0x800, direction) / 1023.0
     depth = depth.astype(np.uint32).view(np.float32)
     share = (c & 0xFFFF) / 65535.0
-    return np.dstack([light.astype(np.float32), depth]), np.dstack([way, share])
+    return np.dstack([light.astype(np.float32), depth]), np.dstack([direction, share])
 
 
 @pytest.fixture
@@ -277,8 +277,10 @@ def corner(square):
 
 def test_where_all_shines_occluders_send_what_they_hide(seen_around, square):
     meshes, camera = corner(square)
-    light, way = seen_around(meshes, camera, (96, 72), 0.5, radiance=lambda n: (2.0, 1.0, 0.5))
-    hidden = way[..., 3]
+    light, direction = seen_around(
+        meshes, camera, (96, 72), 0.5, radiance=lambda n: (2.0, 1.0, 0.5)
+    )
+    hidden = direction[..., 3]
     assert hidden.max() > 0.3
     all_hidden = packed_hidden(light[..., 3].copy())
     np.testing.assert_allclose(hidden, all_hidden, atol=2e-3)  # all of it shows its light
@@ -287,7 +289,7 @@ def test_where_all_shines_occluders_send_what_they_hide(seen_around, square):
 
 def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, square):
     meshes, camera = corner(square)
-    light, way = seen_around(
+    light, direction = seen_around(
         meshes,
         camera,
         (96, 72),
@@ -296,7 +298,7 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
         steps=16,
         radiance=lambda n: np.where(n[..., 1:2] > 0.9, [1.0, 1.0, 1.0], 0.0),
     )
-    hidden, middle = way[..., 3], np.s_[:, 40:56]
+    hidden, middle = direction[..., 3], np.s_[:, 40:56]
     own = light[..., 0][middle]
     # The wall is the upper half; the blur mixes a few rows at the crease.
     wall, floor = np.s_[:40], np.s_[56:]
@@ -307,7 +309,7 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
     # and less where the floor that counts is near.
     strong = hidden > 0.05
     strong[40:] = False
-    toward = way[strong][:, :3] / hidden[strong][:, None]
+    toward = direction[strong][:, :3] / hidden[strong][:, None]
     assert (toward[:, 1] < -0.3).all() and (toward[:, 2] > 0.2).all()
     assert (np.linalg.norm(toward, axis=1) <= 1.0 + 1e-5).all()
     assert abs(toward[:, 0].mean()) < 0.02
@@ -317,8 +319,10 @@ def test_backs_are_not_taken_for_black(seen_around, square):
     # A low board across the picture, looked down on: behind it the floor sees what we do not.
     meshes = [square((0, 0, 0), (0, 0, 3), (6, 0, 0)), square((0, 0.1, 0), (6, 0, 0), (0, 0.1, 0))]
     camera = Camera((0.0, 1.2, 1.0), (0.0, 0.0, 0.0), fov_y_deg=50)
-    light, way = seen_around(meshes, camera, (96, 72), 0.5, radiance=lambda n: (1.0, 1.0, 1.0))
-    hidden, known = packed_hidden(light[:, 48, 3].copy()), way[:, 48, 3]
+    light, direction = seen_around(
+        meshes, camera, (96, 72), 0.5, radiance=lambda n: (1.0, 1.0, 1.0)
+    )
+    hidden, known = packed_hidden(light[:, 48, 3].copy()), direction[:, 48, 3]
     behind, before = np.s_[:29], np.s_[29:]
     assert hidden[behind].max() > 0.07 and hidden[before].max() > 0.3
     assert known[behind].max() < 0.005
@@ -369,19 +373,20 @@ class _Texels(ComputePass):
 
 
 _TEXELS = """
-//! use near_texel
+//! use near_field_texel
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let i = id.x;
     let light = given[2u * i];
-    let way = given[2u * i + 1u];
-    near[i] = packed_near(Near(way.w, light.xyz, way.xyz, 1.0 - way.w), light.w);
+    let direction = given[2u * i + 1u];
+    let field = NearField(direction.w, light.xyz, direction.xyz, 1.0 - direction.w);
+    near[i] = packed_near_field(field, light.w);
     let pixel = vec2u(i & 1u, (i >> 1u) & 1u);
-    let texel = packed_seen(Seen(light.w, pixel, way.xyz, light.xyz));
-    let back = near_of(near[i]);
-    seen[4u * i] = vec4f(seen_light(texel), bitcast<f32>(texel.x));
-    seen[4u * i + 1u] = vec4f(normalize(seen_normal(texel)), f32(seen_pixel(texel).x));
-    seen[4u * i + 2u] = vec4f(back.light, f32(seen_pixel(texel).y));
-    seen[4u * i + 3u] = vec4f(back.way, back.open);
+    let texel = packed_surface(SurfaceTexel(light.w, pixel, direction.xyz, light.xyz));
+    let back = near_field_of(near[i]);
+    seen[4u * i] = vec4f(surface_light(texel), bitcast<f32>(texel.x));
+    seen[4u * i + 1u] = vec4f(normalize(surface_normal(texel)), f32(surface_pixel(texel).x));
+    seen[4u * i + 2u] = vec4f(back.light, f32(surface_pixel(texel).y));
+    seen[4u * i + 3u] = vec4f(back.direction, back.open);
 }
 """
 
@@ -391,11 +396,13 @@ def test_texels_keep_what_is_put_into_them(gpu, commands, owned, tmp_path):
     rng, count = np.random.default_rng(3), 512
     light = rng.random((count, 3)) ** 3 * 10.0 ** rng.uniform(-25, 25, (count, 1))
     light[:2] = [0, 0, 0], [1, 0, 0]
-    way = rng.normal(size=(count, 3))
-    way /= np.linalg.norm(way, axis=1, keepdims=True) * rng.uniform(1.0, 4.0, (count, 1))
+    direction = rng.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True) * rng.uniform(
+        1.0, 4.0, (count, 1)
+    )
     depth, share = rng.uniform(0.1, 1e3, count), rng.random(count)
     share[:2] = 0, 1
-    given = np.stack([np.c_[light, depth], np.c_[way, share]], axis=1).astype(np.float32)
+    given = np.stack([np.c_[light, depth], np.c_[direction, share]], axis=1).astype(np.float32)
     (tmp_path / "texels.wgsl").write_text(_TEXELS)
     made = type(
         "Texels", (_Texels,), {"file": str(tmp_path / "texels.wgsl"), "__module__": __name__}
@@ -409,14 +416,14 @@ def test_texels_keep_what_is_put_into_them(gpu, commands, owned, tmp_path):
     assert (np.abs(back[:, 0, :3] - light) / largest).max() < 2.0**-18 * 1.01
     assert (np.abs(back[:, 2, :3] - light) / largest).max() < 2.0**-13 * 1.01
     np.testing.assert_array_equal(back[:, 0, 3], depth.astype(np.float32))
-    unit = way / np.linalg.norm(way, axis=1, keepdims=True)
+    unit = direction / np.linalg.norm(direction, axis=1, keepdims=True)
     np.testing.assert_allclose(back[:, 1, :3], unit, atol=1e-4)
     np.testing.assert_array_equal(
         back[:, 1:3, 3], np.stack([np.arange(count) & 1, np.arange(count) >> 1 & 1], axis=1)
     )
-    np.testing.assert_allclose(back[:, 3, :3], way, atol=0.5 / 1023 + 1e-6)
+    np.testing.assert_allclose(back[:, 3, :3], direction, atol=0.5 / 1023 + 1e-6)
     np.testing.assert_allclose(back[:, 3, 3], share, atol=0.5 / 4095 + 1e-6)
-    lit, there = near_surroundings(near.read(np.uint32).reshape(count, 4).astype(np.int64)[None])
+    lit, there = near_field_at(near.read(np.uint32).reshape(count, 4).astype(np.int64)[None])
     np.testing.assert_allclose(lit[0, :, :3], back[:, 2, :3], rtol=1e-6)
     np.testing.assert_allclose(lit[0, :, 3], depth, rtol=1 / 2000)
     np.testing.assert_allclose(1.0 - packed_hidden(lit[0, :, 3].copy()), back[:, 3, 3], atol=1e-6)

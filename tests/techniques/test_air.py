@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.lighting.lattice_box import AIR_BEYOND
+from airlight.lighting.lattice_box import MEDIUM_BEYOND
 from airlight.rendering import Renderer, render
 from airlight.scene import Environment, Medium
 
@@ -74,13 +74,13 @@ def test_black_air_scatters_nothing(foggy_box):
 
 
 def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
-    """As far as AIR_BEYOND says beyond them, and where it says to be, nothing more."""
+    """As far as MEDIUM_BEYOND says beyond them, and where it says to be, nothing more."""
     low, high = foggy_box.bounds
     side = float((high - low).max())
     tall = np.array([high[0], high[1] + 3.0 * side, high[2]])
     air = replace(foggy_box, medium=Medium(0.2, bounds=(tuple(low), tuple(tall))))
     for settings, top in (
-        (SMALL, high[1] + AIR_BEYOND * side),
+        (SMALL, high[1] + MEDIUM_BEYOND * side),
         ({**SMALL, "bounds": (0, 0, 0, 1, 1, 1)}, 1),
     ):
         with Renderer(air, "lpv-scatter", SIZE, settings=settings) as renderer:

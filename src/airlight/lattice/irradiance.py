@@ -13,15 +13,15 @@ from ..gpu.memory import Texture
 class Irradiance:
     """Indirect light at a point with a normal, W m^-2, from the cells around it.
 
-    `bound`: by slot name the table `lattices` and the textures of their states. `is_bounced`:
-    whether it is light that surfaces reflected, of which near surfaces send more than cells
-    resolve; `is_bouncing`: whether that bounces on between them. `damping`: how strongly light
-    that falls off away from a surface is taken for a leak.
+    `bound`: by slot name the table `lattices` and the textures of their states. `is_reflected`:
+    surfaces reflected this light, so that near surfaces send more of it than cells resolve.
+    `has_interreflection`: it bounces on between near surfaces. `damping`: how strongly light that
+    falls off away from a surface counts as a leak.
     """
 
     bound: Mapping[str, Any]
-    is_bounced: bool = False
-    is_bouncing: bool = True
+    is_reflected: bool = False
+    has_interreflection: bool = True
     damping: float = 0.0
 
 

@@ -32,7 +32,7 @@ class _Mirrored(ComputePass):
         storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
-        texture("near_texels", "2d", "uint"),
+        texture("near_field", "2d", "uint"),
         *(
             texture(n, "3d")
             for n in (

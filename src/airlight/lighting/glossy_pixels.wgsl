@@ -13,9 +13,9 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
     let p = pixel_point(position, d);
     let v = normalize(params.eye - p);
     let base = textureLoad(albedo, pixel, 0);
-    let bent = textureLoad(normal, pixel, 0);
-    let n = normalize(bent.xyz);
-    let r = reflector(base.rgb, base.a, bent.w, textureLoad(emission, pixel, 0).a);
+    let normal_roughness = textureLoad(normal, pixel, 0);
+    let n = normalize(normal_roughness.xyz);
+    let r = reflector(base.rgb, base.a, normal_roughness.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
     let gain = mirror_gain(r, n_v, open) / PI;
     var direct = rest;

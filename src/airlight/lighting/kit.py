@@ -168,6 +168,6 @@ class Kit:
         self.gpu.release()
 
 
-def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_air: bool = False) -> Nest:
-    """One lattice over the scene, with its medium if `in_air`, or over the settings' box."""
-    return nested(*lattice_box(scene, settings.bounds, in_air=in_air), settings.resolution)
+def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = False) -> Nest:
+    """One lattice over the scene, with its medium if `in_medium`, or over the settings' box."""
+    return nested(*lattice_box(scene, settings.bounds, in_medium=in_medium), settings.resolution)

@@ -12,7 +12,7 @@ from ..scene.checks import F64
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 
-AIR_BEYOND = 2.0
+MEDIUM_BEYOND = 2.0
 """Of the surfaces' longest side: how far a lattice reaches for the medium alone. A camera that
 frames an object stands about so far away, in a medium that fills the scene up to its camera."""
 _HAIR = 0.01
@@ -20,16 +20,16 @@ _HAIR = 0.01
 
 
 def lattice_box(
-    scene: Scene, bounds: Sequence[float] = (), *, in_air: bool = False
+    scene: Scene, bounds: Sequence[float] = (), *, in_medium: bool = False
 ) -> tuple[Any, Any]:
     """Lower and upper corner, metres, of what lattices cover.
 
-    `bounds`: the setting of that name, six numbers, which has the last word. `in_air`: whether
+    `bounds`: the setting of that name, six numbers, which has the last word. `in_medium`: whether
     the lattice holds light in the medium: then what that fills is covered, too. Raises
     SettingsError for bounds that are not a box.
     """
     if not bounds:
-        return _with_medium(scene) if in_air else scene.whole_bounds
+        return _with_medium(scene) if in_medium else scene.whole_bounds
     if len(bounds) != 6:
         raise SettingsError(
             f"setting bounds has {len(bounds)} numbers", remedy="Give x0,y0,z0,x1,y1,z1"
@@ -55,7 +55,7 @@ def _with_medium(scene: Scene) -> tuple[F64, F64]:
     longest = float(np.subtract(high, low).max())
 
     def reach(beyond: F64) -> F64:
-        return np.where(beyond > _HAIR * longest, np.minimum(beyond, AIR_BEYOND * longest), 0.0)
+        return np.where(beyond > _HAIR * longest, np.minimum(beyond, MEDIUM_BEYOND * longest), 0.0)
 
     below = reach(low - np.min([box[0] for box in boxes], axis=0))
     above = reach(np.max([box[1] for box in boxes], axis=0) - high)

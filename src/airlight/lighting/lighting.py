@@ -17,19 +17,19 @@ from ..lattice.placement import LatticeParams
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
-_THROUGH_NOTHING = """
-fn light_passed(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
+_NO_ATTENUATION = """
+fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
-_THROUGH_AIR = """
+_ATTENUATED_BY_MEDIA = """
 //! use air_light
-fn light_passed(index: u32, p: vec3f) -> vec3f {
+fn light_transmittance(index: u32, p: vec3f) -> vec3f {
     return air_light_transmittance(lights[index], index, p);
 }
 """
 # The same in a single box of even air, of which what it takes is at hand.
-_THROUGH_BOX = """
+_ATTENUATED_BY_ONE_BOX = """
 //! use air_light
-fn light_passed(index: u32, p: vec3f) -> vec3f {
+fn light_transmittance(index: u32, p: vec3f) -> vec3f {
     let medium = first_air();
     let way = air_light_way(light_at(index), p);
     let o = (medium.volume_from_world * vec4f(p, 1.0)).xyz;
@@ -41,13 +41,13 @@ fn light_passed(index: u32, p: vec3f) -> vec3f {
 
 
 # Glossy pixels are left to `glossy_pixels`, with the rest of their light.
-APART = """
-fn is_walked_apart(r: Reflector, n_v: f32) -> bool {
+TRACED_SEPARATELY = """
+fn is_traced_separately(r: Reflector, n_v: f32) -> bool {
     return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
 }
 """
-NOT_APART = """
-fn is_walked_apart(r: Reflector, n_v: f32) -> bool { return false; }
+TRACED_INLINE = """
+fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
 """
 _LISTED = """
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
@@ -83,21 +83,29 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
 
 # What single lights and lattices are read from; nothing here goes from a light's view to the world,
 # and all that is asked of air is what it lets through.
-_AIR_FIRST = {
+_MEDIA_FIRST = {
     "air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail", "detail_bias")
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-Part = Literal["whole", "lights", "lattices", "placed", "rest"]
-PLACES = ("places", "place_sky", "place_returned")
-"""What `Places` brings, by slot."""
-_PLACED = tuple(texture(name, "2d", "unfilterable-float") for name in PLACES)
-_FROM_PLACES = "".join(
+Part = Literal["whole", "lights", "lattices", "cached", "rest"]
+"""Which light a pass adds up.
+
+whole     all of it
+lights    that of lights, emission and background, into one target
+rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
+lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
+cached    "lattices", with coordinates and sky light that `LatticeCoordinates` has cached
+"""
+CACHED = ("cached_coordinates", "cached_sky", "cached_returned")
+"""What `LatticeCoordinates` brings, by slot."""
+_CACHED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in CACHED)
+_FROM_CACHE = "".join(
     f"fn {name}_of(pixel: vec2u) -> vec4f {{ return image_texel({name}, pixel); }}\n"
-    for name in PLACES
+    for name in CACHED
 )
-_NO_PLACES = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in PLACES
+_NOT_CACHED = "".join(
+    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in CACHED
 )
 
 
@@ -147,7 +155,7 @@ _LIGHT_SLOTS = (
 )
 _LATTICE_SLOTS = (
     storage("lattices", LatticeParams),
-    texture("near_texels", "2d", "uint"),
+    texture("near_field", "2d", "uint"),
     texture("sky_cube", "3d"),
     texture("lattice_red", "3d"),
     texture("lattice_green", "3d"),
@@ -167,39 +175,34 @@ class Lighting(FullscreenPass):
     def __init__(
         self,
         gpu: Gpu,
-        air: Attenuation | None = None,
+        attenuation: Attenuation | None = None,
         *,
         is_occluded: bool = False,
         is_glossy: bool = False,
         damping: float = 0.0,
         has_surfaces: bool = True,
-        has_suns: bool = True,
-        has_lamps: bool = True,
+        has_directional: bool = True,
+        has_local: bool = True,
         has_sky: bool = True,
         is_one_lattice: bool = False,
-        is_one_sun: bool = False,
+        is_one_directional: bool = False,
         is_listed: bool = False,
         part: Part = "whole",
-        is_bouncing: bool = False,
+        has_interreflection: bool = False,
     ) -> None:
-        """`air`: what light is attenuated by on its way to surfaces.
+        """`attenuation`: the media between lights and surfaces. `part`: which light is added up.
 
-        `has_surfaces`: else there is nothing to see but the background. `has_suns`, `has_lamps`:
-        which kinds of lights there may be. `has_sky`: whether `sky_cube` may hold any light.
-        `is_one_lattice`: `lattices` has no other. `is_one_sun`: nor has `lights`, and it is a sun.
-        `part`: "lights" draws all but the lattices' light, into one target; "rest" adds theirs to
-        what the slot `lit` has, and the two together are "whole"; "lattices" adds what near
-        occluders send as well. `is_bouncing`: that the lattices'
-        light bounces between near surfaces, too. "placed" is "lattices" where `Places` brings
-        where the only lattice is looked up, and the sky's light.
-        `is_occluded`: near occluders shade the sky's and the lattice's light. `is_glossy`: smooth
-        surfaces follow their mirrored rays into the lattice; where `is_listed` they are listed for
-        `GlossyPixels` instead. `damping`: how strongly bounced light that falls off away from a
-        surface is taken for a leak.
+        `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the
+        kinds of lights there may be. `has_sky`: whether `sky_cube` may hold light.
+        `is_one_lattice`: the table `lattices` has one row. `is_one_directional`: `lights` has one
+        row, a directional light. `has_interreflection`: lattice light bounces between near
+        surfaces. `is_occluded`: near occluders shade the light of sky and lattices. `is_glossy`:
+        smooth surfaces trace their mirrored rays into the lattice; where `is_listed`, the pass
+        lists them for `GlossyPixels` instead. `damping`: see `Irradiance`.
         """
         has_lights, has_lattices = part in ("whole", "lights"), part != "lights"
-        has_places = part == "placed"
-        self.slots = lighting_slots(part, air, is_listed=is_listed)  # type: ignore[misc]
+        is_cached = part == "cached"
+        self.slots = lighting_slots(part, attenuation, is_listed=is_listed)  # type: ignore[misc]
         self.names = [slot.name for slot in self.slots]
         constants = {
             "HAS_SURFACES": float(has_surfaces),
@@ -215,26 +218,29 @@ class Lighting(FullscreenPass):
                 "HAS_OCCLUSION": float(is_occluded),
                 "HAS_GLOSS": float(is_glossy and not is_listed),
                 "DAMPING": damping,
-                "HAS_SKY": float(has_sky and not has_places),
-                "HAS_PLACES": float(has_places),
-                "RETURNED": float(is_bouncing),
-                "HAS_NEAR_LIGHT": float(part in ("lattices", "placed")),
+                "HAS_SKY": float(has_sky and not is_cached),
+                "HAS_CACHED": float(is_cached),
+                "RETURNED": float(has_interreflection),
+                "HAS_NEAR_FIELD": float(part in ("lattices", "cached")),
                 "IS_ONE_LATTICE": float(is_one_lattice),
             }
             generated += (
-                (APART + _LISTED if is_listed else NOT_APART + _NOT_LISTED)
-                + (_FROM_PLACES if has_places else _NO_PLACES)
+                (TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED)
+                + (_FROM_CACHE if is_cached else _NOT_CACHED)
                 + "//! use lattices_light\n"
             )
         else:
             generated += _NOT_LISTED + _NO_LATTICES
         if has_lights:
-            is_box = air is not None and air.is_one_box
-            firsts |= _LIGHTS_FIRST | _AIR_FIRST if is_box else _LIGHTS_FIRST
-            kinds = {"HAS_SUNS": has_suns, "HAS_LAMPS": has_lamps, "IS_ONE_SUN": is_one_sun}
+            is_box = attenuation is not None and attenuation.is_one_box
+            firsts |= _LIGHTS_FIRST | _MEDIA_FIRST if is_box else _LIGHTS_FIRST
+            kinds = {
+                "HAS_DIRECTIONAL": has_directional,
+                "HAS_LOCAL": has_local,
+                "IS_ONE_DIRECTIONAL": is_one_directional,
+            }
             constants |= {name: float(has_any) for name, has_any in kinds.items()}
-            through = (_THROUGH_BOX if is_box else _THROUGH_AIR) if air else _THROUGH_NOTHING
-            generated += (air.wgsl if air else "") + through + "//! use direct_light\n"
+            generated += _transmittance_wgsl(attenuation) + "//! use direct_light\n"
         else:
             generated += _NO_LIGHTS
         super().__init__(
@@ -246,17 +252,25 @@ class Lighting(FullscreenPass):
         )
 
 
+def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
+    """What the media bind, and `light_transmittance`, which `direct_light` asks for."""
+    if attenuation is None:
+        return _NO_ATTENUATION
+    by = _ATTENUATED_BY_ONE_BOX if attenuation.is_one_box else _ATTENUATED_BY_MEDIA
+    return attenuation.wgsl + by
+
+
 def lighting_slots(
-    part: Part, air: Attenuation | None = None, *, is_listed: bool = False
+    part: Part, attenuation: Attenuation | None = None, *, is_listed: bool = False
 ) -> tuple[Slot, ...]:
     """What a part of lighting binds, see `Lighting`."""
-    is_after = part in ("lattices", "placed", "rest")
+    is_after = part in ("lattices", "cached", "rest")
     return (
         *_SURFACE_SLOTS,
         *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
         *(() if part == "lights" else _LATTICE_SLOTS),
-        *(_PLACED if part == "placed" else ()),
-        *(() if is_after else (*_LIGHT_SLOTS, *(air.slots if air else ()))),
+        *(_CACHED_SLOTS if part == "cached" else ()),
+        *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
         *(_LISTS if is_listed and part != "lights" else ()),
     )
 

@@ -36,14 +36,14 @@ struct Gathered {
         return out;
     }
     let base = image_texel(albedo, pixel);
-    let bent = image_texel(normal, pixel);
-    let glow = image_texel(emission, pixel);
-    let n = normalize(bent.xyz);
-    let r = reflector(base.rgb, base.a, bent.w, glow.a);
+    let normal_roughness = image_texel(normal, pixel);
+    let emission_specular = image_texel(emission, pixel);
+    let n = normalize(normal_roughness.xyz);
+    let r = reflector(base.rgb, base.a, normal_roughness.w, emission_specular.a);
     var found = Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);
     var direct = vec3f(0.0);
     if (HAS_LIGHTS) {
-        direct = glow.rgb + direct_light(r, p, n, v);
+        direct = emission_specular.rgb + direct_light(r, p, n, v);
     } else {
         direct = lit_of(pixel).rgb;
     }

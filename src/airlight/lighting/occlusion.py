@@ -41,7 +41,7 @@ class OcclusionParams(Struct):
     largest = f32("m, but no farther")
 
 
-class _Seen(FullscreenPass):
+class _ReducedSurfaces(FullscreenPass):
     slots = (
         uniform("params", OcclusionParams),
         texture("depth", "2d", "depth"),
@@ -50,11 +50,11 @@ class _Seen(FullscreenPass):
         sampler("image_sampler", "non-filtering"),
     )
     targets = ("rgba32uint",)
-    file = "occlusion_seen.wgsl"
+    file = "occlusion_surfaces.wgsl"
 
 
-class _Horizons(FullscreenPass):
-    slots = (*_Seen.slots, texture("seen", "2d", "uint"))
+class _HorizonSearch(FullscreenPass):
+    slots = (*_ReducedSurfaces.slots, texture("surfaces", "2d", "uint"))
     targets = ("rgba32uint",)
     file = "occlusion.wgsl"
 
@@ -66,7 +66,7 @@ class _Blur(FullscreenPass):
 
 
 class OcclusionLayers:
-    """What near occluders send and hide, per texel, packed as `wgsl/near_texel.wgsl` says.
+    """What near occluders send and hide, per texel, packed as `wgsl/near_field_texel.wgsl` says.
 
     Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
     """
@@ -75,14 +75,14 @@ class OcclusionLayers:
         """For a picture of `size`; `scale`: pixels along one side of a texel, if not the usual."""
         self.size, self.scale = size, scale or (_CPU_SCALE if gpu.takes_cpu_paths else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
-        self.seen, self.sampled, self.near = (
+        self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True)
-            for label in ("seen", "sampled near surroundings", "near surroundings")
+            for label in ("surfaces", "sampled near surroundings", "near surroundings")
         )
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.seen, self.sampled, self.near):
+        for part in (self.surfaces, self.sampled, self.near):
             part.release()
 
 
@@ -105,8 +105,9 @@ class Occlusion:
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
         kind = {"HAS_LIGHT": float(has_light), "IS_SAMPLED": float(gpu.takes_cpu_paths)}
         self._nearest = nearest_sampler(gpu)
-        self._seen = _Seen(gpu, constants=kind)
-        self._horizons = _Horizons(gpu, constants={k: float(v) for k, v in counts.items()} | kind)
+        self._surfaces = _ReducedSurfaces(gpu, constants=kind)
+        samples = {name: float(count) for name, count in counts.items()}
+        self._horizons = _HorizonSearch(gpu, constants=samples | kind)
         self._blur = _Blur(gpu)
 
     def encode(
@@ -128,15 +129,15 @@ class Occlusion:
         `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
-        picture = {
+        inputs = {
             "params": params,
             "depth": depth,
             "normal": normal,
             "lit": lit or normal,
             "image_sampler": self._nearest,
         }
-        self._seen.draw(commands, (layers.seen,), **picture)
-        self._horizons.draw(commands, (layers.sampled,), seen=layers.seen, **picture)
+        self._surfaces.draw(commands, (layers.surfaces,), **inputs)
+        self._horizons.draw(commands, (layers.sampled,), surfaces=layers.surfaces, **inputs)
         self._blur.draw(commands, (layers.near,), params=params, sampled=layers.sampled)
 
 

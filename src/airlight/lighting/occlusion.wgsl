@@ -1,6 +1,6 @@
-// Horizons around each texel of the picture as `occlusion_seen` hands it on.
+// Horizons around each texel of the picture as `occlusion_surfaces` hands it on.
 //! use occlusion
-//! use near_texel
+//! use near_field_texel
 //! use image_texel
 
 override SLICES: u32 = 2;
@@ -59,9 +59,9 @@ fn at_pixel(pixel: vec2i) -> Sample {
 
 fn at_texel(texel: vec2i) -> Sample {
     let inside = vec2u(clamp(texel, vec2i(0), vec2i(params.reduced) - 1));
-    let there = textureLoad(seen, inside, 0);
-    let pixel = inside * params.scale + seen_pixel(there);
-    return Sample(point(pixel, bitcast<f32>(there.x)), seen_normal(there), seen_light(there));
+    let there = textureLoad(surfaces, inside, 0);
+    let pixel = inside * params.scale + surface_pixel(there);
+    return Sample(point(pixel, bitcast<f32>(there.x)), surface_normal(there), surface_light(there));
 }
 
 // How far to look from a point: cells grow with the distance to the eye where lattices are nested.
@@ -93,14 +93,14 @@ fn raised(before: vec2f, lowest: f32, s: Slice, there: Sample) -> vec2f {
 
 // The unit direction to an occluder that raises the horizon from `low` to `high`, cosines; `tangent` on
 // its side.
-fn way_between(s: Slice, tangent: vec3f, low: f32, high: f32) -> vec3f {
+fn direction_between(s: Slice, tangent: vec3f, low: f32, high: f32) -> vec3f {
     let sines = sqrt(max(1.0 - low * low, 0.0)) + sqrt(max(1.0 - high * high, 0.0));
     let middle = (low + high) * s.v + sines * tangent;
     return middle / max(length(middle), 1e-4);
 }
 
 // Of occluders that show their light, each by the share of what may come in that it hides.
-var<private> near: Near;
+var<private> near: NearField;
 
 // The horizons after a sample on each side. What shows us its back is not taken for black: its light is
 // left to the lattice, or to what is seen beyond.
@@ -114,8 +114,8 @@ fn searched(s: Slice, before: Horizons, right: Sample, left: Sample) -> Horizons
     let now = visible_arcs(vec2f(plus.y, minus.y), s.facing);
     let share = s.size * (before.arcs - now);
     near.light += share.x * right.light + share.y * left.light;
-    near.way += share.x * way_between(s, s.tangent, before.lit.x, plus.y)
-        + share.y * way_between(s, -s.tangent, before.lit.y, minus.y);
+    near.direction += share.x * direction_between(s, s.tangent, before.lit.x, plus.y)
+        + share.y * direction_between(s, -s.tangent, before.lit.y, minus.y);
     near.hidden += share.x + share.y;
     return Horizons(all, vec2f(plus.y, minus.y), now);
 }
@@ -160,22 +160,22 @@ fn slice_openness(
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4u {
     let texel = vec2u(position.xy);
-    let own = textureLoad(seen, texel, 0);
+    let own = textureLoad(surfaces, texel, 0);
     let inverse = bitcast<f32>(own.x);
     if (inverse <= 0.0) {
-        return packed_near(Near(1.0, vec3f(0.0), vec3f(0.0), 0.0), 0.0);
+        return packed_near_field(NearField(1.0, vec3f(0.0), vec3f(0.0), 0.0), 0.0);
     }
-    let pixel = texel * params.scale + seen_pixel(own);
+    let pixel = texel * params.scale + surface_pixel(own);
     let on_surface = point(pixel, inverse);
     let v = normalize(-on_surface);
     let p = on_surface * (1.0 - OFFSET);
     // Normals between corners may look away from the eye, where nothing is open.
-    let bent = normalize(seen_normal(own));
-    let n = normalize(bent + max(LEAST_FACING - dot(bent, v), 0.0) * v);
+    let shading_normal = normalize(surface_normal(own));
+    let n = normalize(shading_normal + max(LEAST_FACING - dot(shading_normal, v), 0.0) * v);
     let wanted_px = REACH * radius_at(p) * inverse / length(params.right);
     let radius_px = min(wanted_px, LARGEST_RADIUS * f32(params.size.y));
     if (radius_px < NEAREST_PX) {
-        return packed_near(Near(1.0, vec3f(0.0), vec3f(0.0), 0.0), 1.0 / inverse);
+        return packed_near_field(NearField(1.0, vec3f(0.0), vec3f(0.0), 0.0), 1.0 / inverse);
     }
     // Jimenez2016: sixteen rotations and four offsets, each once in every 4 x 4 texels.
     let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
@@ -193,6 +193,7 @@ fn slice_openness(
     }
     // differs: the paper divides by the number of slices; few of them then shade tilted planes.
     let scale = 1.0 / max(open.y, 1e-6);
-    near = Near(saturate(open.x * scale), near.light * scale, near.way * scale, near.hidden * scale);
-    return packed_near(near, 1.0 / inverse);
+    near = NearField(saturate(open.x * scale), near.light * scale, near.direction * scale,
+        near.hidden * scale);
+    return packed_near_field(near, 1.0 / inverse);
 }

@@ -17,26 +17,26 @@ from ..scene.scene import Scene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
 from .kit import Kit
+from .lattice_coordinates import LatticeCoordinates, can_cache
 from .lighting import Attenuation, Lighting, LightingParams, Part, lighting_slots
 from .occlusion import Occlusion
-from .places import Places, can_keep
 from .view import View
 
 
 class Surfaces:
-    """Draws a view's surfaces. `air`: what light is attenuated by on its way to them."""
+    """Draws a view's surfaces. `attenuation`: what light is attenuated by on its way to them."""
 
-    def __init__(self, kit: Kit, scene: Scene, air: Attenuation | None = None) -> None:
-        self.kit, self.gpu, self.air = kit, kit.gpu, air
+    def __init__(self, kit: Kit, scene: Scene, attenuation: Attenuation | None = None) -> None:
+        self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
         self._passes: dict[Part, Lighting] = {}
         self.glossy: GlossyPixels | None = None
-        self._places: Places | None = None
+        self._coordinates: LatticeCoordinates | None = None
         self._occlusion: Occlusion | None = None
         self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
             mesh.material for mesh in scene.meshes
         )
         # Devices bind so many textures at once, and every volume brings its own.
-        self._is_whole = fits(kit.gpu, lighting_slots("whole", air))
+        self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation))
         self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
 
     def draw(
@@ -47,26 +47,26 @@ class Surfaces:
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
         is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
-        has_near_light = is_occluded and self._has_near_light(irradiance)
+        has_near_field = is_occluded and self._has_near_field(irradiance)
         # Near surfaces send what lights and emission make of them.
-        if has_near_light:
+        if has_near_field:
             with commands.stage("lighting"):
                 self._light(commands, view, "lights", irradiance, sky)
         if is_occluded:
             with commands.stage("ambient occlusion"):
-                self._occlude(commands, view, has_light=has_near_light)
+                self._occlude(commands, view, has_light=has_near_field)
         with commands.stage("lighting"):
-            part: Part = "lattices" if has_near_light else "whole"
+            part: Part = "lattices" if has_near_field else "whole"
             if part == "whole" and not self._is_whole:
                 self._light(commands, view, "lights", irradiance, sky)
                 part = "rest"
             self._light(commands, view, part, irradiance, sky)
 
-    def _has_near_light(self, irradiance: Irradiance) -> bool:
+    def _has_near_field(self, irradiance: Irradiance) -> bool:
         """Whether near surfaces light each other: where there is bounced light at all."""
         lights, blockers = self.kit.lights, self.kit.blockers
         has_lights = lights.parallel.layers + lights.local.layers > 0
-        return irradiance.is_bounced and (has_lights or blockers.is_emissive)
+        return irradiance.is_reflected and (has_lights or blockers.is_emissive)
 
     def _occlude(self, commands: Commands, view: View, *, has_light: bool) -> None:
         g, placements = view.gbuffer, self.kit.lattices.placements
@@ -100,13 +100,13 @@ class Surfaces:
     ) -> None:
         kit, layers = self.kit, view.layers
         values = self._bound(view, part, irradiance, sky)
-        self._make_beside(view.size)
+        self._make_cpu_passes(view.size)
         # Where surfaces look a lattice up is kept while camera and walls stay as they are.
-        if self._places and part == "lattices":
+        if self._coordinates and part == "lattices":
             g, lattices = view.gbuffer, kit.lattices
             key = (g, g.version, view.eye, lattices.placements, sky.version, kit.blockers.version)
-            placed = self._places.encode(commands, view.size, key, values)
-            part, values = ("placed", values | placed) if placed else (part, values)
+            cached = self._coordinates.encode(commands, view.size, key, values)
+            part, values = ("cached", values | cached) if cached else (part, values)
         lighting = self._lighting_of(part, irradiance)
         drawn = {name: values[name] for name in lighting.names if name in values}
         if self.glossy is None or part == "lights":
@@ -135,12 +135,12 @@ class Surfaces:
             "params": params,
             **irradiance.bound,
             **lights.bound,
-            **(self.air.bound if self.air else {}),
+            **(self.attenuation.bound if self.attenuation else {}),
             "depth": g.depth,
             "albedo": g.albedo,
             "normal": g.normal,
             "emission": g.emission,
-            "near_texels": view.occlusion.near,
+            "near_field": view.occlusion.near,
             **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
             "image_sampler": self._nearest,
             "sky_cube": sky.cube,
@@ -157,42 +157,44 @@ class Surfaces:
             "is_one_lattice": self.kit.lattices.table.count == 1,
         }
 
-    def _make_beside(self, size: tuple[int, int]) -> None:
+    def _make_cpu_passes(self, size: tuple[int, int]) -> None:
         """What CPU adapters draw apart for images of `size`, pixels: gloss, and coordinates."""
         is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
-        self._release_beside()
+        self._release_cpu_passes()
         self._passes.clear()
         self.glossy = GlossyPixels(self.gpu, **self._known) if is_listed else None
         is_one = self.kit.lattices.table.count == 1
-        has_places = can_keep(self.gpu) and is_one and is_listed == self._is_glossy
-        self._places = Places(self.gpu, **self._known, is_listed=is_listed) if has_places else None
+        is_cached = can_cache(self.gpu) and is_one and is_listed == self._is_glossy
+        self._coordinates = None
+        if is_cached:
+            self._coordinates = LatticeCoordinates(self.gpu, **self._known, is_listed=is_listed)
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         if part not in self._passes:
             lights = self.kit.lights
             self._passes[part] = Lighting(
                 self.gpu,
-                self.air,
+                self.attenuation,
                 is_glossy=self._is_glossy,
                 damping=irradiance.damping,
                 has_surfaces=bool(self.kit.meshes.draws),
-                has_suns=lights.parallel.layers > 0,
-                has_lamps=lights.local.layers > 0,
+                has_directional=lights.parallel.layers > 0,
+                has_local=lights.local.layers > 0,
                 **self._known,
-                is_one_sun=lights.count == lights.parallel.layers == 1,
+                is_one_directional=lights.count == lights.parallel.layers == 1,
                 is_listed=self.glossy is not None and part != "lights",
                 part=part,
-                is_bouncing=irradiance.is_bouncing,
+                has_interreflection=irradiance.has_interreflection,
             )
         return self._passes[part]
 
-    def _release_beside(self) -> None:
-        for made in (self.glossy, self._places):
+    def _release_cpu_passes(self) -> None:
+        for made in (self.glossy, self._coordinates):
             if made:
                 made.release()
 
     def release(self) -> None:
         """Give the memory back."""
-        self._release_beside()
+        self._release_cpu_passes()

@@ -43,13 +43,13 @@ from .seen_blockers import SeenBlockers
 from .settings import LpvSettings
 
 
-def cascades_nest(scene: Scene, settings: LpvSettings, *, in_air: bool = False) -> Nest:
-    """Where the lattices are that `settings` ask for, over the scene, with its medium if `in_air`.
+def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = False) -> Nest:
+    """The nested lattices that `settings` ask for, over the scene, its medium too if `in_medium`.
 
     Raises SettingsError.
     """
     return nested(
-        *lattice_box(scene, settings.bounds, in_air=in_air),
+        *lattice_box(scene, settings.bounds, in_medium=in_medium),
         settings.resolution,
         count=settings.cascades,
         ratio=settings.cascade_ratio,
@@ -300,8 +300,8 @@ class LpvSolver:
         textures = self.media.textures if self.media else self.textures
         irradiance = Irradiance(
             {"lattices": self.kit.lattices.table.filled(self.rows), **textures.bound},
-            is_bounced=not self.is_paper,
-            is_bouncing=self.settings.bounces,
+            is_reflected=not self.is_paper,
+            has_interreflection=self.settings.bounces,
             damping=self.settings.damping,
         )
         light = self.mean_radiance()

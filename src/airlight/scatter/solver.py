@@ -160,7 +160,7 @@ class ScatterSolver:
     def _added(self, scene: Scene, fields: Fields) -> Fields:
         """The fields, with what was solved."""
         table = self.kit.lattices.table.filled([self.surfaces.params()])
-        irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_bounced=True)
+        irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_reflected=True)
         light = self.marched()
         version = (scene.lights, scene.environment, scene.medium, self.meshes.version)
         return dataclasses.replace(

@@ -47,7 +47,7 @@ def single(context: Context, settings: SingleSettings) -> Technique:
     """Direct light through media, and what they scatter once, with sharp shadows."""
     from ..media.media import Media
 
-    kit = Kit(context, settings, scene_nest(context.scene, settings, in_air=True))
+    kit = Kit(context, settings, scene_nest(context.scene, settings, in_medium=True))
     media = Media(kit, part_of(settings, MediaSettings))
     return Technique("single", kit, [media], media=media)
 
@@ -66,7 +66,7 @@ def _lpv_in_media(name: str, context: Context, settings: LpvMarchSettings, **air
     from ..lpv.solver import LpvSolver, cascades_nest
     from ..media.media import Media
 
-    kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
+    kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     lattice = LpvSolver(kit, settings, is_marched=True)
     drawn = replace(part_of(settings, MediaSettings), **air)
     media = Media(kit, drawn, is_lattice_marched=True)
@@ -123,7 +123,7 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     from ..pop.media import PopMedia
     from .volumes import LatticeVolumes
 
-    kit = Kit(context, settings, cascades_nest(context.scene, settings, in_air=True))
+    kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     volumes = context.scene.volumes
     media = Media(kit, part_of(settings, MediaSettings), sources=len(volumes), solved=volumes)
     lattice = LpvSolver(kit, settings)
@@ -154,7 +154,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
 
 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
-    nest = scene_nest(context.scene, settings, in_air=True)
+    nest = scene_nest(context.scene, settings, in_medium=True)
     if settings.blockers == "maps":
         from ..scatter.map_blockers import MapBlockers
 

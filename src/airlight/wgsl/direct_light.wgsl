@@ -1,12 +1,12 @@
 // What lamps, suns and the background send, and how much of it arrives. The including pass binds the
-// lights with their shadow maps and the environment, and declares `light_passed`.
+// lights with their shadow maps and the environment, and declares `light_transmittance`.
 //! use lights
 //! use shadow
 //! use surface_reflection
 
-override HAS_SUNS: bool = true;
-override HAS_LAMPS: bool = true;
-override IS_ONE_SUN: bool = false;      // the only light
+override HAS_DIRECTIONAL: bool = true;
+override HAS_LOCAL: bool = true;
+override IS_ONE_DIRECTIONAL: bool = false;      // the only light
 
 fn background(direction: vec3f) -> vec3f {
     let u = atan2(direction.x, -direction.z) / (2.0 * PI)
@@ -16,12 +16,12 @@ fn background(direction: vec3f) -> vec3f {
 }
 
 fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
-    if (IS_ONE_SUN) {
+    if (IS_ONE_DIRECTIONAL) {
         return lit_share(parallel_shadows, shadow_compare, first_parallel_views(), 0u, p, n,
             in.to_light, 1.0);
     }
     let view = view_of(light, in.to_light);
-    if (HAS_SUNS && (!HAS_LAMPS || light.kind == LIGHT_DIRECTIONAL)) {
+    if (HAS_DIRECTIONAL && (!HAS_LOCAL || light.kind == LIGHT_DIRECTIONAL)) {
         return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
             in.to_light, 1.0);
     }
@@ -30,14 +30,14 @@ fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
 }
 
 fn light_at(i: u32) -> LightData {
-    if (IS_ONE_SUN) {
+    if (IS_ONE_DIRECTIONAL) {
         return first_lights();
     }
     return lights[i];
 }
 
 fn arriving_from(light: LightData, p: vec3f) -> Incoming {
-    if (!HAS_LAMPS) {
+    if (!HAS_LOCAL) {
         return Incoming(-light.direction, light.color, 1e30);
     }
     return incoming(light, p);
@@ -45,7 +45,7 @@ fn arriving_from(light: LightData, p: vec3f) -> Incoming {
 
 fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    if (!HAS_SUNS && !HAS_LAMPS) {
+    if (!HAS_DIRECTIONAL && !HAS_LOCAL) {
         return sum;
     }
     // Software drivers run a loop's body once more than a test at its head would let them, and both
@@ -58,12 +58,12 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
             let lit = light_visibility(light, p, n, in);
             if (lit > 0.0) {
-                let arriving = in.irradiance * light_passed(i, p) * cosine * lit;
+                let arriving = in.irradiance * light_transmittance(i, p) * cosine * lit;
                 sum += reflection(r, n, in.to_light, v) * arriving;
             }
         }
         i++;
-        if (IS_ONE_SUN || i >= params.light_count) {
+        if (IS_ONE_DIRECTIONAL || i >= params.light_count) {
             break;
         }
     }

@@ -1,10 +1,10 @@
 // What all lattices give to a surface, the finest that has it first. The including pass binds what
-// sky_reflected needs, and declares `is_walked_apart` and what `Places` brings.
+// sky_reflected needs, and declares `is_traced_separately` and what `LatticeCoordinates` brings.
 //! use sky_reflected
 
 override DAMPING: f32 = 0.0;
-override HAS_PLACES: bool = false;      // `places` and the sky's light on them are known
-override HAS_NEAR_LIGHT: bool = false;  // near surfaces' own light replaces what they hide
+override HAS_CACHED: bool = false;      // lattice coordinates and the sky's light are read
+override HAS_NEAR_FIELD: bool = false;  // near surfaces' own light replaces what they hide
 override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
 
 struct LatticeLight {
@@ -14,7 +14,7 @@ struct LatticeLight {
 
 // What one lattice gives to a surface.
 fn lattice_light(
-    level: u32, uvw: vec3f, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: Near,
+    level: u32, uvw: vec3f, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: NearField,
     mirrors: vec3f,
 ) -> LatticeLight {
     let lattice = lattice_of(level);
@@ -27,7 +27,7 @@ fn lattice_light(
     let diffuse = (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse;
     let seen = interreflected(near.open, r.diffuse);
     var sky = sky_reflected(r, n_v, sky_at(uvw, n), mirror.sky, near.open, mirrors);
-    if (!HAS_NEAR_LIGHT) {
+    if (!HAS_NEAR_FIELD) {
         sky = SkyReflected(sky.shown + sky.returned, vec3f(0.0));
         e *= seen;
     } else {
@@ -42,14 +42,14 @@ fn lattice_light(
 // What reaches the eye at `position` in the image, at depth d, from p; v leads to the eye.
 fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered {
     let pixel = vec2u(position);
-    let near = near_surroundings(position, 1.0 / (params.world_from_clip[2].w * d));
+    let near = near_field_at(position, 1.0 / (params.world_from_clip[2].w * d));
     let n_v = max(dot(n, v), 1e-4);
-    let is_listed = is_walked_apart(r, n_v);
+    let is_listed = is_traced_separately(r, n_v);
     let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
     var out = Gathered(vec3f(0.0), vec3f(0.0), near.open, is_listed);
-    var place = vec4f(0.0);
-    if (HAS_PLACES) {
-        place = places_of(pixel);
+    var cached = vec4f(0.0);
+    if (HAS_CACHED) {
+        cached = cached_coordinates_of(pixel);
     }
     // The finest lattice that has the point; towards its border the next larger one.
     let last = last_lattice();
@@ -58,8 +58,8 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     loop {
         k = lattice_from(k, p);
         let weight = left * lattice_weight(lattice_of(k), p);
-        var uvw = place.xyz;
-        if (!HAS_PLACES) {
+        var uvw = cached.xyz;
+        if (!HAS_CACHED) {
             uvw = lattice_coordinates(lattice_of(k), p, n);
         }
         let light = lattice_light(k, uvw, p, r, n, v, n_v, near, mirrors);
@@ -72,10 +72,10 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
             break;
         }
     }
-    if (HAS_PLACES) {
-        let sky = place_sky_of(pixel);
-        out.direct += vec3f(place.w, sky.xy);
-        out.bounced += vec3f(sky.zw, place_returned_of(pixel).x);
+    if (HAS_CACHED) {
+        let sky = cached_sky_of(pixel);
+        out.direct += vec3f(cached.w, sky.xy);
+        out.bounced += vec3f(sky.zw, cached_returned_of(pixel).x);
     }
     return out;
 }

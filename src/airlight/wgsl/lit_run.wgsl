@@ -149,7 +149,7 @@ fn parallel_nodes(
 fn lit_run(
     light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
-    if (AIR_IS_BOX && !HAS_LAMPS) {
+    if (AIR_IS_BOX && !HAS_LOCAL) {
         let a = max(t0, air_spans[0].x);
         let b = min(t1, air_spans[0].y);
         return select(vec3f(0.0), parallel_run(a, b) * light.color, a < b && run_has_shafts);
@@ -160,11 +160,11 @@ fn lit_run(
         let a = max(t0, air_spans[m].x);
         let b = min(t1, air_spans[m].y);
         if (a < b && air[m].has_shafts != 0u) {
-            if (HAS_LAMPS && light.kind != LIGHT_DIRECTIONAL) {
+            if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
                 sum += lamp_run(light, index, m, origin, direction, a, b);
-            } else if (HAS_SUNS && AIR_IS_BOX) {
+            } else if (HAS_DIRECTIONAL && AIR_IS_BOX) {
                 sum += parallel_run(a, b);
-            } else if (HAS_SUNS) {
+            } else if (HAS_DIRECTIONAL) {
                 sum += parallel_nodes(light, index, m, origin, direction, a, b);
             }
         }

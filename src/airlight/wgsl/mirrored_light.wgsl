@@ -1,11 +1,11 @@
 // What the lattices mirror to the eye, and what a loop over lattices needs. The including pass binds
-// what lattice and ambient_cube need, the table `lattices` and `first_lattices`, depth, near_texels and
+// what lattice and ambient_cube need, the table `lattices` and `first_lattices`, depth, near_field and
 // `params`.
 //! use surface_reflection
 //! use glossy
 //! use lattice
 //! use ambient_cube
-//! use near_visibility
+//! use near_field
 
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;

@@ -21,8 +21,8 @@ fn specular_visibility(visibility: f32, n_v: f32, roughness: f32) -> f32 {
 }
 
 // Of a two-band state (a, b), what comes from the hidden directions, in units of pi / s^2.
-fn hidden_flux(state: vec4f, way: vec3f, visibility: f32) -> f32 {
-    return max(state.x * (1.0 - visibility) - dot(state.yzw, way), 0.0);
+fn hidden_flux(state: vec4f, direction: vec3f, visibility: f32) -> f32 {
+    return max(state.x * (1.0 - visibility) - dot(state.yzw, direction), 0.0);
 }
 
 // The lattice's irradiance e with the near occluders' own light in the place of what it has from them.

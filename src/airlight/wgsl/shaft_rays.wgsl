@@ -4,14 +4,14 @@
 //! use shadow_walk
 
 fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
-    if (HAS_SUNS && (is_parallel || !HAS_LAMPS)) {
+    if (HAS_DIRECTIONAL && (is_parallel || !HAS_LOCAL)) {
         return parallel_views[view].clip_from_world;
     }
     return local_views[view].clip_from_world;
 }
 
 fn shadow_word(entry: u32) -> u32 {
-    if (HAS_SUNS && (walk.is_parallel || !HAS_LAMPS)) {
+    if (HAS_DIRECTIONAL && (walk.is_parallel || !HAS_LOCAL)) {
         return parallel_bounds[entry];
     }
     return local_bounds[entry];
@@ -94,7 +94,7 @@ fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -
             sum += view_radiance(
                 light, index, light.first_view + v, to_clip, direction, span.x, span.y);
             v++;
-            if (!HAS_LAMPS || v >= light.view_count) { break; }
+            if (!HAS_LOCAL || v >= light.view_count) { break; }
             to_clip = clip_from_world(is_parallel, light.first_view + v);
         }
     }

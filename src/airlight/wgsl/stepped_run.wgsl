@@ -136,9 +136,9 @@ fn lit_run(
         let a = max(t0, step_begin);
         let b = min(t1, step_end);
         if (a < b) {
-            if (HAS_LAMPS && light.kind != LIGHT_DIRECTIONAL) {
+            if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
                 sum += lamp_piece(light, origin, direction, a, b);
-            } else if (HAS_SUNS) {
+            } else if (HAS_DIRECTIONAL) {
                 sum += parallel_piece(a, b);
             }
         }

@@ -51,7 +51,7 @@ def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
 
 def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
     """A lattice of more cells for the sky's light, if that is not too large."""
-    low, high = lattice_box(scene, now.bounds, in_air=isinstance(now, MediaSettings))
+    low, high = lattice_box(scene, now.bounds, in_medium=isinstance(now, MediaSettings))
     for ratio in _RATIOS:
         cells = int(now.resolution * ratio)
         if fitted(low, high, cells).cells <= most_cells:

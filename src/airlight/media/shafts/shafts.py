@@ -70,8 +70,8 @@ def run_wgsl(air: GpuMedia, lights: Lights, steps: int = 32) -> str:
         run = f"const RUN_STEPS = {steps}.0;\n//! use stepped_run\n"
     known = {
         "AIR_IS_BOX": air.is_one_box,
-        "HAS_SUNS": lights.parallel.layers > 0,
-        "HAS_LAMPS": lights.local.layers > 0,
+        "HAS_DIRECTIONAL": lights.parallel.layers > 0,
+        "HAS_LOCAL": lights.local.layers > 0,
     }
     wgsl = air.wgsl + f"const LIGHT_COUNT = {lights.count}u;\n"
     return wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run

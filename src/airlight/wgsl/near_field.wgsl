@@ -1,8 +1,8 @@
 //! use occlusion
 //! use lattice
-//! use near_texel
+//! use near_field_texel
 
-// What stands nearer than cells resolve, read at full size. The including pass binds `near_texels` and
+// What stands nearer than cells resolve, read at full size. The including pass binds `near_field` and
 // `params` with the picture's `size`, and sets the override HAS_OCCLUSION.
 
 // Occlusion of depths farther off than this share does not count.
@@ -10,45 +10,45 @@ const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
 // Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf et al. 2007
 // (joint bilateral upsampling).
-fn near_surroundings(position: vec2f, own: f32) -> Near {
+fn near_field_at(position: vec2f, own: f32) -> NearField {
     if (!HAS_OCCLUSION) {
-        return Near(1.0, vec3f(0.0), vec3f(0.0), 0.0);
+        return NearField(1.0, vec3f(0.0), vec3f(0.0), 0.0);
     }
-    let size = vec2f(textureDimensions(near_texels));
+    let size = vec2f(textureDimensions(near_field));
     // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
     let place = position * size / params.size - 1.0;
     let base = floor(place);
     let t = place - base;
     var light = vec3f(0.0);
-    var way = vec4f(0.0);
+    var direction = vec4f(0.0);
     var open = 0.0;
     var total = 0.0;
     var k = 0u;
     loop {
         let corner = vec2f(f32(k & 1u), f32(k >> 1u));
         let texel = vec2i(clamp(base + corner, vec2f(0.0), size - 1.0));
-        let packed = textureLoad(near_texels, texel, 0);
-        let near = near_of(packed);
+        let packed = textureLoad(near_field, texel, 0);
+        let near = near_field_of(packed);
         let share = mix(1.0 - t, t, corner);
         let off = abs(bitcast<f32>(packed.w) - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
         let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;
         light += weight * near.light;
-        way += weight * vec4f(near.way, near.hidden);
+        direction += weight * vec4f(near.direction, near.hidden);
         open += weight * near.open;
         total += weight;
         k++;
         if (k > 3u) { break; }
     }
-    return Near(open / total, light / total, way.xyz / total, way.w / total);
+    return NearField(open / total, light / total, direction.xyz / total, direction.w / total);
 }
 
 // Irradiance, W m^-2, that the lattice has coming from the near occluders that show their light.
-fn from_occluders(lattice: LatticeParams, uvw: vec3f, near: Near) -> vec3f {
+fn from_occluders(lattice: LatticeParams, uvw: vec3f, near: NearField) -> vec3f {
     let seen = 1.0 - near.hidden;
     let light = vec3f(
-        hidden_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), near.way, seen),
-        hidden_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), near.way, seen),
-        hidden_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), near.way, seen));
+        hidden_flux(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), near.direction, seen),
+        hidden_flux(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), near.direction, seen),
+        hidden_flux(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), near.direction, seen));
     let area = lattice.cell * lattice.cell * lattice.power_scale;
     return light * (3.14159265 * lattice.lookup_scale / area);
 }

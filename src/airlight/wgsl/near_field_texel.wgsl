@@ -19,62 +19,62 @@ fn with_exponent(shared_light: vec4u, bits: u32) -> vec3f {
 }
 
 // What is seen in a texel of the picture, and which of its pixels stands for it.
-struct Seen {
+struct SurfaceTexel {
     inverse: f32,       // m^-1, of the distance along the view axis; 0 where nothing is
     pixel: vec2u,       // 0 or 1, from the texel's first one
     normal: vec3f,      // world, of any length
     light: vec3f,       // sent to the eye, W m^-2 sr^-1
 }
 
-fn packed_seen(s: Seen) -> vec4u {
+fn packed_surface(s: SurfaceTexel) -> vec4u {
     let light = shared_exponent(s.light, 18u);
     return vec4u(bitcast<u32>(s.inverse), octahedron_pack16(s.normal),
         light.x | (light.y << 18u),
         (light.y >> 14u) | (light.z << 4u) | (light.w << 22u) | (s.pixel.x << 30u) | (s.pixel.y << 31u));
 }
 
-fn seen_pixel(texel: vec4u) -> vec2u {
+fn surface_pixel(texel: vec4u) -> vec2u {
     return vec2u(texel.w >> 30u, texel.w >> 31u) & vec2u(1u);
 }
 
 // The normal, but not of unit length.
-fn seen_normal(texel: vec4u) -> vec3f {
+fn surface_normal(texel: vec4u) -> vec3f {
     let square = unpack2x16snorm(texel.y);
     let z = 1.0 - abs(square.x) - abs(square.y);
     let folded = (1.0 - abs(square.yx)) * octahedron_sign(square);
     return vec3f(select(square, folded, z < 0.0), z);
 }
 
-fn seen_light(texel: vec4u) -> vec3f {
+fn surface_light(texel: vec4u) -> vec3f {
     let rgb = vec3u(texel.z, (texel.z >> 18u) | (texel.w << 14u), texel.w >> 4u) & vec3u(0x3ffffu);
     return with_exponent(vec4u(rgb, (texel.w >> 22u) & 0xffu), 18u);
 }
 
 // What stands nearer to a surface than cells resolve.
-struct Near {
+struct NearField {
     open: f32,      // the share of the hemisphere that near occluders leave
     light: vec3f,   // radiance of those that show it, times the share that they fill
-    way: vec3f,     // mean direction to them times that share
+    direction: vec3f,     // mean direction to them times that share
     hidden: f32,    // that share
 }
 
 // In w the depth, m along the view axis, 0 where nothing is; its last bits are what is not open.
-fn packed_near(near: Near, depth: f32) -> vec4u {
+fn packed_near_field(near: NearField, depth: f32) -> vec4u {
     let light = shared_exponent(near.light, 13u);
-    let way = bitcast<vec3u>(vec3i(round(clamp(near.way, vec3f(-1.0), vec3f(1.0)) * 1023.0)))
+    let direction = bitcast<vec3u>(vec3i(round(clamp(near.direction, vec3f(-1.0), vec3f(1.0)) * 1023.0)))
         & vec3u(0x7ffu);
     let hidden = bitcast<u32>(i32(round(saturate(near.hidden) * 65535.0)));
-    return vec4u(light.x | (light.y << 13u) | (way.z << 26u),
-        light.z | (light.w << 13u) | (way.x << 21u),
-        hidden | (way.y << 16u) | ((way.z >> 6u) << 27u),
+    return vec4u(light.x | (light.y << 13u) | (direction.z << 26u),
+        light.z | (light.w << 13u) | (direction.x << 21u),
+        hidden | (direction.y << 16u) | ((direction.z >> 6u) << 27u),
         bitcast<u32>(packed_depth(depth, 1.0 - near.open)));
 }
 
-fn near_of(texel: vec4u) -> Near {
+fn near_field_of(texel: vec4u) -> NearField {
     let rgb = vec3u(texel.x, texel.x >> 13u, texel.y) & vec3u(0x1fffu);
     let light = with_exponent(vec4u(rgb, (texel.y >> 13u) & 0xffu), 13u);
     let high = vec3u(texel.y, texel.z << 5u, (texel.z & 0xf8000000u) | ((texel.x >> 26u) << 21u));
-    let way = vec3f(bitcast<vec3i>(high) >> vec3u(21u)) / 1023.0;
+    let direction = vec3f(bitcast<vec3i>(high) >> vec3u(21u)) / 1023.0;
     let hidden = f32(bitcast<i32>(texel.z & 0xffffu)) / 65535.0;
-    return Near(1.0 - packed_hidden(bitcast<f32>(texel.w)), light, way, hidden);
+    return NearField(1.0 - packed_hidden(bitcast<f32>(texel.w)), light, direction, hidden);
 }

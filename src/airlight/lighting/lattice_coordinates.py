@@ -16,24 +16,24 @@ from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
-from .lighting import APART, NOT_APART, PLACES, LightingParams
+from .lighting import CACHED, TRACED_INLINE, TRACED_SEPARATELY, LightingParams
 
 _BYTES = 36  # of a pixel of all targets
 
 
-def can_keep(gpu: Gpu) -> bool:
+def can_cache(gpu: Gpu) -> bool:
     """Whether a device keeps places: software drivers read slowly, and one may lack targets."""
     return gpu.takes_cpu_paths and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
 
 
-class _Places(FullscreenPass):
+class _CoordinatesPass(FullscreenPass):
     slots: ClassVar[tuple[Slot, ...]] = (
         uniform("params", LightingParams),
         storage("lattices", LatticeParams),
         texture("depth", "2d", "depth"),
         *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
         sampler("image_sampler", "non-filtering"),
-        texture("near_texels", "2d", "uint"),
+        texture("near_field", "2d", "uint"),
         *(
             texture(n, "3d")
             for n in (
@@ -49,10 +49,10 @@ class _Places(FullscreenPass):
         sampler("linear_clamp"),
     )
     targets = ("rgba32float", "rgba32float", "r32float")
-    file = "places.wgsl"
+    file = "lattice_coordinates.wgsl"
 
 
-class Places:
+class LatticeCoordinates:
     """Of one picture and one lattice."""
 
     def __init__(
@@ -60,9 +60,9 @@ class Places:
     ) -> None:
         """As for `Lighting`."""
         self.gpu = gpu
-        self._pass = _Places(
+        self._pass = _CoordinatesPass(
             gpu,
-            generated=APART if is_listed else NOT_APART,
+            generated=TRACED_SEPARATELY if is_listed else TRACED_INLINE,
             firsts={"lattices": ()},
             constants={
                 "HAS_OCCLUSION": float(is_occluded),
@@ -72,25 +72,25 @@ class Places:
             },
         )
         self._targets: tuple[Texture, ...] = ()
-        self._seen: Hashable = None
-        self._kept: Hashable = None
+        self._last: Hashable = None
+        self._cached: Hashable = None
 
     def encode(
         self, commands: Commands, size: tuple[int, int], key: Hashable, values: dict[str, Any]
     ) -> dict[str, Texture] | None:
-        """What "placed" `Lighting` binds; None for a first picture of that `size` (pixels) and
+        """What "cached" `Lighting` binds; None for a first picture of that `size` (pixels) and
         `key`. `values` as `Lighting` draws them.
         """
-        before, self._seen = self._seen, (size, key)
-        if self._seen != before:
+        before, self._last = self._last, (size, key)
+        if self._last != before:
             return None
-        if self._seen != self._kept:
+        if self._last != self._cached:
             self._fit(size)
             names = {slot.name for slot in self._pass.slots}
             bound = {name: value for name, value in values.items() if name in names}
             self._pass.draw(commands, self._targets, **bound)
-            self._kept = self._seen  # last: what raised before drew nothing
-        return dict(zip(PLACES, self._targets, strict=True))
+            self._cached = self._last  # last: what raised before drew nothing
+        return dict(zip(CACHED, self._targets, strict=True))
 
     def _fit(self, size: tuple[int, int]) -> None:
         if self._targets and self._targets[0].size[:2] == size:
@@ -98,11 +98,11 @@ class Places:
         self.release()
         self._targets = tuple(
             Texture(self.gpu, label, size, format, target=True)
-            for label, format in zip(PLACES, _Places.targets, strict=True)
+            for label, format in zip(CACHED, _CoordinatesPass.targets, strict=True)
         )
 
     def release(self) -> None:
         """Give the memory back."""
         for target in self._targets:
             target.release()
-        self._targets, self._kept = (), None
+        self._targets, self._cached = (), None

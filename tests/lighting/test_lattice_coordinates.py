@@ -11,7 +11,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.lighting import surfaces
-from airlight.lighting.places import _Places
+from airlight.lighting.lattice_coordinates import _CoordinatesPass
 from airlight.lighting.view import View
 from airlight.rendering import Renderer
 from airlight.scene import (
@@ -57,11 +57,11 @@ def test_kept_or_looked_up_with_the_light(
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         first = renderer.frame().layers
         kept = renderer.frame().layers
-        assert (renderer.technique.surfaces._places is not None) == gpu.takes_cpu_paths
-    monkeypatch.setattr(surfaces, "can_keep", lambda _: False)
+        assert (renderer.technique.surfaces._coordinates is not None) == gpu.takes_cpu_paths
+    monkeypatch.setattr(surfaces, "can_cache", lambda _: False)
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         looked_up = renderer.frame().layers
-        assert renderer.technique.surfaces._places is None
+        assert renderer.technique.surfaces._coordinates is None
     for name in ("direct", "indirect"):
         np.testing.assert_array_equal(first[name], looked_up[name])
         np.testing.assert_array_equal(kept[name], looked_up[name])
@@ -71,13 +71,13 @@ def test_what_they_depend_on_makes_them_anew(
     gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[int] = []
-    draw = _Places.draw
+    draw = _CoordinatesPass.draw
 
     def counted(self: Any, *args: Any, **values: Any) -> None:
         made.append(1)
         draw(self, *args, **values)
 
-    monkeypatch.setattr(_Places, "draw", counted)
+    monkeypatch.setattr(_CoordinatesPass, "draw", counted)
     camera = dataclasses.replace(corner.camera, position=(0.6, 1.0, 2.8))
     moved = np.eye(4)
     moved[:3, 3] = (0.0, -0.2, 0.3)
@@ -120,7 +120,7 @@ def test_a_picture_that_was_not_drawn_is_not_kept(
     with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
         expected = renderer.frame()
         with monkeypatch.context() as patched:
-            patched.setattr(_Places, "draw", failing)
+            patched.setattr(_CoordinatesPass, "draw", failing)
             with pytest.raises(KeyboardInterrupt):
                 renderer.frame()
         after = renderer.frame()
@@ -147,8 +147,8 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
             pictures = [renderer.frame() for _ in range(before)]
             renderer.scene = dataclasses.replace(renderer.scene, **after)
             pictures += [renderer.frame() for _ in range(3)]
-            places = renderer.technique.surfaces._places
-            assert (places is not None and places._kept is not None) == gpu.takes_cpu_paths
+            places = renderer.technique.surfaces._coordinates
+            assert (places is not None and places._cached is not None) == gpu.takes_cpu_paths
         return pictures
 
     used, fresh = drawn(before=2), drawn(before=0)[0]
@@ -169,7 +169,7 @@ def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> Non
     away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
-        assert (renderer.technique.surfaces._places is not None) == gpu.takes_cpu_paths
+        assert (renderer.technique.surfaces._coordinates is not None) == gpu.takes_cpu_paths
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         fresh = renderer.frame(**away)
     for picture in pictures[2:]:

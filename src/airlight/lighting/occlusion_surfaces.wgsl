@@ -1,6 +1,6 @@
 // The picture as horizons sample it: depth, normal and light of a texel side by side, and on software
 // drivers a quarter of the pixels, which stay in the caches.
-//! use near_texel
+//! use near_field_texel
 //! use image_texel
 
 override HAS_LIGHT: bool = false;    // what occludes shows its light in `lit`
@@ -37,12 +37,12 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let texel = vec2u(position.xy);
     let pixel = chosen_pixel(texel);
     let inverse = inverse_distance(pixel);
-    var seen = Seen(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
+    var surface = SurfaceTexel(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
     if (inverse > 0.0) {
-        seen.normal = image_texel(normal, pixel).xyz;
+        surface.normal = image_texel(normal, pixel).xyz;
         if (HAS_LIGHT) {
-            seen.light = image_texel(lit, pixel).rgb;
+            surface.light = image_texel(lit, pixel).rgb;
         }
     }
-    return packed_seen(seen);
+    return packed_surface(surface);
 }
