@@ -1,4 +1,4 @@
-"""Light volumes against quadrature behind an open sheet, and against lit runs among clutter."""
+"""Light volumes against quadrature behind an open sheet, and lit intervals among clutter."""
 
 from __future__ import annotations
 

@@ -21,21 +21,21 @@ _NO_ATTENUATION = """
 fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
 _ATTENUATED_BY_MEDIA = """
-//! use air_light
+//! use media_light
 fn light_transmittance(index: u32, p: vec3f) -> vec3f {
-    return air_light_transmittance(lights[index], index, p);
+    return media_light_transmittance(lights[index], index, p);
 }
 """
-# The same in a single box of even air, of which what it takes is at hand.
+# The same in a single box of a homogeneous medium, whose coefficients the triangle carries.
 _ATTENUATED_BY_ONE_BOX = """
-//! use air_light
+//! use media_light
 fn light_transmittance(index: u32, p: vec3f) -> vec3f {
-    let medium = first_air();
-    let way = air_light_way(light_at(index), p);
+    let medium = first_media();
+    let path = media_light_path(light_at(index), p);
     let o = (medium.volume_from_world * vec4f(p, 1.0)).xyz;
-    let d = (medium.volume_from_world * vec4f(way.xyz, 0.0)).xyz;
+    let d = (medium.volume_from_world * vec4f(path.xyz, 0.0)).xyz;
     let span = ray_box_interval(o, d, vec3f(0.0), vec3f(1.0));
-    return transmittance(medium.sigma_t, max(min(span.y, way.w) - max(span.x, 0.0), 0.0));
+    return transmittance(medium.sigma_t, max(min(span.y, path.w) - max(span.x, 0.0), 0.0));
 }
 """
 
@@ -82,9 +82,18 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
 
 
 # What single lights and lattices are read from; nothing here goes from a light's view to the world,
-# and all that is asked of air is what it lets through.
+# and all that is asked of media is their transmittance.
 _MEDIA_FIRST = {
-    "air": ("albedo", "grid", "g", "has_shafts", "voxel", "detail_periods", "detail", "detail_bias")
+    "media": (
+        "albedo",
+        "grid",
+        "g",
+        "has_shafts",
+        "voxel",
+        "detail_periods",
+        "detail",
+        "detail_bias",
+    )
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
@@ -110,7 +119,7 @@ _NOT_CACHED = "".join(
 
 
 class Attenuation(Protocol):
-    """Air as a pass binds it: march.air.Air."""
+    """Media as a pass binds them: `media.gpu_media.GpuMedia`."""
 
     slots: tuple[Slot, ...]
     wgsl: str
@@ -121,7 +130,7 @@ class Attenuation(Protocol):
 
     @property
     def is_one_box(self) -> bool:
-        """Whether all there is is one box of even air."""
+        """Whether the only medium is a homogeneous box."""
 
 
 class LightingParams(Struct):

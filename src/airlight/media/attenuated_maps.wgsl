@@ -1,5 +1,5 @@
 //! use light_texel
-//! use air_light
+//! use media_light
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
@@ -10,6 +10,6 @@
     let d = textureLoad(depth, texel, id.z, 0);
     let p = texel_point(views[id.z], texel_centre(id.xy, params.resolution), d);
     let owner = owners[id.z];
-    let passed = air_light_transmittance(lights[owner], owner, p);
+    let passed = media_light_transmittance(lights[owner], owner, p);
     textureStore(dimmed, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

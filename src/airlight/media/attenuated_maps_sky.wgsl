@@ -1,5 +1,5 @@
 //! use light_texel
-//! use air
+//! use media
 
 // The sky's lights shine along their maps' depth: from where a texel's ray begins.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -12,7 +12,7 @@
     let uv = texel_centre(id.xy, params.resolution);
     var passed = vec3f(1.0);
     if (any(power.rgb > vec3f(0.0))) {
-        passed = air_transmittance(texel_point(views[id.z], uv, 0.0),
+        passed = media_transmittance(texel_point(views[id.z], uv, 0.0),
             texel_point(views[id.z], uv, d));
     }
     textureStore(dimmed, texel, id.z, vec4f(power.rgb * passed, power.a));

@@ -1,8 +1,8 @@
 """All participating media of a scene on the device: up to 8, overlapping freely.
 
-A pass reads them with `//! use air`, the slots `GpuMedia.slots`, the generated text `GpuMedia.wgsl`
-and the resources `GpuMedia.bound`. Extinctions add up; each medium keeps its own albedo and phase
-function.
+A pass reads them with `//! use media`, the slots `GpuMedia.slots`, the generated text
+`GpuMedia.wgsl` and the resources `GpuMedia.bound`. Extinctions add up; each medium keeps its own
+albedo and phase function.
 """
 
 from __future__ import annotations
@@ -150,12 +150,12 @@ class GpuMedia:
     @property
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/air.wgsl` alone."""
-        bound: dict[str, Any] = {"air": self.table}
+        bound: dict[str, Any] = {"media": self.table}
         if self.grids:
-            bound["air_linear"] = self._linear
-            bound |= {f"air_grid{i}": grid for i, grid in enumerate(self.grids)}
+            bound["media_linear"] = self._linear
+            bound |= {f"medium_density{i}": grid for i, grid in enumerate(self.grids)}
         if self._noise is not None:
-            bound |= {"air_repeat": self._repeat, "air_noise": self._noise}
+            bound |= {"media_repeat": self._repeat, "medium_noise_texture": self._noise}
         return bound
 
     @property

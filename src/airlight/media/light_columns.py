@@ -106,7 +106,7 @@ class LightColumns:
     @property
     def bound(self) -> dict[str, Texture]:
         """By slot name."""
-        return {f"air_column{i}": texture for i, texture in enumerate(self.textures)}
+        return {f"light_columns{i}": texture for i, texture in enumerate(self.textures)}
 
     def release(self) -> None:
         """Give the memory back."""

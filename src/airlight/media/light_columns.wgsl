@@ -1,4 +1,4 @@
-//! use air
+//! use media
 //! use lights
 
 // Mean density from a point of the box to the light, or to where the light's way enters the box.
@@ -11,9 +11,9 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
         way = delta / max(reach, 1e-12);
     }
     // On the border the way may have no length: then the density there is the mean.
-    let shortest = 0.01 * air[params.medium].voxel;
-    let end = max(min(air_span(params.medium, p, way).y, reach), shortest);
-    return air_column(params.medium, p, way, 0.0, end) / end;
+    let shortest = 0.01 * media[params.medium].voxel;
+    let end = max(min(medium_interval(params.medium, p, way).y, reach), shortest);
+    return medium_column(params.medium, p, way, 0.0, end) / end;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -36,7 +36,7 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
 
 // The inverse of the affine volume_from_world, by cofactors.
 fn world_from_place(place: vec3f) -> vec3f {
-    let m = air[params.medium].volume_from_world;
+    let m = media[params.medium].volume_from_world;
     let a = m[0].xyz;
     let b = m[1].xyz;
     let c = m[2].xyz;

@@ -24,53 +24,54 @@ class MediumData(Struct):
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The table of media, then the density grids, then their noise."""
-    slots: list[Slot] = [storage("air", MediumData)]
+    slots: list[Slot] = [storage("media", MediumData)]
     if grids:
-        slots.append(sampler("air_linear"))
-        slots += [texture(f"air_grid{i}", "3d") for i in range(grids)]
+        slots.append(sampler("media_linear"))
+        slots += [texture(f"medium_density{i}", "3d") for i in range(grids)]
     if has_detail:
-        slots += [sampler("air_repeat"), texture("air_noise", "3d")]
+        slots += [sampler("media_repeat"), texture("medium_noise_texture", "3d")]
     return tuple(slots)
 
 
 def column_slots(grids: int) -> tuple[Slot, ...]:
     """Each grid's columns towards the lights."""
-    return tuple(texture(f"air_column{i}", "3d") for i in range(grids))
+    return tuple(texture(f"light_columns{i}", "3d") for i in range(grids))
 
 
 def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
-    """The constants; `air_grid`: a grid's density in its x; `air_noise_at`: 0 without detail."""
-    noise = "textureSampleLevel(air_noise, air_repeat, at, 0.0).x" if has_detail else "0.0"
+    """The constants, `medium_grid_texel` (a grid's density in its x) and `medium_noise`."""
+    sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
+    noise = sample if has_detail else "0.0"
     return (
-        f"const AIR_COUNT = {max(1, count)}u;\nconst AIR_GRIDS = {grids}u;\n"
-        f"fn air_noise_at(at: vec3f) -> f32 {{ return {noise}; }}\n"
+        f"const MEDIA_COUNT = {max(1, count)}u;\nconst GRID_COUNT = {grids}u;\n"
+        f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
         + _chosen(
-            "air_grid",
+            "medium_grid_texel",
             "uvw: vec3f",
             "vec4f",
             "vec4f(0.0)",
-            [_sample(f"air_grid{i}") for i in range(grids)],
+            [_sample(f"medium_density{i}") for i in range(grids)],
         )
     )
 
 
 def column_wgsl(grids: int, light_count: int) -> str:
-    """`air_columns`: four lights' columns at a place of their texture; and its size."""
+    """`light_columns_texel`: four lights' columns at a place of their texture; and its size."""
     return (
-        f"const AIR_LIGHT_GROUPS = {light_groups(light_count)}u;\n"
+        f"const LIGHT_GROUPS = {light_groups(light_count)}u;\n"
         + _chosen(
-            "air_columns",
+            "light_columns_texel",
             "uvw: vec3f",
             "vec4f",
             "vec4f(0.0)",
-            [_sample(f"air_column{i}") for i in range(grids)],
+            [_sample(f"light_columns{i}") for i in range(grids)],
         )
         + _chosen(
-            "air_column_size",
+            "light_columns_size",
             "",
             "vec3u",
             "vec3u(1u)",
-            [f"textureDimensions(air_column{i})" for i in range(grids)],
+            [f"textureDimensions(light_columns{i})" for i in range(grids)],
         )
     )
 
@@ -81,7 +82,7 @@ def light_groups(light_count: int) -> int:
 
 
 def _sample(name: str) -> str:
-    return f"textureSampleLevel({name}, air_linear, uvw, 0.0)"
+    return f"textureSampleLevel({name}, media_linear, uvw, 0.0)"
 
 
 def _chosen(name: str, argument: str, result: str, default: str, choices: list[str]) -> str:

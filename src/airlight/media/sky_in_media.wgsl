@@ -1,5 +1,5 @@
 //! use lattice_space
-//! use air_light
+//! use media_light
 
 // Two of four places inside the cell, in turn; lights are many.
 fn place_in_cell(i: u32, k: u32) -> vec3f {
@@ -25,7 +25,7 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
         let p = unbent_point(lattice, cell, place_in_cell(i, k));
         let open = lit(p, i);
         if (open > 0.0) {
-            share += open * air_light_transmittance(light, i, p);
+            share += open * media_light_transmittance(light, i, p);
         }
     }
     return 0.5 * share * light.color;

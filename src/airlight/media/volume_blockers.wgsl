@@ -20,10 +20,10 @@ fn beside(cell: vec3u, hop: u32) -> vec4f {
     return cell_at(vec3i(cell) + step);
 }
 
-fn leaving(wall: u32, air: vec4f) -> u32 {
+fn leaving(wall: u32, media: vec4f) -> u32 {
     let shares = unpack4x8unorm(wall);
     let open = 1.0 - shares.a;
-    return pack4x8unorm(vec4f(shares.rgb + open * air.rgb, shares.a + open * air.a));
+    return pack4x8unorm(vec4f(shares.rgb + open * media.rgb, shares.a + open * media.a));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -32,17 +32,17 @@ fn leaving(wall: u32, air: vec4f) -> u32 {
     }
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     let here = cells[cell];
-    var air = array<vec4f, 6>();
+    var hops = array<vec4f, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
-        air[hop] = met(here, beside(id, hop));
+        hops[hop] = met(here, beside(id, hop));
     }
     let side = walls[2u * cell];
     let rest = walls[2u * cell + 1u];
     // A hop +x comes in through the face towards -x.
-    let xy = unpack4x8unorm(rest.z) * (1.0 - vec4f(air[1].a, air[0].a, air[3].a, air[2].a));
-    let z = unpack4x8unorm(rest.w) * (1.0 - vec4f(air[5].a, air[4].a, 0.0, 0.0));
-    faces[2u * cell] = vec4u(leaving(side.x, air[0]), leaving(side.y, air[1]),
-        leaving(side.z, air[2]), leaving(side.w, air[3]));
-    faces[2u * cell + 1u] = vec4u(leaving(rest.x, air[4]), leaving(rest.y, air[5]),
+    let xy = unpack4x8unorm(rest.z) * (1.0 - vec4f(hops[1].a, hops[0].a, hops[3].a, hops[2].a));
+    let z = unpack4x8unorm(rest.w) * (1.0 - vec4f(hops[5].a, hops[4].a, 0.0, 0.0));
+    faces[2u * cell] = vec4u(leaving(side.x, hops[0]), leaving(side.y, hops[1]),
+        leaving(side.z, hops[2]), leaving(side.w, hops[3]));
+    faces[2u * cell + 1u] = vec4u(leaving(rest.x, hops[4]), leaving(rest.y, hops[5]),
         pack4x8unorm(xy), pack4x8unorm(z));
 }

@@ -1,6 +1,6 @@
 // Light of endless air around the lattice on its straight way into it: each cell's fluence and flux,
 // and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
-//! use air
+//! use media
 //! use open_line
 
 // W m^-2 sr^-1 that the air outside sends from a place on the border, seen on a level of directions.
@@ -32,7 +32,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         let out = vec3f(sqrt(1.0 - up * up) * vec2f(cos(turn), sin(turn)), up).xzy;
         let reach = leaving(p, out);
         let end = p + reach * out;
-        let passed = exp(-air_optical_depth(p, out, 0.0, reach));
+        let passed = exp(-media_optical_depth(p, out, 0.0, reach));
         let sent = directions[level].y * passed
             * incoming(level, params.sigma * max(params.top - end.y, 0.0));
         // No way to walk where nothing comes from, as from above all air.
@@ -49,7 +49,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
     let colour = unpack4x8unorm(reflectance[cell_of(id)]).rgb;
     let area = lattice.cell * lattice.cell;
     let volume = lattice.cell * area;
-    var power = air_scattering(p) * fluence * volume;
+    var power = media_scattering(p) * fluence * volume;
     var turned = mat3x3f();
     var walls = vec3f(1e-3);
     for (var face = 0u; face < 6u; face++) {

@@ -1,4 +1,4 @@
-//! use air
+//! use media
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
@@ -10,8 +10,8 @@
     for (var k = 0u; k < n * n * n; k++) {
         let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
         let p = lattice.origin + (vec3f(id) + inside) * lattice.cell;
-        scattering += air_scattering(p);
-        extinction += air_extinction(p);
+        scattering += media_scattering(p);
+        extinction += media_extinction(p);
     }
     let share = 1.0 / f32(n * n * n);
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;

@@ -1,7 +1,7 @@
 // Of each cell, the light that was scattered forwards only: what similar air lets through, less
 // what the air itself does. `store_light`, of the whole of what similar air lets through, is generated.
 //! use lattice_space
-//! use air_light
+//! use media_light
 //! use cell_light
 
 const BLUR_CELLS = 6.0;         // that light spreads across its way at most
@@ -14,18 +14,18 @@ struct Depths {
 }
 
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
-    let way = air_light_way(light, p);
+    let way = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        let column = air_light_column(m, index, p, way);
-        let even = air[m].sigma_t * column;
-        let kept = max(vec3f(1e-4), 1.0 - air[m].g);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let column = media_light_column(m, index, p, way);
+        let even = media[m].sigma_t * column;
+        let kept = max(vec3f(1e-4), 1.0 - media[m].g);
         sum.even += even;
-        let scattering = even * air[m].albedo / kept;
-        sum.forward += scattering * air[m].g;
+        let scattering = even * media[m].albedo / kept;
+        sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
         // Of the green of spread; lengths of several media add up.
-        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * kept.g) * column, air[m].g.g > 0.0);
+        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * kept.g) * column, media[m].g.g > 0.0);
     }
     return sum;
 }

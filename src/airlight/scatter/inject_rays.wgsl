@@ -1,7 +1,7 @@
 //! use lattice_space
 //! use lobes
 //! use light_texel
-//! use air_light
+//! use media_light
 //! use sampling
 
 // What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
@@ -42,7 +42,7 @@ fn carried(light: LightData, way: vec3f) -> vec3f {
         let u = uniform_from_hash(hash);
         let share = select(u, (f32(i) + u) / count, params.is_stratified != 0u);
         let p = start + (t0 + share * stretch) * way;
-        let gained = air_scattering(p) * air_light_transmittance(light, owner, p);
+        let gained = media_scattering(p) * media_light_transmittance(light, owner, p);
         add_lobe(bent_place(lattice, p), vec3f(0.0), power * gained * (stretch / count));
     }
 }

@@ -1,7 +1,7 @@
 //! use lattice_space
 //! use lobes
 //! use light_texel
-//! use air_light
+//! use media_light
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
@@ -18,7 +18,7 @@
     let p = texel_point(view, centre, d);
     let n = normalize(textureLoad(normal, texel, id.z, 0).xyz);
     let owner = owners[id.z];
-    let passed = air_light_transmittance(lights[owner], owner, p);
+    let passed = media_light_transmittance(lights[owner], owner, p);
     let place = bent_surface_place(lattice, p, n) + 0.5 * n;
     add_lobe(place, n, passed * power_density * texel_measure(view, centre, params.resolution));
 }

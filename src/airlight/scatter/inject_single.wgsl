@@ -1,5 +1,5 @@
 //! use lattice_space
-//! use air_light
+//! use media_light
 //! use cell_light
 
 // Mean irradiance of a lamp over a box of sides `size` about p, which it is close to, and which it
@@ -44,7 +44,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
         if (lit <= 0.0) {
             continue;
         }
-        let depth = air_light_depth(light, i, p);
+        let depth = media_light_depth(light, i, p);
         if (is_near) {
             sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
         } else {
@@ -65,9 +65,9 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     for (var k = 0u; k < 8u; k++) {
         let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
         let p = unbent_point(lattice, id, inside);
-        let sigma_s = air_scattering(p);
+        let sigma_s = media_scattering(p);
         if (any(sigma_s > vec3f(0.0))) {
-            power += sigma_s * arriving(p, size, air_extinction(p));
+            power += sigma_s * arriving(p, size, media_extinction(p));
         }
     }
     power *= size.x * size.y * size.z;

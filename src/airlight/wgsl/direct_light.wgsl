@@ -1,5 +1,5 @@
-// What lamps, suns and the background send, and how much of it arrives. The including pass binds the
-// lights with their shadow maps and the environment, and declares `light_transmittance`.
+// What local lights, directional lights and the background send, and how much of it arrives. The including pass
+// binds the lights with their shadow maps and the environment, and declares `light_transmittance`.
 //! use lights
 //! use shadow
 //! use surface_reflection

@@ -6,7 +6,7 @@
 
 // Squares finer than this are not opened any more once a ray has spent its nodes.
 const LAST_LEVEL = 3u;
-const MOST_RUNS = 4u;   // found before they are integrated
+const MOST_INTERVALS = 4u;   // found before they are integrated
 const NOWHERE = 4.0;    // an s that is never reached
 
 // One eye ray on its way over one shadow map. It is a line there; s goes from 0 to 1 along it, and
@@ -18,7 +18,7 @@ struct Walk {
     area: u32,          // the square of that
     rows: u32,          // its logarithm
     first: u32,         // entry of the map's bounds
-    max_nodes: u32,     // parameters are copied: a software driver reads a buffer lane by lane
+    max_nodes: u32,     // parameters are copied: a CPU adapter reads a buffer lane by lane
     q0: vec2f,          // texels, at s = 0; of a mirrored map, so that the ray goes up its axes
     dq: vec2f,          // not negative
     inverse: vec2f,     // 1/dq
@@ -32,8 +32,8 @@ struct Walk {
     s: f32,             // 1 at the end
     level: u32,
     node: u32,
-    lit_from: f32,      // s where the run that is under way began; NOWHERE in the dark
-    runs: vec4f,        // s, the latest two runs that were found and not yet taken
+    lit_from: f32,      // s where the interval that is not yet ended began; NOWHERE in the dark
+    intervals: vec4f,   // s, the latest two lit intervals that were found and not yet taken
     older: vec4f,       // the two before
     count: u32,         // of them all
 }
@@ -45,8 +45,8 @@ fn t_at(s: f32) -> f32 {
     return mix(walk.t.x, walk.t.y, s * walk.w.x / (s * walk.w.x + (1.0 - s) * walk.w.y));
 }
 
-// Lay the stretch t0..t1 of the eye ray over a map of `resolution` texels. `outer` is the share of it
-// that is this map's affair, `inner` where the map has texels; between them nothing shadows.
+// Lays the interval t0..t1 of the eye ray over a map of `resolution` texels. `outer` is the share of it
+// that this map stands for, `inner` where the map has texels; between them nothing shadows.
 fn enter_map(
     clip0: vec4f, step: vec4f, outer: vec2f, inner: vec2f, t0: f32, t1: f32, resolution: f32,
 ) {
@@ -76,20 +76,20 @@ fn enter_map(
     walk.lit_from = select(NOWHERE, 0.0, outer.x < inner.x);
 }
 
-// The run of light between two s; one from the map's very beginning began before it.
-fn run_between(a: f32, b: f32) -> vec2f {
+// The lit interval between two s, m; one from the map's very beginning began before it.
+fn interval_between(a: f32, b: f32) -> vec2f {
     return vec2f(select(t_at(a), walk.begin, a <= 0.0), t_at(b));
 }
 
 // What is lit at the end of the map, and beyond it.
-fn last_run() -> vec2f {
+fn last_interval() -> vec2f {
     let is_lit = walk.lit_from < NOWHERE;
-    let start = select(walk.t.y, run_between(walk.lit_from, 1.0).x, is_lit);
+    let start = select(walk.t.y, interval_between(walk.lit_from, 1.0).x, is_lit);
     return vec2f(start, max(walk.t.y, walk.end));
 }
 
-// Cross or open one square, and keep the lit run that ends in it, if any. Nothing branches: a
-// software driver would run all branches, and what each of them stores.
+// Crosses or opens one square, and stores the lit interval that ends in it, if any. Nothing branches: a CPU
+// adapter would run all branches, and what each of them stores.
 fn visit_square() {
     let at = walk.s + walk.nudge;
     let texel = vec2u(walk.q0 + at * walk.dq);
@@ -119,7 +119,7 @@ fn visit_square() {
     let start = select(walk.lit_from, min(walk.lit_from, walk.s), is_lit || goes_dark);
     let end = select(walk.s, crossing, goes_dark);
     let goes_on = is_lit || opens;
-    keep_run(vec2f(start, end), !goes_on && end > start);
+    store_interval(vec2f(start, end), !goes_on && end > start);
     walk.lit_from = select(select(NOWHERE, crossing, splits && !falls), start, goes_on);
     // On into the next square, up a level where that belongs to another parent.
     // Rows of squares are even in number: an entry is odd where its column is.
@@ -131,30 +131,30 @@ fn visit_square() {
     walk.node++;
 }
 
-// Keep a run of s among those that were found.
-fn keep_run(run: vec2f, is_found: bool) {
-    walk.older = select(walk.older, vec4f(walk.runs.zw, walk.older.xy), is_found);
-    walk.runs = select(walk.runs, vec4f(run, walk.runs.xy), is_found);
+// Stores an interval of s among those that were found.
+fn store_interval(found: vec2f, is_found: bool) {
+    walk.older = select(walk.older, vec4f(walk.intervals.zw, walk.older.xy), is_found);
+    walk.intervals = select(walk.intervals, vec4f(found, walk.intervals.xy), is_found);
     walk.count += select(0u, 1u, is_found);
 }
 
-// Go on until some lit runs are found or the map ends. Only the walk is in this loop: rays that run
-// in step wait for each other once for all of their runs, not at every run.
-fn find_runs() {
+// Walks until some lit intervals are found or the map ends. Only the walk is in this loop: rays that run in step
+// wait for each other once for all of their intervals, not at every one.
+fn find_intervals() {
     walk.count = 0u;
     if (walk.s < 1.0) {
         loop {
             visit_square();
             if (walk.node >= 4u * walk.max_nodes) { walk.s = 1.0; }
-            if (walk.count >= MOST_RUNS || walk.s >= 1.0) { break; }
+            if (walk.count >= MOST_INTERVALS || walk.s >= 1.0) { break; }
         }
     }
 }
 
-// Of the runs that were found the one before the latest `later` ones, m.
-fn found_run(later: u32) -> vec2f {
-    let near = select(walk.runs.xy, walk.runs.zw, later == 1u);
+// Of the intervals that were found the one before the latest `later` ones, m.
+fn found_interval(later: u32) -> vec2f {
+    let near = select(walk.intervals.xy, walk.intervals.zw, later == 1u);
     let far = select(walk.older.xy, walk.older.zw, later == 3u);
-    let run = select(near, far, later >= 2u);
-    return run_between(run.x, run.y);
+    let found = select(near, far, later >= 2u);
+    return interval_between(found.x, found.y);
 }

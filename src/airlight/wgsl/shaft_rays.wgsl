@@ -1,5 +1,6 @@
-// Single scattering along one eye ray, by lit runs over every shadow map. The including pass binds
-// rays, shafts, the lights, their maps and bounds, and the air.
+// Single scattering along one eye ray, by lit intervals over every shadow map. The including pass binds rays,
+// shafts, the lights, their maps and bounds, and the media.
+// Interface: the including pass takes lit_interval.wgsl or lit_interval_grids.wgsl (media/shafts/shafts.py).
 //! use eye_ray
 //! use shadow_walk
 
@@ -31,9 +32,9 @@ fn cut_sides(u: vec2f, c: vec4f, dc: vec4f) -> vec2f {
     return cut(cut(x, c.w + c.y, dc.w + dc.y), c.w - c.y, dc.w - dc.y);
 }
 
-// The light that one shadow map lets through to the stretch t0..t1 of the eye ray, scattered to
-// the eye. Squares of the map that are wholly lit or dark are crossed at once, others are opened,
-// and adjacent lit stretches are integrated as one run.
+// The light that one shadow map lets through to the interval t0..t1 of the eye ray, scattered to the eye. Squares
+// of the map that are wholly lit or dark are crossed at once, others are opened, and adjacent lit intervals are
+// integrated as one.
 fn view_radiance(
     light: LightData, index: u32, view: u32, to_clip: mat4x4f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
@@ -48,8 +49,8 @@ fn view_radiance(
     walk.top = select(shafts.local_top, shafts.parallel_top, walk.is_parallel);
     let clip0 = to_clip * vec4f(rays.eye + t0 * direction, 1.0);
     let step = to_clip * vec4f((t1 - t0) * direction, 0.0);
-    // Outside a sun's map, and before a lamp's near plane, nothing shadows; the rest of space is
-    // another map's.
+    // Outside the map of a directional light, and before the near plane of a local one, nothing shadows; the rest
+    // of space is another map's.
     let sides = cut_sides(vec2f(0.0, 1.0), clip0, step);
     let outer = select(sides, vec2f(0.0, 1.0), walk.is_parallel);
     let inner = select(cut(sides, clip0.z, step.z), sides, walk.is_parallel);
@@ -57,22 +58,22 @@ fn view_radiance(
     if (outer.x >= outer.y) {
         return sum;
     }
-    // Where the map has no texels there is one run, as at the end of a map.
+    // Where the map has no texels there is one interval, as at the end of a map.
     let is_in = inner.x < inner.y;
     enter_map(clip0, step, outer, select(outer, inner, is_in), t0, t1, resolution);
     walk.s = select(1.0, 0.0, is_in);
     walk.lit_from = select(0.0, walk.lit_from, is_in);
     loop {
-        find_runs();
-        // Density grids are stepped through with the runs: from the nearest on.
+        find_intervals();
+        // Density grids are stepped through with the intervals: from the nearest on.
         let is_done = walk.s >= 1.0;
         let count = walk.count + select(0u, 1u, is_done);
         var taken = 0u;
         loop {
-            let found = found_run(max(walk.count, taken + 1u) - taken - 1u);
-            let run = select(found, last_run(), taken == walk.count);
-            if (run.y > run.x) {
-                sum += lit_run(light, index, rays.eye, direction, run.x, run.y);
+            let found = found_interval(max(walk.count, taken + 1u) - taken - 1u);
+            let interval = select(found, last_interval(), taken == walk.count);
+            if (interval.y > interval.x) {
+                sum += lit_interval(light, index, rays.eye, direction, interval.x, interval.y);
             }
             taken++;
             if (taken >= count) { break; }
@@ -85,7 +86,7 @@ fn view_radiance(
 fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -> vec3f {
     let is_parallel = light.kind == LIGHT_DIRECTIONAL;
     var to_clip = clip_from_world(is_parallel, light.first_view);
-    run_prepare(light, rays.eye, direction);
+    prepare_lit_intervals(light, rays.eye, direction);
     let span = light_span(light, rays.eye, direction, hull);
     var sum = vec3f(0.0);
     if (span.x < span.y && any(light.color > vec3f(0.0))) {
@@ -101,10 +102,10 @@ fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -
     return sum;
 }
 
-// Radiance towards the eye from light scattered once before `reach`, m. Software drivers read
-// buffers once for all lanes where nothing has branched yet: so a single light is no loop.
+// Radiance towards the eye from light scattered once before `reach`, m. CPU adapters read buffers
+// once for all lanes where nothing has branched yet: so a single light is no loop.
 fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
-    let hull = visible_hull(air_enter(rays.eye, direction, reach));
+    let hull = visible_interval(media_enter(rays.eye, direction, reach));
     if (LIGHT_COUNT == 1u) {
         return light_radiance(lights[0], 0u, direction, hull);
     }

@@ -94,7 +94,7 @@ class Finish(FullscreenPass):
         return (
             f"{'//! use pixel_list' if lists else ''}\n"
             f"struct Finished {{\n{fields}}}\n{_ONCE}"
-            f"const AIR_IS_BOX = {str(self._air.is_one_box).lower()};\n"
+            f"const IS_ONE_BOX = {str(self._air.is_one_box).lower()};\n"
             f"fn skylit_at(texel: vec2f) -> vec3f {{ {sky} }}\n"
             "fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32) {"
             f"{_ADD_SHAFTS if lists else ''}}}\n"

@@ -1,7 +1,7 @@
 // What is left to do for a pixel once the reduced pictures of air are there: they at full size, the
 // transmittance of even air, and the surfaces behind it. What is linear over the picture, or the same
 // everywhere, comes from the vertices: software drivers read buffers in fragments lane by lane.
-//! use air
+//! use media
 //! use upsample_corner
 
 struct Seen {
@@ -37,9 +37,9 @@ fn depth_shown(position: vec2f) -> f32 {
     var seen: Seen;
     seen.position = vec4f(corner, 0.0, 1.0);
     seen.direction = (rays.world_from_clip * vec4f(corner, 0.0, 1.0)).xyz;
-    seen.way = (air[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
-    seen.eye = air_place(0u, rays.eye);
-    seen.sigma_t = air[0].sigma_t;
+    seen.way = (media[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
+    seen.eye = medium_coordinates(0u, rays.eye);
+    seen.sigma_t = media[0].sigma_t;
     seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
     seen.per_texel = 1.0 / vec4f(vec2f(rays.reduced), vec2f(rays.size));
     return seen;
@@ -47,8 +47,8 @@ fn depth_shown(position: vec2f) -> f32 {
 
 // Of the way to `own` metres: in one box of even air by what the vertices brought.
 fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
-    if (!AIR_IS_BOX) {
-        return exp(-air_optical_depth(rays.eye, normalize(seen.direction), 0.0, own));
+    if (!IS_ONE_BOX) {
+        return exp(-media_optical_depth(rays.eye, normalize(seen.direction), 0.0, own));
     }
     let span = ray_box_interval(seen.eye, seen.way, vec3f(0.0), vec3f(1.0));
     return exp(-seen.sigma_t * (reach * max(0.0, min(span.y, own / reach) - max(span.x, 0.0))));

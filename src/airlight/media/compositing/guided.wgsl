@@ -1,4 +1,4 @@
-//! use air
+//! use media
 //! use upsample_weight
 
 // Texels whose transmittance differs by more are not interpolated.
@@ -13,16 +13,16 @@ struct Sharpened {
 
 // What a pixel's ray lets through, by the march's own steps; 1 where it is not asked.
 fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f {
-    let hull = air_enter(rays.eye, direction, reach);
+    let hull = media_enter(rays.eye, direction, reach);
     let end = select(-1.0, hull.y, is_asked);
     let longest = max(march.step, (hull.y - hull.x) / f32(march.max_steps));
     var depth = vec3f(0.0);
     var t = hull.x;
-    let most = 2u * march.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
+    let most = 2u * march.max_steps + GRID_COUNT * u32(MAX_COLUMN_STEPS);
     for (var i = 0u; i < most && t < end; i++) {
-        let dt = min(air_step_limit(t, longest), end - t);
+        let dt = min(media_step_limit(t, longest), end - t);
         let p = rays.eye + (t + 0.5 * dt) * direction;
-        depth += air_even_depth(t, t + dt) + dt * air_grid_extinction(p);
+        depth += homogeneous_depth(t, t + dt) + dt * grids_extinction(p);
         t += dt;
     }
     return exp(-depth);

@@ -180,8 +180,8 @@ fn far_towards(row: vec2f, at: vec2f) -> vec3f {{
 
 // Of the scene's own air, which is the first of all media.
 fn far_emission(p: vec3f, travel: vec3f) -> vec3f {{
-    let light = air_evens[0] * far_mean(0u, far_row(p)) + far_forward(p, travel);
-    return lattice_left() * air_here[0] * light;
+    let light = media_reduced_sigma_s[0] * far_mean(0u, far_row(p)) + far_forward(p, travel);
+    return lattice_left() * media_density_here[0] * light;
 }}
 
 var<private> far_sky: vec3f;
@@ -190,9 +190,9 @@ fn far_sky_even() -> vec3f {{ return far_sky; }}
 fn far_skylit(p: vec3f, travel: vec3f) -> vec3f {{
     let row = far_row(p);
     let at = (0.5 * octahedron_encode(travel) + 0.5) * f32(FAR_SIDE - 1u);
-    let here = lattice_left() * air_here[0];
-    far_sky = here * air_evens[0] * far_mean(1u, row);
-    return here * air_shines[0] * far_towards(row, at);
+    let here = lattice_left() * media_density_here[0];
+    far_sky = here * media_reduced_sigma_s[0] * far_mean(1u, row);
+    return here * media_lit_scattering[0] * far_towards(row, at);
 }}
 """
 _FORWARD_WGSL = """
@@ -203,11 +203,11 @@ fn far_forward(p: vec3f, travel: vec3f) -> vec3f {
         let light = forward_table[i];
         if (light.kind != LIGHT_DIRECTIONAL || light.direction.y > -1e-3) { continue; }
         let way = max(own.far_top - p.y, 0.0) / -light.direction.y;
-        let depth = dot(air_shines[0], vec3f(1.0 / 3.0)) * way;
-        sum += light.color * exp(-air_similar[0] * way)
+        let depth = dot(media_lit_scattering[0], vec3f(1.0 / 3.0)) * way;
+        sum += light.color * exp(-media_reduced_sigma_t[0] * way)
             * fused_phase(0u, dot(light.direction, travel), depth + eye_depth);
     }
-    return air_shines[0] * sum;
+    return media_lit_scattering[0] * sum;
 }
 """
 _NO_FORWARD_WGSL = "fn far_forward(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"

@@ -246,9 +246,10 @@ def _emission_wgsl(name: str) -> str:
     return (
         f"{kept}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
-        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
-        "        let g = air[m].g;\n"
-        f"        sum += air_here[m] * air_shines[m] * vec3f({channels});\n    }}\n"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
+        "        let g = media[m].g;\n"
+        f"        sum += media_density_here[m] * media_lit_scattering[m] * vec3f({channels});\n"
+        "    }\n"
         f"    return own.{name}_scale * sum;\n}}\n"
     )
 
@@ -258,7 +259,9 @@ var<private> sky_means: vec3f;
 // Of the same place, what similar even air would scatter of the sky's light.
 fn sky_even_here() -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) { sum += air_here[m] * air_evens[m]; }
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        sum += media_density_here[m] * media_reduced_sigma_s[m];
+    }
     return own.sky_scale * select(vec3f(0.0), sum * sky_means, lattice_at[0].w > 0.0);
 }
 """
@@ -269,8 +272,8 @@ def _even_wgsl(name: str) -> str:
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
-        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < AIR_COUNT; m++) {\n"
-        "        sum += air_here[m] * air_evens[m];\n"
+        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
+        "        sum += media_density_here[m] * media_reduced_sigma_s[m];\n"
         f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

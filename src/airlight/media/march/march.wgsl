@@ -1,4 +1,4 @@
-//! use air
+//! use media
 //! use eye_ray
 
 // The scattering coefficient that a source leaves out; 1 where it is whole.
@@ -10,9 +10,9 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         return scattering_here();
     }
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
         if (m == u32(medium)) {
-            sum = air_here[m] * air_scatters[m];
+            sum = media_density_here[m] * media_sigma_s[m];
         }
     }
     return sum;
@@ -20,54 +20,54 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
 
 // What every step needs of the buffers, which a software driver would read lane by lane each time.
 var<private> own: MarchParams;
-var<private> air_extincts: array<vec3f, AIR_COUNT>;     // sigma_t, m^-1
-var<private> air_scatters: array<vec3f, AIR_COUNT>;     // sigma_s, m^-1
-var<private> air_shines: array<vec3f, AIR_COUNT>;       // sigma_s where lattices light it, else 0
-var<private> air_evens: array<vec3f, AIR_COUNT>;        // of that, what similar even air scatters, m^-1
-var<private> air_similar: array<vec3f, AIR_COUNT>;      // sigma_t of similar air, m^-1
-var<private> air_is_grid: array<bool, AIR_COUNT>;
+var<private> media_sigma_t: array<vec3f, MEDIA_COUNT>;     // sigma_t, m^-1
+var<private> media_sigma_s: array<vec3f, MEDIA_COUNT>;     // sigma_s, m^-1
+var<private> media_lit_scattering: array<vec3f, MEDIA_COUNT>;       // sigma_s where lattices light it, else 0
+var<private> media_reduced_sigma_s: array<vec3f, MEDIA_COUNT>;        // of that, what similar even air scatters, m^-1
+var<private> media_reduced_sigma_t: array<vec3f, MEDIA_COUNT>;      // sigma_t of similar air, m^-1
+var<private> media_is_grid: array<bool, MEDIA_COUNT>;
 // Optical depth of scattering from the eye to a step's middle.
 var<private> eye_depth: f32;
 // Of that way, m in air that lattices light.
 var<private> eye_way: f32;
 // Densities at a step's middle: asked once, they cost more than all else.
-var<private> air_here: array<f32, AIR_COUNT>;
+var<private> media_density_here: array<f32, MEDIA_COUNT>;
 
 fn march_begin() {
     own = march;
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        air_extincts[m] = air[m].sigma_t;
-        air_scatters[m] = air[m].sigma_t * air[m].albedo;
-        air_shines[m] = f32(air[m].has_shafts) * air_scatters[m];
-        air_evens[m] = (1.0 - air[m].g) * air_shines[m];
-        air_similar[m] = air_extincts[m] - (air_shines[m] - air_evens[m]);
-        air_is_grid[m] = AIR_GRIDS > 0u && air[m].kind == AIR_GRID;
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        media_sigma_t[m] = media[m].sigma_t;
+        media_sigma_s[m] = media[m].sigma_t * media[m].albedo;
+        media_lit_scattering[m] = f32(media[m].has_shafts) * media_sigma_s[m];
+        media_reduced_sigma_s[m] = (1.0 - media[m].g) * media_lit_scattering[m];
+        media_reduced_sigma_t[m] = media_sigma_t[m] - (media_lit_scattering[m] - media_reduced_sigma_s[m]);
+        media_is_grid[m] = GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID;
     }
 }
 
 // At t of the entered ray: p. Even air is known from its span.
 fn look_around(p: vec3f, t: f32) {
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        let is_in = air_spans[m].x <= t && t < air_spans[m].y;
-        air_here[m] = select(0.0, 1.0, is_in);
-        if (AIR_GRIDS > 0u && air_is_grid[m]) {
-            air_here[m] = air_density(m, p);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let is_in = medium_intervals[m].x <= t && t < medium_intervals[m].y;
+        media_density_here[m] = select(0.0, 1.0, is_in);
+        if (GRID_COUNT > 0u && media_is_grid[m]) {
+            media_density_here[m] = medium_density(m, p);
         }
     }
 }
 
 fn shining_here() -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        sum += air_here[m] * air_shines[m];
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        sum += media_density_here[m] * media_lit_scattering[m];
     }
     return sum;
 }
 
 fn scattering_here() -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        sum += air_here[m] * air_scatters[m];
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        sum += media_density_here[m] * media_sigma_s[m];
     }
     return sum;
 }
@@ -75,9 +75,9 @@ fn scattering_here() -> vec3f {
 // Optical depth of a step from t on, dt long.
 fn depth_here(t: f32, dt: f32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        let within = max(0.0, min(t + dt, air_spans[m].y) - max(t, air_spans[m].x));
-        sum += air_extincts[m] * select(within, air_here[m] * dt, air_is_grid[m]);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let within = max(0.0, min(t + dt, medium_intervals[m].y) - max(t, medium_intervals[m].x));
+        sum += media_sigma_t[m] * select(within, media_density_here[m] * dt, media_is_grid[m]);
     }
     return sum;
 }
@@ -90,12 +90,12 @@ struct SimilarDepth { depth: vec3f, scattered: f32, way: f32 }
 
 fn similar_depth_here(t: f32, dt: f32) -> SimilarDepth {
     var sum = SimilarDepth(vec3f(0.0), 0.0, 0.0);
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        let within = max(0.0, min(t + dt, air_spans[m].y) - max(t, air_spans[m].x));
-        let length = select(within, air_here[m] * dt, air_is_grid[m]);
-        sum.depth += air_similar[m] * length;
-        sum.scattered += dot(air_shines[m], vec3f(1.0 / 3.0)) * length;
-        sum.way = max(sum.way, select(0.0, length, any(air_shines[m] > vec3f(0.0))));
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let within = max(0.0, min(t + dt, medium_intervals[m].y) - max(t, medium_intervals[m].x));
+        let length = select(within, media_density_here[m] * dt, media_is_grid[m]);
+        sum.depth += media_reduced_sigma_t[m] * length;
+        sum.scattered += dot(media_lit_scattering[m], vec3f(1.0 / 3.0)) * length;
+        sum.way = max(sum.way, select(0.0, length, any(media_lit_scattering[m] > vec3f(0.0))));
     }
     return sum;
 }
@@ -128,7 +128,7 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
     march_begin();
     lattice_begin();
     let eye = rays.eye;
-    let hull = air_enter(eye, ray.direction, ray.distance);
+    let hull = media_enter(eye, ray.direction, ray.distance);
     var T = vec3f(1.0);
     var L = vec3f(0.0);
     var sky = vec3f(0.0);
@@ -142,14 +142,14 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
     let held = held_span(eye, ray.direction, hull);
     let longest = max(own.step, (held.y - held.x) / f32(own.max_steps));
     // Borders of media cut steps short and grids want steps of their own.
-    let most = 2u * own.max_steps + AIR_GRIDS * u32(AIR_MAX_COLUMN_STEPS);
+    let most = 2u * own.max_steps + GRID_COUNT * u32(MAX_COLUMN_STEPS);
     // Tested at its end: a software driver runs a body once more than a test before it lets through.
     var i = 0u;
     if (t < hull.y) {
         loop {
             let near = max(own.step * step_share(eye + t * ray.direction), longest);
             let here = held_step(t, held, near);
-            let dt = min(air_step_limit(t, here), hull.y - t);
+            let dt = min(media_step_limit(t, here), hull.y - t);
             let p = eye + (t + 0.5 * dt) * ray.direction;
             look_around(p, t + 0.5 * dt);
             let depth = depth_here(t, dt);

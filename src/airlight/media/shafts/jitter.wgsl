@@ -1,5 +1,5 @@
 //! use eye_ray
-//! use air_light
+//! use media_light
 
 // Sixteen places in a step, in the order of a 4 x 4 Bayer matrix.
 fn bayer(pixel: vec2u) -> f32 {
@@ -63,8 +63,8 @@ fn step_radiance(
     if (gain <= 0.0) {
         return vec3f(0.0);
     }
-    return gain * light.color * air_phase_scattering(p, -dot(way, direction))
-        * air_light_transmittance(light, index, p);
+    return gain * light.color * media_phase_scattering(p, -dot(way, direction))
+        * media_light_transmittance(light, index, p);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -72,21 +72,21 @@ fn step_radiance(
         return;
     }
     let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
-    let hull = air_enter(rays.eye, ray.direction, ray.distance);
+    let hull = media_enter(rays.eye, ray.direction, ray.distance);
     let longest = max((hull.y - hull.x) / f32(params.steps), 1e-6);
     let u = fract(bayer(id.xy) + f32(rays.frame) * 0.6180340);
     var sum = vec3f(0.0);
     var grid_depth = vec3f(0.0);
     var t = hull.x;
-    let most = params.steps * (2u + 2u * AIR_COUNT);
+    let most = params.steps * (2u + 2u * MEDIA_COUNT);
     for (var i = 0u; i < most && t < hull.y; i++) {
         let dt = min(jitter_step(t, longest), hull.y - t);
-        let grids = air_grid_extinction(rays.eye + (t + u * dt) * ray.direction);
+        let grids = grids_extinction(rays.eye + (t + u * dt) * ray.direction);
         var k = 0u;
         loop {
             let light = lights[k];
             let place = sample_place(light, ray.direction, t, t + dt, u);
-            let depth = air_even_depth(0.0, place.x) + grid_depth + grids * (place.x - t);
+            let depth = homogeneous_depth(0.0, place.x) + grid_depth + grids * (place.x - t);
             sum += exp(-depth) * step_radiance(light, k, ray.direction, place);
             k++;
             if (k >= params.light_count) { break; }
@@ -101,12 +101,12 @@ fn step_radiance(
 // none finer than its voxels.
 fn jitter_step(t: f32, longest: f32) -> f32 {
     var limit = longest;
-    for (var m = 0u; m < AIR_COUNT; m++) {
-        let span = air_spans[m];
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let span = medium_intervals[m];
         if (span.x <= t && t < span.y) {
             limit = min(limit, span.y - t);
-            if (AIR_GRIDS > 0u && air[m].kind == AIR_GRID) {
-                limit = min(limit, max(air[m].voxel, (span.y - span.x) / f32(params.steps)));
+            if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+                limit = min(limit, max(media[m].voxel, (span.y - span.x) / f32(params.steps)));
             }
         } else if (span.x > t) {
             limit = min(limit, span.x - t);

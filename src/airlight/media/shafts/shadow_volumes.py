@@ -6,8 +6,8 @@ F(surface), plus F wherever its ray enters the dark and less F wherever it leave
 32-bit float target sums. F(0) = 0: what lies behind the eye needs no cap; and F stops at the
 visible surface, so nothing is tested against its depth.
 Source: Billeter et al. 2010, "Real time volumetric shadows using polygonal light volumes"; the
-scheme of Billeter2012 section 3. differs: the closed forms are those of `lit_run`, without tables;
-the dark is bounded rather than the lit, so that the map's own borders need no lids.
+scheme of Billeter2012 section 3. differs: the closed forms are those of `lit_interval`, without
+tables; the dark is bounded rather than the lit, so that the map's own borders need no lids.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ...surface.light_views import LightViewData
 from ..gpu_media import GpuMedia
 from ..rays import RayParams, Rays
 from .facets import TREE_SLOTS, Draw, FacetTrees
-from .shafts import run_wgsl
+from .shafts import lit_interval_wgsl
 
 FEATURE = "float32-blendable"
 _ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
@@ -63,7 +63,7 @@ class _Lit(FullscreenPass):
             storage("lights", LightData),
             texture("picked", "2d", "unfilterable-float"),
         )
-        super().__init__(gpu, generated=run_wgsl(air, lights))
+        super().__init__(gpu, generated=lit_interval_wgsl(air, lights))
 
 
 class _Dark(RasterPipeline):
@@ -83,7 +83,7 @@ class _Dark(RasterPipeline):
             storage("triangles", "u32"),
             texture("picked", "2d", "unfilterable-float"),
         )
-        super().__init__(gpu, generated=run_wgsl(air, lights))
+        super().__init__(gpu, generated=lit_interval_wgsl(air, lights))
 
 
 class _Settle(ComputePass):

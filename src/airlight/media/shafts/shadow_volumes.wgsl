@@ -2,7 +2,7 @@
 // everything been lit, added where the ray goes in and taken off where it comes out.
 //! use facets
 //! use eye_ray
-//! use lit_run
+//! use lit_interval
 
 // A map's own space is left-handed, and so is a picture's.
 const FRONT_IS_IN = true;
@@ -152,14 +152,14 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
     let direction = normalize(pixel_direction(rays.world_from_clip, centre, vec2f(rays.size)));
     let reach = textureLoad(picked, vec2i(texel), 0).x;
     let light = lights[in.light];
-    let hull = visible_hull(air_enter(rays.eye, direction, reach));
+    let hull = visible_interval(media_enter(rays.eye, direction, reach));
     let span = light_span(light, rays.eye, direction, hull);
     let t = -in.plane.w / dot(in.plane.xyz, direction);
     let end = select(min(t, span.y), span.y, all(in.plane.xyz == vec3f(0.0)));
     if (span.x >= end) {
         return vec4f(0.0);
     }
-    run_prepare(light, rays.eye, direction);
-    let before = lit_run(light, in.light, rays.eye, direction, span.x, end);
+    prepare_lit_intervals(light, rays.eye, direction);
+    let before = lit_interval(light, in.light, rays.eye, direction, span.x, end);
     return vec4f(select(-1.0, 1.0, is_front == FRONT_IS_IN) * before, 0.0);
 }

@@ -1,4 +1,4 @@
-"""Single scattering with texel-sharp volumetric shadows: lit runs of eye rays.
+"""Single scattering with texel-sharp volumetric shadows: lit intervals of eye rays.
 
 An eye ray is a straight line over each shadow map. A hierarchy of the nearest and farthest depths
 lets it cross wholly lit or dark squares at once, as a 2D digital differential analyser that
@@ -63,18 +63,18 @@ def _slots(air: GpuMedia, *more: Slot) -> tuple[Slot, ...]:
     )
 
 
-def run_wgsl(air: GpuMedia, lights: Lights, steps: int = 32) -> str:
-    """How lit runs are integrated, and what is known beforehand: what air and lights there are."""
-    run = "//! use lit_run\n"
+def lit_interval_wgsl(air: GpuMedia, lights: Lights, steps: int = 32) -> str:
+    """How lit intervals are integrated, and what is known beforehand: which media and lights."""
+    use = "//! use lit_interval\n"
     if air.has_grids:
-        run = f"const RUN_STEPS = {steps}.0;\n//! use stepped_run\n"
+        use = f"const GRID_STEPS = {steps}.0;\n//! use lit_interval_grids\n"
     known = {
-        "AIR_IS_BOX": air.is_one_box,
+        "IS_ONE_BOX": air.is_one_box,
         "HAS_DIRECTIONAL": lights.parallel.layers > 0,
         "HAS_LOCAL": lights.local.layers > 0,
     }
     wgsl = air.wgsl + f"const LIGHT_COUNT = {lights.count}u;\n"
-    return wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + run
+    return wgsl + "".join(f"const {k} = {str(v).lower()};\n" for k, v in known.items()) + use
 
 
 class _Shafts(ComputePass):
@@ -83,7 +83,7 @@ class _Shafts(ComputePass):
 
     def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights, steps: int) -> None:
         self.slots = _slots(air, texture("picked", "2d", "unfilterable-float"))  # type: ignore[misc]
-        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
+        super().__init__(gpu, generated=lit_interval_wgsl(air, lights, steps))
 
 
 class _RefineFind(FullscreenPass):
@@ -108,7 +108,7 @@ class _Refine(ComputePass):
             storage("chosen", "vec4u"),
             texture("depth", "2d", "depth"),
         )
-        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
+        super().__init__(gpu, generated=lit_interval_wgsl(air, lights, steps))
 
 
 class _Sites(_Shafts):
@@ -138,7 +138,7 @@ class _Differing(ComputePass):
             storage("chosen", "vec4u"),
             texture("picked", "2d", "unfilterable-float"),
         )
-        super().__init__(gpu, generated=run_wgsl(air, lights, steps))
+        super().__init__(gpu, generated=lit_interval_wgsl(air, lights, steps))
 
 
 class _Sparse:

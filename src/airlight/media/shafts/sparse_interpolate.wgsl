@@ -1,7 +1,7 @@
 // The texels between sites: the mean of those beside them where these are of the same depth and
 // alike; others are listed.
 //! use pixel_list
-//! use site_places
+//! use sparse_texels
 
 // Of the depth, how far off a site's may be.
 const SAME_DEPTH_AS_SITE = 0.03;

@@ -1,0 +1,185 @@
+// Radiance towards the eye from a lit interval of an eye ray that `media_enter` has entered, through homogeneous
+// media. The including pass adds lit_interval_wgsl (media/shafts/shafts.py), which says what cannot occur: CPU
+// adapters run both sides of every branch, and bodies of loops once before a test at their head.
+//! use media
+//! use media_light
+//! use light_reach
+
+// Where the straight path back to the light leaves the one medium's box: its length at the eye, and the slope of
+// that along the ray, per axis; the least one counts.
+var<private> box_exit: vec3f;
+var<private> box_exit_slope: vec3f;
+// Of the one medium, copied: CPU adapters read buffers lane by lane once anything has branched.
+var<private> medium_sigma_t: vec3f;        // m^-1
+var<private> parallel_sent: vec3f;           // of a directional light to the eye, m^-1 sr^-1
+var<private> medium_has_shafts: bool;
+var<private> is_light_inside: bool;       // whether a local light is in the one medium itself
+
+// Once per eye ray and light.
+fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
+    let phase = henyey_greenstein_rgb(-dot(light.direction, direction), media[0].g);
+    medium_sigma_t = media[0].sigma_t;
+    parallel_sent = media[0].albedo * medium_sigma_t * phase;
+    medium_has_shafts = media[0].has_shafts != 0u;
+    is_light_inside = MEDIA_COUNT == 1u && medium_density(0u, light.position) > 0.0;
+    let o = medium_coordinates(0u, origin);
+    let d = (media[0].volume_from_world * vec4f(direction, 0.0)).xyz;
+    let back = -(media[0].volume_from_world * vec4f(light.direction, 0.0)).xyz;
+    let still = abs(back) < vec3f(1e-12);
+    let inverse = 1.0 / select(back, vec3f(1.0), still);
+    box_exit = select((select(vec3f(0.0), vec3f(1.0), back > vec3f(0.0)) - o) * inverse,
+        vec3f(MEDIUM_FAR), still);
+    box_exit_slope = select(-d * inverse, vec3f(0.0), still);
+}
+
+fn least(v: vec3f) -> f32 {
+    return min(v.x, min(v.y, v.z));
+}
+
+// Length of the light's path through the box to the ray at t, m.
+fn light_path(t: f32) -> f32 {
+    return max(least(box_exit + t * box_exit_slope), 0.0);
+}
+
+// Where beyond t the light's path next changes the face that it enters by; at most `end`.
+fn next_face(t: f32, end: f32) -> f32 {
+    let crossing = (box_exit.yzx - box_exit) / (box_exit_slope - box_exit_slope.yzx);
+    let beyond = select(vec3f(end), crossing, crossing > vec3f(t * 1.000001 + 1e-6));
+    return min(end, least(beyond));
+}
+
+// A directional light in one box of a homogeneous medium, closed form: between changes of face the optical depth
+// along light and eye ray is linear. Source: Billeter2012 eq. 1.
+fn parallel_interval(t0: f32, t1: f32) -> vec3f {
+    let sigma_t = medium_sigma_t;
+    let entry = medium_intervals[0].x;
+    var sum = vec3f(0.0);
+    var t = t0;
+    var piece = 0u;
+    loop {
+        let end = next_face(t, t1);
+        let a = sigma_t * (t - entry + light_path(t));
+        let b = sigma_t * (end - entry + light_path(end));
+        sum += exp(-min(a, b)) * (end - t) * mean_transmittance_rgb(abs(b - a));
+        t = end;
+        piece++;
+        if (piece >= 4u || t >= t1) { break; }
+    }
+    return sum * parallel_sent;
+}
+
+// Radiance that medium m scatters to the eye at a point of the ray, per unit of length and irradiance.
+fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, mu: f32, path: f32) -> vec3f {
+    var depth: vec3f;
+    if (MEDIA_COUNT == 1u && is_light_inside) {
+        depth = media[0].sigma_t * (t - medium_intervals[0].x + path);
+    } else {
+        depth = homogeneous_depth(0.0, t) + media_light_depth(light, index, p);
+    }
+    return media[m].sigma_t * media[m].albedo * henyey_greenstein_rgb(mu, media[m].g) * exp(-depth);
+}
+
+// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
+fn local_node(
+    light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t_near: f32, h: f32,
+    x: f32,
+) -> vec3f {
+    let t = t_near + h * tan(x);
+    let p = origin + t * direction;
+    var sent = sent_by(light, index, m, p, t, -sin(x), h / cos(x));
+    if (light.kind == LIGHT_SPOT) {
+        sent *= spot_fade(light, normalize(p - light.position));
+    }
+    return sent;
+}
+
+// Number of half panels of a local light's interval: narrow in angle where the phase function is sharp, and thin
+// in depth.
+fn local_pieces(m: u32, angle: f32, length_m: f32) -> u32 {
+    let g = max(abs(media[m].g.x), max(abs(media[m].g.y), abs(media[m].g.z)));
+    let sigma = max(media[m].sigma_t.x, max(media[m].sigma_t.y, media[m].sigma_t.z));
+    let widest = mix(0.9, 0.2, saturate(g));
+    return u32(clamp(ceil(max(angle / widest, sigma * length_m / 3.0)), 1.0, 12.0));
+}
+
+fn local_interval(
+    light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
+) -> vec3f {
+    let geometry = ray_light_geometry(origin, direction, light.position);
+    let t_near = -geometry.y;
+    let h = max(geometry.x, 1e-4 * max(abs(t0 - t_near), abs(t1 - t_near)) + 1e-9);
+    let x0 = atan((t0 - t_near) / h);
+    let x1 = atan((t1 - t_near) / h);
+    let pieces = local_pieces(m, x1 - x0, t1 - t0);
+    let half = 0.5 * (x1 - x0) / f32(pieces);
+    var sum = vec3f(0.0);
+    var i = 0u;
+    loop {
+        // Gauss-Legendre with 4 nodes, as two pairs.
+        let outer = (i & 1u) == 1u;
+        let off = select(0.3399810435848563, 0.8611363115940526, outer) * half;
+        let weight = select(0.6521451548625461, 0.3478548451374538, outer);
+        let x = x0 + f32(2u * (i >> 1u) + 1u) * half;
+        sum += weight * (local_node(light, index, m, origin, direction, t_near, h, x - off)
+            + local_node(light, index, m, origin, direction, t_near, h, x + off));
+        i++;
+        if (i >= 2u * pieces) { break; }
+    }
+    return sum * half / h;
+}
+
+// A directional light where the media are not one box: panels of Gauss-Legendre nodes in t.
+fn parallel_nodes(
+    light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
+) -> vec3f {
+    let half = 0.5 * (t1 - t0) / f32(local_pieces(m, 0.0, t1 - t0));
+    let mu = -dot(light.direction, direction);
+    var sum = vec3f(0.0);
+    for (var t = t0 + half; t < t1; t += 2.0 * half) {
+        for (var k = 0u; k < 4u; k++) {
+            let off = select(0.3399810435848563, 0.8611363115940526, k > 1u) * half;
+            let weight = select(0.6521451548625461, 0.3478548451374538, k > 1u);
+            let at = t + select(off, -off, (k & 1u) == 0u);
+            sum += weight * sent_by(light, index, m, origin + at * direction, at, mu, 0.0);
+        }
+    }
+    return sum * half;
+}
+
+// The lit interval t0..t1: radiance, W m^-2 sr^-1.
+fn lit_interval(
+    light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
+) -> vec3f {
+    if (IS_ONE_BOX && !HAS_LOCAL) {
+        let a = max(t0, medium_intervals[0].x);
+        let b = min(t1, medium_intervals[0].y);
+        return select(vec3f(0.0), parallel_interval(a, b) * light.color, a < b && medium_has_shafts);
+    }
+    var sum = vec3f(0.0);
+    var m = 0u;
+    loop {
+        let a = max(t0, medium_intervals[m].x);
+        let b = min(t1, medium_intervals[m].y);
+        if (a < b && media[m].has_shafts != 0u) {
+            if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
+                sum += local_interval(light, index, m, origin, direction, a, b);
+            } else if (HAS_DIRECTIONAL && IS_ONE_BOX) {
+                sum += parallel_interval(a, b);
+            } else if (HAS_DIRECTIONAL) {
+                sum += parallel_nodes(light, index, m, origin, direction, a, b);
+            }
+        }
+        m++;
+        if (m >= MEDIA_COUNT) { break; }
+    }
+    return sum * light.color;
+}
+
+// In one dense medium, no farther than light can come from (transmittance e^-16).
+fn visible_interval(hull: vec2f) -> vec2f {
+    if (MEDIA_COUNT > 1u || GRID_COUNT > 0u) {
+        return hull;
+    }
+    let thinnest = min(media[0].sigma_t.x, min(media[0].sigma_t.y, media[0].sigma_t.z));
+    return vec2f(hull.x, min(hull.y, hull.x + 16.0 / max(thinnest, 1e-12)));
+}

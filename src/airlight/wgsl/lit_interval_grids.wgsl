@@ -1,0 +1,159 @@
+// Radiance towards the eye from a lit interval of an eye ray through density grids: what lit_interval.wgsl is for
+// homogeneous media. The ray is cut into steps that do not depend on what is lit. Media are homogeneous within a
+// step, so a lit piece of it has its exact share of the step's light.
+// The including pass adds lit_interval_wgsl (media/shafts/shafts.py). Loops are tested at their ends: CPU
+// adapters run a body once more than a test before it lets through.
+//! use media
+//! use media_light
+//! use light_reach
+
+const OPAQUE_DEPTH = 14.0;    // optical depth beyond which nothing is seen
+
+// The step that the ray has been followed to; before the first, its end is negative.
+var<private> step_begin: f32;
+var<private> step_end: f32;
+var<private> step_depth: vec3f;     // optical depth from the eye to the step's begin
+var<private> step_sigma: vec3f;     // extinction, m^-1
+var<private> step_sent: vec3f;      // of a directional light to the eye, m^-1 sr^-1
+var<private> step_scattering: array<vec3f, MEDIA_COUNT>;
+// Optical depth towards the light at the step's begin and end; for local lights per metre of the path,
+// which has no kink where the ray passes the light.
+var<private> step_light: mat2x3f;
+var<private> parallel_phase: array<vec3f, MEDIA_COUNT>;    // of a directional light
+var<private> media_hull: vec2f;
+
+// Once per eye ray and light.
+fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
+    media_hull = vec2f(MEDIUM_FAR, 0.0);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        parallel_phase[m] = f32(media[m].has_shafts)
+            * henyey_greenstein_rgb(-dot(light.direction, direction), media[m].g);
+        media_hull = vec2f(min(media_hull.x, medium_intervals[m].x), max(media_hull.y, medium_intervals[m].y));
+    }
+    step_end = -1.0;
+}
+
+// Borders of media end steps. The whole ray is cut into GRID_STEPS of them, and so is its interval in a grid, but
+// not finer than voxels.
+fn step_length(t: f32) -> f32 {
+    var limit = (media_hull.y - media_hull.x) / GRID_STEPS;
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let span = medium_intervals[m];
+        let is_in = span.x <= t && t < span.y;
+        let fine = max(media[m].voxel, (span.y - span.x) / GRID_STEPS);
+        limit = min(limit, select(MEDIUM_FAR, fine, is_in && media[m].kind == MEDIUM_GRID));
+        limit = min(limit, select(MEDIUM_FAR, span.y - t, is_in));
+        limit = min(limit, select(MEDIUM_FAR, span.x - t, span.x > t));
+    }
+    return max(limit, 2e-7 * t + 1e-7);
+}
+
+// Advances by a step; the first has no length.
+fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
+    let is_first = step_end < 0.0;
+    step_depth = select(step_depth + (step_end - step_begin) * step_sigma, vec3f(0.0), is_first);
+    step_begin = select(step_end, media_hull.x, is_first);
+    step_end = step_begin + select(step_length(step_begin), 0.0, is_first);
+    let p = origin + 0.5 * (step_begin + step_end) * direction;
+    step_sigma = vec3f(0.0);
+    step_sent = vec3f(0.0);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let extinction = medium_density(m, p) * media[m].sigma_t;
+        step_scattering[m] = extinction * media[m].albedo;
+        step_sigma += extinction;
+        step_sent += step_scattering[m] * parallel_phase[m];
+    }
+    let end = origin + step_end * direction;
+    let is_local = light.kind != LIGHT_DIRECTIONAL;
+    let path = select(1.0, max(distance(end, light.position), 1e-9), is_local);
+    step_light = mat2x3f(step_light[1], media_light_depth(light, index, end) / path);
+}
+
+// A directional light on a piece of the step: optical depth along light and eye ray is linear.
+fn parallel_piece(a: f32, b: f32) -> vec3f {
+    let length = step_end - step_begin;
+    let slope = step_sigma + (step_light[1] - step_light[0]) / length;
+    let near = step_depth + step_light[0] + (a - step_begin) * slope;
+    let more = (b - a) * slope;
+    return step_sent * (b - a) * exp(-min(near, near + more)) * mean_transmittance_rgb(abs(more));
+}
+
+// Radiance scattered to the eye at a point of the step per unit of length and irradiance; `path`: m to the light.
+fn sent_by(light: LightData, t: f32, path: f32, mu: f32) -> vec3f {
+    let along = (t - step_begin) / (step_end - step_begin);
+    let towards = path * mix(step_light[0], step_light[1], along);
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        sum += f32(media[m].has_shafts) * step_scattering[m] * henyey_greenstein_rgb(mu, media[m].g);
+    }
+    return sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
+}
+
+// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
+fn local_node(
+    light: LightData, origin: vec3f, direction: vec3f, t_near: f32, h: f32, x: f32,
+) -> vec3f {
+    // Where the ray passes close by, the angle says little.
+    let t = clamp(t_near + h * tan(x), step_begin, step_end);
+    var sent = sent_by(light, t, length(vec2f(h, t - t_near)), -sin(x));
+    if (light.kind == LIGHT_SPOT) {
+        sent *= spot_fade(light, normalize(origin + t * direction - light.position));
+    }
+    return sent;
+}
+
+// Two or more Gauss-Legendre nodes in the angle that the piece is seen under from the light.
+fn local_piece(light: LightData, origin: vec3f, direction: vec3f, a: f32, b: f32) -> vec3f {
+    let geometry = ray_light_geometry(origin, direction, light.position);
+    let t_near = -geometry.y;
+    let h = max(geometry.x, 1e-4 * max(abs(a - t_near), abs(b - t_near)) + 1e-9);
+    let x0 = atan((a - t_near) / h);
+    let x1 = atan((b - t_near) / h);
+    let pieces = u32(clamp(ceil((x1 - x0) / 0.4), 1.0, 8.0));
+    let half = 0.5 * (x1 - x0) / f32(pieces);
+    let off = 0.5773502691896258 * half;
+    var sum = vec3f(0.0);
+    var i = 0u;
+    loop {
+        let x = x0 + f32(2u * i + 1u) * half;
+        sum += local_node(light, origin, direction, t_near, h, x - off)
+            + local_node(light, origin, direction, t_near, h, x + off);
+        i++;
+        if (i >= pieces) { break; }
+    }
+    return sum * half / h;
+}
+
+// The lit interval t0..t1: radiance, W m^-2 sr^-1. Intervals come in order along the ray, or the ray is followed
+// from its begin again.
+fn lit_interval(
+    light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
+) -> vec3f {
+    if (t0 < step_begin) {
+        step_end = -1.0;
+    }
+    var sum = vec3f(0.0);
+    loop {
+        let a = max(t0, step_begin);
+        let b = min(t1, step_end);
+        if (a < b) {
+            if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
+                sum += local_piece(light, origin, direction, a, b);
+            } else if (HAS_DIRECTIONAL) {
+                sum += parallel_piece(a, b);
+            }
+        }
+        if (step_end >= min(t1, media_hull.y) || least(step_depth) > OPAQUE_DEPTH) { break; }
+        next_step(light, index, origin, direction);
+    }
+    return sum * light.color;
+}
+
+fn least(v: vec3f) -> f32 {
+    return min(v.x, min(v.y, v.z));
+}
+
+// The whole ray is followed.
+fn visible_interval(hull: vec2f) -> vec2f {
+    return hull;
+}
