@@ -27,6 +27,7 @@ from airlight.errors import DeviceError
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.device import Gpu, open_gpu
+from airlight.gpu.memory import Buffer, Texture
 from airlight.gpu.slots import Slot
 from airlight.lighting.view import View
 from airlight.reference.mitsuba_llvm import find_llvm
@@ -176,7 +177,7 @@ def commands(gpu: Gpu) -> Commands:
 
 @pytest.fixture
 def owned() -> Iterator[Callable[[Any], Any]]:
-    """owned(thing) -> thing, whose `release` is called at the test's end."""
+    """owned(thing) -> thing, which lives until the test's end, and its memory no longer."""
     things: list[Any] = []
 
     def keep(thing: Any) -> Any:
@@ -185,7 +186,8 @@ def owned() -> Iterator[Callable[[Any], Any]]:
 
     yield keep
     for thing in reversed(things):
-        thing.release()
+        if isinstance(thing, Buffer | Texture):
+            thing.release()
 
 
 _CHILD = """

@@ -191,3 +191,4 @@ class Solver(Protocol):
 
         For what a solver holds beside that; a class that derives from this one need not have it.
         """
+        return

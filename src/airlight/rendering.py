@@ -85,6 +85,7 @@ class Renderer:
         self._is_torn = True
         self._accumulator: Accumulator | None = None
         self.gpu = gpu = open_gpu(adapter).scope()
+        self._means = gpu.scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
         gpu.memory.forget_peak()
         with gpu.guarded(), ExitStack() as made:
@@ -169,8 +170,7 @@ class Renderer:
                 return
             self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
             with self.whole():
-                if self._accumulator:
-                    self._accumulator.release()
+                self._means.release()
                 self.size, self._accumulator = size, None
                 self.technique.resize(size)
                 self.view.resize(size)
@@ -297,7 +297,7 @@ class Renderer:
     def _accumulate(self, index: int) -> None:
         pictures = self.technique.pictures(self.view)
         if self._accumulator is None:
-            self._accumulator = Accumulator(self.gpu, self.size, tuple(pictures))
+            self._accumulator = Accumulator(self._means, self.size, tuple(pictures))
         with self.commands.stage("accumulate"):
             self._accumulator.encode(self.commands, pictures, index)
 

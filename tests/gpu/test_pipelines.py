@@ -39,7 +39,7 @@ def test_a_second_pass_of_a_kind_compiles_nothing():
         gpu = open_gpu()
     except DeviceError as error:
         pytest.skip(str(error))
-    Tone(gpu, (8, 8)).release()
+    Tone(gpu, (8, 8))
     before = len(gpu.pipelines)
-    Tone(gpu, (12, 5)).release()
+    Tone(gpu, (12, 5))
     assert len(gpu.pipelines) == before

@@ -196,5 +196,9 @@ def test_memory_is_given_back(gpu, owned, square):
     scene = Scene(meshes=(wall(square, 1.0),))
     on_device = owned(GpuScene(gpu, scene))
     before = gpu.allocated_bytes
-    Blockers(gpu, scene, on_device, ROOM, 100).release()
+    scope = gpu.scope()
+    made = Blockers(scope, scene, on_device, ROOM, 100)
+    assert gpu.allocated_bytes > before
+    scope.release()
     assert gpu.allocated_bytes == before
+    assert made.surfels.handle is None

@@ -43,10 +43,11 @@ def test_a_scene_without_lights_still_binds(gpu, commands, owned, meshes):
 def test_a_changed_environment_gives_the_old_ones_memory_back(gpu, commands, meshes):
     skies = [Environment(map=np.full((8, 16, 3), value, np.float32)) for value in (1.0, 2.0)]
     before = gpu.allocated_bytes
-    made = Lights(gpu, (), skies[0], 16, 8)
+    scope = gpu.scope()
+    made = Lights(scope, (), skies[0], 16, 8)
     during = gpu.allocated_bytes
     made.encode(commands, meshes, (), skies[1], *meshes.bounds)
     assert gpu.allocated_bytes == during
     assert made.background.texture.read()[0, 0, 0] == 2.0
-    made.release()
+    scope.release()
     assert gpu.allocated_bytes == before

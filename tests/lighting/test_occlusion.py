@@ -41,7 +41,6 @@ def seen_around(gpu, commands, owned):
     ):
         scene = owned(GpuScene(gpu, Scene(meshes=tuple(meshes))))
         view = owned(View(gpu, size))
-        view.occlusion.release()
         view.occlusion = type(view.occlusion)(gpu, size, scale)
         view.aim(camera)
         view.gbuffer.encode(commands, scene, view.clip_from_world)

@@ -33,5 +33,12 @@ def test_jitter_moves_the_picture(gpu, owned):
 
 def test_memory_is_given_back(gpu):
     before = gpu.allocated_bytes
-    View(gpu, (8, 6)).release()
+    scope = gpu.scope()
+    view = View(scope, (8, 6))
+    held = gpu.allocated_bytes
+    view.resize((16, 12))
+    assert gpu.allocated_bytes > held
+    view.resize((8, 6))
+    assert gpu.allocated_bytes == held > before
+    scope.release()
     assert gpu.allocated_bytes == before

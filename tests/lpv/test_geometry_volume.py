@@ -88,5 +88,9 @@ def test_memory_is_given_back(gpu, owned, square):
     scene = Scene(meshes=(square((1, 1, 1), (0, 1, 0), (0, 0, 1), GREY),))
     blockers = owned(Blockers(gpu, scene, owned(GpuScene(gpu, scene)), ROOM, 1))
     before = gpu.allocated_bytes
-    GeometryVolume(gpu, blockers, keeps=True).release()
+    scope = gpu.scope()
+    made = GeometryVolume(scope, blockers, keeps=True)
+    assert gpu.allocated_bytes > before
+    scope.release()
     assert gpu.allocated_bytes == before
+    del made  # it was there all the time

@@ -280,7 +280,9 @@ def test_hops_keep_what_they_are_told_of_the_spread(gpu, commands, owned):
 
 def test_memory_is_given_back(gpu):
     before = gpu.allocated_bytes
-    made = Propagate(gpu, Placement((0, 0, 0), 1.0, COUNT), is_blocked=True)
+    scope = gpu.scope()
+    made = Propagate(scope, Placement((0, 0, 0), 1.0, COUNT), is_blocked=True)
     assert gpu.allocated_bytes > before
-    made.release()
+    scope.release()
     assert gpu.allocated_bytes == before
+    del made  # it was there all the time

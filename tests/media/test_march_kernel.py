@@ -60,7 +60,6 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
     np.testing.assert_allclose(means, states, rtol=1e-4, atol=1e-6)
     twice = drawn(replace(source, finer=(source.placement,)))
     np.testing.assert_allclose(twice, means, rtol=1e-4, atol=1e-6)
-    march.release()
 
 
 def test_packed_cells_say_what_the_textures_do(gpu, look):
@@ -90,7 +89,6 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
 
     alone, twice = drawn(source), drawn(replace(source, finer=(source.placement,)))
     assert np.linalg.norm(alone - twice) < 2e-3 * np.linalg.norm(twice)
-    march.release()
 
 
 def test_a_kernel_binds_what_it_reads(gpu):

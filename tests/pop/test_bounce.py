@@ -44,9 +44,7 @@ def emission(gpu: Gpu, volume: Volume, source: LatticeSource | None, sky: float 
     commands.submit()
     inside = solver.medium.density.cells.read().reshape(solver.medium.placement.count[::-1]) > 0.5
     texels = solver.emission.texture.read()[..., :3].astype(np.float64)
-    result = np.asarray(texels[inside] * solver.beams.table.scale)
-    solver.release()
-    return result
+    return np.asarray(texels[inside] * solver.beams.table.scale)
 
 
 def test_what_does_not_absorb_passes_the_lattice_on(gpu):

@@ -41,5 +41,3 @@ def test_versions_follow_light_and_air(gpu: Gpu) -> None:
     first = version(sun)
     assert version(sun) == first
     assert version(DirectionalLight((0.2, -1.0, 0.0), (2.0,) * 3)) > first
-    for part in (maps, air, kit, meshes):
-        part.release()

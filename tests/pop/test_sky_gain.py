@@ -27,7 +27,6 @@ def emitted(gpu: Gpu, sky: Environment, eye: F64, **settings: object) -> float:
     solver.encode(commands, (), sky, 1e4 * eye)
     commands.submit()
     value = solver.emission.texture.read()[..., 0].astype(float).mean() * solver.beams.table.scale
-    solver.release()
     return float(value)
 
 

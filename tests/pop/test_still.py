@@ -41,4 +41,3 @@ def test_half_the_turn_is_half_the_change(gpu: Gpu, what: str) -> None:
     assert np.max(halves) < 0.7 * np.max(wholes)
     # No frame jumps: the largest step is not far from the mean one.
     assert np.all(np.max(halves, axis=0) < 2.0 * np.mean(halves, axis=0) + 1e-3)
-    solver.release()

@@ -17,9 +17,7 @@ def balanced(gpu, commands, lattice, source, current, stepped):
         commands, COUNT, source=lattice(source), current=lattice(current), stepped=lattice(stepped)
     )
     commands.submit()
-    found = out.read().reshape(source.shape), balance.scales.read()[:3]
-    balance.release()
-    return found
+    return out.read().reshape(source.shape), balance.scales.read()[:3]
 
 
 def test_light_lost_by_halves_is_doubled_less_what_came_in(gpu, commands, lattice):
@@ -67,4 +65,3 @@ def test_a_lattice_in_the_dark_stays_dark(gpu, commands, lattice):
     _, track = levels.encode(commands, lattice(0.0 * sparks()))
     commands.submit()
     assert not track.read().any()
-    levels.release()

@@ -42,7 +42,6 @@ def test_mean_radiance_and_direction_of_a_track(gpu, commands, lattice):
     source = emission.source({"lattice_open_a": None})
     assert source.direct == 1.0
     assert source.scale == unit
-    emission.release()
 
 
 def test_half_floats_never_overflow(gpu, commands, lattice):
@@ -50,7 +49,6 @@ def test_half_floats_never_overflow(gpu, commands, lattice):
     emission.encode(commands, lattice(1e30 * random_cells(2)), flux=1e-30)
     commands.submit()
     assert np.isfinite(emission.red.read()).all()
-    emission.release()
 
 
 def test_surfaces_see_less_in_fog_and_more_of_what_comes_from_the_air(gpu, commands, lattice):
@@ -79,7 +77,6 @@ def test_surfaces_see_less_in_fog_and_more_of_what_comes_from_the_air(gpu, comma
     record = surfaces.params().record
     assert record["lookup_scale"] == pytest.approx(LOOKUP_SCALE)
     assert record["power_scale"] == pytest.approx(4 * np.pi * surfaces.scale)
-    surfaces.release()
 
 
 def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
@@ -103,4 +100,3 @@ def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
         state = total.read().reshape(wall.shape)[0, 4:24, 0, :16] / (4 * np.pi)
         got = surface_irradiance(state, normals, 1.0, LOOKUP_SCALE)
         assert np.linalg.norm(got - want) < worst * np.linalg.norm(want)
-        levels.release()

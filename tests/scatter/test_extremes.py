@@ -25,9 +25,7 @@ def track_of(gpu, commands, lattice, source, plan, sigma_t, albedo, is_blocked):
         levels.set_walls(commands, lattice(packed_faces(faces)), lattice(white.view(np.uint32)))
     _, track = levels.encode(commands, lattice(source))
     commands.submit()
-    result = track.read().reshape(source.shape)[..., 0].astype(np.float64)
-    levels.release()
-    return result
+    return track.read().reshape(source.shape)[..., 0].astype(np.float64)
 
 
 @pytest.mark.parametrize("is_blocked", [False, True], ids=["open", "walls"])

@@ -55,4 +55,3 @@ def test_mean_track_is_numpys(gpu, commands, lattice):
     got = [t.read()[0, 0, 0, 0] / surfaces.scale for t in textures]
     want = mean_track(np.array(sigma_t), 0.4) / mean_track(0.0, 0.4)
     np.testing.assert_allclose(got, want, rtol=2e-3)
-    surfaces.release()

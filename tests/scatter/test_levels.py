@@ -28,9 +28,7 @@ def solved(gpu, commands, lattice, source, plan, sigma_s, sigma_t, **kind):
         levels.set_air(sigma_s, sigma_t)
     _, track = levels.encode(commands, lattice(source))
     commands.submit()
-    result = track.read().reshape(source.shape)
-    levels.release()
-    return result
+    return track.read().reshape(source.shape)
 
 
 def sparks(shape=SHAPE):
@@ -121,7 +119,6 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
     mean = packs[:, :, 0, 3, 12:15].astype(float)
     fine = white[..., :3].astype(float)[:, :, :2].reshape(2, 2, 3, 2, 2, 3).mean(axis=(1, 3, 4))
     np.testing.assert_allclose(mean, fine, atol=0.51)
-    levels.release()
 
 
 @pytest.mark.parametrize("is_varied", [False, True])

@@ -40,7 +40,6 @@ def faces(gpu: Any, kind: Any, **more: Any) -> np.ndarray:
     commands.submit()
     nx, ny, nz = made.placement.count
     packed = made.openness.read(np.uint8).reshape(nz, ny, nx, 8)
-    made.release()
     return np.asarray(packed[..., :6] / 255.0)
 
 

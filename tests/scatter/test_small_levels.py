@@ -49,7 +49,6 @@ class Solved:
             _, track = self.levels.encode(self.commands, self.source)
             self.commands.submit()
             found.append(track.read().reshape(3, *SHAPE, 4))
-        self.levels.release()
         return np.stack(found)
 
 
@@ -90,7 +89,6 @@ def test_cycles_of_small_lattices_take_few_dispatches(gpu, lattice, monkeypatch)
     commands = Commands(gpu)
     levels.encode(commands, lattice(sparks()))
     commands.submit()
-    levels.release()
     assert calls.count("_Small") == 3  # once a cycle
     assert len(calls) < 40
 

@@ -68,13 +68,13 @@ def always(monkeypatch):
 
 def test_small_scenes_are_drawn_as_they_are(gpu):
     scene = GpuScene(gpu, Scene((Mesh(hills()),)))
-    assert CoarseScene(scene, 24).current() is scene
+    assert CoarseScene(gpu, scene, 24).current() is scene
 
 
 def test_it_moves_and_deforms_with_the_scene(gpu, always):
     meshes = (Mesh(hills()), Mesh(shapes.box()))
     scene = GpuScene(gpu, Scene(meshes))
-    made = CoarseScene(scene, 24)
+    made = CoarseScene(gpu, scene, 24)
     drawn = made.current()
     first, second = drawn.current
     assert len(first.geometry.indices) < 0.25 * len(meshes[0].geometry.indices)
@@ -92,7 +92,6 @@ def test_it_moves_and_deforms_with_the_scene(gpu, always):
     assert drawn.version > version
     np.testing.assert_allclose(low[1], 0.7, atol=0.01)
     np.testing.assert_allclose(high[1], 3.5, atol=0.01)
-    made.release()
 
 
 def test_an_image_under_the_sky_stays_the_same(monkeypatch):

@@ -109,8 +109,12 @@ def test_moving_meshes_moves_bounds_and_counts_a_version(gpu, owned):
 
 def test_memory_is_given_back(gpu):
     before = gpu.allocated_bytes
-    GpuScene(gpu, Scene(meshes=(box_mesh((0, 0, 0), 1.0),))).release()
+    scope = gpu.scope()
+    made = GpuScene(scope, Scene(meshes=(box_mesh((0, 0, 0), 1.0),)))
+    assert gpu.allocated_bytes > before
+    scope.release()
     assert gpu.allocated_bytes == before
+    del made  # it was there all the time
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

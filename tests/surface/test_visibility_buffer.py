@@ -88,8 +88,6 @@ def _drawn(gpu, commands, scene, meshes, eye):
         commands.submit()
         textures = (g.depth, g.albedo, g.normal, g.emission)
         found[is_visible] = [t.read().astype(np.float64) for t in textures]
-        g.release()
-        on_device.release()
     return found[True], found[False]
 
 
@@ -105,8 +103,6 @@ def _lit(gpu, commands, scene, light):
         maps.encode(commands, on_device, [light], views)
         commands.submit()
         found.append([t.read().astype(np.float64) for t in (maps.depth, maps.normal, maps.flux)])
-        maps.release()
-    on_device.release()
     return found
 
 
@@ -189,7 +185,6 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
     )
     scene = GpuScene(gpu, Scene(meshes=meshes))
     shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in scene.draws]
-    scene.release()
     assert sum(shown) == 1 + fitting
     ours, plain = _drawn(gpu, commands, Scene(meshes=meshes), meshes, (0.4, 0.9, 2.2))
     np.testing.assert_array_equal(ours[0], plain[0])
@@ -226,7 +221,6 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
         == triangles // 2
     )
     assert scene.triangle_table.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
-    scene.release()
     bent = tuple(
         replace(m, geometry=replace(m.geometry, positions=m.geometry.positions + np.float32(0.1)))
         for m in meshes
@@ -405,8 +399,6 @@ def test_packed_maps_are_filtered_as_numpy_does(gpu, commands, square, wraps, ey
     g.encode(commands, on_device, clip)
     commands.submit()
     is_seen, albedo, normal = (t.read().astype(np.float64) for t in (g.depth, g.albedo, g.normal))
-    g.release()
-    on_device.release()
     is_seen = is_seen > 0.0
     assert is_seen.mean() > 0.9
 

@@ -121,6 +121,5 @@ def test_a_solver_of_ones_own_lights_surfaces(gpu: Any) -> None:
         assert technique.stats["irradiance"] == light
         assert solver.seen == 1
         technique.release()
-        view.release()
     assert brightness[0] > 0.0
     assert brightness[1] == pytest.approx(2.0 * brightness[0], rel=1e-3)

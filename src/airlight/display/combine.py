@@ -57,7 +57,8 @@ class Combine:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels; the mean is lost."""
-        self.release()
+        for mean in self._means:
+            mean.release()
         self._make_means(size)
 
     def encode(
@@ -93,8 +94,3 @@ class Combine:
             **dict(zip(_SLOTS, filled, strict=True)),
         )
         self._means.reverse()
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for mean in self._means:
-            mean.release()

@@ -43,7 +43,3 @@ class Meter:
         """Meter `picture`, radiance."""
         params = MeterParams(size=picture.size[:2], speed=speed)
         self._pass.dispatch(commands, (256,), params=params, picture=picture, metered=self.stops)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.stops.release()

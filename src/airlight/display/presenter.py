@@ -44,9 +44,9 @@ class Presenter:
     """Pictures of one size at a time, onto surfaces of one format and any size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
-        self.size = size
-        self._combine, self._meter = Combine(gpu, size), Meter(gpu)
-        self._tone, self._show = Tone(gpu, size), Show(gpu, format)
+        self.size, self.gpu = size, gpu.scope()
+        self._combine, self._meter = Combine(self.gpu, size), Meter(self.gpu)
+        self._tone, self._show = Tone(self.gpu, size), Show(self.gpu, format)
         self._is_metered_before = False
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -95,8 +95,7 @@ class Presenter:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._combine, self._meter, self._tone):
-            part.release()
+        self.gpu.release()
 
 
 def _chosen(pictures: dict[str, Texture], view: View, layer: str) -> list[Texture]:

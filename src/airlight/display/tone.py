@@ -40,7 +40,7 @@ class Tone:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self.release()
+        self.shown.release()
         self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True)
 
     def encode(
@@ -64,7 +64,3 @@ class Tone:
             is_raw=int(is_raw),
         )
         self._pass.draw(commands, (self.shown,), params=params, picture=picture, metered=metered)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.shown.release()

@@ -212,14 +212,6 @@ class Blockers:
             "lattice_walls": self.walls,
         }
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.sums, self.faces, self.openness):
-            part.release()
-        if self._is_owner:
-            for shared in (self.surfels, self.open_a, self.open_b, self.walls):
-                shared.release()
-
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
     """The eye and the lamps (n, 3), metres."""

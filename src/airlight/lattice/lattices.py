@@ -48,9 +48,6 @@ class BlockerSource(Protocol):
     def encode(self, commands: Commands, scene: Scene) -> None:
         """Bring them up to date; each that changes raises its version."""
 
-    def release(self) -> None:
-        """Give the memory back."""
-
 
 class MakeBlockers(Protocol):
     """Makes the blockers of the largest lattice."""
@@ -138,15 +135,6 @@ class Lattices:
             return
         for level in self.levels:
             level.blockers.encode(commands)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for level in self.levels:
-            level.blockers.release()
-            level.skylight.release()
-        self.table.release()
-        if self.source is not None:
-            self.source.release()
 
 
 def follow(nest: Nest, levels: Sequence[Level], camera: Camera, *, is_first: bool) -> bool:

@@ -69,11 +69,6 @@ class ChannelTextures:
         """By slot name, for passes that use `wgsl/lattice.wgsl`."""
         return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for texture in (self.red, self.green, self.blue):
-            texture.release()
-
 
 class LatticeTextures(ChannelTextures):
     """What a solved lattice hands on; nested ones share it."""

@@ -91,17 +91,13 @@ class InjectPoints:
             sums=sums,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        if self._points is not None:
-            self._points.release()
-
     def _upload(self) -> None:
         rows = np.zeros(max(1, self.count), PointData.dtype)
         if self.count:
             rows["position"] = np.concatenate([g.positions for g in self._groups])
             rows["intensity"] = np.concatenate([g.intensities for g in self._groups])
         if self._points is None or self._points.nbytes < rows.nbytes:
-            self.release()
+            if self._points is not None:
+                self._points.release()
             self._points = Buffer(self.gpu, "point lights", rows.nbytes)
         self._points.write(rows)

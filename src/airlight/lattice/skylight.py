@@ -151,13 +151,6 @@ class Skylight:
             (columns, rows, FACES * self._depth),
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        if self._is_owner:
-            self.cube.release()
-        self._before.release()
-        self._lights.release()
-
 
 def _params(lights: int, shift: tuple[int, int, int] | None) -> SkylightParams:
     x, y, z = shift or (0, 0, 0)

@@ -31,7 +31,3 @@ class LatticeTable:
             self._written = packed.tobytes()
             self.buffer.write(packed)
         return self.buffer
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.buffer.release()

@@ -154,7 +154,3 @@ class ViewSurfels:
                 )
         blockers.open(commands)
         return True
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._sums.release()

@@ -50,8 +50,3 @@ class Accumulator:
         """(H, W, 4): the mean so far."""
         width, height = self.size
         return self._means[name].read().reshape(height, width, 4)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for mean in self._means.values():
-            mean.release()

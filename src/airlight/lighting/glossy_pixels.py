@@ -100,9 +100,3 @@ class GlossyPixels:
             direct_light=direct,
             indirect_light=indirect,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self._found, self._listed):
-            if part is not None:
-                part.release()

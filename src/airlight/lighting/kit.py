@@ -163,10 +163,6 @@ class Kit:
         """The size of the largest lattice, for --stats."""
         return {"lattice": list(self.placement.count), "iterations": 0}
 
-    def release(self) -> None:
-        """Give the memory back, also that of solvers: all that was made with `gpu`."""
-        self.gpu.release()
-
 
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = False) -> Nest:
     """One lattice over the scene, with its medium if `in_medium`, or over the settings' box."""

@@ -95,14 +95,10 @@ class LatticeCoordinates:
     def _fit(self, size: tuple[int, int]) -> None:
         if self._targets and self._targets[0].size[:2] == size:
             return
-        self.release()
+        for target in self._targets:
+            target.release()
+        self._targets, self._cached = (), None
         self._targets = tuple(
             Texture(self.gpu, label, size, format, target=True)
             for label, format in zip(CACHED, _CoordinatesPass.targets, strict=True)
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for target in self._targets:
-            target.release()
-        self._targets, self._cached = (), None

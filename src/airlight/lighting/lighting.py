@@ -307,10 +307,3 @@ class RadianceLayers:
         if self._lit is None:
             self._lit = Texture(self._gpu, "lit", self._size, "rgba32float", target=True)
         return self._lit
-
-    def release(self) -> None:
-        """Give the memory back."""
-        if self._lit is not None:
-            self._lit.release()
-        self.direct.release()
-        self.indirect.release()

@@ -87,10 +87,3 @@ class Lights:
             "environment": self.background.texture,
             "environment_sampler": self.background.sampler,
         }
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.parallel.release()
-        self.local.release()
-        self.table.release()
-        self.background.texture.release()

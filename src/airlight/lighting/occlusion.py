@@ -80,11 +80,6 @@ class OcclusionLayers:
             for label in ("surfaces", "sampled near surroundings", "near surroundings")
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.surfaces, self.sampled, self.near):
-            part.release()
-
 
 class Occlusion:
     """Depth and normals -> visibility of the near surroundings, and their light."""

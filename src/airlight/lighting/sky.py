@@ -31,7 +31,7 @@ class Sky:
         self, gpu: Gpu, environment: Environment | None, count: int, resolution: int
     ) -> None:
         """At most `count` lights, maps of `resolution` px."""
-        self._count = count
+        self._gpu, self._count = gpu, count
         self.lights: list[SkyLight] = sky_lights(environment, count)
         self._environment = environment
         self._drawn_version = -1
@@ -62,7 +62,7 @@ class Sky:
         if meshes.draws:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])
         views = light_views(self.lights, low, high, self.maps.resolution)
-        self._coarse = self._coarse or CoarseScene(meshes, self.maps.resolution)
+        self._coarse = self._coarse or CoarseScene(self._gpu, meshes, self.maps.resolution)
         self.maps.encode(commands, self._coarse.current(), self.lights, views)
         return True
 
@@ -87,9 +87,3 @@ class Sky:
                 blockers,
                 is_same_light=is_same_light,
             )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.maps.release()
-        if self._coarse:
-            self._coarse.release()

@@ -28,6 +28,7 @@ class Surfaces:
 
     def __init__(self, kit: Kit, scene: Scene, attenuation: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
+        self._cpu_scope = kit.gpu.scope()  # of passes of CPU adapters, by the image's size
         self._passes: dict[Part, Lighting] = {}
         self.glossy: GlossyPixels | None = None
         self._coordinates: LatticeCoordinates | None = None
@@ -162,14 +163,16 @@ class Surfaces:
         is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
-        self._release_cpu_passes()
+        self._cpu_scope.release()
         self._passes.clear()
-        self.glossy = GlossyPixels(self.gpu, **self._known) if is_listed else None
+        self.glossy = GlossyPixels(self._cpu_scope, **self._known) if is_listed else None
         is_one = self.kit.lattices.table.count == 1
         is_cached = can_cache(self.gpu) and is_one and is_listed == self._is_glossy
         self._coordinates = None
         if is_cached:
-            self._coordinates = LatticeCoordinates(self.gpu, **self._known, is_listed=is_listed)
+            self._coordinates = LatticeCoordinates(
+                self._cpu_scope, **self._known, is_listed=is_listed
+            )
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         if part not in self._passes:
@@ -189,12 +192,3 @@ class Surfaces:
                 has_interreflection=irradiance.has_interreflection,
             )
         return self._passes[part]
-
-    def _release_cpu_passes(self) -> None:
-        for made in (self.glossy, self._coordinates):
-            if made:
-                made.release()
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._release_cpu_passes()

@@ -23,16 +23,20 @@ class View:
     """G-buffer and radiance of one picture; `aim` sets the camera before each."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.gpu, self.size = gpu, size
+        self.size = size
         self.gbuffer = GBuffer(gpu, size)
-        self.layers = RadianceLayers(gpu, size)
-        self.occlusion = OcclusionLayers(gpu, size)
+        self._sized = gpu.scope()
+        self._make_layers()
         self.clip_from_world: F64 = np.eye(4)
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.sample = 0
         self.camera = Camera()
         self._aimed: tuple[Camera, tuple[float, float], tuple[int, int]] | None = None
+
+    def _make_layers(self) -> None:
+        self.layers = RadianceLayers(self._sized, self.size)
+        self.occlusion = OcclusionLayers(self._sized, self.size)
 
     def aim(
         self, camera: Camera, jitter_px: tuple[float, float] = (0.0, 0.0), sample: int = 0
@@ -55,13 +59,5 @@ class View:
         """Go on with pictures of `size`, pixels."""
         self.size = size
         self.gbuffer.resize(size)
-        self.layers.release()
-        self.occlusion.release()
-        self.layers = RadianceLayers(self.gpu, size)
-        self.occlusion = OcclusionLayers(self.gpu, size)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.gbuffer.release()
-        self.layers.release()
-        self.occlusion.release()
+        self._sized.release()
+        self._make_layers()

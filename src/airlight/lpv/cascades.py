@@ -41,11 +41,6 @@ class Cascade:
         """What blocks between them."""
         return self.level.blockers
 
-    def release(self) -> None:
-        """Give the memory back; the lattice is its owner's."""
-        for part in (self.propagate, self.sums, self.static, self.injected):
-            part.release()
-
 
 def cascade(gpu: Gpu, level: Level, propagate: Propagate, small: SmallObjects) -> Cascade:
     """A lattice with nothing in it."""

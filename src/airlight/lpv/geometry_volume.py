@@ -120,8 +120,3 @@ class GeometryVolume:
             volume=self._volume,
             reflected=self._reflected,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self._sums, self._volume, self._reflected):
-            part.release()

@@ -197,11 +197,3 @@ class Propagate:
             self._later.encode(commands, state, spare[index % 2], faces)
             state = spare[index % 2]
         return state
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._recorded.release()
-        for buffer in (*self._states, self._total):
-            buffer.release()
-        self._sums.release()
-        self._pack.release()

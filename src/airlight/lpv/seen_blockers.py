@@ -46,9 +46,3 @@ class SeenBlockers:
         for volume in self.volumes:
             volume.blockers.follow_vertices()  # what glows is sampled from the meshes
             volume.encode(commands, self._kit.meshes, self.maps, views, is_drawn=is_drawn)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.maps.release()
-        for volume in self.volumes:
-            volume.release()

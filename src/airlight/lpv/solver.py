@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Protocol, cast
 
-from ..fields import Fields, Frame, LatticeSource, ReflectedLight
+from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, linear_sampler
 from ..lattice.emission import InjectEmission, emitted_flux
@@ -89,11 +89,8 @@ class LatticeMedia(Protocol):
     def textures(self) -> LatticeTextures:
         """What surfaces read: all light, with that of the media."""
 
-    def release(self) -> None:
-        """Give the memory back."""
 
-
-class LpvSolver:
+class LpvSolver(Solver):
     """Yields the irradiance of surfaces, and the light that they reflect into media."""
 
     def __init__(self, kit: Kit, settings: LpvSettings, *, is_marched: bool = False) -> None:
@@ -343,9 +340,3 @@ class LpvSolver:
         if len(places) > 1:
             found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in places]
         return found
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (*self.cascades, self.maps, self.points, self.textures, self.black, self.media):
-            if part is not None:
-                part.release()

@@ -112,10 +112,6 @@ class Pack:
             commands, (values,), params=params, lattice=lattice, range=self.range, stored=stored
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.range.release()
-
 
 def _pack_pass(gpu: Gpu, format: Format) -> ComputePass:
     class PackLattice(ComputePass):

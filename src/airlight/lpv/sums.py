@@ -75,10 +75,6 @@ class Sums:
             powers=self._powers,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._powers.release()
-
 
 def _power_pass(gpu: Gpu, format: Format) -> ComputePass:
     """The power of a lattice, per channel, always added in the same order."""

@@ -90,10 +90,6 @@ class _Attenuated(ReflectiveShadowMaps):
                 **bound,
             )
 
-    def release(self) -> None:
-        """Give the memory back; the maps are their owner's."""
-        self.flux.release()
-
 
 class AttenuatedMaps(_Attenuated):
     """The maps of the scene's lights, attenuated by media from each light to the texel."""
@@ -109,11 +105,6 @@ class AttenuatedMaps(_Attenuated):
     def dim(self, commands: Commands, lights: Buffer) -> None:
         """Take the maps and the media as they are; `lights`: the scene's table."""
         self._copy(commands, lights=lights, owners=self._owners, **self._air.bound)
-
-    def release(self) -> None:
-        """Give the memory back; the maps are their owner's."""
-        super().release()
-        self._owners.release()
 
 
 class AttenuatedSkyMaps(_Attenuated):

@@ -163,16 +163,6 @@ class GpuMedia:
         """By slot name, for passes made with `slots`."""
         return self.medium_bound | (self.columns.bound if self.columns else {})
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.table.release()
-        for grid in self.grids:
-            grid.release()
-        if self._noise is not None:
-            self._noise.release()
-        if self.columns:
-            self.columns.release()
-
     def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
         media = [i for i, kind in enumerate(self._kinds) if kind == GRID]
         shapes = [grid.size for grid in self.grids]

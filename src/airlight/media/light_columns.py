@@ -108,12 +108,6 @@ class LightColumns:
         """By slot name."""
         return {f"light_columns{i}": texture for i, texture in enumerate(self.textures)}
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._table.release()
-        for texture in self.textures:
-            texture.release()
-
 
 def _shrunk(shape: tuple[int, int, int], resolution: int) -> tuple[int, int, int]:
     """At most `resolution` texels on the longest side, at least 2 on each.

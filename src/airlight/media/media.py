@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..fields import Fields, Frame, HalfSpaceLight
+from ..fields import Fields, Frame, HalfSpaceLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Texture
 from ..lattice.irradiance import SkyIrradiance
@@ -25,7 +25,7 @@ from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
 
 
-class Media:
+class Media(Solver):
     """A solver, whose fields are the sky's light through media; it also draws all that they do.
 
     `on_device` is what lights are attenuated by on their way.
@@ -159,9 +159,3 @@ class Media:
     def stats(self) -> dict[str, Any]:
         """Nothing of media alone, for --stats."""
         return {}
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.image, self.sky, self._half_space):
-            if part is not None:
-                part.release()

@@ -383,18 +383,3 @@ class MediaImage:
             self._upsample.encode(
                 commands, params, rays, view.gbuffer.depth, self._reduced[name], self._full(name)
             )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        parts = [
-            self.air,
-            *self._pictures,
-            self.shaft_rays,
-            self.march,
-            self._composed,
-            self.shafts,
-            *self._reduced.values(),
-        ]
-        for part in parts:
-            if part is not None:
-                part.release()

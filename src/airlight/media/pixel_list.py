@@ -63,8 +63,3 @@ class PixelList:
     def bound(self) -> dict[str, Any]:
         """By slot name, for the pass that lists."""
         return {"found": self.found, "groups": self.groups, "chosen": self.chosen}
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.found, self.groups, self._none, self.chosen):
-            part.release()

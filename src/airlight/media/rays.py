@@ -54,7 +54,7 @@ class Rays:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self.release()
+        self.picked.release()
         self._set_size(size)
 
     def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
@@ -75,7 +75,3 @@ class Rays:
             nearest_texel=self._nearest,
         )
         return params
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.picked.release()

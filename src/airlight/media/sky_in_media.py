@@ -193,20 +193,6 @@ class SkyInMedia:
             third=self.third,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (
-            self.air,
-            self._lights,
-            self.red,
-            self.green,
-            self.blue,
-            self.cube,
-            self.mean,
-            self.third,
-        ):
-            part.release()
-
 
 def _under(scene: Scene, sky: Sky) -> Scene:
     """The scene lit by the sky's lights alone."""

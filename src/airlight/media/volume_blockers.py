@@ -79,8 +79,3 @@ class VolumeBlockers:
             walls=walls,
             faces=self.faces,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._cells.release()
-        self.faces.release()

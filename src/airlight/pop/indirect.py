@@ -117,7 +117,3 @@ class Bounce:
     @property
     def _is_white(self) -> bool:
         return min(self._medium.volume.albedo) > _WHITE
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._even.release()

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from ..fields import Fields, Frame
+from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..lighting.view import View
@@ -33,7 +33,7 @@ from .virtual.maps import reflected_maps
 MediaOf = Callable[[Scene], list[Volume]]
 
 
-class PopMedia:
+class PopMedia(Solver):
     """Yields the radiance that media scatter towards the eye, on their grids."""
 
     def __init__(
@@ -103,12 +103,6 @@ class PopMedia:
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
         return self.solvers[0].stats if self.solvers else {}
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (*self.solvers, self._maps):
-            if part is not None:
-                part.release()
 
 
 class EveryMedium:

@@ -248,21 +248,6 @@ class Beams:
                 self._settings.furnace_correction,
             )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (
-            self.table,
-            self.paths,
-            self.diffuse,
-            self._near,
-            self._given,
-            self._visibility,
-            self._virtual,
-            self._virtual_hops,
-        ):
-            if part is not None:
-                part.release()
-
 
 class HoppingBeams(Beams):
     """The schemes split and paper: what lobes scatter is summed for one eye while they hop."""
@@ -336,13 +321,6 @@ class HoppingBeams(Beams):
                 emission.texture,
             )
             self._emission.encode(commands, emission.cells, **bound)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        super().release()
-        self.hopping.release()
-        if self.isotropic is not None:
-            self.isotropic.release()
 
     def _encode_residuum(self, commands: Commands, params: MediumParams) -> None:
         settings, cells = self._settings, self._medium.density.cells

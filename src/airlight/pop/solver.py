@@ -182,13 +182,6 @@ class PopSolver:
             "iterations": self.settings.solver_steps,
         }
 
-    def release(self) -> None:
-        """Give the memory back."""
-        parts = (self.medium, self.emission, self.beams, self.furnace, self._bounce, self.white)
-        for part in parts:
-            if part is not None:
-                part.release()
-
     def _seen(self, environment: Environment | None, look: Look | None) -> F64 | None:
         """What the camera sees of the map, where that is asked for."""
         if self._importance is None or look is None or environment is None:

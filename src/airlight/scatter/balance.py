@@ -102,8 +102,3 @@ class Balance:
             balanced=current,
         )
         return current
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._parts.release()
-        self.scales.release()

@@ -126,8 +126,3 @@ class Correction:
             lengths=self._lengths,
             corrected=corrected,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._parts.release()
-        self._lengths.release()

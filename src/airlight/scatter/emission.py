@@ -115,8 +115,3 @@ class Emission(ChannelTextures):
             mean=self.mean,
             is_similar=is_similar,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        super().release()
-        self.mean.release()

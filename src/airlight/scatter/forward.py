@@ -225,11 +225,6 @@ class ForwardLight:
             self.placement.cell,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.sky, self.all, self.kept, self.blurred):
-            part.release()
-
 
 def _scale(lights: tuple[Light, ...], cell_size_m: float) -> float:
     """Such that no sun, and no lamp half a cell away, is too bright for half floats."""

@@ -146,17 +146,6 @@ class InjectBorder:
             surface_beams=self.surface_beams,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (
-            self._border,
-            self.beams,
-            self.surface_beams,
-            self._radiance,
-            self._directions,
-        ):
-            part.release()
-
 
 def levels() -> F64:
     """(LEVELS, 2): cosines to the vertical, dense where rays are flat, and solid angles, sr."""

@@ -60,12 +60,6 @@ class Level:
         self.openness = Buffer(gpu, "openness", walls * 8)
         self.reflectance = Buffer(gpu, "reflectance", walls * 4)
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in vars(self).values():
-            if isinstance(part, Buffer):
-                part.release()
-
 
 class Levels:
     """Solves Q = I + M Q and hands on its track T Q."""
@@ -353,15 +347,3 @@ class Levels:
             way=self._ways[k - 1],
             flags=int(self.is_blocked) + 2 * int(self.is_varied),
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._recorded.release()
-        for level in self.levels:
-            level.release()
-        if self._small:
-            self._small.release()
-        self._zero.release()
-        self._correction.release()
-        self._balance.release()
-        self._coefficients.release()

@@ -97,8 +97,3 @@ class MapBlockers(Blockers):
             flux=self.maps.flux,
             sums=self.sums,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        super().release()
-        self.maps.release()

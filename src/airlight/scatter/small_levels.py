@@ -246,11 +246,6 @@ class SmallLevels:
             }
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in (self._states, self._packs, self._openness, *self._tables, self._levels):
-            buffer.release()
-
 
 def first_small(counts: Sequence[Count]) -> int | None:
     """The finest coarse level that is small; none where none is."""

@@ -6,11 +6,10 @@ reflective shadow maps, first-scattered light, the sky -> cells -> 26 neighbours
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 
-from ..fields import Fields, Frame, LatticeSource, ReflectedLight
+from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.emission import InjectEmission, emitted_flux
@@ -42,7 +41,7 @@ from .walls import CellReflectance
 _SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
 
 
-class ScatterSolver:
+class ScatterSolver(Solver):
     """Yields the irradiance of surfaces and the mean radiance that media scatter."""
 
     def __init__(self, kit: Kit, settings: ScatterSettings, *, has_volumes: bool = True) -> None:
@@ -349,33 +348,3 @@ class ScatterSolver:
             "levels": len(self.levels.levels),
             "cycles": plan.cycles,
         }
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.points.release()
-        if self.border:
-            self.border.release()
-        buffers = [
-            *self._owners,
-            self._sky_owners,
-            self._sky_table,
-            self.sums,
-            self.black,
-            self.steady,
-            self.reflected,
-            self.source,
-            self.medium,
-            self.reflectance,
-            self.forward,
-        ]
-        parts: list[Any] = [
-            self.air,
-            self.sky_air,
-            self.maps,
-            *buffers,
-            self.levels,
-            self.emission,
-            self.surfaces,
-        ]
-        for part in parts:
-            part.release()

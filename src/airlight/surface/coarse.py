@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gpu.device import Gpu
 from ..maths.chunks import chunks
 from ..maths.weld import open_vertices, welded
 from ..scene.mesh import Geometry, Mesh
@@ -35,7 +36,7 @@ _LEAST_AREA, _MOST_AREA = 0.5, 1.5  # of what a block had
 class CoarseScene:
     """A scene as maps of `resolution` texels a side see it: the very same, or a coarser one."""
 
-    def __init__(self, scene: GpuScene, resolution: int) -> None:
+    def __init__(self, gpu: Gpu, scene: GpuScene, resolution: int) -> None:
         self._fine = scene
         self._coarse: GpuScene | None = None
         self._version = -1
@@ -54,7 +55,7 @@ class CoarseScene:
                     coarse = _at(geometry, sources, indices.reshape(-1, 3).astype(np.uint32))
                     self._made[first] = (geometry, coarse)
         if self._made:
-            self._coarse = GpuScene(scene.gpu, Scene(self._meshes(scene.original)), scene.store)
+            self._coarse = GpuScene(gpu, Scene(self._meshes(scene.original)), scene.store)
 
     def current(self) -> GpuScene:
         """What is to be drawn, moved as the scene has."""
@@ -79,11 +80,6 @@ class CoarseScene:
             coarse = _at(now, self._sources[first], coarse.indices)
             self._made[first] = (now, coarse)
         return coarse
-
-    def release(self) -> None:
-        """Give the memory back."""
-        if self._coarse:
-            self._coarse.release()
 
 
 def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float]]:

@@ -56,7 +56,7 @@ class GBuffer:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
-        self.gpu, self._pass = gpu, MeshPass(gpu, _Cutout, opaque=_Opaque)
+        self._pass, self._sized = MeshPass(gpu, _Cutout, opaque=_Opaque), gpu.scope()
         self._visibility = VisibilityBuffer(gpu, size) if uses_visibility_buffer(gpu) else None
         self._parts = DrawParts(self._split)
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
@@ -65,7 +65,7 @@ class GBuffer:
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
-        self.size, gpu = size, self.gpu
+        self.size, gpu = size, self._sized
         self.depth = Texture(gpu, "depth", size, "depth32float", target=True)
         self.albedo = Texture(gpu, "albedo", size, "rgba16float", target=True)
         self.normal = Texture(gpu, "normal", size, "rgba16float", target=True)
@@ -73,7 +73,7 @@ class GBuffer:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self.release()
+        self._sized.release()
         self._parts, self._key = DrawParts(self._split), None
         self._make_textures(size)
         if self._visibility:
@@ -149,10 +149,3 @@ class GBuffer:
             depth_stencil_attachment=depth,
         ) as encoder:
             used.draw(commands, encoder, scene, draws, params)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for texture in (self.depth, self.albedo, self.normal, self.emission):
-            texture.release()
-        if self._visibility:
-            self._visibility.release()

@@ -88,9 +88,8 @@ class GpuScene:
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, store: TextureStore | None = None) -> None:
-        """`store`: of another scene that shows the same textures and outlives this one."""
+        """`store`: of another scene that shows the same textures."""
         self.gpu = gpu
-        self._owns_store = store is None
         self.store = store or TextureStore(gpu)
         self.version = 0
         self.color_changes = 0
@@ -255,15 +254,6 @@ class GpuScene:
         first, last = np.flatnonzero(begins), np.flatnonzero(ends)
         runs = zip(self._draw_of[first].tolist(), first.tolist(), last.tolist(), strict=True)
         return [self.draws[d].part(begin, end - begin + 1) for d, begin, end in runs]
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.positions, self.vertices, self.indices, self.instances, self.materials):
-            part.release()
-        if self._owns_store:
-            self.store.release()
-        if self._triangle_table:
-            self._triangle_table.release()
 
     def _upload(self, geometries: list[Geometry]) -> dict[int, tuple[int, int]]:
         offsets, index_count, vertex_count = {}, 0, 0

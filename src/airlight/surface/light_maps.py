@@ -54,11 +54,6 @@ class LightMaps:
                 is_drawn = maps.encode(commands, meshes, own, views) or is_drawn
         return is_drawn
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for maps in self.groups:
-            maps.release()
-
 
 _Rows = list[tuple[int, Light]]
 

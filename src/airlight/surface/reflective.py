@@ -174,10 +174,3 @@ class ReflectiveShadowMaps:
         self._visibility.encode(
             commands, scene, draws, view.clip_from_world, depth, targets, params
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.depth, self.normal, self.flux, self.views):
-            part.release()
-        if self._visibility:
-            self._visibility.release()

@@ -79,11 +79,6 @@ class ShadowMaps:
                 ShadowParams(clip_from_world=view.clip_from_world),
             )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.depth.release()
-        self.views.release()
-
 
 def comparison_sampler(gpu: Gpu) -> Sampler:
     """Lit where the reference depth is not beyond the stored one; bilinear."""

@@ -109,11 +109,6 @@ class SurfelViews:
             draws = scene.visible(view.clip_from_world)
             self._pass.draw(commands, encoder, scene, draws, params, previous=previous)
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.depth, self.normal, self.reflectance, self._nothing, self.views):
-            part.release()
-
 
 def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: int) -> LightView:
     """What the camera sees, in a square picture; `aspect` is its width over its height."""

@@ -69,13 +69,6 @@ class TextureStore:
             )
         return self._samplers[wrap]
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for _, texture in self._textures.values():
-            texture.release()
-        self.white.release()
-        self.flat_normal.release()
-
 
 def _solid(gpu: Gpu, label: str, rgba: tuple[int, int, int, int]) -> Texture:
     made = Texture(gpu, label, (1, 1), "rgba8unorm")

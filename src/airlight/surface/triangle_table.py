@@ -120,20 +120,6 @@ class TriangleTable:
         self._last[base_vertex] = geometry
         self.triangles.write(_triangles(geometry), 4 * WORDS * self._first_triangle[base_vertex])
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (
-            self.positions,
-            self.uvs,
-            self.indices,
-            self.instances,
-            self.triangles,
-            self.materials,
-            self.uv_transforms,
-            self.texels,
-        ):
-            part.release()
-
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)
         for index, (key, material) in enumerate(instances):

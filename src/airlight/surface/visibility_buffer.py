@@ -146,7 +146,7 @@ class VisibilityBuffer:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self.release()
+        self.triangle_ids.release()
         self._take(size)
 
     @staticmethod
@@ -213,7 +213,3 @@ class VisibilityBuffer:
             uv_transforms=table.uv_transforms,
             texels=table.texels,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.triangle_ids.release()

@@ -92,7 +92,7 @@ class Technique:
     def release(self) -> None:
         """Give the memory back: the solvers' own, then all that was made with the kit's `gpu`."""
         with ExitStack() as gone:
-            gone.callback(self.kit.release)
+            gone.callback(self.kit.gpu.release)
             for solver in self.solvers:
                 gone.callback(solver.release)
 

@@ -128,12 +128,6 @@ class LatticeVolumes:
                 placement=part.placement,
             )
 
-    def release(self) -> None:
-        """Give the memory back; `air` is its owner's."""
-        parts: list[Any] = [*self._lights, self._sky, *self._faced, self.even, self.textures]
-        for part in (*parts, *self._levels):
-            part.release()
-
 
 class _Level:
     """The buffers of one lattice."""
@@ -143,11 +137,6 @@ class _Level:
         self.cells = Buffer(gpu, "light of volumes", nbytes)
         self.base = Buffer(gpu, "light before volumes", nbytes)
         self.sums = new_sums(gpu, part.placement)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in (self.cells, self.base, self.sums):
-            buffer.release()
 
 
 def _evenly(scene: Scene) -> Scene:

@@ -107,7 +107,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     from ...lattice.placement import Placement
     from ...lpv.propagate import Propagate
 
-    rng = np.random.default_rng(1)
+    gpu, rng = gpu.scope(), np.random.default_rng(1)
     placement = Placement((0.0, 0.0, 0.0), 1.0, (side, side, side))
     cells = placement.cells
     injected = buffer_of(gpu, "injected", rng.random((3 * cells, 4), dtype=np.float32))
@@ -125,8 +125,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     try:
         yield run
     finally:
-        for part in (propagate, injected, faces):
-            part.release()
+        gpu.release()
 
 
 @contextmanager

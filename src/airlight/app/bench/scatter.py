@@ -56,7 +56,7 @@ def device_runner(gpu: Gpu, side: int) -> Iterator[Callable[[], float]]:
     from ...scatter.levels import Levels
     from ...scatter.schedule import schedule
 
-    count = (side, side, side)
+    gpu, count = gpu.scope(), (side, side, side)
     rng = np.random.default_rng(1)
     source = buffer_of(gpu, "source", rng.random((3 * side**3, 4), dtype=np.float32))
     plan = schedule("none", ITERATIONS, count)
@@ -74,5 +74,4 @@ def device_runner(gpu: Gpu, side: int) -> Iterator[Callable[[], float]]:
     try:
         yield run
     finally:
-        levels.release()
-        source.release()
+        gpu.release()

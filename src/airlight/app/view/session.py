@@ -335,7 +335,7 @@ class Session:
         x, y = (0.0, 0.0) if plan.is_moving else self._jitters[plan.sample]
         drawn.draw(commands, self.controls.camera, (float(x), float(y)), plan.sample)
         if self._presenter is None:
-            self._presenter = Presenter(r.gpu, plan.size, self._format)
+            self._presenter = Presenter(self.gpu, plan.size, self._format)
         self._presenter.resize(plan.size)
         pictures = r.technique.pictures(r.view)
         self._presenter.take(commands, pictures, r.view, self.state.look, plan.sample)

@@ -38,7 +38,8 @@ class Compose:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with pictures of `size`, pixels."""
-        self.release()
+        for layer in self.layers:
+            layer.release()
         self._make_layers(size)
 
     def encode(
@@ -48,8 +49,3 @@ class Compose:
         self._pass.draw(
             commands, self.layers, direct=direct, indirect=indirect, transmittance=transmittance
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for layer in self.layers:
-            layer.release()

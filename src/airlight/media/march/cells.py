@@ -50,7 +50,3 @@ class MarchCells:
         bound = {name: values[name] for name in ("lattices", *_NAMES)}
         self._pass.dispatch(commands, count, **bound, march_cells=self.texture)
         return self.texture
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.texture.release()

@@ -61,10 +61,6 @@ class HalfSpace:
             self._source = HalfSpaceLight(self._table, side(medium), top, max(medium.sigma_t))
         return self._source
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._table.release()
-
 
 def suns(lights: Sequence[Light], channel: int) -> tuple[F64, F64]:
     """(directions (B, 3), irradiances (B,)) of the directional ones."""

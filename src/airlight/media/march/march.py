@@ -226,13 +226,10 @@ class March:
 
     def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
         if self._lattices is None or self._lattices.count != len(levels):
-            self._release_levels()
+            if self._lattices is not None:
+                self._lattices.buffer.release()
             self._lattices = LatticeTable(self.gpu, len(levels))
         return self._lattices.filled([level.params() for level in levels])
-
-    def _release_levels(self) -> None:
-        if self._lattices is not None:
-            self._lattices.release()
 
     def _write(self, sources: Sequence[Source]) -> None:
         packed = pack_array(
@@ -245,11 +242,3 @@ class March:
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._table.release()
-        self._cells.release()
-        self._release_levels()
-        if self._fused is not None:
-            self._fused.release()

@@ -93,7 +93,3 @@ class DepthBounds:
             commands.encoder.copy_texture_to_buffer(
                 source, target, (maps.resolution, maps.resolution, 1)
             )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.buffer.release()

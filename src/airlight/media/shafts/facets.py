@@ -141,8 +141,3 @@ class FacetTrees:
     def _squares(self, tree: FacetParams) -> tuple[int, int, int]:
         squares = self.side >> int(tree.record["level"])
         return squares, squares, self.maps.layers
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.planes, self._places, *self.triangles, self.draws):
-            part.release()

@@ -65,7 +65,7 @@ class Jitter:
 
     def resize(self, reduced: tuple[int, int]) -> None:
         """Go on with reduced pictures of this size, pixels."""
-        self.release()
+        self._raw.release()
         self._make_raw(reduced)
 
     def prepare(self, commands: Commands) -> None:
@@ -96,7 +96,3 @@ class Jitter:
             scattered=self._raw,
         )
         self._blur.encode(commands, params, rays, self._raw, scattered)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._raw.release()

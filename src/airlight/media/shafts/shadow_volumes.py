@@ -153,11 +153,6 @@ class Volumes:
                     encoder.draw_indirect(trees.draws.handle, Draw.dtype.itemsize * layer)
         self._settle.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self._sum, self.parallel, self.local):
-            part.release()
-
 
 def _check(gpu: Gpu, air: GpuMedia) -> None:
     if not air.is_one_box:

@@ -193,10 +193,6 @@ class _Sparse:
             **bound,
         )
 
-    def release(self) -> None:
-        self.sites.release()
-        self.listed.release()
-
 
 class Shafts:
     """The scheme `minmax`, for any air."""
@@ -340,9 +336,3 @@ class Shafts:
             "parallel_bounds": self.parallel.buffer,
             "local_bounds": self.local.buffer,
         }
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.parallel, self.local, self.listed, self._sparse):
-            if part is not None:
-                part.release()

@@ -192,14 +192,3 @@ class Diffuse:
     def residual(self) -> Buffer:
         """b - A phi, W m^-3, vec4 per cell: how far the last solve got."""
         return self._vectors["residual"]
-
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in (
-            self.deposits,
-            self.diffuse,
-            self._links,
-            self._sums,
-            *self._vectors.values(),
-        ):
-            buffer.release()

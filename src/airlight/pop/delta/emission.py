@@ -128,11 +128,6 @@ class Emission:
             **white.beam_bound,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.texture.release()
-        self._refined.release()
-
 
 def seen_by(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
     """The light and the eye, as emission binds them."""

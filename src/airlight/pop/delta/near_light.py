@@ -70,7 +70,3 @@ class NearLight(ComputePass):
             diffuse=diffuse,
             **self._mix.beam_bound,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self._table.release()

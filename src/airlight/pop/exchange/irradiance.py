@@ -163,11 +163,6 @@ class Given:
             blocks=self._blocks,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._blocks.release()
-        self._sight.release()
-
     def forget(self) -> None:
         """Media moved, or changed."""
         self._sight.forget()

@@ -85,7 +85,3 @@ class GivenSight(ComputePass):
             reach=reach,
             seen=self.seen,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.seen.release()

@@ -101,11 +101,6 @@ class Isotropic:
                 diffuse=diffuse,
             )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in self._states:
-            buffer.release()
-
 
 def bound_emission(
     params: MediumParams,

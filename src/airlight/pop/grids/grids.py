@@ -182,11 +182,6 @@ class HopGrids:
             groups=self.groups,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in (self.rows, self.density, self.solid_angles, self.listed, self.groups):
-            buffer.release()
-
 
 def hop_capacity(side: int) -> int:
     """Cells that each grid of about `side`^3 has room for: shells have an even number."""

@@ -47,7 +47,7 @@ class Merge:
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, merged: Buffer | None = None) -> None:
         """Into `merged`, where that is another's."""
-        self.cells, self._is_own = placement.cells, merged is None
+        self.cells = placement.cells
         self.merged = merged or Buffer(gpu, "merged light", 16 * placement.cells)
         self._splatted = Buffer(gpu, "residuum of lamps", 12 * placement.cells)
         self._splat, self._merge = _Splat(gpu), _Merge(gpu)
@@ -83,9 +83,3 @@ class Merge:
             merged=self.merged,
             deposits=deposits,
         )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        if self._is_own:
-            self.merged.release()
-        self._splatted.release()

@@ -113,11 +113,6 @@ class Propagate:
                 gathered=self.gathered,
             )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for buffer in (self.gathered, *self._states):
-            buffer.release()
-
 
 def _bound(grids: HopGrids) -> dict[str, Buffer]:
     return {

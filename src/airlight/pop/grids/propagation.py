@@ -101,11 +101,6 @@ class Hopping:
                 commands, params, hops, self.grids, self.chain.gathered, density.cells, deposits
             )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for part in (self.grids, self.chain, self.merge):
-            part.release()
-
 
 def _require_room(gpu: Gpu, side: int, most: int) -> None:
     needed, limit = chain_bytes(side, most), gpu.limits["max-storage-buffer-binding-size"]

@@ -197,12 +197,6 @@ class OrdinateTable:
             rgba[..., :3] = np.minimum(table, 1e9)
             self.phase.write(rgba)
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.rows.release()
-        self.phase.release()
-        self.gain.release()
-
 
 def packed_ordinates(
     ordinates: Ordinates, lamps: Sequence[Lamp], placement: MediumPlacement, scale: float

@@ -104,7 +104,3 @@ class Paths(ComputePass):
                 linear_clamp=density.linear,
                 passed=self.passed,
             )
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.passed.release()

@@ -87,10 +87,6 @@ class SkyGain:
         made.write(_rgba(gain))
         return made
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.texture.release()
-
 
 def _rgba(gain: F64) -> Any:
     texels = np.ones((*gain.shape[:2], 4), np.float16)

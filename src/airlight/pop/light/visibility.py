@@ -152,11 +152,6 @@ class Visibility(ComputePass):
             passed=passed,
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._sights.release()
-        self._shares.release()
-
 
 def sights(
     ordinates: Ordinates, lights: tuple[Light, ...], sky: Sequence[DirectionalLight]

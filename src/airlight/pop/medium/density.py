@@ -118,12 +118,6 @@ class Density:
             commands, (self.placement.cells,), params=params, density=self.cells, reach=self.reach
         )
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.fine.release()
-        self.cells.release()
-        self.reach.release()
-
 
 def density_texture(gpu: Gpu, volume: Volume) -> Texture:
     """A volume's voxels, filterable."""

@@ -113,10 +113,3 @@ class GridMedium:
         self.write_mix(self.mix)
         with commands.stage("pop density"):
             self.density.encode_reach(commands, self.params, self.fine_others)
-
-    def release(self) -> None:
-        """Give the memory back."""
-        self.density.release()
-        self.mix.release()
-        if self._own_voxels:
-            self._voxels.release()

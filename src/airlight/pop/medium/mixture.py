@@ -101,11 +101,6 @@ class Mix:
         """For them, by slot name."""
         return {} if self.is_alone else {"media": self.rows, "given": self.given}
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self.rows.release()
-        self.given.release()
-
 
 def fine_slots(others: int) -> tuple[Slot, ...]:
     """The densities of the others."""

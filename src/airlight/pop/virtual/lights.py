@@ -229,11 +229,6 @@ class VirtualLights:
             for k, maps in enumerate(self._of.maps)
         ]
 
-    def release(self) -> None:
-        """Give the memory back."""
-        self._tiles.release()
-        self._places.release()
-
 
 def _side(maps: ReflectiveShadowMaps) -> int:
     return -(-maps.resolution // TILE)

@@ -39,12 +39,6 @@ class ReflectedMaps:
             for maps in self._dimmed:
                 maps.dim(commands, self._kit.lights.table)
 
-    def release(self) -> None:
-        """Give the memory back."""
-        for maps in self._dimmed:
-            maps.release()
-        self._maps.release()
-
 
 def reflected_maps(kit: Kit, air: GpuMedia, settings: PopSettings) -> ReflectedMaps | None:
     """What a technique's media take virtual lights from, where they are to have any."""
