@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from airlight.media.shafts.shafts.blur import Blur
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.rays import Rays
+from airlight.media.shafts.blur import Blur
 from airlight.scene import Camera, Mesh, Scene
 
 SIZE = (32, 24)

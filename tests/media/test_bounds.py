@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from airlight.media.shafts.shafts.bounds import DepthBounds
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
+from airlight.media.shafts.bounds import DepthBounds
 from airlight.scene import DirectionalLight, Mesh, Scene
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views

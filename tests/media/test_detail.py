@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from airlight.media.march.march.march import March
 from numpy.typing import NDArray
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.detail import detail_bias, detail_noise
 from airlight.media.gpu_media import GpuMedia
+from airlight.media.march.march import March
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.scene import Scene

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from airlight.media.shafts.shafts.facets import FacetTrees
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
+from airlight.media.shafts.facets import FacetTrees
 from airlight.scene import DirectionalLight, Mesh, PointLight, Scene
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views

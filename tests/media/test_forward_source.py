@@ -1,7 +1,6 @@
 """Marching light that was scattered forwards: the closed form of one constant beam."""
 
 import numpy as np
-from airlight.media.march.march.march import March
 
 from airlight.fields import ForwardSource, LatticeSource
 from airlight.gpu.layout import pack_array
@@ -9,6 +8,7 @@ from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.maths.forward_phase import fused_phase
 from airlight.media.gpu_media import GpuMedia
+from airlight.media.march.march import March
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.lights import DirectionalLight, PointLight

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from airlight.media.march.march.half_space import ROWS, SIDE, HalfSpace, fluence, sky_once
 
 from airlight.maths.octahedron import octahedron_point
 from airlight.maths.plane_air import plane_light
+from airlight.media.march.half_space import ROWS, SIDE, HalfSpace, fluence, sky_once
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Material, Medium, Mesh, Scene
 from airlight.scene.shapes import quad

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from airlight.media.march.march.march import March, placed
 
 from airlight.fields import ALL_MEDIA, LatticeSource, Source
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
+from airlight.media.march.march import March, placed
 from airlight.media.rays import Rays
 from airlight.reference.quadrature import box_path, sphere_path
 from airlight.scene.camera import Camera

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from airlight.media.march.march.cells import MarchCells
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.lattice.table import LatticeTable
+from airlight.media.march.cells import MarchCells
 
 COUNT = (6, 4, 5)  # x, y, z
 

@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-from airlight.media.march.march.kernel import Variant, generated, slots, target_names
-from airlight.media.march.march.march import March
 
 from airlight.fields import LatticeSource
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
+from airlight.media.march.kernel import Variant, generated, slots, target_names
+from airlight.media.march.march import March
 from airlight.media.rays import Rays
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Medium, Scene, Volume

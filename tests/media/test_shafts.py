@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from airlight.media.shafts.shafts.shafts import Shafts
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lighting.lights import Lights
 from airlight.media.media_image import MediaImage
 from airlight.media.settings import MediaSettings
+from airlight.media.shafts.shafts import Shafts
 from airlight.reference.quadrature import (
     box_path,
     directional_single_scatter,
