@@ -15,7 +15,7 @@ from airlight.surface.geometry import GpuScene
 N, CELL = 8, 0.5
 ROOM = Placement((0.0, 0.0, 0.0), CELL, (N, N, N))
 COUNT = 20_000
-PAINT = Material(base_color=(0.8, 0.4, 0.2))
+PAINT = Material(base_color=(0.8, 0.4, 0.2), specular=0.0)
 
 
 @pytest.fixture

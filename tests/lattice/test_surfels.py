@@ -94,7 +94,7 @@ def test_edges_of_what_is_cut_away_lie_between_texels():
 
 def test_colour_is_linear_and_takes_the_factor():
     pixels = np.full((2, 2, 4), (188, 0, 255, 255), np.uint8)  # sRGB 188 is linear 0.503
-    paint = Material(base_color=(0.5, 1.0, 0.25), base_color_texture=Texture(pixels))
+    paint = Material(base_color=(0.5, 1.0, 0.25), base_color_texture=Texture(pixels), specular=0.0)
     made = surfels((placed(shapes.quad(), np.eye(3), material=paint),), [0], 4)
     np.testing.assert_allclose(made["reflectance"][0], [0.2515, 0.0, 0.25], atol=2e-3)
 

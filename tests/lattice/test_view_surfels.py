@@ -17,7 +17,7 @@ from airlight.surface.surfel_views import SurfelViews
 
 N = 6
 ROOM = Placement((0.0, 0.0, 0.0), 0.5, (N, N, N))
-PAINT = Material(base_color=(0.8, 0.4, 0.2), two_sided=True)
+PAINT = Material(base_color=(0.8, 0.4, 0.2), specular=0.0, two_sided=True)
 SIDE = 128
 INNER = slice(1, -1)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.maths.reflection import bihemispherical_albedo
 from airlight.maths.solid_angle import polygon_solid_angle
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
 from airlight.surface.light_views import light_views
@@ -71,12 +72,15 @@ def test_a_spot_light_on_a_plane(gpu, commands, owned, on_device, square, inner,
     np.testing.assert_allclose(total, ALBEDO * 5.0 * 2.0 * np.pi * (1.0 - mean), rtol=0.02)
 
 
-def test_metals_count_with_their_whole_reflectance(gpu, commands, owned, on_device, square):
-    gold = Material(base_color=tuple(ALBEDO), metallic=1.0)
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+@pytest.mark.parametrize("roughness", [0.2, 1.0])
+def test_the_whole_brdf_reflects(gpu, commands, owned, on_device, square, metallic, roughness):
+    gold = Material(base_color=tuple(ALBEDO), metallic=metallic, roughness=roughness)
     scene = on_device(square((0, 0, 0), (2, 0, 0), (0, 0, -1.5), gold))
     light = DirectionalLight((0, -1, 0), (1, 1, 1))
     total, _ = reflected_flux(gpu, commands, owned, scene, light)
-    np.testing.assert_allclose(total, ALBEDO * 12.0, rtol=0.02)
+    albedo = bihemispherical_albedo(ALBEDO, metallic, roughness, 1.0)
+    np.testing.assert_allclose(total, albedo * 12.0, rtol=0.02)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

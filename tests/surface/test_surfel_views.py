@@ -13,8 +13,8 @@ from airlight.surface.light_views import light_views
 from airlight.surface.surfel_views import SurfelViews, camera_view
 
 SIDE = 32
-RED = Material(base_color=(0.8, 0.2, 0.1))
-GREY = Material(base_color=(0.5, 0.5, 0.5))
+RED = Material(base_color=(0.8, 0.2, 0.1), specular=0.0)
+GREY = Material(base_color=(0.5, 0.5, 0.5), specular=0.0)
 DOWN = DirectionalLight((0, -1, 0), (1, 1, 1))
 
 

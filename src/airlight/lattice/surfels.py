@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..gpu.layout import Struct, u32, vec3f
 from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
+from ..maths.reflection import bihemispherical_albedo
 from ..maths.weld import open_vertices, welded
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
@@ -29,7 +30,7 @@ class SurfelData(Struct):
     instance = u32("index into instances")
     area_normal = vec3f("m^2, object space")
     is_two_sided = u32()
-    reflectance = vec3f("linear base colour")
+    reflectance = vec3f("bihemispherical albedo, linear")
     pad = u32()
     emission = vec3f("W m^-2 sr^-1")
     pad_end = u32()
@@ -95,10 +96,10 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     world_area = areas.cumsum()[-1] / count
     stretch = areas[triangle][:, None] / np.maximum(0.5 * length, 1e-30)
     area_normal = normal / np.maximum(length, 1e-30) * world_area / np.maximum(stretch, 1e-30)
-    colour, cover = _colour_and_cover(mesh.material, geometry.uvs, corners, weights)
+    albedo, cover = _albedo_and_cover(mesh.material, geometry.uvs, corners, weights)
     # A closed body stops light with its outside; both sides of it would count every body twice.
     made["area_normal"] = area_normal * cover[:, None]
-    made["reflectance"] = colour
+    made["reflectance"] = albedo
     made["emission"] = mesh.material.emission
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
@@ -201,17 +202,24 @@ def _triangle_points(count: int) -> tuple[F64, F64]:
     return np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
 
 
-def _colour_and_cover(
+def _albedo_and_cover(
     material: Material, uvs: NDArray[np.float32] | None, corners: NDArray[np.uint32], weights: F64
 ) -> tuple[F64, F64]:
+    """Bihemispherical albedo (n, 3) and the share (n,) of each surfel that is not cut away."""
+    uv = None if uvs is None else np.einsum("nk,nkc->nc", weights, uvs[corners].astype(np.float64))
+    colour, cover = _colour_and_cover(material, uv, len(weights))
+    metallic, roughness = _metallic_and_roughness(material, uv, len(weights))
+    specular = np.full(len(weights), material.specular)
+    return bihemispherical_albedo(colour, metallic, roughness, specular), cover
+
+
+def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F64, F64]:
     """Base colour (n, 3), linear, and the share (n,) of each surfel that is not cut away."""
-    count = len(weights)
     colour = np.tile(np.asarray(material.base_color), (count, 1))
     cover = np.ones(count)
     texture = material.base_color_texture
-    if texture is None or uvs is None:
+    if texture is None or uv is None:
         return colour, cover
-    uv = np.einsum("nk,nkc->nc", weights, uvs[corners].astype(np.float64))
     texel = _texels(texture, uv)
     rgb = texel[:, :3].astype(np.float64) / 255.0
     if texture.is_srgb:
@@ -220,6 +228,16 @@ def _colour_and_cover(
         alpha = _filtered_alpha(texture, uv) * material.alpha
         cover = (alpha >= material.alpha_cutoff).astype(np.float64)
     return colour * rgb, cover
+
+
+def _metallic_and_roughness(material: Material, uv: F64 | None, count: int) -> tuple[F64, F64]:
+    """(n,) each, 0 to 1."""
+    metallic, roughness = np.full(count, material.metallic), np.full(count, material.roughness)
+    texture = material.metallic_roughness_texture
+    if texture is None or uv is None:
+        return metallic, roughness
+    texel = _texels(texture, uv).astype(np.float64) / 255.0
+    return metallic * texel[:, 2], roughness * texel[:, 1]
 
 
 def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:

@@ -43,7 +43,7 @@ class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
     targets = ("rgba16float", "rgba16float")
     depth_compare = "less-equal"  # as cameras see it: of two surfaces in one place the later one
-    maps = ("base_color",)
+    maps = ("base_color", "metallic_roughness")
     file = "reflective.wgsl"
 
 

@@ -19,6 +19,6 @@ struct ReflectiveOut {
     }
     var out: ReflectiveOut;
     out.normal = vec4f(facing_normal(in, is_front), in.size);
-    out.flux = vec4f(reflected_power(base.rgb, in.world), 0.0);
+    out.flux = vec4f(reflected_power(albedo_at(in, base.rgb), in.world), 0.0);
     return out;
 }

@@ -39,7 +39,7 @@ class _SurfelPipeline(MeshPipeline):
     slots = (uniform("params", SurfelViewParams), texture("previous", "2d", "depth"), *MESH_SLOTS)
     targets = ("rgba16float", "rgba8unorm")
     depth_compare = "less"
-    maps = ("base_color",)
+    maps = ("base_color", "metallic_roughness")
     file = "surfel_views.wgsl"
 
 
@@ -48,7 +48,7 @@ class SurfelViews:
 
     depth        conventional, 1 where nothing is
     normal       xyz world, facing the viewer
-    reflectance  rgb linear base colour
+    reflectance  rgb bihemispherical albedo, linear
     """
 
     def __init__(self, gpu: Gpu, resolution: int, count: int, peels: int) -> None:

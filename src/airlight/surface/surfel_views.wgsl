@@ -22,6 +22,6 @@ struct SurfelOut {
     }
     var out: SurfelOut;
     out.normal = vec4f(facing_normal(in, is_front), 0.0);
-    out.reflectance = vec4f(base.rgb, 1.0);
+    out.reflectance = vec4f(albedo_at(in, base.rgb), 1.0);
     return out;
 }

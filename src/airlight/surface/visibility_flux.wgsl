@@ -1,3 +1,4 @@
+//! use bihemispherical_albedo
 //! use reflected_power
 //! use visibility_surface
 
@@ -11,11 +12,14 @@ struct ReflectiveOut {
 @fragment fn fragment(@builtin(position) position: vec4f) -> ReflectiveOut {
     let seen = textureLoad(triangle_ids, vec2i(position.xy), 0).xy;
     let point = visible_point(seen, position.xy);
-    let base = point.material.color.rgb * point.texel.light;
+    let m = point.material;
+    let gloss = select(1.0, point.texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
+    let albedo = bihemispherical_albedo(
+        m.color.rgb * point.texel.light, m.color.a, saturate(m.roughness * gloss), m.emission.a);
     let size = bitcast<vec2f>(two_words(instances[9u * (seen.y & 0xffffu) + 8u].x)).y;
     let is_seen = seen.x != 0u;
     var out: ReflectiveOut;
     out.normal = select(vec4f(0.0), vec4f(point.normal, size), is_seen);
-    out.flux = select(vec4f(0.0), vec4f(reflected_power(base, point.world), 0.0), is_seen);
+    out.flux = select(vec4f(0.0), vec4f(reflected_power(albedo, point.world), 0.0), is_seen);
     return out;
 }

@@ -1,3 +1,4 @@
+//! use bihemispherical_albedo
 //! use mapped_normal
 //! use mesh_vertex
 //! use material_map
@@ -30,6 +31,22 @@ fn base_color_at(in: VertexOut) -> vec4f {
     return factor * map_at(base_color_map, base_color_sampler, at.uv, at.dx, at.dy);
 }
 
+fn metallic_roughness_at(in: VertexOut, m: MaterialData) -> vec2f {
+    if (!HAS_METALLIC_ROUGHNESS_MAP) {
+        return vec2f(m.metallic, m.roughness);
+    }
+    let at = map_coordinates(in.uv, m.uv_metallic_roughness);
+    let map = map_at(metallic_roughness_map, metallic_roughness_sampler, at.uv, at.dx, at.dy);
+    return saturate(vec2f(m.metallic, m.roughness) * map.bg);
+}
+
+// Reflected over incident power of the surface with base colour `base`.
+fn albedo_at(in: VertexOut, base: vec3f) -> vec3f {
+    let m = materials[in.material];
+    let gloss = metallic_roughness_at(in, m);
+    return bihemispherical_albedo(base, gloss.x, gloss.y, m.specular);
+}
+
 fn facing_normal(in: VertexOut, is_front: bool) -> vec3f {
     let n = normalize(in.normal);
     return select(-n, n, is_front);
@@ -53,16 +70,11 @@ fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
     point.base_color = base.rgb;
     point.alpha = base.a;
     point.normal = surface_normal(in, m, is_front);
-    point.roughness = m.roughness;
-    point.metallic = m.metallic;
+    let gloss = metallic_roughness_at(in, m);
+    point.metallic = gloss.x;
+    point.roughness = gloss.y;
     point.emission = m.emission;
     point.specular = m.specular;
-    if (HAS_METALLIC_ROUGHNESS_MAP) {
-        let at = map_coordinates(in.uv, m.uv_metallic_roughness);
-        let mr = map_at(metallic_roughness_map, metallic_roughness_sampler, at.uv, at.dx, at.dy);
-        point.roughness = clamp(m.roughness * mr.g, 0.0, 1.0);
-        point.metallic = clamp(m.metallic * mr.b, 0.0, 1.0);
-    }
     if (HAS_EMISSION_MAP) {
         let at = map_coordinates(in.uv, m.uv_emission);
         point.emission *= map_at(emission_map, emission_sampler, at.uv, at.dx, at.dy).rgb;

@@ -2,9 +2,9 @@
 // and stores half floats.
 //! use half_range
 
-fn reflected_power(base_color: vec3f, world: vec3f) -> vec3f {
-    // Metals count with their whole reflectance: a two-band lattice cannot tell gloss from matt.
-    let power = params.color * base_color;
+// `albedo` is bihemispherical: a two-band lattice cannot tell gloss from matt.
+fn reflected_power(albedo: vec3f, world: vec3f) -> vec3f {
+    let power = params.color * albedo;
     if (params.kind != 2u) {
         return in_half_range(power);
     }
