@@ -97,7 +97,7 @@ def sheet(y, size=2.0):
     """A horizontal quad facing up at height y."""
     matrix = np.diag([size, 1.0, size, 1.0])
     matrix[1, 3] = y
-    return Mesh(quad(), Material(base_color=tuple(REFLECTANCE)), matrix)
+    return Mesh(quad(), Material(base_color=tuple(REFLECTANCE), specular=0.0), matrix)
 
 
 @pytest.fixture

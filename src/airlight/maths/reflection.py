@@ -36,4 +36,4 @@ def bihemispherical_albedo(
     lost = f0 + (f90 - f0) * SCHLICK_MEAN
     mirrored = f0 * np.polynomial.polynomial.polyval(r, GGX_F0)
     mirrored = mirrored + f90 * np.polynomial.polynomial.polyval(r, GGX_F90)
-    return base * (1.0 - m) * (1.0 - lost) + mirrored
+    return np.asarray(base * (1.0 - m) * (1.0 - lost) + mirrored)
