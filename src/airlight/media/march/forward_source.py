@@ -64,7 +64,7 @@ fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, evenly: vec3f) -> Forw
         for (var m = 0u; m < MEDIA_COUNT; m++) {{
             let before = fused_phase(m, mu, light.a) * reached;
             let all = fused_phase(m, mu, light.a + eye_depth) * evenly;
-            let far = saturate(own.forward_spread * (1.0 - air[m].g.g) * eye_way * eye_way);
+            let far = saturate(own.forward_spread * (1.0 - media[m].g.g) * eye_way * eye_way);
             let shines = media_density_here[m] * media_lit_scattering[m];
             sum.last += shines * light.rgb * last_phase(m, mu, light.a) * reached;
             sum.on += shines
