@@ -4,7 +4,7 @@
     solver   solve(commands, frame, fields) -> fields     whatever the view
              see(commands, view, fields) -> fields        what depends on the eye
     fields   irradiance -> lighting of surfaces
-             scattered, volumes, sky_scatter, far -> marching of media
+             scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
 
 Solvers run in the order of the recipe and see the fields of those before them. Whoever reads a
@@ -56,15 +56,16 @@ class Source:
 class LatticeSource:
     """Solved lattices of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
 
-    `bound`: lattice_red/green/blue (or sky_red/green/blue) and the blockers' lattice_open_a/b and
-    lattice_walls. For states whose lookup is Kaplanyan2010's, scale = (2/3)/(s^2 power_scale) and
-    direct = 1; for accumulated track length V, scale = 1/(4 pi s^3 power_scale), direct = 3.
-    `finer`: lattices inside this one that share its textures, the finest first. Steps are as long
-    as the cells of the finest that has the place (Kaplanyan2010 section 7).
-    `third`: the five coefficients of a third band (wgsl/third_band.wgsl). `forward`: what is near
-    its beam still. `mean`: the a of the three channels as rgb, for air that scatters evenly: one
-    read instead of three. `is_similar`: it holds light of similar even air, which is marched
-    through that.
+    `bound`: lattice_red/green/blue (or sky_red/green/blue), and the blockers' textures
+    lattice_visibility_a/b and lattice_walls. For states whose lookup is Kaplanyan2010's,
+    scale = (2/3)/(s^2 power_scale) and direct = 1; for accumulated track length V,
+    scale = 1/(4 pi s^3 power_scale) and direct = 3. `finer`: lattices inside this one that share
+    its textures, the finest first. Steps are as long as the cells of the finest lattice that
+    covers the sample (Kaplanyan2010 section 7). `third`: the five coefficients of a third band
+    (wgsl/third_band.wgsl). `forward`: light that was only scattered forwards and is still near
+    its beam. `mean`: the constant terms a of the three channels as rgb, for isotropic media: one
+    load instead of three. `is_reduced_medium`: the light is that of the reduced medium
+    (similarity theory), through which it is marched.
     """
 
     placement: Placement
@@ -75,7 +76,7 @@ class LatticeSource:
     forward: ForwardSource | None = None
     mean: Texture | None = None
     third: Texture | None = None
-    is_similar: bool = False
+    is_reduced_medium: bool = False
 
     @property
     def levels(self) -> tuple[Placement, ...]:
@@ -161,7 +162,7 @@ class Fields:
     scattered    mean radiance on lattices, of which media scatter their share, W m^-2 sr^-1
     sky_scatter  the same of the environment's direct light
     volumes      radiance that solved volumes scatter towards the eye, on grids of their own
-    far          light of an endless medium beyond the lattices
+    half_space   light of an endless medium beyond the lattices
     """
 
     sky: SkyIrradiance
@@ -170,7 +171,7 @@ class Fields:
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None
     volumes: tuple[Source, ...] = ()
-    far: HalfSpaceLight | None = None
+    half_space: HalfSpaceLight | None = None
 
 
 class Solver(Protocol):
@@ -179,7 +180,7 @@ class Solver(Protocol):
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Everything that does not depend on the view: `fields`, and what this adds to them."""
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """What depends on the eye of `view`."""
 
     @property

@@ -18,7 +18,10 @@ from airlight.scene.builtin import builtin_scene
 SMALL = {"resolution": 12, "surfels": 20_000, "sky_lights": 8}
 SLOTS = (
     storage("lattices", LatticeParams),
-    *(texture(f"lattice_{n}", "3d") for n in ("red", "green", "blue", "open_a", "open_b", "walls")),
+    *(
+        texture(f"lattice_{n}", "3d")
+        for n in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
+    ),
     sampler("linear_clamp"),
     storage("points", "vec4f"),
     storage("normals", "vec4f"),

@@ -40,7 +40,7 @@ def closed(blockers):
 
 def entering(blockers):
     """(6, Z, Y, X): the open share of each incoming hop."""
-    octets = blockers.openness.read(np.uint8).reshape(N, N, N, 8)
+    octets = blockers.face_visibility.read(np.uint8).reshape(N, N, N, 8)
     return np.moveaxis(octets[..., :6], -1, 0) / 255.0
 
 
@@ -75,8 +75,8 @@ def test_a_one_sided_wall_stops_what_it_faces(blocked, square, axis):
 
 def test_textures_say_the_same_as_the_buffer(blocked, square):
     made = blocked(wall(square, 4 * CELL))
-    octets = np.concatenate([made.open_a.read(), made.open_b.read()], axis=-1)
-    stored = made.openness.read(np.uint8).reshape(N, N, N, 8)
+    octets = np.concatenate([made.visibility_a.read(), made.visibility_b.read()], axis=-1)
+    stored = made.face_visibility.read(np.uint8).reshape(N, N, N, 8)
     np.testing.assert_array_equal(octets[..., :6], stored[..., :6])
     # and the low faces across x and y once more, for rays
     np.testing.assert_array_equal(octets[..., 6:], stored[..., 0:4:2])
@@ -118,7 +118,7 @@ def test_a_wall_inside_a_cell_is_closed_at_a_face_and_its_place_is_kept(blocked,
     assert not shift.any()
 
 
-def dead_ends(blockers):
+def enclosed_faces(blockers):
     """(6, Z, Y, X): whether each outgoing hop ends at a wall with air before it."""
     bits = blockers.walls.read()[..., 3]
     return np.stack([(bits >> hop) & 1 for hop in range(6)])
@@ -139,7 +139,7 @@ def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
     expected[1, :, :, 4] = 1  # leaving cell 4 along -x
     if gap is not None:
         expected[0, :, :, 3] = 1  # and what is over it, from below the floor
-    np.testing.assert_array_equal(dead_ends(blocked(floor, *over)), expected)
+    np.testing.assert_array_equal(enclosed_faces(blocked(floor, *over)), expected)
 
 
 def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
@@ -148,7 +148,7 @@ def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
     back = square((3.9 * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)
     expected = np.zeros((6, N, N, N), int)
     expected[0, :, :, 3] = expected[1, :, :, 4] = 1
-    np.testing.assert_array_equal(dead_ends(blocked(front, back)), expected)
+    np.testing.assert_array_equal(enclosed_faces(blocked(front, back)), expected)
 
 
 def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
@@ -159,13 +159,13 @@ def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
     under = square((4 * CELL, 2, 2), *spread[::-1], one_sided)
     top = square((4.3 * CELL, 2, 2), *spread, one_sided)
     leaf = square((4.4 * CELL, 2, 2), *spread, Material(two_sided=True))
-    ends = dead_ends(blocked(floor, under, top, leaf))
+    ends = enclosed_faces(blocked(floor, under, top, leaf))
     assert ends[1, :, :, 4].all()
     assert not ends[0].any()
 
 
 def test_a_sheet_is_no_dead_end(blocked, square):
-    assert not dead_ends(blocked(wall(square, 4 * CELL))).any()
+    assert not enclosed_faces(blocked(wall(square, 4 * CELL))).any()
 
 
 def test_little_area_bends_nothing(blocked, square):

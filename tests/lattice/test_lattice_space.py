@@ -74,7 +74,9 @@ def to_world(place):
 
 def test_without_walls_space_is_straight(run):
     place = RNG.uniform(-1.0, 13.0, size=(100, 3))
-    np.testing.assert_allclose(run("bent_place(lattice, p)", 0, to_world(place)), place, atol=1e-4)
+    np.testing.assert_allclose(
+        run("warped_coordinates(lattice, p)", 0, to_world(place)), place, atol=1e-4
+    )
 
 
 def test_walls_come_to_lie_on_faces(run):
@@ -86,8 +88,8 @@ def test_walls_come_to_lie_on_faces(run):
             place[axis] = face + shifts[axis][face]
             faces.append((axis, face))
             points.append(place)
-    bent = run("bent_place(lattice, p)", texels, to_world(points))
-    for (axis, face), place in zip(faces, bent, strict=True):
+    warped = run("warped_coordinates(lattice, p)", texels, to_world(points))
+    for (axis, face), place in zip(faces, warped, strict=True):
         assert place[axis] == pytest.approx(face, abs=1e-4)
 
 
@@ -97,14 +99,14 @@ def test_bending_keeps_the_order_of_places(run):
     for axis in range(3):
         place = np.full((400, 3), 3.3)
         place[:, axis] = along * ROOM.count[axis] / 12.0
-        bent = run("bent_place(lattice, p)", texels, to_world(place))[:, axis]
-        assert (np.diff(bent) > 0.0).all()
+        warped = run("warped_coordinates(lattice, p)", texels, to_world(place))[:, axis]
+        assert (np.diff(warped) > 0.0).all()
 
 
 def test_unbending_is_the_inverse(run):
     texels, _ = plane_walls()
     cells = np.floor(RNG.uniform(0, ROOM.count, size=(300, 3)))
     inside = RNG.uniform(0.02, 0.98, size=(300, 3))
-    world = run("unbent_point(lattice, c, p)", texels, inside, cells)
-    bent = run("bent_place(lattice, p)", texels, world)
-    np.testing.assert_allclose(bent, cells + inside, atol=1e-4)
+    world = run("unwarped_point(lattice, c, p)", texels, inside, cells)
+    warped = run("warped_coordinates(lattice, p)", texels, world)
+    np.testing.assert_allclose(warped, cells + inside, atol=1e-4)

@@ -24,8 +24,8 @@ SLOTS = (
     texture("lattice_red", "3d"),
     texture("lattice_green", "3d"),
     texture("lattice_blue", "3d"),
-    texture("lattice_open_a", "3d"),
-    texture("lattice_open_b", "3d"),
+    texture("lattice_visibility_a", "3d"),
+    texture("lattice_visibility_b", "3d"),
     texture("lattice_walls", "3d"),
     sampler("linear_clamp"),
     storage("points", "vec4f"),
@@ -49,7 +49,9 @@ MAIN = """
 def looked_up(gpu, commands, kernel, owned, cells_texture):
     """looked_up(cells (3, Z, Y, X, 4), points, normals) -> irradiance (n, 3), weight (n,)."""
 
-    def evaluate(cells, points, normals, *, is_paper=False, open_a=255, open_b=255, walls=0):
+    def evaluate(
+        cells, points, normals, *, is_paper=False, visibility_a=255, visibility_b=255, walls=0
+    ):
         textures = owned(LatticeTextures(gpu, ROOM))
         power = 4.0 * np.pi * float(np.abs(cells).max()) * 100.0
         scale = texture_scale(power)
@@ -65,8 +67,8 @@ def looked_up(gpu, commands, kernel, owned, cells_texture):
             (len(points),),
             lattice=ROOM.params(scale, is_paper=is_paper),
             **textures.bound,
-            lattice_open_a=cells_texture(ROOM, "rgba8unorm", open_a),
-            lattice_open_b=cells_texture(ROOM, "rgba8unorm", open_b),
+            lattice_visibility_a=cells_texture(ROOM, "rgba8unorm", visibility_a),
+            lattice_visibility_b=cells_texture(ROOM, "rgba8unorm", visibility_b),
             lattice_walls=cells_texture(ROOM, "rgba8snorm", walls),
             linear_clamp=linear_sampler(gpu),
             points=p,
@@ -133,12 +135,12 @@ def test_a_point_between_cells_gets_a_mean_of_them(looked_up):
 def test_light_behind_a_closed_face_is_not_mixed_in(looked_up):
     cells = np.zeros((3, *SHAPE, 4))
     cells[:, :, :, 3:, 0] = 1.0  # light only beyond the face between cells 2 and 3
-    open_a = np.full((*SHAPE, 4), 255, np.uint8)
-    open_a[:, :, 2, 1] = 0  # no light comes into cell 2 along -x
+    visibility_a = np.full((*SHAPE, 4), 255, np.uint8)
+    visibility_a[:, :, 2, 1] = 0  # no light comes into cell 2 along -x
     place = np.array([[2.9, 4.0, 5.5]])
     points = np.array(ROOM.origin) + ROOM.cell * place
     up = np.array([[0.0, 1.0, 0.0]])
-    shut, _ = looked_up(cells, points, up, open_a=open_a)
+    shut, _ = looked_up(cells, points, up, visibility_a=visibility_a)
     free, _ = looked_up(cells, points, up)
     assert shut.max() < 1e-6
     assert free.min() > 1.0
@@ -147,12 +149,12 @@ def test_light_behind_a_closed_face_is_not_mixed_in(looked_up):
 def test_a_soffit_in_a_partly_open_face_sees_both_sides(looked_up):
     cells = np.zeros((3, *SHAPE, 4))
     cells[:, :, :, 3:, 0] = 1.0  # light only beyond the face between cells 2 and 3
-    open_a = np.full((*SHAPE, 4), 255, np.uint8)
-    open_a[:, :, 2, 1] = open_a[:, :, 3, 0] = 60  # nearly closed
+    visibility_a = np.full((*SHAPE, 4), 255, np.uint8)
+    visibility_a[:, :, 2, 1] = visibility_a[:, :, 3, 0] = 60  # nearly closed
     place = np.array([[2.7, 4.0, 5.5], [2.999, 4.0, 5.5], [3.001, 4.0, 5.5], [3.3, 4.0, 5.5]])
     points = np.array(ROOM.origin) + ROOM.cell * place
     down = np.tile([0.0, -1.0, 0.0], (4, 1))
-    irradiance, _ = looked_up(cells, points, down, open_a=open_a)
+    irradiance, _ = looked_up(cells, points, down, visibility_a=visibility_a)
     soffit = irradiance[:, 0] * ROOM.cell**2 / (LOOKUP_SCALE * np.pi)
     np.testing.assert_allclose(soffit, [0.0, 0.5, 0.5, 1.0], atol=0.06)
 

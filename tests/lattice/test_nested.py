@@ -11,7 +11,7 @@ from airlight.lattice.nested import (
     BORDER,
     SLACK,
     faded,
-    is_lost,
+    must_move,
     nested,
     shares,
     snapped,
@@ -114,7 +114,7 @@ def test_a_lattice_stays_at_the_scene_when_the_camera_is_far_outside():
     for place, centre in walk(nest, 0, [(-500.0, 90.0, 3.0), (900.0, -50.0, 0.0)]):
         low, high = place.bounds
         assert (high > HALL[0]).all() and (low < HALL[1]).all()
-        assert not is_lost(place, centre)
+        assert not must_move(place, centre)
 
 
 def test_what_surfaces_read_is_at_hand_and_changes_as_little_as_the_eye():

@@ -27,8 +27,8 @@ def open_air(cells_texture):
         if floor is not None:
             a[:, floor, :, 2] = a[:, floor - 1, :, 3] = b[:, floor, :, 3] = 0
         return {
-            "lattice_open_a": cells_texture(placement, "rgba8unorm", a),
-            "lattice_open_b": cells_texture(placement, "rgba8unorm", b),
+            "lattice_visibility_a": cells_texture(placement, "rgba8unorm", a),
+            "lattice_visibility_b": cells_texture(placement, "rgba8unorm", b),
             "lattice_walls": cells_texture(placement, "rgba8snorm"),
         }
 
@@ -128,13 +128,13 @@ def test_a_lattice_that_moves_keeps_what_it_knows(gpu, commands, owned, open_air
     walls = open_air(Placement(ROOM.origin, ROOM.cell, (N, 2 * N, N)))
     sky.encode(commands, scene, sky_of, ROOM)
     finer = Placement((-1.0, -1.0, -1.0), 0.25, (N, N, N), first_row=N)
-    moving = owned(Skylight(gpu, finer, 128, beside=largest))
+    moving = owned(Skylight(gpu, finer, 128, owner=largest))
     sky.light(commands, moving, walls)
     moving.placement = Placement((-0.5, -1.25, -1.0), 0.25, (N, N, N), first_row=N)
     sky.light(commands, moving, walls, is_same_light=True)
     commands.submit()
     kept = moving.cube.read()
-    again = owned(Skylight(gpu, moving.placement, 128, beside=largest))
+    again = owned(Skylight(gpu, moving.placement, 128, owner=largest))
     sky.light(commands, again, walls)
     commands.submit()
     np.testing.assert_array_equal(kept, again.cube.read())

@@ -29,13 +29,13 @@ def shares(gpu, commands, owned, square):
     Walls face +x; x may be (x, half side).
     """
 
-    def solve(lights, *walls, peels=1, keeps=False, has_meshes=False, then=None):
+    def solve(lights, *walls, peels=1, accumulates=False, has_meshes=False, then=None):
         sides = [x if isinstance(x, tuple) else (x, 1.6) for x in walls]
         meshes = tuple(square((x, 1.5, 1.5), (0, h, 0), (0, 0, h), PAINT) for x, h in sides)
         scene = Scene(meshes=meshes)
         on_device = owned(GpuScene(gpu, scene))
         blockers = owned(Blockers(gpu, scene, on_device, ROOM, 20_000))
-        made = owned(ViewSurfels(gpu, blockers, keeps=keeps, has_meshes=has_meshes))
+        made = owned(ViewSurfels(gpu, blockers, accumulates=accumulates, has_meshes=has_meshes))
         low, high = np.zeros(3), np.full(3, 3.0)
         for seen in (lights, then or lights):
             views = light_views(seen, low, high, SIDE)
@@ -77,7 +77,7 @@ def test_a_seen_wall_is_closed_and_coloured_from_the_side_that_is_seen(shares, l
 
 
 def test_a_small_square_covers_its_area(shares):
-    # Times 1.5, which closes walls between two layers of corners (lattice/openness.wgsl).
+    # Times 1.5, which closes walls between two layers of corners (lattice/face_visibility.wgsl).
     closed, _, _ = shares([sun(-1.0, 0.2)], (1.5, 0.2))
     covered = (0.4 / ROOM.cell) ** 2
     assert closed[1].sum() == pytest.approx(1.5 * covered, rel=0.04)
@@ -109,7 +109,7 @@ def test_what_no_view_sees_is_open_unless_kept_or_known_of_meshes(shares):
     wall = np.s_[1, INNER, INNER, 3]
     assert not shares(away, 1.5)[0].any()
     assert not shares([sun(-1.0)], 1.5, then=away)[0].any()
-    assert shares([sun(-1.0)], 1.5, then=away, keeps=True)[0][wall].min() > 0.98
+    assert shares([sun(-1.0)], 1.5, then=away, accumulates=True)[0][wall].min() > 0.98
     closed, reflected, _ = shares(away, 1.5, has_meshes=True)
     assert closed[wall].min() > 0.98
     np.testing.assert_allclose(reflected[wall].mean(axis=(0, 1)), PAINT.base_color, atol=0.01)

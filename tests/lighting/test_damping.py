@@ -34,7 +34,10 @@ def damped(gpu, commands, owned, kernel):
         other = owned(Texture(gpu, "walls", COUNT, "rgba8snorm", dimension="3d"))
         strengths = owned(buffer_of(gpu, "strengths", np.array([0, 1, 100, 0], np.float32)))
         factors = owned(buffer_of(gpu, "factors", np.zeros(4, np.float32)))
-        names = [f"lattice_{n}" for n in ("red", "green", "blue", "open_a", "open_b", "walls")]
+        names = [
+            f"lattice_{n}"
+            for n in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
+        ]
         slots = (
             uniform("lattice", LatticeParams),
             *(texture(name, "3d") for name in names),

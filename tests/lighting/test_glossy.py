@@ -38,7 +38,7 @@ _KERNEL = """
 _SLOTS = (
     uniform("lattice", LatticeParams),
     *(texture(f"lattice_{name}", "3d") for name in ("red", "green", "blue")),
-    *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
+    *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
     sampler("linear_clamp"),
     storage("rays", "vec4f"),
     storage("results", "vec4f", "read_write"),
@@ -89,8 +89,10 @@ def followed(gpu, commands, owned, kernel):
             lattice_red=light,
             lattice_green=light,
             lattice_blue=light,
-            lattice_open_a=volume("open a", "rgba8unorm", np.ascontiguousarray(shares[..., :4])),
-            lattice_open_b=volume("open b", "rgba8unorm", rest),
+            lattice_visibility_a=volume(
+                "open a", "rgba8unorm", np.ascontiguousarray(shares[..., :4])
+            ),
+            lattice_visibility_b=volume("open b", "rgba8unorm", rest),
             lattice_walls=volume("walls", "rgba8snorm", np.zeros_like(rest, np.int8)),
             linear_clamp=linear_sampler(gpu),
             rays=given,

@@ -37,16 +37,16 @@ def nest(gpu, commands, owned):
         inner = Placement(inner.origin, inner.cell, inner.count, first_row=OUTER.count[1])
         power, units = texture_scale(POWER_W), fixed_point_scale(POWER_W)
         textures = owned(LatticeTextures(gpu, OUTER, size))
-        open_a, open_b, walls = (
+        visibility_a, visibility_b, walls = (
             owned(Texture(gpu, name, size, format, dimension="3d"))
             for name, format in (("a", "rgba8unorm"), ("b", "rgba8unorm"), ("walls", "rgba8snorm"))
         )
-        for texture in (open_a, open_b):
+        for texture in (visibility_a, visibility_b):
             texture.write(np.full((*size[::-1], 4), 255, np.uint8))
         solved = {
             **textures.bound,
-            "lattice_open_a": open_a,
-            "lattice_open_b": open_b,
+            "lattice_visibility_a": visibility_a,
+            "lattice_visibility_b": visibility_b,
             "lattice_walls": walls,
         }
         faces = owned(Buffer(gpu, "faces", OUTER.cells * 32))

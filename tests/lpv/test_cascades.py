@@ -203,7 +203,7 @@ def test_a_small_object_that_moves_is_left_to_the_finest(gpu):
         cells = [place.cell for place in still.lattices.placements]
     assert (kinds[0].least, kinds[0].next_least) == (0.0, cells[1])
     assert (kinds[1].least, kinds[1].next_least) == (cells[1], 0.0)
-    assert not kinds[0].has_still
+    assert not kinds[0].has_static
 
 
 def test_the_light_of_a_small_object_that_moved_is_missing_in_larger_lattices(gpu):

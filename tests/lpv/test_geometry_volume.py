@@ -23,11 +23,11 @@ SIDE = 128
 def shares(gpu, commands, owned, square):
     """shares(lights, x) -> (closed, reflected) (6, Z, Y, X) of a wall in the plane x, facing +x."""
 
-    def solve(lights, x=1.5, *, keeps=False, then=None):
+    def solve(lights, x=1.5, *, accumulates=False, then=None):
         scene = Scene(meshes=(square((x, 1.5, 1.5), (0, 1.6, 0), (0, 0, 1.6), GREY),))
         meshes = owned(GpuScene(gpu, scene))
         blockers = owned(Blockers(gpu, scene, meshes, ROOM, 1))
-        volume = owned(GeometryVolume(gpu, blockers, keeps=keeps))
+        volume = owned(GeometryVolume(gpu, blockers, accumulates=accumulates))
         low, high = np.zeros(3), np.full(3, 3.0)
         for seen in (lights, then or lights):
             views = light_views(seen, low, high, SIDE)
@@ -80,8 +80,8 @@ def test_a_wall_seen_twice_does_not_block_twice(shares):
 def test_what_no_view_sees_does_not_block_unless_it_is_kept(shares):
     away = [sun(0.0, 1.0)]
     assert not shares(away)[0][1].any()
-    assert shares([sun(-1.0)], keeps=True, then=away)[0][1, INNER, INNER, 3].mean() > 0.7
-    assert not shares([sun(-1.0)], keeps=False, then=away)[0][1].any()
+    assert shares([sun(-1.0)], accumulates=True, then=away)[0][1, INNER, INNER, 3].mean() > 0.7
+    assert not shares([sun(-1.0)], accumulates=False, then=away)[0][1].any()
 
 
 def test_memory_is_given_back(gpu, owned, square):
@@ -89,7 +89,7 @@ def test_memory_is_given_back(gpu, owned, square):
     blockers = owned(Blockers(gpu, scene, owned(GpuScene(gpu, scene)), ROOM, 1))
     before = gpu.allocated_bytes
     scope = gpu.scope()
-    made = GeometryVolume(scope, blockers, keeps=True)
+    made = GeometryVolume(scope, blockers, accumulates=True)
     assert gpu.allocated_bytes > before
     scope.release()
     assert gpu.allocated_bytes == before

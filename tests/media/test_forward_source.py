@@ -40,11 +40,13 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     texture.write(beams)
     table = buffer_of(gpu, "lights", pack_array(LightData, light_rows(lights)))
     bound = {f"lattice_{name}": dark for name in ("red", "green", "blue", "walls")}
-    bound |= {"lattice_open_a": open_to_all, "lattice_open_b": open_to_all}
+    bound |= {"lattice_visibility_a": open_to_all, "lattice_visibility_b": open_to_all}
     blocks = Texture(gpu, "blocks", (2, 2, 4), "rgba16float", dimension="3d")
     blocks.write(np.ascontiguousarray(beams[::4, ::4, ::4]))
     forward = ForwardSource(texture, blocks, table, 2, 2, 0.5, 1.0)
-    lattice = LatticeSource(placement, bound, 1.0, forward=forward, mean=dark, is_similar=True)
+    lattice = LatticeSource(
+        placement, bound, 1.0, forward=forward, mean=dark, is_reduced_medium=True
+    )
     march = March(gpu, air, has_lattice=True)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     march.encode(

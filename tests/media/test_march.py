@@ -154,7 +154,7 @@ def test_lattice_of_one_state_everywhere(gpu: Gpu, look: Any) -> None:
     for name in ("red", "green", "blue"):
         textures[f"lattice_{name}"] = Texture(gpu, name, (8, 8, 8), "rgba16float", dimension="3d")
         textures[f"lattice_{name}"].write(np.tile(state, (8, 8, 8, 1)))
-    for name, value in (("open_a", 1.0), ("open_b", 1.0), ("walls", 0.0)):
+    for name, value in (("visibility_a", 1.0), ("visibility_b", 1.0), ("walls", 0.0)):
         made = Texture(gpu, name, (8, 8, 8), "rgba16float", dimension="3d")
         made.write(np.full((8, 8, 8, 4), value, np.float16))
         textures[f"lattice_{name}"] = made

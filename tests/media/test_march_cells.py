@@ -32,8 +32,8 @@ def test_open_shares_and_walls(gpu: Gpu, commands: Commands) -> None:
         {
             "lattices": table,
             "lattice_walls": texture("walls", "rgba8snorm", walls),
-            "lattice_open_a": texture("open a", "rgba8unorm", opened[0]),
-            "lattice_open_b": texture("open b", "rgba8unorm", opened[1]),
+            "lattice_visibility_a": texture("open a", "rgba8unorm", opened[0]),
+            "lattice_visibility_b": texture("open b", "rgba8unorm", opened[1]),
             "more": None,
         },
     )

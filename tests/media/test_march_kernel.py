@@ -26,7 +26,7 @@ def lattice(gpu, rng):
         states[..., 0] = np.abs(states[..., 0])
         means[..., c] = states[..., 0]
         made[f"lattice_{name}"] = states
-    for name in ("open_a", "open_b"):
+    for name in ("visibility_a", "visibility_b"):
         made[f"lattice_{name}"] = np.ones((CELLS,) * 3 + (4,), np.float16)
     made["lattice_walls"] = np.zeros((CELLS,) * 3 + (4,), np.float16)
     made["mean"] = means
@@ -72,8 +72,8 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
     params, rng = rays.encode(seen.commands, seen.view), np.random.default_rng(8)
     source, shape = lattice(gpu, rng), (CELLS,) * 3 + (4,)
     told = {
-        "open_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
-        "open_b": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+        "visibility_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
+        "visibility_b": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
         "walls": ("rgba8snorm", rng.integers(-60, 61, shape, np.int8)),
     }
     told["walls"][1][..., 3] = 0  # no wall with air before it: a hint for surfaces

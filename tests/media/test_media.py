@@ -45,7 +45,7 @@ def test_the_sky_comes_through_media_to_surfaces_and_into_them(
     gpu: Any, owned: Any, square: Any
 ) -> None:
     kit, _, fields = solved(gpu, owned, foggy(square))
-    assert fields.sky_scatter is not None and fields.far is None
+    assert fields.sky_scatter is not None and fields.half_space is None
     assert fields.sky.cube is not kit.sky_irradiance.cube
     x, y, z = (n // 2 for n in kit.placement.count)
     clear, dim = (
@@ -73,5 +73,5 @@ def test_nothing_is_added_where_there_is_no_medium(gpu: Any, owned: Any, square:
 def test_an_endless_medium_has_light_of_its_own_far_off(gpu: Any, owned: Any, square: Any) -> None:
     endless = Medium((0.35,) * 3, endless=True, top=3.0)
     _, _, fields = solved(gpu, owned, replace(foggy(square), medium=endless), has_multiple=True)
-    assert fields.far is not None
-    assert fields.far.top == 3.0
+    assert fields.half_space is not None
+    assert fields.half_space.top == 3.0

@@ -25,8 +25,8 @@ def lattice(gpu: Gpu, state: tuple[float, float, float, float], scale: float) ->
     values = {name: state for name in ("red", "green", "blue")}
     for name, value in {
         **values,
-        "open_a": (1,) * 4,
-        "open_b": (1,) * 4,
+        "visibility_a": (1,) * 4,
+        "visibility_b": (1,) * 4,
         "walls": (0,) * 4,
     }.items():
         made = Texture(gpu, name, (8, 8, 8), "rgba16float", dimension="3d")

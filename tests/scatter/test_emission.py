@@ -39,7 +39,7 @@ def test_mean_radiance_and_direction_of_a_track(gpu, commands, lattice):
     np.testing.assert_allclose(
         green[..., 1:], 3 * track[1, ..., 1:] / (4 * np.pi * 0.5**3), rtol=2e-3, atol=1e-4
     )
-    source = emission.source({"lattice_open_a": None})
+    source = emission.source({"lattice_visibility_a": None})
     assert source.direct == 1.0
     assert source.scale == unit
 

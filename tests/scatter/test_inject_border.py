@@ -53,7 +53,7 @@ class Found:
 
 def _walls(gpu, owned, open_share: float) -> dict[str, Texture]:
     textures = {}
-    for name in ("open_a", "open_b", "walls"):
+    for name in ("visibility_a", "visibility_b", "walls"):
         kind = "rgba8snorm" if name == "walls" else "rgba8unorm"
         texture = owned(Texture(gpu, name, SMALL.count, kind, dimension="3d"))
         byte = np.int8(0) if name == "walls" else np.uint8(round(255 * open_share))

@@ -103,7 +103,7 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
     commands.submit()
     coarse = levels.levels[1]
     assert coarse.count == (4, 3, 2)
-    got = coarse.openness.read(np.uint8).reshape(2, 3, 4, 8)[..., :6] / 255
+    got = coarse.face_visibility.read(np.uint8).reshape(2, 3, 4, 8)[..., :6] / 255
     want = np.moveaxis(lattice26_levels.restricted_faces(faces), 0, -1)
     # Hops into the lattice from beyond its border carry nothing.
     borders = np.s_[:, :, 0], np.s_[:, :, -1], np.s_[:, 0], np.s_[:, -1], np.s_[0], np.s_[-1]

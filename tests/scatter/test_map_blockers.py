@@ -39,7 +39,7 @@ def faces(gpu: Any, kind: Any, **more: Any) -> np.ndarray:
     made.encode(commands)
     commands.submit()
     nx, ny, nz = made.placement.count
-    packed = made.openness.read(np.uint8).reshape(nz, ny, nx, 8)
+    packed = made.face_visibility.read(np.uint8).reshape(nz, ny, nx, 8)
     return np.asarray(packed[..., :6] / 255.0)
 
 

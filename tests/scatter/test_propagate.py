@@ -100,9 +100,9 @@ def test_the_free_step_is_numpys(gpu, lattice, commands, is_marched):
 
 @pytest.mark.parametrize("is_marched", [False, True])
 def test_the_step_among_walls_is_numpys(gpu, lattice, commands, walls, is_marched):
-    packs, openness, _, _ = walls
+    packs, face_visibility, _, _ = walls
     state = random_state()
-    for row, expected in zip((MOVE, TRACK), truth(state, 1.0 - openness), strict=True):
+    for row, expected in zip((MOVE, TRACK), truth(state, 1.0 - face_visibility), strict=True):
         got = stepped(gpu, lattice, commands, state, row, packs, is_marched)
         np.testing.assert_allclose(got, expected, atol=1e-5 * np.abs(expected).max())
 

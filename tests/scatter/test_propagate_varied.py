@@ -52,10 +52,10 @@ def random_air(state, seed=3):
 
 @pytest.mark.parametrize("is_blocked", [False, True])
 def test_the_step_is_numpys(gpu, lattice, commands, walls, is_blocked):  # noqa: F811
-    packs, openness, _, _ = walls
+    packs, face_visibility, _, _ = walls
     state = random_state()
     sigma_s, sigma_t = random_air(state)
-    blocked = 1.0 - openness if is_blocked else None
+    blocked = 1.0 - face_visibility if is_blocked else None
     after, _, track = lattice26.half_linear_step(state, sigma_s, sigma_t, CELL_M, blocked)
     if is_blocked:
         white = np.round(WHITE * 255).reshape(3, 1, 1, 1) / 255.0

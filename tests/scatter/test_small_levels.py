@@ -111,4 +111,7 @@ def test_small_lattices_have_no_light_twice(gpu, owned):
         light = (level.sum, level.spare, level.track, level.answer, level.source)
         assert {buffer.nbytes for buffer in light} == {16}
         # Their walls are worked out where they are.
-        assert (level.packs.nbytes, level.openness.nbytes) == (64 * level.cells, 8 * level.cells)
+        assert (level.packs.nbytes, level.face_visibility.nbytes) == (
+            64 * level.cells,
+            8 * level.cells,
+        )

@@ -89,7 +89,7 @@ class EvenLight:
         table = self.kit.lattices.table.filled(rows)
         return replace(fields, irradiance=Irradiance({"lattices": table, **textures.bound}))
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         self.seen += 1
         return fields
 

@@ -97,7 +97,7 @@ class LatticeLight:
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
     def _lookup_place(self, place: F64, n: F64) -> F64:
-        """Twin: lattice_lookup_place in wgsl/lattice.wgsl."""
+        """Twin: lookup_coordinates in wgsl/lattice.wgsl."""
         if self.dead_ends is None:
             return place + _raised(place, n)
         place = self._lifted(place, n)
@@ -127,7 +127,7 @@ class LatticeLight:
         return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
 
     def _bent(self, p: F64, n: F64) -> F64:
-        """Twin: bent_surface_place in wgsl/lattice_space.wgsl."""
+        """Twin: warped_surface_coordinates in wgsl/lattice_space.wgsl."""
         place = (p - np.array(self.origin)) / self.cell
         return np.stack([self._bent_axis(place, n, axis) for axis in range(3)], axis=1)
 

@@ -70,7 +70,9 @@ def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
     blockers, bound = used.kit.blockers, used.fields.irradiance.bound
     held = {
         "states": _bands(bound),
-        "open": np.concatenate([blockers.open_a.read(), blockers.open_b.read()[..., :2]], axis=-1),
+        "open": np.concatenate(
+            [blockers.visibility_a.read(), blockers.visibility_b.read()[..., :2]], axis=-1
+        ),
         "walls": blockers.walls.read(),
     }
     rows = bound["lattices"].read(LatticeParams.dtype)

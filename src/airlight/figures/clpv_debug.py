@@ -66,8 +66,8 @@ def read_lattice(technique: Technique) -> SolvedLattice:
         own(textures.red.read()),
         own(textures.green.read()),
         own(textures.blue.read()),
-        own(blockers.open_a.read()),
-        own(blockers.open_b.read()),
+        own(blockers.visibility_a.read()),
+        own(blockers.visibility_b.read()),
         power_scale=solver.power_scale,
         cell_m=place.cell,
     )

@@ -53,27 +53,28 @@ class _SumSurfels(ComputePass):
     file = "blockers.wgsl"
 
 
-class _Openness(ComputePass):
+class _FaceVisibility(ComputePass):
     slots = (
         uniform("params", BlockerParams),
         storage("sums", "i32", "read"),
         storage("faces", "vec4u", "read_write"),
-        storage("openness", "vec2u", "read_write"),
-        image("open_a", "rgba8unorm", "3d"),
-        image("open_b", "rgba8unorm", "3d"),
+        storage("face_visibility", "vec2u", "read_write"),
+        image("visibility_a", "rgba8unorm", "3d"),
+        image("visibility_b", "rgba8unorm", "3d"),
         image("walls", "rgba8snorm", "3d"),
     )
     workgroup = (32, 8, 1)
-    file = "openness.wgsl"
+    file = "face_visibility.wgsl"
 
 
 class Blockers:
     """Openness and reflectance of all cell faces, made anew only where the geometry moved.
 
     `faces` holds eight u32 per cell, all unorm8: for the six outgoing hops the reflected share
-    (rgb) and the closed share (a), then the open shares of the six incoming hops. `openness` is
-    the last two alone. `open_a`, `open_b` are textures of how open each of a cell's six faces is
-    both ways: air on the two sides of a wall is not mixed. `walls` says how far (in cells)
+    (rgb) and the blocked share (a), then the visibility of the six incoming hops.
+    `face_visibility` is the last two words alone. The textures `visibility_a` and `visibility_b`
+    hold the visibility of each of a cell's six faces in both directions, so that lookups do not
+    interpolate across a wall. `walls` says how far (in cells)
     the walls that were counted on a cell's three low faces really lie from them: readers bend
     space by it, so that a point before a wall is never looked up behind it.
     """
@@ -83,8 +84,8 @@ class Blockers:
     version: int
     """Raised by `note_change`."""
     surfels: Buffer
-    open_a: Texture
-    open_b: Texture
+    visibility_a: Texture
+    visibility_b: Texture
     walls: Texture
 
     def __init__(
@@ -96,26 +97,26 @@ class Blockers:
         count: int,
         *,
         size: tuple[int, int, int] | None = None,
-        beside: Blockers | None = None,
+        owner: Blockers | None = None,
     ) -> None:
         """`count` surfels. `size`: of textures that nested lattices share (cells; the lattice's
-        own if not given); `beside`: the one of them that owns textures and surfels.
+        own if not given); `owner`: the one of them that owns textures and surfels.
         """
-        self.placement, self.meshes, self._is_owner = placement, meshes, beside is None
+        self.placement, self.meshes, self._is_owner = placement, meshes, owner is None
         self.version = 0
-        if beside is None:
+        if owner is None:
             self._sample(gpu, scene, count)
             self._make_textures(gpu, size or placement.count)
         else:
-            self.count, self.is_emissive = beside.count, beside.is_emissive
-            self.surfels, self.walls = beside.surfels, beside.walls
-            self.open_a, self.open_b = beside.open_a, beside.open_b
+            self.count, self.is_emissive = owner.count, owner.is_emissive
+            self.surfels, self.walls = owner.surfels, owner.walls
+            self.visibility_a, self.visibility_b = owner.visibility_a, owner.visibility_b
         self.corners = int(np.prod([n + 1 for n in placement.count]))
         self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
-        self.openness = Buffer(gpu, "openness", placement.cells * 8)
+        self.face_visibility = Buffer(gpu, "face_visibility", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
-        self._open = _Openness(gpu)
+        self._open = _FaceVisibility(gpu)
         self._made: tuple[int, Placement] | None = None
 
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
@@ -129,10 +130,11 @@ class Blockers:
         def texture(name: str, format: str) -> Texture:
             return Texture(gpu, name, size, format, dimension="3d", written=True)
 
-        self.open_a, self.open_b = texture("open xy", "rgba8unorm"), texture("open z", "rgba8unorm")
+        self.visibility_a = texture("face visibility xy", "rgba8unorm")
+        self.visibility_b = texture("face visibility z", "rgba8unorm")
         self.walls = texture("walls", "rgba8snorm")
 
-    def place(self, placement: Placement) -> None:
+    def move_to(self, placement: Placement) -> None:
         """Move the lattice, as many cells as before, at the next `encode`."""
         self.placement = placement
 
@@ -172,9 +174,9 @@ class Blockers:
             params=self._params(),
             sums=self.sums,
             faces=self.faces,
-            openness=self.openness,
-            open_a=self.open_a,
-            open_b=self.open_b,
+            face_visibility=self.face_visibility,
+            visibility_a=self.visibility_a,
+            visibility_b=self.visibility_b,
             walls=self.walls,
         )
 
@@ -207,8 +209,8 @@ class Blockers:
     def bound(self) -> dict[str, Texture]:
         """By slot name, for passes that use `wgsl/lattice.wgsl`."""
         return {
-            "lattice_open_a": self.open_a,
-            "lattice_open_b": self.open_b,
+            "lattice_visibility_a": self.visibility_a,
+            "lattice_visibility_b": self.visibility_b,
             "lattice_walls": self.walls,
         }
 

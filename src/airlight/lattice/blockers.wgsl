@@ -9,12 +9,12 @@
     let world = (instance.world_from_object * vec4f(surfel.position, 1.0)).xyz;
     // The cofactor matrix takes area vectors to area vectors.
     let area = (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz;
-    let place = (world - params.origin) / params.cell;
-    let corner = vec3i(floor(place + 0.5));
+    let coordinates = (world - params.origin) / params.cell;
+    let corner = vec3i(floor(coordinates + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
         return;
     }
-    let offset = place - vec3f(corner);
+    let offset = coordinates - vec3f(corner);
     let c = vec3u(corner);
     let n = params.count + 1u;
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);

@@ -3,7 +3,8 @@
 
 fn emit(world: vec3f, area: vec3f, emission: vec3f) {
     let n = normalize(area);
-    add_lobe(bent_surface_place(lattice, world, n) + 0.5 * n, n, emission * length(area) * 3.14159265);
+    let coordinates = warped_surface_coordinates(lattice, world, n) + 0.5 * n;
+    add_lobe(coordinates, n, emission * length(area) * 3.14159265);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -35,8 +35,8 @@ class LobeParams(Struct):
 
     scale = f32("fixed-point units per W sr^-1")
     lobe = f32("b / (P n / 4pi)")
-    hop_even = f32("share of an isotropic cell's power on one hop")
-    hop_direct = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
+    hop_constant = f32("share of an isotropic cell's power on one hop")
+    hop_directional = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
     is_shaped = u32("1: the surface blocks what goes backwards")
 
 
@@ -47,20 +47,20 @@ class InjectParams(Struct):
     layers = u32()
     least = f32("m, objects up to this size are left out, wholly in from half as much more on")
     next_least = f32("m, the same for the next larger lattice")
-    has_still = u32("1: objects that never moved are left out like others")
+    has_static = u32("1: objects that never moved are left out like others")
 
 
 @dataclass(frozen=True)
 class SmallObjects:
     """Which objects a lattice leaves out (Kaplanyan2010 section 4): `least` up to which size in
     metres, `next_least` the next larger lattice; what is too small for that fades out towards this
-    lattice's border. `has_still`: also those that never moved, whose light cannot flicker.
+    lattice's border. `has_static`: also those that never moved, whose light cannot flicker.
     differs: the paper leaves all small objects out.
     """
 
     least: float = 0.0
     next_least: float = 0.0
-    has_still: bool = False
+    has_static: bool = False
 
 
 EVERYTHING = SmallObjects()
@@ -108,7 +108,7 @@ class Inject(ComputePass):
                 layers=maps.layers,
                 least=small.least,
                 next_least=small.next_least,
-                has_still=int(small.has_still),
+                has_static=int(small.has_static),
             ),
             lobes=lobe_params(scale, is_shaped=is_shaped),
             lattice=placement.params(),
@@ -127,8 +127,8 @@ def lobe_params(scale: float, *, is_shaped: bool) -> LobeParams:
     return LobeParams.of(
         scale=scale,
         lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE,
-        hop_even=float(hop[0, 0]),
-        hop_direct=float(hop[0, 1]),
+        hop_constant=float(hop[0, 0]),
+        hop_directional=float(hop[0, 1]),
         is_shaped=int(is_shaped),
     )
 

@@ -18,7 +18,7 @@ fn large_enough(size: f32, least: f32) -> f32 {
 // The share that counts of an object's light: small ones would flicker from cell to cell. What is
 // too small for the next larger lattice fades out where that takes over.
 fn object_share(size: f32, p: vec3f) -> f32 {
-    if (size <= 0.0 && params.has_still == 0u) {
+    if (size <= 0.0 && params.has_static == 0u) {
         return 1.0;
     }
     let beyond = large_enough(abs(size), params.next_least);
@@ -45,7 +45,7 @@ fn object_share(size: f32, p: vec3f) -> f32 {
     let p = world.xyz / world.w;
     let share = object_share(facing.w, p);
     if (share > 0.0) {
-        let place = bent_surface_place(lattice, p, n) + 0.5 * n;
-        add_lobe(place, n, power_density * (share * texel_measure(view, centre)));
+        let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
+        add_lobe(coordinates, n, power_density * (share * texel_measure(view, centre)));
     }
 }

@@ -20,7 +20,7 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from .blockers import Blockers
-from .nested import Nest, faded, is_lost, snapped, wanted_centre
+from .nested import Nest, faded, must_move, snapped, wanted_centre
 from .placement import Placement
 from .skylight import Skylight
 from .table import LatticeTable
@@ -35,10 +35,10 @@ class Level:
     skylight: Skylight
     lit: int = -1  # the blockers' version under which the sky last lit it
 
-    def place(self, placement: Placement) -> None:
+    def move_to(self, placement: Placement) -> None:
         """Move it; what depends on where it is, is brought up to date when it is encoded."""
         self.placement = placement
-        self.blockers.place(placement)
+        self.blockers.move_to(placement)
         self.skylight.placement = placement
 
 
@@ -84,18 +84,18 @@ class Lattices:
     ) -> None:
         """`surfels`: samples of all surfaces. `sky_lights`: the most there may be."""
         self.nest, self.texture_size = nest, nest.texture_size
-        place = nest.levels[-1]
-        blockers = make_blockers(gpu, scene, meshes, place, surfels, size=self.texture_size)
-        skylight = Skylight(gpu, place, sky_lights, size=self.texture_size)
+        placement = nest.levels[-1]
+        blockers = make_blockers(gpu, scene, meshes, placement, surfels, size=self.texture_size)
+        skylight = Skylight(gpu, placement, sky_lights, size=self.texture_size)
         self.levels = [
             Level(
                 finer,
-                Blockers(gpu, scene, meshes, finer, 0, beside=blockers),
-                Skylight(gpu, finer, sky_lights, beside=skylight),
+                Blockers(gpu, scene, meshes, finer, 0, owner=blockers),
+                Skylight(gpu, finer, sky_lights, owner=skylight),
             )
             for finer in nest.levels[:-1]
         ]
-        self.levels.append(Level(place, blockers, skylight))
+        self.levels.append(Level(placement, blockers, skylight))
         self.table = LatticeTable(gpu, len(self.levels))
         self.source: BlockerSource | None = None
         self._is_first = True
@@ -152,8 +152,8 @@ def follow(nest: Nest, levels: Sequence[Level], camera: Camera, *, is_first: boo
         centre = wanted_centre(nest, index, eye, look)
         now = snapped(nest, index, centre, None if is_first else level.placement)
         moves = now.origin != level.placement.origin
-        if moves and not (may_move or is_first or is_lost(level.placement, centre)):
+        if moves and not (may_move or is_first or must_move(level.placement, centre)):
             now, moves, is_settled = level.placement, False, False
         may_move = may_move and not moves
-        level.place(faded(nest, index, now, centre))
+        level.move_to(faded(nest, index, now, centre))
     return is_settled

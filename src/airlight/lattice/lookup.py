@@ -25,8 +25,8 @@ class PackParams(Struct):
 
     count = vec3u("cells")
     scale = f32("stored units per W sr^-1")
-    own_even = f32("share of the injected a that surfaces in the cell see")
-    own_direct = f32("share of the injected b")
+    own_constant = f32("share of the injected a that surfaces in the cell see")
+    own_directional = f32("share of the injected b")
     first_row = u32("where its cells begin along y of the textures")
     origin = vec3f("m")
     cell = f32("m")
@@ -97,19 +97,19 @@ class LatticeTextures(ChannelTextures):
         `placement`: which of the lattices that share the textures. `hull`: cells beyond it are
         dark.
         """
-        place = placement or self.placement
+        placement = placement or self.placement
         even, direct = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
             commands,
-            place.count,
+            placement.count,
             params=PackParams.of(
-                count=place.count,
+                count=placement.count,
                 scale=scale,
-                own_even=even,
-                own_direct=direct,
-                first_row=place.first_row,
-                origin=place.origin,
-                cell=place.cell,
+                own_constant=even,
+                own_directional=direct,
+                first_row=placement.first_row,
+                origin=placement.origin,
+                cell=placement.cell,
                 low=hull[0],
                 high=hull[1],
             ),

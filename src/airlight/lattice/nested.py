@@ -88,10 +88,10 @@ def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
 
     Ahead of `eye` along `look`, inside the box where it reaches that far: nothing is lit beyond.
     """
-    place = nest.levels[level]
-    half = 0.5 * place.cell * np.array(place.count)
+    placement = nest.levels[level]
+    half = 0.5 * placement.cell * np.array(placement.count)
     direction = look / max(float(np.linalg.norm(look)), 1e-30)
-    low, high = _room(nest, place)
+    low, high = _room(nest, placement)
     reach = AHEAD * half * direction
     inner_low, inner_high = low + half, high - half
     middle = 0.5 * (low + high)
@@ -104,18 +104,18 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
 
     Grids of all levels have the box's lower corner in common.
     """
-    place = nest.levels[level]
+    placement = nest.levels[level]
     base = np.array(nest.levels[-1].origin)
-    ideal = (centre - base) / place.cell - 0.5 * np.array(place.count)
+    ideal = (centre - base) / placement.cell - 0.5 * np.array(placement.count)
     if before is not None:
-        now = np.round((np.array(before.origin) - base) / place.cell)
+        now = np.round((np.array(before.origin) - base) / placement.cell)
         if (np.abs(now - ideal) <= SLACK).all():
             return replace(before, fade=None)
-    origin = base + place.cell * np.round(ideal)
-    return replace(place, origin=triple(origin))
+    origin = base + placement.cell * np.round(ideal)
+    return replace(placement, origin=triple(origin))
 
 
-def is_lost(placement: Placement, centre: F64) -> bool:
+def must_move(placement: Placement, centre: F64) -> bool:
     """Whether a lattice is so far from its wanted centre that its borders would be read."""
     low, high = placement.bounds
     off = np.abs(0.5 * (low + high) - centre)
@@ -161,7 +161,7 @@ def shares(levels: Sequence[Placement], points: F64) -> F64:
     return np.stack(found)
 
 
-def _room(nest: Nest, place: Placement) -> tuple[F64, F64]:
+def _room(nest: Nest, placement: Placement) -> tuple[F64, F64]:
     """The box that a lattice stays in: the scene's, with a margin."""
-    margin = MARGIN * place.cell
+    margin = MARGIN * placement.cell
     return np.array(nest.low) - margin, np.array(nest.high) + margin

@@ -11,7 +11,7 @@ fn is_beyond(cell: vec3u) -> bool {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
-    let own = vec4f(params.own_even, vec3f(params.own_direct));
+    let own = vec4f(params.own_constant, vec3f(params.own_directional));
     let r = injected[cell] * own + propagated[cell];
     let g = injected[cell + cells] * own + propagated[cell + cells];
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];

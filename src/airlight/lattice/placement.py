@@ -97,18 +97,18 @@ class Placement:
 
 @lru_cache(maxsize=256)
 def _params(
-    place: Placement, power_scale: float, lookup_scale: float, is_paper: bool
+    placement: Placement, power_scale: float, lookup_scale: float, is_paper: bool
 ) -> LatticeParams:
     """One struct for all who read the same lattice."""
-    fade = place.borders
+    fade = placement.borders
     return LatticeParams(
-        origin=place.origin,
-        cell=place.cell,
-        count=place.count,
+        origin=placement.origin,
+        cell=placement.cell,
+        count=placement.count,
         power_scale=power_scale,
         lookup_scale=lookup_scale,
         is_paper=int(is_paper),
-        first_row=place.first_row,
+        first_row=placement.first_row,
         fade_low=fade.low,
         fade_low_width=fade.low_width,
         fade_high=fade.high,

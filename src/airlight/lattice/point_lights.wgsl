@@ -7,5 +7,5 @@
     }
     let light = points[id.x];
     // No lobe: the same in all directions.
-    add_lobe(bent_place(lattice, light.position), vec3f(0.0), light.intensity * 12.566370614);
+    add_lobe(warped_coordinates(lattice, light.position), vec3f(0.0), light.intensity * 12.566370614);
 }

@@ -29,7 +29,7 @@ class SkylightParams(Struct):
     """How many sky lights there are, and what is known from before."""
 
     lights = u32()
-    has_before = u32("1: the lattice moved, its light did not change")
+    has_previous = u32("1: the lattice moved, its light did not change")
     shift_x = i32("cells that the lattice moved")
     shift_y = i32("cells")
     shift_z = i32("cells")
@@ -50,8 +50,8 @@ class _Skylight(ComputePass):
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
-        *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
-        texture("before", "3d"),
+        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
+        texture("previous", "3d"),
         image("cube", FILTERED, "3d"),
     )
     workgroup = (8, 8, 4)
@@ -68,24 +68,24 @@ class Skylight:
         capacity: int,
         *,
         size: tuple[int, int, int] | None = None,
-        beside: Skylight | None = None,
+        owner: Skylight | None = None,
     ) -> None:
         """For up to `capacity` lights. `size`: in cells, of a texture that nested lattices share
-        (the lattice's own if not given); `beside`: the one of them that owns the texture.
+        (the lattice's own if not given); `owner`: the one of them that owns the texture.
         """
-        self.placement, self._is_owner = placement, beside is None
+        self.placement, self._is_owner = placement, owner is None
         nx, ny, nz = size or placement.count
         self.cube: Texture = (
-            beside.cube
-            if beside
+            owner.cube
+            if owner
             else Texture(
                 gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
             )
         )
         # Of a lattice that moves: its cubes before.
         columns, rows, _ = placement.count
-        kept = (1, 1, 1) if beside is None else (columns, rows, FACES * self._depth)
-        self._before = Texture(gpu, "sky light before", kept, gpu.filtered, dimension="3d")
+        size_before = (1, 1, 1) if owner is None else (columns, rows, FACES * self._depth)
+        self._previous = Texture(gpu, "sky light before", size_before, gpu.filtered, dimension="3d")
         self._made: Placement | None = None
         self.version = 0
         """Raised whenever cubes were made anew."""
@@ -109,7 +109,7 @@ class Skylight:
         """
         shift = self._shift() if is_same_light and not self._is_owner else None
         if shift is not None:
-            self._keep(commands)
+            self._copy_previous(commands)
         self._made = self.placement
         self.version += 1
         rows = [
@@ -127,7 +127,7 @@ class Skylight:
             depth=maps.depth,
             compare=compare,
             **blockers,
-            before=self._before,
+            previous=self._previous,
             cube=self.cube,
         )
 
@@ -143,11 +143,11 @@ class Skylight:
         x, y, z = (int(v) for v in np.round(moved))
         return (x, y, z) if np.abs(moved - (x, y, z)).max() < 1e-3 else None
 
-    def _keep(self, commands: Commands) -> None:
+    def _copy_previous(self, commands: Commands) -> None:
         columns, rows, _ = self.placement.count
         commands.encoder.copy_texture_to_texture(
             {"texture": self.cube.handle, "origin": (0, self.placement.first_row, 0)},
-            {"texture": self._before.handle},
+            {"texture": self._previous.handle},
             (columns, rows, FACES * self._depth),
         )
 
@@ -155,5 +155,5 @@ class Skylight:
 def _params(lights: int, shift: tuple[int, int, int] | None) -> SkylightParams:
     x, y, z = shift or (0, 0, 0)
     return SkylightParams(
-        lights=lights, has_before=int(shift is not None), shift_x=x, shift_y=y, shift_z=z
+        lights=lights, has_previous=int(shift is not None), shift_x=x, shift_y=y, shift_z=z
     )

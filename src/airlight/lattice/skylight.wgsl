@@ -4,7 +4,7 @@
 // as the disc is wide from where its shadow is cast, on this side of walls (Fernando2005, percentage-closer soft shadows).
 
 // Places inside a cell, in cells from its centre.
-const PLACES = array<vec3f, 4>(
+const SAMPLES = array<vec3f, 4>(
     vec3f(0.25, 0.25, 0.25), vec3f(-0.25, -0.25, 0.25), vec3f(-0.25, 0.25, -0.25),
     vec3f(0.25, -0.25, -0.25),
 );
@@ -27,9 +27,10 @@ fn in_view(world: vec3f, view: LightViewData) -> vec3f {
     return vec3f(clip.xy * vec2f(0.5, -0.5) + 0.5, clip.z);
 }
 
-fn lit(place: vec3f, layer: u32) -> f32 {
-    let is_outside = any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0));
-    return select(textureSampleCompareLevel(depth, compare, place.xy, layer, place.z), 1.0, is_outside);
+fn lit(coordinates: vec3f, layer: u32) -> f32 {
+    let is_outside = any(coordinates.xy < vec2f(0.0)) || any(coordinates.xy > vec2f(1.0));
+    return select(
+        textureSampleCompareLevel(depth, compare, coordinates.xy, layer, coordinates.z), 1.0, is_outside);
 }
 
 fn depth_at(uv: vec2f, layer: u32) -> f32 {
@@ -39,13 +40,13 @@ fn depth_at(uv: vec2f, layer: u32) -> f32 {
 
 // The share of a disc of `radius` that something is before, and how far that is on average, in
 // units of depth; `turn`: of the taps, so that lights' patterns do not agree.
-fn blockers_before(place: vec3f, radius: vec2f, turn: vec2f, layer: u32) -> vec2f {
+fn blockers_before(coordinates: vec3f, radius: vec2f, turn: vec2f, layer: u32) -> vec2f {
     var sum = 0.0;
     var found = 0.0;
     var at = turn;
     for (var k = 0u; k < SEARCHES; k++) {
         let aside = radius * at * sqrt((f32(k) + 0.5) / f32(SEARCHES));
-        let before = place.z - depth_at(place.xy + aside, layer);
+        let before = coordinates.z - depth_at(coordinates.xy + aside, layer);
         sum += max(0.0, before);
         found += select(0.0, 1.0, before > 0.0);
         at = turned(at);
@@ -58,7 +59,7 @@ fn first_wall(id: vec3u, axis: u32, is_up: bool) -> f32 {
     var cell = id;
     for (var k = 0u; k < FREE_CELLS; k++) {
         if (open_face(vec3i(cell), axis, is_up) < 0.5) {
-            return unbent_point(lattice, cell, select(vec3f(SKIN), vec3f(1.0 - SKIN), is_up))[axis];
+            return unwarped_point(lattice, cell, select(vec3f(SKIN), vec3f(1.0 - SKIN), is_up))[axis];
         }
         let next = i32(cell[axis]) + select(-1, 1, is_up);
         cell[axis] = u32(clamp(next, 0, i32(lattice.count[axis]) - 1));
@@ -67,7 +68,7 @@ fn first_wall(id: vec3u, axis: u32, is_up: bool) -> f32 {
 }
 
 struct Cell {
-    places: array<vec3f, 4>,  // m
+    samples: array<vec3f, 4>,  // m
     centre: vec3f,            // m
     low: vec3f,               // m, of the free box around it
     high: vec3f,
@@ -93,7 +94,7 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     var k = 0u;
     loop {
         let aside = radius * at * sqrt((f32(k) + 0.5) / f32(taps));
-        let tap = (*cell).places[k & 3u] + aside.x * right + aside.y * down;
+        let tap = (*cell).samples[k & 3u] + aside.x * right + aside.y * down;
         share += lit(in_view(clamp(tap, (*cell).low, (*cell).high), view), i);
         at = turned(at);
         k++;
@@ -105,7 +106,7 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
 }
 
 // The cell's place in the lattice before it moved. Border cells see no wall on the far side.
-fn place_before(id: vec3u) -> vec3i {
+fn previous_cell(id: vec3u) -> vec3i {
     return vec3i(id) + vec3i(params.shift_x, params.shift_y, params.shift_z);
 }
 
@@ -113,11 +114,11 @@ fn is_inner(cell: vec3i) -> bool {
     return all(cell > vec3i(0)) && all(cell < vec3i(lattice.count) - 1);
 }
 
-fn kept(id: vec3u) {
+fn copy_previous(id: vec3u) {
     let depth = textureDimensions(cube).z / 6u;
     for (var face = 0u; face < 6u; face++) {
         let layer = vec3u(0u, 0u, face * depth);
-        let value = textureLoad(before, place_before(id) + vec3i(layer), 0);
+        let value = textureLoad(previous, previous_cell(id) + vec3i(layer), 0);
         textureStore(cube, id + layer + vec3u(0u, lattice.first_row, 0u), value);
     }
 }
@@ -126,14 +127,14 @@ fn kept(id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
     }
-    if (params.has_before != 0u && is_inner(vec3i(id)) && is_inner(place_before(id))) {
-        kept(id);
+    if (params.has_previous != 0u && is_inner(vec3i(id)) && is_inner(previous_cell(id))) {
+        copy_previous(id);
         return;
     }
     var cell: Cell;
-    cell.centre = unbent_point(lattice, id, vec3f(0.5));
+    cell.centre = unwarped_point(lattice, id, vec3f(0.5));
     for (var k = 0u; k < 4u; k++) {
-        cell.places[k] = unbent_point(lattice, id, 0.5 + PLACES[k]);
+        cell.samples[k] = unwarped_point(lattice, id, 0.5 + SAMPLES[k]);
     }
     cell.high = vec3f(first_wall(id, 0u, true), first_wall(id, 1u, true), first_wall(id, 2u, true));
     cell.low = vec3f(first_wall(id, 0u, false), first_wall(id, 1u, false), first_wall(id, 2u, false));

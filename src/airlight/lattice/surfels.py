@@ -84,7 +84,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["instance"] = instance
     if areas.sum() <= 0.0:
         return made
-    triangle, weights = _places(areas, count)
+    triangle, weights = _samples_of(areas, count)
     geometry = mesh.geometry
     corners = geometry.indices[triangle]
     a, b, c = _corners(geometry, triangle)
@@ -117,7 +117,7 @@ def follow(
         before, after = original[index].geometry, now[index].geometry
         if before is not after:
             rows = np.flatnonzero(made["instance"] == instance)
-            triangle, weights = _places(triangle_areas(original[index]), len(rows))
+            triangle, weights = _samples_of(triangle_areas(original[index]), len(rows))
             old, new = _corners(before, triangle), _corners(after, triangle)
             cross = np.cross(new[1] - new[0], new[2] - new[0])
             length = np.linalg.norm(np.cross(old[1] - old[0], old[2] - old[0]), axis=1)
@@ -127,7 +127,7 @@ def follow(
     return moved
 
 
-def _places(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
+def _samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
     """Triangles (n,) and barycentric weights (n, 3) of `count` surfels over them."""
     # Stratified along the running area; the place inside a triangle from a plastic sequence.
     edges = np.cumsum(areas)
@@ -242,18 +242,18 @@ def _metallic_and_roughness(material: Material, uv: F64 | None, count: int) -> t
 
 def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:
     height, width = texture.pixels.shape[:2]
-    place = (uv * texture.scale + texture.offset) % 1.0
-    x = np.minimum((place[:, 0] * width).astype(int), width - 1)
-    y = np.minimum((place[:, 1] * height).astype(int), height - 1)
+    wrapped = (uv * texture.scale + texture.offset) % 1.0
+    x = np.minimum((wrapped[:, 0] * width).astype(int), width - 1)
+    y = np.minimum((wrapped[:, 1] * height).astype(int), height - 1)
     return np.asarray(texture.pixels[y, x])
 
 
 def _filtered_alpha(texture: Texture, uv: F64) -> F64:
     """Alpha (n,), 0..1, between texels as the surface passes read it before they cut it."""
     shape = np.array(texture.pixels.shape[1::-1])
-    place = ((uv * texture.scale + texture.offset) % 1.0) * shape - 0.5
-    first = np.floor(place).astype(int)
-    weight = place - first
+    texel = ((uv * texture.scale + texture.offset) % 1.0) * shape - 0.5
+    first = np.floor(texel).astype(int)
+    weight = texel - first
     alpha = texture.pixels[..., 3]
     sums = np.zeros(len(uv))
     for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):

@@ -107,12 +107,14 @@ class _MergeSums(ComputePass):
 class ViewSurfels:
     """Fills the sums of `blockers` from views in the place of its own encoding.
 
-    `keeps`: surfels of earlier frames stay as long as geometry and lattice do. `has_meshes`: the
-    surfels of the meshes are a buffer of their own beside those of the views.
+    `accumulates`: surfels of earlier frames stay until geometry or lattice change. `has_meshes`:
+    the surfels of the meshes are summed beside those of the views.
     """
 
-    def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool, has_meshes: bool) -> None:
-        self.blockers, self.keeps, self.has_meshes = blockers, keeps, has_meshes
+    def __init__(
+        self, gpu: Gpu, blockers: Blockers, *, accumulates: bool, has_meshes: bool
+    ) -> None:
+        self.blockers, self.accumulates, self.has_meshes = blockers, accumulates, has_meshes
         self._sums = Buffer(gpu, "surfels of a buffer", blockers.sums.nbytes)
         self._sum, self._merge = _SumSides(gpu), _MergeSums(gpu)
         self._made: tuple[int, Placement] | None = None
@@ -134,7 +136,7 @@ class ViewSurfels:
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
             return False
-        if is_new or not self.keeps:
+        if is_new or not self.accumulates:
             blockers.clear(commands)
             if self.has_meshes:
                 blockers.sum_meshes(commands)

@@ -40,8 +40,8 @@ class _Mirrored(ComputePass):
                 "lattice_red",
                 "lattice_green",
                 "lattice_blue",
-                "lattice_open_a",
-                "lattice_open_b",
+                "lattice_visibility_a",
+                "lattice_visibility_b",
                 "lattice_walls",
             )
         ),

@@ -41,8 +41,8 @@ class _CoordinatesPass(FullscreenPass):
                 "lattice_red",
                 "lattice_green",
                 "lattice_blue",
-                "lattice_open_a",
-                "lattice_open_b",
+                "lattice_visibility_a",
+                "lattice_visibility_b",
                 "lattice_walls",
             )
         ),

@@ -169,8 +169,8 @@ _LATTICE_SLOTS = (
     texture("lattice_red", "3d"),
     texture("lattice_green", "3d"),
     texture("lattice_blue", "3d"),
-    texture("lattice_open_a", "3d"),
-    texture("lattice_open_b", "3d"),
+    texture("lattice_visibility_a", "3d"),
+    texture("lattice_visibility_b", "3d"),
     texture("lattice_walls", "3d"),
     sampler("linear_clamp"),
 )

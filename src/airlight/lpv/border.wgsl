@@ -18,9 +18,9 @@ fn side_cell(u: u32, v: u32, axis: u32, is_high: bool) -> vec3u {
 fn entering_share(cell: vec3u, hop: u32) -> f32 {
     let texel = lattice_texel(lattice, vec3i(cell));
     if (hop < 4u) {
-        return textureLoad(lattice_open_a, texel, 0)[hop];
+        return textureLoad(lattice_visibility_a, texel, 0)[hop];
     }
-    return textureLoad(lattice_open_b, texel, 0)[hop - 4u];
+    return textureLoad(lattice_visibility_b, texel, 0)[hop - 4u];
 }
 
 fn leaving_share(cell: vec3u, hop: u32) -> f32 {
@@ -50,8 +50,8 @@ fn fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
 fn outer_uvw(place: vec3f) -> vec3f {
     let cell = clamp(floor(place), vec3f(0.0), vec3f(outer.count) - 1.0);
     let texel = lattice_texel(outer, vec3i(cell));
-    let xy = textureLoad(lattice_open_a, texel, 0);
-    let z = textureLoad(lattice_open_b, texel, 0);
+    let xy = textureLoad(lattice_visibility_a, texel, 0);
+    let z = textureLoad(lattice_visibility_b, texel, 0);
     let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
     return lattice_uvw(outer, cell + 0.5
         + vec3f(fraction(t.x, xy.x, xy.y), fraction(t.y, xy.z, xy.w), fraction(t.z, z.x, z.y)));
@@ -72,7 +72,7 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (id.z >= 6u || any(cell >= lattice.count)) {
         return;
     }
-    var world = unbent_point(lattice, cell, vec3f(0.5));
+    var world = unwarped_point(lattice, cell, vec3f(0.5));
     world[axis] += select(-lattice.cell, lattice.cell, is_high);
     let place = (world - outer.origin) / outer.cell;
     if (any(place < vec3f(0.0)) || any(place > vec3f(outer.count))) {
@@ -82,7 +82,7 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (open <= 0.0) {
         return;
     }
-    let uvw = outer_uvw(bent_place(outer, world));
+    let uvw = outer_uvw(warped_coordinates(outer, world));
     let n = lattice.count;
     let first = (cell.z * n.y + cell.y) * n.x + cell.x;
     let cells = n.x * n.y * n.z;

@@ -1,4 +1,4 @@
-// The shares that propagation reads, as lattice/openness.wgsl writes them, from the volume.
+// The shares that propagation reads, as lattice/face_visibility.wgsl writes them, from the volume.
 
 struct Blocked {
     share: f32,
@@ -53,6 +53,6 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
     faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], xy, zz);
     // The paper's lookup knows no walls.
     let texel = id + vec3u(0u, params.first_row, 0u);
-    textureStore(open_a, texel, vec4f(1.0));
-    textureStore(open_b, texel, vec4f(1.0));
+    textureStore(visibility_a, texel, vec4f(1.0));
+    textureStore(visibility_b, texel, vec4f(1.0));
 }

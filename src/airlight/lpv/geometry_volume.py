@@ -50,8 +50,8 @@ class _Faces(ComputePass):
         storage("volume", "vec4f"),
         storage("reflected", "f32"),
         storage("faces", "vec4u", "read_write"),
-        image("open_a", "rgba8unorm", "3d"),
-        image("open_b", "rgba8unorm", "3d"),
+        image("visibility_a", "rgba8unorm", "3d"),
+        image("visibility_b", "rgba8unorm", "3d"),
     )
     workgroup = (32, 8, 1)
     file = "geometry_faces.wgsl"
@@ -60,11 +60,11 @@ class _Faces(ComputePass):
 class GeometryVolume:
     """Fills `blockers.faces` in the place of the blockers' own encoding.
 
-    `keeps`: surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
+    `accumulates`: surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
     """
 
-    def __init__(self, gpu: Gpu, blockers: Blockers, *, keeps: bool) -> None:
-        self.blockers, self.keeps = blockers, keeps
+    def __init__(self, gpu: Gpu, blockers: Blockers, *, accumulates: bool) -> None:
+        self.blockers, self.accumulates = blockers, accumulates
         corners = blockers.corners
         self._sums = Buffer(gpu, "surfels of a view", corners * _VALUES * 4)
         self._volume = Buffer(gpu, "geometry volume", corners * 16)
@@ -89,7 +89,7 @@ class GeometryVolume:
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
             return False
-        if is_new or not self.keeps:
+        if is_new or not self.accumulates:
             for buffer in (self._volume, self._reflected):
                 commands.encoder.clear_buffer(buffer.handle)
         commands.encoder.clear_buffer(self._sums.handle)
@@ -104,8 +104,8 @@ class GeometryVolume:
             volume=self._volume,
             reflected=self._reflected,
             faces=blockers.faces,
-            open_a=blockers.open_a,
-            open_b=blockers.open_b,
+            visibility_a=blockers.visibility_a,
+            visibility_b=blockers.visibility_b,
         )
         return True
 

@@ -28,11 +28,11 @@ class SeenBlockers:
         count = 1 + sum(view_count(light) for light in kit.context.scene.lights)
         resolution, peels = settings.surfel_resolution, settings.peel_layers
         self.maps = SurfelViews(kit.gpu, resolution, count, peels)
-        keeps, source = settings.keep_surfels, settings.surfel_source
+        accumulates, source = settings.keep_surfels, settings.surfel_source
         volume: Callable[[Gpu, Blockers], GeometryVolume | ViewSurfels] = (
-            partial(GeometryVolume, keeps=keeps)
+            partial(GeometryVolume, accumulates=accumulates)
             if settings.scheme == "paper"
-            else partial(ViewSurfels, keeps=keeps, has_meshes=source == "both")
+            else partial(ViewSurfels, accumulates=accumulates, has_meshes=source == "both")
         )
         self.volumes = [volume(kit.gpu, level.blockers) for level in kit.lattices.levels]
 

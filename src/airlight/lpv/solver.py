@@ -147,7 +147,7 @@ class LpvSolver(Solver):
             return EVERYTHING
         cells = [0.0, *(place.cell for place in self.kit.lattices.nest.levels[1:]), 0.0]
         return SmallObjects(
-            cells[index], cells[index + 1], has_still=self.settings.small_objects == "all"
+            cells[index], cells[index + 1], has_static=self.settings.small_objects == "all"
         )
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
@@ -328,7 +328,7 @@ class LpvSolver(Solver):
         finer = tuple(part.placement for part in self.cascades[:-1])
         return LatticeSource(place, bound, scale, finer=finer)
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """The lattices do not depend on the eye."""
         return fields
 

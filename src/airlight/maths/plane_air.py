@@ -2,7 +2,7 @@
 
 What a lattice cannot hold of air that goes on for ever: far from everything, light depends on the
 depth alone. Scattering counts as isotropic; coefficients of air that scatters forwards are scaled
-by similarity before (`scatter.similar`).
+by similarity before (`scatter.reduced`).
 Source: the integral equation of Schwarzschild and Milne (Chandrasekhar 1950, section 12).
 """
 

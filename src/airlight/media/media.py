@@ -85,7 +85,7 @@ class Media(Solver):
             commands, frame.scene, *frame.bounds, shadows_changed=shadows != self._shadows
         )
         self._shadows = shadows
-        fields = replace(fields, far=self._far(frame))
+        fields = replace(fields, half_space=self._far(frame))
         return fields if self.sky is None else self._lit_by_sky(commands, frame, fields)
 
     def _lit_by_sky(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
@@ -121,7 +121,7 @@ class Media(Solver):
             is_lattice=self.has_multiple,
         )
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """What depends on the eye is drawn, not stored."""
         return fields
 
@@ -134,7 +134,7 @@ class Media(Solver):
             fields.volumes,
             fields.scattered,
             fields.sky_scatter,
-            far=fields.far,
+            far=fields.half_space,
             frame=view.sample,
             is_composed=True,
         )

@@ -22,7 +22,7 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
     let light = lights[i];
     var share = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
-        let p = unbent_point(lattice, cell, place_in_cell(i, k));
+        let p = unwarped_point(lattice, cell, place_in_cell(i, k));
         let open = lit(p, i);
         if (open > 0.0) {
             share += open * media_light_transmittance(light, i, p);

@@ -48,7 +48,7 @@ class _Bounce(ComputePass):
         sampler("linear_clamp"),
         *(
             texture(f"lattice_{name}", "3d")
-            for name in ("red", "green", "blue", "open_a", "open_b", "walls")
+            for name in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         ),
         storage("bounced", "vec4f", "read_write"),
     )

@@ -83,7 +83,7 @@ class PopMedia(Solver):
                 self._maps.encode(commands, frame.scene, *frame.bounds)
         return fields
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """Every medium's radiance towards the eye of `view`."""
         scene = self._scene
         has_reflected = scene.meshes and self._maps is None

@@ -21,7 +21,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
     if (any(id >= lattice.count)) {
         return;
     }
-    let p = unbent_point(lattice, id, vec3f(0.5));
+    let p = unwarped_point(lattice, id, vec3f(0.5));
     var fluence = vec3f(0.0);
     var flux = mat3x3f();                   // columns x, y, z of rgb
     var against: array<vec3f, 6>;           // irradiance of faces +x -x +y -y +z -z from within
@@ -38,7 +38,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         // No way to walk where nothing comes from, as from above all air.
         let begin = vec3f(id) + 0.5;
         let light = sent
-            * open_line(begin, select(begin, bent_place(lattice, end), any(sent > vec3f(0.0))));
+            * open_line(begin, select(begin, warped_coordinates(lattice, end), any(sent > vec3f(0.0))));
         fluence += light;
         flux -= mat3x3f(light * out.x, light * out.y, light * out.z);
         for (var axis = 0u; axis < 3u; axis++) {

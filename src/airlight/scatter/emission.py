@@ -104,14 +104,14 @@ class Emission(ChannelTextures):
         walls: dict[str, Any],
         forward: ForwardSource | None = None,
         *,
-        is_similar: bool = False,
+        is_reduced_medium: bool = False,
     ) -> LatticeSource:
-        """For marching; `walls` as Blockers.bound, `is_similar` as LatticeSource has it."""
+        """For marching; `walls` as Blockers.bound, `is_reduced_medium` as LatticeSource has it."""
         return LatticeSource(
             self.placement,
             self.bound | walls,
             self.mean_scale,
             forward=forward,
             mean=self.mean,
-            is_similar=is_similar,
+            is_reduced_medium=is_reduced_medium,
         )

@@ -58,7 +58,7 @@ class _Forward(ComputePass):
             texture("local_shadows", "2d-array", "depth"),
             sampler("shadow_compare", "comparison"),
             texture("lattice_walls", "3d"),
-            storage("openness", "vec2u"),
+            storage("face_visibility", "vec2u"),
             *air.slots,
             storage("base", "vec4f"),
             storage("forward", "vec4f", "read_write"),
@@ -136,7 +136,7 @@ class ForwardLight:
         *,
         black: Buffer,
         walls: Texture,
-        openness: Buffer,
+        face_visibility: Buffer,
     ) -> None:
         """Of `count` lights that stand for the sky; arguments as InjectSingle.encode."""
         params = ForwardParams(light_count=count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0)
@@ -149,7 +149,7 @@ class ForwardLight:
             base=black,
             forward=self.sky,
             lattice_walls=walls,
-            openness=openness,
+            face_visibility=face_visibility,
         )
 
     def encode(
@@ -160,7 +160,7 @@ class ForwardLight:
         *,
         base: Buffer,
         walls: Texture,
-        openness: Buffer,
+        face_visibility: Buffer,
     ) -> None:
         """Of the scene's lights, on top of `base`: the sky's, or no light."""
         count = len(scene.lights)
@@ -176,7 +176,7 @@ class ForwardLight:
             forward=self.all,
             kept=self.kept,
             lattice_walls=walls,
-            openness=openness,
+            face_visibility=face_visibility,
         )
         if count:
             a, b, c = self._blocks

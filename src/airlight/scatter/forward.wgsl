@@ -32,7 +32,7 @@ fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
 
 fn is_shut(cell: vec3i, face: u32) -> bool {
     let c = vec3u(clamp(cell, vec3i(0), vec3i(lattice.count) - 1));
-    let packed = openness[(c.z * lattice.count.y + c.y) * lattice.count.x + c.x];
+    let packed = face_visibility[(c.z * lattice.count.y + c.y) * lattice.count.x + c.x];
     let open = select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face & 3u],
         face < 4u);
     return open < 0.5;
@@ -67,7 +67,7 @@ struct Part {
 // Of light i at part k of a cell.
 fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
-    var p = unbent_point(lattice, id, half);
+    var p = unwarped_point(lattice, id, half);
     var depths = depths_towards(light, i, p);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let own = incoming(light, p);
@@ -103,7 +103,7 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
     if (light.kind == LIGHT_DIRECTIONAL) {
         return light.direction;
     }
-    let away = unbent_point(lattice, id, vec3f(0.5)) - light.position;
+    let away = unwarped_point(lattice, id, vec3f(0.5)) - light.position;
     return away / max(length(away), 1e-6);
 }
 

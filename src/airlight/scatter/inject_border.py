@@ -57,7 +57,10 @@ class _Beams(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
-            *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
+            *(
+                texture(f"lattice_{name}", "3d")
+                for name in ("visibility_a", "visibility_b", "walls")
+            ),
             *air.medium_slots,
             storage("reflectance", "u32"),
             storage("directions", "vec2f"),

@@ -56,7 +56,9 @@ class _InjectMaps(ComputePass):
         params: MapParams,
         lobe: float,
     ) -> None:
-        lobes = LobeParams(scale=scale, lobe=lobe, hop_even=0.0, hop_direct=0.0, is_shaped=0)
+        lobes = LobeParams(
+            scale=scale, lobe=lobe, hop_constant=0.0, hop_directional=0.0, is_shaped=0
+        )
         self.dispatch(
             commands,
             (maps.resolution, maps.resolution, maps.layers),

@@ -43,6 +43,6 @@ fn carried(light: LightData, way: vec3f) -> vec3f {
         let share = select(u, (f32(i) + u) / count, params.is_stratified != 0u);
         let p = start + (t0 + share * stretch) * way;
         let gained = media_scattering(p) * media_light_transmittance(light, owner, p);
-        add_lobe(bent_place(lattice, p), vec3f(0.0), power * gained * (stretch / count));
+        add_lobe(warped_coordinates(lattice, p), vec3f(0.0), power * gained * (stretch / count));
     }
 }

@@ -19,6 +19,6 @@
     let n = normalize(textureLoad(normal, texel, id.z, 0).xyz);
     let owner = owners[id.z];
     let passed = media_light_transmittance(lights[owner], owner, p);
-    let place = bent_surface_place(lattice, p, n) + 0.5 * n;
-    add_lobe(place, n, passed * power_density * texel_measure(view, centre, params.resolution));
+    let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
+    add_lobe(coordinates, n, passed * power_density * texel_measure(view, centre, params.resolution));
 }

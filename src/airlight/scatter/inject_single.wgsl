@@ -58,13 +58,13 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
-    let low = unbent_point(lattice, id, vec3f(0.0));
-    let high = unbent_point(lattice, id, vec3f(1.0));
+    let low = unwarped_point(lattice, id, vec3f(0.0));
+    let high = unwarped_point(lattice, id, vec3f(1.0));
     let size = 0.5 * (high - low);
     var power = vec3f(0.0);
     for (var k = 0u; k < 8u; k++) {
         let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
-        let p = unbent_point(lattice, id, inside);
+        let p = unwarped_point(lattice, id, inside);
         let sigma_s = media_scattering(p);
         if (any(sigma_s > vec3f(0.0))) {
             power += sigma_s * arriving(p, size, media_extinction(p));

@@ -21,7 +21,7 @@ fn closed(first: vec3u, axis: u32, plane: i32, side: u32) -> f32 {
         p[across] += k & 1u;
         p[up] += k >> 1u;
         if (all(p < f)) {
-            let packed = openness[(p.z * f.y + p.y) * f.x + p.x];
+            let packed = face_visibility[(p.z * f.y + p.y) * f.x + p.x];
             let hop = 2u * axis + side;
             let open = select(unpack4x8unorm(packed.y)[hop & 3u], unpack4x8unorm(packed.x)[hop],
                 hop < 4u);
@@ -53,7 +53,7 @@ fn mean_reflectance(at: vec3u) -> vec4f {
         return;
     }
     let cell = (id.z * params.coarse.y + id.y) * params.coarse.x + id.x;
-    coarse_openness[cell] = vec2u(
+    coarse_face_visibility[cell] = vec2u(
         pack4x8unorm(vec4f(open_face(id, 0u, 0u), open_face(id, 0u, 1u), open_face(id, 1u, 0u),
             open_face(id, 1u, 1u))),
         pack4x8unorm(vec4f(open_face(id, 2u, 0u), open_face(id, 2u, 1u), 1.0, 1.0)));

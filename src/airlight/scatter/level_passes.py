@@ -40,7 +40,7 @@ class Prolong(ComputePass):
         _PAIR,
         storage("track", "vec4f"),
         storage("medium", "vec2f"),
-        storage("openness", "vec2u"),
+        storage("face_visibility", "vec2u"),
         storage("sum", "vec4f"),
         storage("change", "vec4f", "read_write"),
     )
@@ -61,9 +61,9 @@ class RestrictFaces(ComputePass):
 
     slots = (
         _PAIR,
-        storage("openness", "vec2u"),
+        storage("face_visibility", "vec2u"),
         storage("reflectance", "u32"),
-        storage("coarse_openness", "vec2u", "read_write"),
+        storage("coarse_face_visibility", "vec2u", "read_write"),
         storage("coarse_reflectance", "u32", "read_write"),
     )
     workgroup = (32, 8, 1)

@@ -5,7 +5,7 @@
 const CLOSED = 0.05;
 
 // The smallest open share among the faces inside the coarse cell that holds `at`.
-fn inner_openness(at: vec3u) -> f32 {
+fn inner_face_visibility(at: vec3u) -> f32 {
     let f = params.fine;
     let first = 2u * (at / 2u);
     var open = 1.0;
@@ -16,7 +16,7 @@ fn inner_openness(at: vec3u) -> f32 {
             continue;
         }
         // A hop along +x enters through a cell's low face: inside for the upper of two cells.
-        let packed = openness[(p.z * f.y + p.y) * f.x + p.x];
+        let packed = face_visibility[(p.z * f.y + p.y) * f.x + p.x];
         let xy = unpack4x8unorm(packed.x);
         let z = unpack4x8unorm(packed.y);
         let entered = vec3f(select(xy.y, xy.x, side.x == 1u), select(xy.w, xy.z, side.y == 1u),
@@ -56,7 +56,7 @@ fn held_share(at: vec3u, channel: u32) -> f32 {
         way = way_m(vec3f(medium[index].y), params.cell).x;
     }
     var share = 0.125 / way;
-    if ((params.flags & 1u) != 0u && inner_openness(at) < 1.0 - CLOSED) {
+    if ((params.flags & 1u) != 0u && inner_face_visibility(at) < 1.0 - CLOSED) {
         share *= held_share(at, channel);
     }
     let found = track[((channel * n.z + c.z) * n.y + c.y) * n.x + c.x];

@@ -57,7 +57,7 @@ class Level:
         self.source = Buffer(gpu, f"residual {count}", nbytes if is_coarse else 16)
         self.medium = Buffer(gpu, "air", CHANNELS * cells * 8 if is_coarse and is_varied else 16)
         walls = cells if is_coarse and is_blocked else 1
-        self.openness = Buffer(gpu, "openness", walls * 8)
+        self.face_visibility = Buffer(gpu, "face_visibility", walls * 8)
         self.reflectance = Buffer(gpu, "reflectance", walls * 4)
 
 
@@ -115,7 +115,7 @@ class Levels:
             SmallLevels(gpu, counts, schedule, small, is_blocked=is_blocked) if small else None
         )
         self._source, self._medium = self._zero, self.levels[0].medium
-        self._openness = self.levels[0].openness
+        self._face_visibility = self.levels[0].face_visibility
 
     def set_air(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
         """Take on a homogeneous medium, (3,) m^-1 each. Raises SettingsError (scheme paper)."""
@@ -149,31 +149,31 @@ class Levels:
                 coarse_medium=coarse.medium,
             )
 
-    def set_walls(self, commands: Commands, openness: Buffer, reflectance: Buffer) -> None:
-        """Take on walls: `openness` as lattice.blockers, `reflectance` u32 rgb unorm8 per cell."""
+    def set_walls(self, commands: Commands, face_visibility: Buffer, reflectance: Buffer) -> None:
+        """Take on walls, as `lattice.blockers` has them; `reflectance` u32 rgb unorm8 per cell."""
         if self._walls is None or self._restrict_faces is None:
             return
-        self._openness, white = openness, reflectance
+        self._face_visibility, white = face_visibility, reflectance
         for k, level in enumerate(self.levels):
             if k:
                 self._restrict_faces.dispatch(
                     commands,
                     level.count,
                     params=self._pair(k),
-                    openness=openness,
+                    face_visibility=face_visibility,
                     reflectance=white,
-                    coarse_openness=level.openness,
+                    coarse_face_visibility=level.face_visibility,
                     coarse_reflectance=level.reflectance,
                 )
-                openness, white = level.openness, level.reflectance
-            self._walls.encode(commands, level.count, openness, white, level.packs)
+                face_visibility, white = level.face_visibility, level.reflectance
+            self._walls.encode(commands, level.count, face_visibility, white, level.packs)
             if self._small and k >= self._small.first:
-                self._small.set_walls(commands, k, level.packs, openness)
+                self._small.set_walls(commands, k, level.packs, face_visibility)
 
     def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         self._source = source
-        key = (source, self._medium, self._openness, *self._ways)
+        key = (source, self._medium, self._face_visibility, *self._ways)
         return self._recorded.encode(commands, key, lambda: self._solved(commands, source))
 
     def _solved(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
@@ -241,7 +241,7 @@ class Levels:
             params=self._pair(k + 1),
             track=track,
             medium=self._air(k),
-            openness=self._openness if k == 0 else level.openness,
+            face_visibility=self._face_visibility if k == 0 else level.face_visibility,
             sum=current,
             change=change,
         )

@@ -72,7 +72,7 @@ class _Small(ComputePass):
         storage("levels", SmallLevel),
         storage("coefficients", StepCoefficients),
         storage("packs", "vec4u"),
-        storage("openness", "vec2u"),
+        storage("face_visibility", "vec2u"),
         storage("states", "vec4f", "read_write"),
     )
     file = "small_levels.wgsl"
@@ -120,7 +120,7 @@ class SmallLevels:
         )
         cells = self._cells[-1] if is_blocked else 1
         self._packs = Buffer(gpu, "hops of small lattices", 64 * cells)
-        self._openness = Buffer(gpu, "openness of small lattices", 8 * cells)
+        self._face_visibility = Buffer(gpu, "openness of small lattices", 8 * cells)
         self._steps: list[dict[str, Any]] = []
         self._stages: list[dict[str, Any]] = []
         self._plan_visits()
@@ -142,11 +142,12 @@ class SmallLevels:
         rows = [{"way": way, "has_walls": float(self._is_blocked)} for way in ways]
         self._levels.write(pack_array(SmallLevel, rows))
 
-    def set_walls(self, commands: Commands, k: int, packs: Buffer, openness: Buffer) -> None:
+    def set_walls(self, commands: Commands, k: int, packs: Buffer, face_visibility: Buffer) -> None:
         """Take on level `k`'s walls, as Levels has them."""
         at = self._cells[k - self.first]
         cells = self._places[k - self.first].cells
-        for given, kept, size in ((packs, self._packs, 64), (openness, self._openness, 8)):
+        walls = ((packs, self._packs, 64), (face_visibility, self._face_visibility, 8))
+        for given, kept, size in walls:
             commands.encoder.copy_buffer_to_buffer(
                 given.handle, 0, kept.handle, size * at, size * cells
             )
@@ -161,7 +162,7 @@ class SmallLevels:
             levels=self._levels,
             coefficients=coefficients,
             packs=self._packs,
-            openness=self._openness,
+            face_visibility=self._face_visibility,
             states=self._states,
         )
 

@@ -65,7 +65,7 @@ fn prolonged_share(s: SmallStage, at: vec3u, channel: u32) -> f32 {
         if (all(p < s.fine)) {
             let cell = cell_at(s.fine, p);
             let side = p - first;
-            let packed = openness[s.cell + cell];
+            let packed = face_visibility[s.cell + cell];
             let xy = unpack4x8unorm(packed.x);
             let z = unpack4x8unorm(packed.y);
             let entered = vec3f(select(xy.y, xy.x, side.x == 1u),

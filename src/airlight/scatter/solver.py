@@ -32,9 +32,9 @@ from .inject_border import InjectBorder
 from .inject_maps import InjectRays, InjectReflected, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
+from .reduced import is_forward, reduced_scene
 from .schedule import Schedule, cycles_to, iterations_to, schedule
 from .settings import ScatterSettings, densest_air, is_varied
-from .similar import is_forward, similar_scene
 from .surface_light import SurfaceLight
 from .walls import CellReflectance
 
@@ -54,7 +54,7 @@ class ScatterSolver(Solver):
         self.lights, self.sky, self.blockers = kit.lights, kit.sky, kit.blockers
         scene = self._seen(kit.context.scene)
         self.is_varied = is_varied(scene, self.placement, settings)
-        even = similar_scene(scene)
+        even = reduced_scene(scene)
         self.air = GpuMedia(self.gpu, even, light_count=self.lights.count)
         sky_scene = dataclasses.replace(even, lights=tuple(self.sky.lights))
         # A turning sky may bring more lights.
@@ -83,7 +83,7 @@ class ScatterSolver(Solver):
         self.sky_reflected = InjectReflected(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
-        self._is_forward = self._is_similar = False
+        self._is_forward = self._is_reduced = False
         self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         is_endless = scene.medium is not None and scene.medium.endless
@@ -103,7 +103,7 @@ class ScatterSolver(Solver):
             gpu,
             self.placement.count,
             self.placement.cell,
-            self._schedule(similar_scene(scene)),
+            self._schedule(reduced_scene(scene)),
             is_blocked=is_blocked,
             is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
@@ -166,13 +166,13 @@ class ScatterSolver(Solver):
             fields, irradiance=irradiance, scattered=light, reflected=ReflectedLight(light, version)
         )
 
-    def see(self, commands: Commands, view: View, fields: Fields) -> Fields:
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """The lattice does not depend on the eye."""
         return fields
 
     def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
-        even, self._is_forward = similar_scene(scene), is_forward(scene)
-        self._is_similar = is_forward(scene, least=0.0)
+        even, self._is_forward = reduced_scene(scene), is_forward(scene)
+        self._is_reduced = is_forward(scene, least=0.0)
         self.air.update(commands, even, low, high)
         sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
         self.sky_air.update(commands, sky, low, high)
@@ -202,7 +202,7 @@ class ScatterSolver(Solver):
             self.reflectance_of.encode(
                 commands, self.placement.count, self.blockers.faces, self.reflectance
             )
-            self.levels.set_walls(commands, self.blockers.openness, self.reflectance)
+            self.levels.set_walls(commands, self.blockers.face_visibility, self.reflectance)
         return True
 
     def _inject_steady(self, commands: Commands, scale: float, *, is_new: bool) -> None:
@@ -234,7 +234,7 @@ class ScatterSolver(Solver):
                     count,
                     black=self.black,
                     walls=walls,
-                    openness=self.blockers.openness,
+                    face_visibility=self.blockers.face_visibility,
                 )
             self.sky_reflected.encode(
                 commands, maps, self._sky_table, self._sky_owners, place, walls, self.sums, scale
@@ -275,7 +275,7 @@ class ScatterSolver(Solver):
     def _inject_border(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *, is_new: bool
     ) -> None:
-        even = similar_scene(scene).medium
+        even = reduced_scene(scene).medium
         if self.border and even:
             top = float(medium_box(even, low, high, scene.camera.position)[1][1])
             lights = [*scene.lights, *self.sky.lights]
@@ -308,14 +308,14 @@ class ScatterSolver(Solver):
                 self.lights.bound,
                 base=self._surface_beams or self.black,
                 walls=self.blockers.walls,
-                openness=self.blockers.openness,
+                face_visibility=self.blockers.face_visibility,
             )
 
     def marched(self) -> LatticeSource:
         """For marching."""
         is_lit = self._is_forward and self.lights.count > 0
         beams = self.forward.source(self.lights.table) if is_lit else None
-        return self.emission.source(self.blockers.bound, beams, is_similar=self._is_similar)
+        return self.emission.source(self.blockers.bound, beams, is_reduced_medium=self._is_reduced)
 
     def _resolve(self, commands: Commands, base: Buffer, cells: Buffer, scale: float) -> None:
         # Sums are W sr^-1; cells hold power.

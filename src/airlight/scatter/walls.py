@@ -30,7 +30,7 @@ class WallParams(Struct):
 class _Outgoing(ComputePass):
     slots = (
         uniform("params", WallParams),
-        storage("openness", "vec2u"),
+        storage("face_visibility", "vec2u"),
         storage("reflectance", "u32"),
         storage("packs", "vec4u", "read_write"),
     )
@@ -78,17 +78,17 @@ class Walls:
         self,
         commands: Commands,
         count: tuple[int, int, int],
-        openness: Buffer,
+        face_visibility: Buffer,
         reflectance: Buffer,
         packs: Buffer,
     ) -> None:
-        """`openness` as lattice.blockers; `reflectance` one u32 (rgb unorm8) per cell."""
+        """`face_visibility` as lattice.blockers; `reflectance` one u32 (rgb unorm8) per cell."""
         params = WallParams(count=count)
         self._outgoing.dispatch(
             commands,
             count,
             params=params,
-            openness=openness,
+            face_visibility=face_visibility,
             reflectance=reflectance,
             packs=packs,
         )

@@ -7,7 +7,7 @@ fn entered(cell: vec3i, face: u32) -> f32 {
         return 1.0;
     }
     let c = vec3u(cell);
-    let packed = openness[(c.z * params.count.y + c.y) * params.count.x + c.x];
+    let packed = face_visibility[(c.z * params.count.y + c.y) * params.count.x + c.x];
     return select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face], face < 4u);
 }
 

@@ -91,8 +91,8 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     from ..pop.media import EveryMedium, PopMedia
 
     lobes = SharpLobes()
-    seen_as = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled
-    context = replace(context, scene=seen_as(context.scene))
+    scene_filter = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled
+    context = replace(context, scene=scene_filter(context.scene))
     # A sky that lights no surface is not worth its maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))
     air = MediaSettings(
@@ -113,7 +113,9 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
             "transmittance": found["transmittance"],
         }
 
-    return Technique("pop", kit, [media, solved], media=media, seen_as=seen_as, layers=layers)
+    return Technique(
+        "pop", kit, [media, solved], media=media, scene_filter=scene_filter, layers=layers
+    )
 
 
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..media.media import Media
 
 _T = TypeVar("_T")
-SeenAs = Callable[[Scene], Scene]
+SceneFilter = Callable[[Scene], Scene]
 Layers = Callable[[View], dict[str, Texture]]
 
 
@@ -36,12 +36,12 @@ class Technique:
         solvers: Sequence[Solver] = (),
         *,
         media: Media | None = None,
-        seen_as: SeenAs | None = None,
+        scene_filter: SceneFilter | None = None,
         layers: Layers | None = None,
     ) -> None:
-        """`seen_as`: the scene that solvers are given. `layers`: what is read, if not all."""
+        """`scene_filter`: the scene that solvers are given. `layers`: what is read, if not all."""
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
-        self._seen_as = seen_as or (lambda scene: scene)
+        self._scene_filter = scene_filter or (lambda scene: scene)
         air = media.on_device if media else None
         self.surfaces = Surfaces(kit, kit.context.scene, air)
         self._layers = layers or (media.layers if media else _surface_layers)
@@ -49,7 +49,7 @@ class Technique:
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Lights, sky and lattices, then each solver, which sees the fields of those before it."""
-        scene = self._seen_as(scene)
+        scene = self._scene_filter(scene)
         frame = Frame(scene, *self.kit.bounds(scene))
         self.kit.encode(commands, scene, *frame.bounds)
         fields = Fields(self.kit.sky_irradiance)
@@ -62,7 +62,7 @@ class Technique:
         assert self.fields is not None, "solve comes first"
         fields = self.fields
         for solver in self.solvers:
-            fields = solver.see(commands, view, fields)
+            fields = solver.solve_view(commands, view, fields)
         irradiance = fields.irradiance or self.kit.no_irradiance
         self.surfaces.draw(commands, view, irradiance, fields.sky)
         if self.media:

@@ -24,7 +24,7 @@ from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from ..media.gpu_media import GpuMedia
 from ..media.volume_blockers import VolumeBlockers
 from ..scatter.inject_single import InjectSingle
-from ..scatter.similar import similar
+from ..scatter.reduced import reduced
 from ..scene.scene import Scene
 from ..surface.reflective import ReflectiveShadowMaps
 
@@ -143,7 +143,7 @@ def _evenly(scene: Scene) -> Scene:
     """Volumes that scatter evenly, and per steradian: the lattice keeps W sr^-1."""
     volumes = []
     for volume in scene.volumes:
-        even = similar(volume)
+        even = reduced(volume)
         r, g, b = (share / (4.0 * math.pi) for share in even.albedo)
         volumes.append(replace(even, albedo=(r, g, b)))
     return replace(scene, volumes=tuple(volumes))

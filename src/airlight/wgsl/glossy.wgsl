@@ -31,12 +31,12 @@ struct GlossyRay {
     raised: f32,        // cells above the surface at which it starts
 }
 
-// The open share of the low face of `cell` across axis 0, 1 or 2, where a ray crosses it at `place`.
+// The open share of the low face of `cell` across axis 0, 1 or 2, where a ray crosses it at `coordinates`.
 // Interpolated in the face's plane, so that pictures of partly open cells have no edges.
-fn glossy_open(lattice: LatticeParams, cell: f32, place: vec3f, axis: u32) -> f32 {
-    var at = place;
+fn glossy_open(lattice: LatticeParams, cell: f32, coordinates: vec3f, axis: u32) -> f32 {
+    var at = coordinates;
     at[axis] = cell + 0.5;
-    let low = textureSampleLevel(lattice_open_b, linear_clamp, lattice_uvw(lattice, at), 0.0);
+    let low = textureSampleLevel(lattice_visibility_b, linear_clamp, lattice_uvw(lattice, at), 0.0);
     return select(select(low.x, low.w, axis == 1u), low.z, axis == 0u);
 }
 
@@ -48,8 +48,8 @@ fn glossy_own(n: vec3f, towards: vec3f, axis: u32, height: f32) -> f32 {
 }
 
 // No lower over the surface than where that looks its own light up.
-fn glossy_raised(place: vec3f, lookup: vec3f, n: vec3f) -> vec3f {
-    return place + n * max(0.0, dot(lookup - place, n));
+fn glossy_raised(coordinates: vec3f, lookup: vec3f, n: vec3f) -> vec3f {
+    return coordinates + n * max(0.0, dot(lookup - coordinates, n));
 }
 
 fn glossy_begun() -> Glossy {
@@ -101,16 +101,16 @@ fn glossy_walk(
         var seen = start;
         loop {
             let axis = next.axis;
-            let place = start + next.t * r;
-            let own = glossy_own(n, towards, axis, dot(place - surface, n));
+            let coordinates = start + next.t * r;
+            let own = glossy_own(n, towards, axis, dot(coordinates - surface, n));
             let face = max(cell[axis], cell[axis] + towards[axis]);
-            let open = min(1.0, glossy_open(lattice, face, place, axis) + own);
+            let open = min(1.0, glossy_open(lattice, face, coordinates, axis) + own);
             if (goes) {
                 transmittance *= open;
                 let kept = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
                 lost = left - kept;
                 left = kept;
-                seen = place;
+                seen = coordinates;
                 seen[axis] = cell[axis] + 0.5;
                 cell[axis] += towards[axis];
                 crossing[axis] += per_cell[axis];

@@ -1,13 +1,13 @@
 //! use lattice_space
 
 // Reading a solved lattice. The including pass binds lattice_red/green/blue (filtered 3D textures
-// of a, b), lattice_open_a/b (how open each cell's six faces are both ways) and linear_clamp, and
+// of a, b), lattice_visibility_a/b (how open each cell's six faces are both ways) and linear_clamp, and
 // declares the struct LatticeParams.
 
 // How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
 // centre of the first cell wholly before the surface's plane, as blockers round it to cell faces.
-fn lookup_offset(place: f32, n: f32) -> f32 {
-    let f = fract(place * sign(n));
+fn lookup_offset(coordinates: f32, n: f32) -> f32 {
+    let f = fract(coordinates * sign(n));
     return n * (0.5 + min(f, 1.0 - f));
 }
 
@@ -28,7 +28,7 @@ fn rim_shares(n: vec3f) -> vec3f {
 fn ends(lattice: LatticeParams, cell: vec3f, way: vec3f) -> vec3<bool> {
     let inside = clamp(cell, vec3f(0.0), vec3f(lattice.count) - 1.0);
     let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), way < vec3f(0.0));
-    return (vec3u(dead_ends(lattice, vec3i(inside))) & hops) != vec3u(0u);
+    return (vec3u(enclosed_faces(lattice, vec3i(inside))) & hops) != vec3u(0u);
 }
 
 // Cells from a wall that a surface stands on, and before a surface, where it is known what it faces:
@@ -37,9 +37,9 @@ const BEFORE = 0.15;
 
 // The foot of a wall may lie a little below the floor, as bent space has it, or its normal's relief
 // may lead there. The floor is known half a cell before the wall.
-fn lifted(lattice: LatticeParams, place: vec3f, n: vec3f) -> vec3f {
+fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     let is_facing = abs(n) > vec3f(0.5);
-    let before = place + select(vec3f(0.0), 0.5 * sign(n), is_facing);
+    let before = coordinates + select(vec3f(0.0), 0.5 * sign(n), is_facing);
     let cell = floor(before);
     let t = before - cell;
     let side = select(vec3f(0.0), vec3f(1.0), t > vec3f(1.0 - BEFORE))
@@ -49,24 +49,24 @@ fn lifted(lattice: LatticeParams, place: vec3f, n: vec3f) -> vec3f {
     let is_below = ends(lattice, cell + way, -way) & !is_above;
     let face = cell + 0.5 + 0.5 * way;
     let up = (BEFORE + 0.01) * select(-way, way, is_below);
-    return select(place, face + up, (is_above | is_below) & (way != vec3f(0.0)));
+    return select(coordinates, face + up, (is_above | is_below) & (way != vec3f(0.0)));
 }
 
 // Where to look for the light on a surface at a place, both in bent cells. Not behind a wall that the
 // surface faces: the underside of a ball would be looked up beneath the floor that it lies on.
-fn lattice_lookup_place(lattice: LatticeParams, bent: vec3f, n: vec3f) -> vec3f {
-    let place = lifted(lattice, bent, n);
-    let wanted = place + vec3f(lookup_offset(place.x, n.x), lookup_offset(place.y, n.y),
-        lookup_offset(place.z, n.z));
-    let cell = floor(place + BEFORE * n);
+fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
+    let coordinates = lifted(lattice, warped, n);
+    let wanted = coordinates + vec3f(lookup_offset(coordinates.x, n.x), lookup_offset(coordinates.y, n.y),
+        lookup_offset(coordinates.z, n.z));
+    let cell = floor(coordinates + BEFORE * n);
     let centre = cell + 0.5;
     let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
     return select(wanted, within, ends(lattice, cell, n));
 }
 
 // Texture coordinates of a place among the cells; none between two lattices that share textures.
-fn lattice_uvw(lattice: LatticeParams, place: vec3f) -> vec3f {
-    let inside = clamp(place, vec3f(0.5), vec3f(lattice.count) - 0.5);
+fn lattice_uvw(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
+    let inside = clamp(coordinates, vec3f(0.5), vec3f(lattice.count) - 0.5);
     return (inside + vec3f(0.0, f32(lattice.first_row), 0.0))
         / vec3f(textureDimensions(lattice_red));
 }
@@ -80,13 +80,13 @@ fn lattice_moved(lattice: LatticeParams, uvw: vec3f, cells: vec3f) -> vec3f {
 
 // Where to sample the textures (texture coordinates) for a place among the cells; `rim` as from
 // rim_shares, 0 for rays.
-fn lattice_eased(lattice: LatticeParams, place: vec3f, rim: vec3f) -> vec3f {
+fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
-    let cell = clamp(floor(place), vec3f(0.0), count - 1.0);
-    let xy = textureLoad(lattice_open_a, lattice_texel(lattice, vec3i(cell)), 0);
-    let z = textureLoad(lattice_open_b, lattice_texel(lattice, vec3i(cell)), 0);
+    let cell = clamp(floor(coordinates), vec3f(0.0), count - 1.0);
+    let xy = textureLoad(lattice_visibility_a, lattice_texel(lattice, vec3i(cell)), 0);
+    let z = textureLoad(lattice_visibility_b, lattice_texel(lattice, vec3i(cell)), 0);
     // Hop 0 comes from the low x side, hop 1 from the high, and so on.
-    let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
+    let t = clamp(coordinates - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
     let eased = vec3f(open_fraction(t.x, xy.x, xy.y, rim.x), open_fraction(t.y, xy.z, xy.w, rim.y),
         open_fraction(t.z, z.x, z.y, rim.z));
     return lattice_uvw(lattice, cell + 0.5 + eased);
@@ -94,8 +94,8 @@ fn lattice_eased(lattice: LatticeParams, place: vec3f, rim: vec3f) -> vec3f {
 
 // The same for a surface point, metres.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    let place = bent_surface_place(lattice, position, n);
-    return lattice_eased(lattice, lattice_lookup_place(lattice, place, n), rim_shares(n));
+    let coordinates = warped_surface_coordinates(lattice, position, n);
+    return lattice_eased(lattice, lookup_coordinates(lattice, coordinates, n), rim_shares(n));
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light

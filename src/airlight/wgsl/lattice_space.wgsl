@@ -15,7 +15,7 @@ fn wall_shifts_low(lattice: LatticeParams, cell: vec3i) -> vec3f {
 }
 
 // A bit for each outgoing hop (+x -x +y -y +z -z) that ends at a wall with air before it.
-fn dead_ends(lattice: LatticeParams, cell: vec3i) -> u32 {
+fn enclosed_faces(lattice: LatticeParams, cell: vec3i) -> u32 {
     return u32(127.0 * textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).w + 0.5);
 }
 
@@ -32,8 +32,8 @@ fn wall_shifts_high(lattice: LatticeParams, cell: vec3i) -> vec3f {
 }
 
 // One axis of a place, between walls that lie `low` and `high` from the faces of `cell`.
-fn bent_axis(place: f32, cell: i32, low: f32, high: f32) -> f32 {
-    let t = place - f32(cell);
+fn warped_axis(coordinates: f32, cell: i32, low: f32, high: f32) -> f32 {
+    let t = coordinates - f32(cell);
     let between = (t - low) / max(1.0 + high - low, 0.25);
     let below = (t - low) / (1.0 + low);
     let above = 1.0 + (t - 1.0 - high) / (1.0 - high);
@@ -44,43 +44,43 @@ fn bent_axis(place: f32, cell: i32, low: f32, high: f32) -> f32 {
 // what they need to be known by at that distance from where they end.
 const WHOLE_BEFORE = 0.75;
 
-fn cell_before(lattice: LatticeParams, place: vec3f, n: vec3f, axis: u32) -> vec3i {
+fn cell_before(lattice: LatticeParams, coordinates: vec3f, n: vec3f, axis: u32) -> vec3i {
     var beyond = WHOLE_BEFORE * n;
     beyond[axis] = 0.0;
-    return clamp(vec3i(floor(place + beyond)), vec3i(0), vec3i(lattice.count) - 1);
+    return clamp(vec3i(floor(coordinates + beyond)), vec3i(0), vec3i(lattice.count) - 1);
 }
 
 // Cells from the lattice's origin to bent cells, for a point of a surface of normal n. Where walls
 // meet, the cells behind this one hardly know the others: they are looked up in front of it.
-fn bent_surface_place(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
-    let place = (world - lattice.origin) / lattice.cell;
-    let x = cell_before(lattice, place, n, 0u);
-    let y = cell_before(lattice, place, n, 1u);
-    let z = cell_before(lattice, place, n, 2u);
+fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
+    let coordinates = (world - lattice.origin) / lattice.cell;
+    let x = cell_before(lattice, coordinates, n, 0u);
+    let y = cell_before(lattice, coordinates, n, 1u);
+    let z = cell_before(lattice, coordinates, n, 2u);
     let low = vec3f(wall_shifts_low(lattice, x).x, wall_shifts_low(lattice, y).y,
         wall_shifts_low(lattice, z).z);
     let high = vec3f(wall_shift_high(lattice, x, 0u), wall_shift_high(lattice, y, 1u),
         wall_shift_high(lattice, z, 2u));
-    return vec3f(bent_axis(place.x, x.x, low.x, high.x), bent_axis(place.y, y.y, low.y, high.y),
-        bent_axis(place.z, z.z, low.z, high.z));
+    return vec3f(warped_axis(coordinates.x, x.x, low.x, high.x),
+        warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
 }
 
 // The same for a point in the air.
-fn bent_place(lattice: LatticeParams, world: vec3f) -> vec3f {
-    let place = (world - lattice.origin) / lattice.cell;
-    let cell = clamp(vec3i(floor(place)), vec3i(0), vec3i(lattice.count) - 1);
+fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
+    let coordinates = (world - lattice.origin) / lattice.cell;
+    let cell = clamp(vec3i(floor(coordinates)), vec3i(0), vec3i(lattice.count) - 1);
     let low = wall_shifts_low(lattice, cell);
     let high = wall_shifts_high(lattice, cell);
-    return vec3f(bent_axis(place.x, cell.x, low.x, high.x),
-        bent_axis(place.y, cell.y, low.y, high.y), bent_axis(place.z, cell.z, low.z, high.z));
+    return vec3f(warped_axis(coordinates.x, cell.x, low.x, high.x),
+        warped_axis(coordinates.y, cell.y, low.y, high.y), warped_axis(coordinates.z, cell.z, low.z, high.z));
 }
 
 // The world point of a place inside a cell (0..1 on each axis), the other way round.
-fn unbent_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
+fn unwarped_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
     let low = wall_shifts_low(lattice, vec3i(cell));
     let high = wall_shifts_high(lattice, vec3i(cell));
-    let place = vec3f(cell) + low + inside * (1.0 + high - low);
-    return lattice.origin + place * lattice.cell;
+    let coordinates = vec3f(cell) + low + inside * (1.0 + high - low);
+    return lattice.origin + coordinates * lattice.cell;
 }
 
 // 1 inside, falling to 0 towards the border.

@@ -4,8 +4,8 @@
 // The narrow lobe would send negative power backwards, where the surface itself closes the way;
 // what goes forward is scaled to the whole power.
 fn forward_gain(n: vec3f) -> f32 {
-    let along = lobes.hop_direct * lobes.lobe * n;
-    let base = vec3f(lobes.hop_even);
+    let along = lobes.hop_directional * lobes.lobe * n;
+    let base = vec3f(lobes.hop_constant);
     let forward = dot(max(base + along, vec3f(0.0)) + max(base - along, vec3f(0.0)), vec3f(1.0));
     return select(1.0, 1.0 / forward, lobes.is_shaped != 0u);
 }
@@ -19,8 +19,8 @@ fn add_coefficients(index: u32, value: vec4f) {
 }
 
 // A lobe of `power` (W, rgb) along n into the cell at a place (in cells from the origin).
-fn add_lobe(place: vec3f, n: vec3f, power: vec3f) {
-    let cell = vec3i(floor(place));
+fn add_lobe(coordinates: vec3f, n: vec3f, power: vec3f) {
+    let cell = vec3i(floor(coordinates));
     if (any(cell < vec3i(0)) || any(cell >= vec3i(lattice.count))) {
         return;
     }

@@ -56,7 +56,7 @@ fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
         + (t - select(low, 1.0 + high, is_above)) / width;
 }
 
-// lattice_eased(bent_place(p)) of the only lattice, from its packed cells (media/march/cells.py).
+// lattice_eased(warped_coordinates(p)) of the only lattice, from its packed cells (media/march/cells.py).
 fn eased_alone(p: vec3f) -> vec3f {
     let place = (p - alone.origin) * alone.per_metre;
     let cell = clamp(floor(place), vec3f(0.0), alone.last);

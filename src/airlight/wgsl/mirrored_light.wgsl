@@ -71,12 +71,12 @@ fn mirrored_light(
         ray = glossy_begun();
         let last = last_lattice();
         loop {
-            let place = bent_place(lattice_of(k), p);
-            let lookup = lattice_lookup_place(lattice_of(k), place, n);
+            let coordinates = warped_coordinates(lattice_of(k), p);
+            let lookup = lookup_coordinates(lattice_of(k), coordinates, n);
             uvw = lattice_eased(lattice_of(k), lookup, vec3f(0.0));
             let raised = GLOSSY_START * lattice_of(level).cell / lattice_of(k).cell;
             let begin = GlossyRay(n, mirrored, r.alpha, raised);
-            ray = glossy_walk(lattice_of(k), place, lookup, begin, ray, k == last);
+            ray = glossy_walk(lattice_of(k), coordinates, lookup, begin, ray, k == last);
             if (k == last || !ray.is_cut) {
                 break;
             }

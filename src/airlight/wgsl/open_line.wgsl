@@ -1,5 +1,5 @@
 // Straight ways through a lattice's blockers. The including pass binds `lattice` (LatticeParams),
-// lattice_open_a, lattice_open_b and lattice_walls (lattice/blockers.py).
+// lattice_visibility_a, lattice_visibility_b and lattice_walls (lattice/blockers.py).
 //! use lattice_space
 
 const MOST_CELLS = 128u;
@@ -9,9 +9,9 @@ fn open_face(cell: vec3i, axis: u32, is_high: bool) -> f32 {
     let texel = lattice_texel(lattice, cell);
     let side = u32(is_high);
     if (axis == 2u) {
-        return textureLoad(lattice_open_b, texel, 0)[side];
+        return textureLoad(lattice_visibility_b, texel, 0)[side];
     }
-    return textureLoad(lattice_open_a, texel, 0)[2u * axis + side];
+    return textureLoad(lattice_visibility_a, texel, 0)[2u * axis + side];
 }
 
 // How much of a straight line between two places of the lattice its faces leave open.

@@ -40,15 +40,15 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
         + vec2f(-1.0, 1.0);
     let clip = view.world_from_clip * vec4f(centre, d, 1.0);
     let world = clip.xyz / clip.w;
-    let place = (world - params.origin) / params.cell;
-    let corner = vec3i(floor(place + 0.5));
+    let coordinates = (world - params.origin) / params.cell;
+    let corner = vec3i(floor(coordinates + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
         return seen;
     }
     let c = vec3u(corner);
     let size = params.count + 1u;
     seen.corner = (c.z * size.y + c.y) * size.x + c.x;
-    seen.offset = place - vec3f(corner);
+    seen.offset = coordinates - vec3f(corner);
     seen.normal = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
     seen.area = surfel_area(view, world, seen.normal, centre) / (params.cell * params.cell);
     seen.reflectance = textureLoad(reflectance, vec2i(id.xy), layer, 0).rgb;

@@ -63,7 +63,7 @@ def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str
 
 
 def random_faces(rng: np.random.Generator, cells: int) -> NDArray[np.uint32]:
-    """Blockers of `cells` cells, eight words each as lattice/openness.wgsl writes them."""
+    """Blockers of `cells` cells, eight words each as lattice/face_visibility.wgsl writes them."""
     return rng.integers(0, 1 << 32, cells * 8, dtype=np.uint32)
 
 

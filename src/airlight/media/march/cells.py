@@ -15,7 +15,7 @@ from ...gpu.memory import Texture
 from ...gpu.slots import Slot, image, storage, texture
 from ...lattice.placement import LatticeParams
 
-_NAMES = ("lattice_open_a", "lattice_open_b", "lattice_walls")
+_NAMES = ("lattice_visibility_a", "lattice_visibility_b", "lattice_walls")
 
 
 class _Pack(ComputePass):

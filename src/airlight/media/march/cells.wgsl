@@ -13,8 +13,8 @@ const OPEN_TO = vec4f(0.5);
     let texel = lattice_texel(lattice, cell);
     let low = wall_shifts_low(lattice, cell);
     let high = wall_shifts_high(lattice, cell);
-    let xy = textureLoad(lattice_open_a, texel, 0);
-    let z = textureLoad(lattice_open_b, texel, 0);
+    let xy = textureLoad(lattice_visibility_a, texel, 0);
+    let z = textureLoad(lattice_visibility_b, texel, 0);
     textureStore(march_cells, id, vec4u(
         pack4x8unorm(smoothstep(OPEN_FROM, OPEN_TO, vec4f(xy.x, xy.z, z.x, 0.0))),
         pack4x8unorm(smoothstep(OPEN_FROM, OPEN_TO, vec4f(xy.y, xy.w, z.y, 0.0))),

@@ -1,7 +1,7 @@
 """Endless air beyond the lattice: there its light depends on the height alone (maths.plane_air).
 
 A table over the depth below the air's top holds what suns and the sky bring (lamps are left out):
-light of similar even air (scatter.similar), the sky's light, and over the direction what air
+light of similar even air (scatter.reduced), the sky's light, and over the direction what air
 scatters of that. Marching reads it where no lattice is: endless air has no border to be seen.
 """
 

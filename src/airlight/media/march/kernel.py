@@ -60,7 +60,7 @@ class Variant:
     has_forward: bool = False
     levels: int = 1
     far_side: int = 0
-    is_similar: bool = False
+    is_reduced_medium: bool = False
     has_passed: bool = True
     has_light: bool = True
 
@@ -91,11 +91,11 @@ def slots(air: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
             sampler("linear_clamp"),
             texture("march_cells", "3d", "uint"),
         ]
-        colours = ("red", "green", "blue", "open_a", "open_b", "walls")
+        colours = ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
-    has_mean = variant.is_even or variant.is_similar
+    has_mean = variant.is_even or variant.is_reduced_medium
     names += ["lattice_mean"] * has_mean + ["sky_mean"] * variant.is_sky_even
     names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
@@ -142,7 +142,7 @@ def generated(variant: Variant) -> str:
     far = NO_FAR_WGSL
     if variant.far_side:
         far = far_wgsl(variant.far_side, has_forward=variant.has_forward)
-    similar = f"const IS_SIMILAR = {str(variant.is_similar).lower()};\n"
+    similar = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
     return (
         _targets_wgsl(variant)
         + similar
@@ -172,7 +172,7 @@ def _sources_wgsl(variant: Variant) -> str:
         held = "    sum += lattice_emission(p, travel);\n"
     if variant.has_lattice and variant.far_side:
         held += "    sum += far_emission(p, travel);\n"
-    if not variant.is_similar:
+    if not variant.is_reduced_medium:
         parts.append(held)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     share = "march_step_share(p)" if has_lattices and not sources else "1.0"
@@ -182,7 +182,7 @@ def _sources_wgsl(variant: Variant) -> str:
         + "".join(parts)
         + "    return sum;\n}\nfn similar_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         + "    var sum = vec3f(0.0);\n"
-        + held * variant.is_similar
+        + held * variant.is_reduced_medium
         + "    return sum;\n}\n"
     )
 
@@ -190,7 +190,7 @@ def _sources_wgsl(variant: Variant) -> str:
 def _lattice_wgsl(variant: Variant) -> str:
     """`lattice_emission`, and how many lattices fade into each other at one place."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
-    if variant.is_similar:
+    if variant.is_reduced_medium:
         seen = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_seen")
         return count + _even_wgsl("lattice") + seen
     seen = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
@@ -206,7 +206,7 @@ def _sky_wgsl(variant: Variant) -> str:
         )
     far = " + far_skylit(p, travel)" if variant.far_side else ""
     even = "vec3f(0.0)"
-    if variant.is_similar:
+    if variant.is_reduced_medium:
         even = "sky_even_here()" + (" + far_sky_even()" if variant.far_side else "")
     return (
         _third_wgsl(variant)

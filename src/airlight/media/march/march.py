@@ -174,7 +174,7 @@ class March:
             is_sky_even=is_even and sky is not None and sky.mean is not None,
             has_third_band=sharpest > _TWO_BANDS and sky is not None and sky.third is not None,
             has_forward=lattice is not None and lattice.forward is not None,
-            is_similar=lattice is not None and lattice.is_similar,
+            is_reduced_medium=lattice is not None and lattice.is_reduced_medium,
             levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
         )
 
@@ -207,7 +207,7 @@ class March:
                 "forward_blurred": forward.blurred,
                 "fused": self._fused_rows(),
             }
-        if lattice is not None and (variant.is_even or variant.is_similar):
+        if lattice is not None and (variant.is_even or variant.is_reduced_medium):
             values["lattice_mean"] = lattice.mean
         if sky is not None and variant.has_third_band:
             values["sky_third"] = sky.third

@@ -159,7 +159,7 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
             sky += reached * skylit_at(p, -ray.direction);
             T *= left;
             most_left = max(T.r, max(T.g, T.b));
-            if (IS_SIMILAR) {
+            if (IS_REDUCED_MEDIUM) {
                 let even = similar_depth_here(t, dt);
                 let even_left = exp(-even.depth);
                 let evenly = similar * dt * mean_left(even.depth, even_left);
@@ -181,7 +181,7 @@ fn behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, similar: vec3f) -> vec3f {
             }
         }
     }
-    if (IS_SIMILAR && hull.x < hull.y) {
+    if (IS_REDUCED_MEDIUM && hull.x < hull.y) {
         // Near surfaces two bands know more of their light.
         let is_sky = ray.distance >= EYE_RAY_FAR;
         let all = forwards + behind(eye, ray, t, T, similar);

@@ -36,7 +36,7 @@ class GivenSight(ComputePass):
         uniform("params", MediumParams),
         uniform("walls", WallParams),
         uniform("lattice", LatticeParams),
-        *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
+        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
         storage("ordinates", OrdinateData),
         storage("blocks", "vec4f"),
         storage("reach", "u32"),

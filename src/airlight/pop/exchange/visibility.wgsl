@@ -8,7 +8,7 @@ const PLACES = array<vec3f, 4>(
 );
 
 fn place_of(point: vec3f) -> vec3f {
-    return bent_place(lattice, (walls.world_from_medium * vec4f(point, 1.0)).xyz);
+    return warped_coordinates(lattice, (walls.world_from_medium * vec4f(point, 1.0)).xyz);
 }
 
 // How much of a block of another medium a cell sees past walls.

@@ -117,7 +117,7 @@ class _Sight(ComputePass):
         uniform("params", MediumParams),
         uniform("sight", SightParams),
         uniform("lattice", LatticeParams),
-        *(texture(f"lattice_{name}", "3d") for name in ("open_a", "open_b", "walls")),
+        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
         storage("places", "vec4f"),
         storage("reach", "u32"),
         storage("passed", "f32", "read_write"),

@@ -61,6 +61,6 @@ fn piece(taken: Reflecting, texels: f32) -> f32 {
     ordinates[row].irradiance = vec4f(texels / PI * taken.flux / params.scale, 0.0);
     ordinates[row].position = vec4f(p, params.kind);
     ordinates[row].spot = vec4f(piece(taken, texels) / PI, 0.0, 0.0, 0.0);
-    places[id.x] = vec4f(bent_surface_place(lattice, taken.point, taken.normal)
+    places[id.x] = vec4f(warped_surface_coordinates(lattice, taken.point, taken.normal)
         + 0.5 * taken.normal, 1.0);
 }

@@ -8,6 +8,6 @@
     let row = sight.first_row + id.y;
     let centre = cell_centre(cell_of(id.x));
     let world = (sight.world_from_medium * vec4f(centre, 1.0)).xyz;
-    let share = open_line(bent_place(lattice, world), places[id.y].xyz);
+    let share = open_line(warped_coordinates(lattice, world), places[id.y].xyz);
     passed[(params.ordinate_count + row) * params.cells + id.x] = share;
 }

@@ -17,14 +17,14 @@ from ..scene.volume import Volume
 AnyMedium = TypeVar("AnyMedium", Medium, Volume)
 
 
-def similar_scene(scene: Scene) -> Scene:
+def reduced_scene(scene: Scene) -> Scene:
     """`scene` with similar isotropic media; the very same where they are isotropic already."""
     if not is_forward(scene):
         return scene
     return dataclasses.replace(
         scene,
-        medium=similar(scene.medium) if scene.medium else None,
-        volumes=tuple(similar(v) for v in scene.volumes),
+        medium=reduced(scene.medium) if scene.medium else None,
+        volumes=tuple(reduced(v) for v in scene.volumes),
     )
 
 
@@ -34,7 +34,7 @@ def is_forward(scene: Scene, *, least: float = -1.0) -> bool:
     return any(c != 0.0 and c > least for m in media for c in m.g)
 
 
-def similar(air: AnyMedium) -> AnyMedium:
+def reduced(air: AnyMedium) -> AnyMedium:
     """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a. Its g says what it stands for."""
     kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
     r, g, b = (t * k for t, k in zip(air.sigma_t, kept, strict=True))

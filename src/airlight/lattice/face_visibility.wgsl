@@ -4,10 +4,10 @@
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 
-const CLOSING = 1.5;    // closes a wall that falls between two layers of corners
+const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
-const DEAD_END_COVER = 0.5;
-const APART = 0.02;     // cells
+const ENCLOSED_COVER = 0.5;
+const SEPARATE = 0.02;     // cells
 
 struct CellFace {
     corner: vec3u,
@@ -43,7 +43,7 @@ fn face_of(cell: vec3u, hop: u32) -> CellFace {
 
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
 fn closed_share(f: CellFace, hop: u32) -> f32 {
-    return saturate(CLOSING * on_face(f, hop ^ 1u));
+    return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
 }
 
 fn reflected_share(f: CellFace, hop: u32) -> vec4f {
@@ -90,21 +90,21 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
 // Whether a hop ends at a wall of which it is known on which side a place is: one that faces the hop
 // more than what faces back (a floor, whatever closed things and sheets stand on it), or alone or apart
 // from that. Not sheets alone, nor what is thin and tilted.
-fn is_dead_end(f: CellFace, hop: u32) -> bool {
+fn is_enclosed(f: CellFace, hop: u32) -> bool {
     let facing = on_face(f, hop ^ 1u);
     let along = on_face(f, hop);
     let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
     let is_apart = along < 0.25
-        || (along > DEAD_END_COVER && abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > APART);
-    return facing - along > DEAD_END_COVER
-        || (facing > DEAD_END_COVER && sheets < 0.1 && is_apart);
+        || (along > ENCLOSED_COVER && abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > SEPARATE);
+    return facing - along > ENCLOSED_COVER
+        || (facing > ENCLOSED_COVER && sheets < 0.1 && is_apart);
 }
 
 // One bit for each outgoing hop that ends at such a wall, as a value of unorm7.
-fn dead_ends(cell: vec3u) -> f32 {
+fn enclosed_faces(cell: vec3u) -> f32 {
     var bits = 0u;
     for (var hop = 0u; hop < 6u; hop++) {
-        bits |= select(0u, 1u << hop, is_dead_end(face_of(cell, hop), hop));
+        bits |= select(0u, 1u << hop, is_enclosed(face_of(cell, hop), hop));
     }
     return f32(bits) / 127.0;
 }
@@ -129,11 +129,11 @@ fn dead_ends(cell: vec3u) -> f32 {
     let zz = vec4f(entering[4], entering[5], 1.0, 1.0);
     faces[2u * cell] = vec4u(leaving[0], leaving[1], leaving[2], leaving[3]);
     faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], pack4x8unorm(xy), pack4x8unorm(zz));
-    openness[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
+    face_visibility[cell] = vec2u(pack4x8unorm(xy), pack4x8unorm(zz));
     let texel = id + vec3u(0u, params.first_row, 0u);
-    textureStore(open_a, texel, vec4f(between[0], between[1], between[2], between[3]));
+    textureStore(visibility_a, texel, vec4f(between[0], between[1], between[2], between[3]));
     // And its low faces across x and y once more: rays find all three in one texture.
-    textureStore(open_b, texel, vec4f(between[4], between[5], between[0], between[2]));
+    textureStore(visibility_b, texel, vec4f(between[4], between[5], between[0], between[2]));
     textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
-        wall_shift(face_of(id, 5u), 2u), dead_ends(id)));
+        wall_shift(face_of(id, 5u), 2u), enclosed_faces(id)));
 }
