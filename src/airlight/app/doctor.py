@@ -23,6 +23,7 @@ _EXTRA_PURPOSE = {
     "view": "the viewer, in a window or a browser",
     "notebook": "the viewer in a notebook",
     "vdb": "OpenVDB files (.vdb)",
+    "gltf": "glTF meshes compressed with Draco",
     "test": "the project's own tests",
 }
 _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['\"]$")

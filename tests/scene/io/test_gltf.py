@@ -129,16 +129,6 @@ def test_cycles_and_shared_children_are_refused(draft):
         load_gltf(draft.glb())
 
 
-@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
-def test_compressed_meshes_say_what_to_do(draft, name):
-    draft.single(draft.triangle())
-    draft.json["extensionsRequired"] = [name]
-    with pytest.raises(SceneError) as error:
-        load_gltf(draft.glb())
-    assert name in str(error.value)
-    assert str(error.value).endswith("Export it without mesh compression.")
-
-
 def test_an_unknown_required_extension(draft):
     draft.single(draft.triangle())
     draft.json["extensionsRequired"] = ["ACME_magic"]

@@ -41,46 +41,6 @@ def test_every_command_says_it(draft, command, gpu, tmp_path, capsys):
     assert "the extension ACME_unheard_of is not read" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("required", [False, True])
-def test_draco_without_a_fallback_is_refused_by_name(draft, required):
-    name = "KHR_draco_mesh_compression"
-    draft.json["accessors"].append({"componentType": 5126, "count": 3, "type": "VEC3"})
-    packed = {"bufferView": draft.view(b"DRACO..."), "attributes": {"POSITION": 0}}
-    draft.single({"attributes": {"POSITION": 0}, "extensions": {name: packed}})
-    draft.json["extensionsUsed"] = [name]
-    if required:
-        draft.json["extensionsRequired"] = [name]
-    with pytest.raises(SceneError, match=f"compressed with {name}"):
-        load_gltf(draft.gltf())
-
-
-def test_draco_with_a_fallback_is_shown_with_a_warning(draft):
-    name = "KHR_draco_mesh_compression"
-    primitive = draft.triangle()
-    primitive["extensions"] = {name: {"bufferView": draft.view(b"DRACO..."), "attributes": {}}}
-    draft.single(primitive)
-    draft.json["extensionsUsed"] = [name]
-    scene = load_gltf(draft.gltf())
-    assert scene.triangle_count == 1
-    assert f"the extension {name} is not read: what the file holds" in scene.warnings[0]
-
-
-def test_meshopt_without_a_fallback_is_refused_by_name(draft):
-    name = "EXT_meshopt_compression"
-    draft.single(draft.triangle())
-    view = draft.json["bufferViews"][0]
-    size = view["byteLength"]
-    packed = {"buffer": 0, "byteLength": 8, "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"}
-    draft.json["bufferViews"][0] = {"buffer": 1, "byteLength": size, "extensions": {name: packed}}
-    draft.json["buffers"] = [
-        {"byteLength": 8, "uri": "data:application/octet-stream;base64,AAAAAAAAAAA="},
-        {"byteLength": size, "extensions": {name: {"fallback": True}}},
-    ]
-    draft.json["extensionsUsed"] = [name]
-    with pytest.raises(SceneError, match=f"compressed with {name}"):
-        load_gltf(draft.gltf())
-
-
 def instanced(draft, **attributes):
     extension = {"EXT_mesh_gpu_instancing": {"attributes": attributes}}
     draft.single(draft.triangle(), translation=[0, 0, 7], extensions=extension)

@@ -24,8 +24,9 @@ from ..mesh import Mesh
 from ..scene import Scene
 from .gltf_animation import read_clips
 from .gltf_buffers import Buffers, read_container
+from .gltf_compressed import DRACO
 from .gltf_deform import Deforms
-from .gltf_extensions import check_compression, check_extensions, instances
+from .gltf_extensions import check_extensions, instances
 from .gltf_json import Item
 from .gltf_material import Materials
 from .gltf_mesh import Primitive, read_primitive
@@ -123,7 +124,12 @@ class GltfFile:
     def _geometry(self, primitive: Item, uv_set: int) -> Primitive | None:
         key = (primitive.place, uv_set)
         if key not in self._geometries:
-            check_compression(primitive, self.buffers)
+            if primitive.child("extensions").has(DRACO) and not self.buffers.decompress(primitive):
+                self._warn(
+                    primitive,
+                    f"{DRACO} needs the package DracoPy (pip install 'airlight[gltf]'): what the "
+                    "file holds uncompressed is shown",
+                )
             read = read_primitive(primitive, self.buffers, uv_set)
             if read is None:
                 self._warn(primitive, "points and lines are left out")

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from .files import inside, read_bytes
+from .gltf_compressed import DRACO, decoded_primitive, decoded_view, has_draco, meshopt_extension
 from .gltf_json import Item
 
 COMPONENTS: dict[int, type[np.generic]] = {
@@ -117,12 +118,23 @@ class Buffers:
         self._views = document.items("bufferViews")
         self.accessors = document.items("accessors")
         self._bytes: dict[int, bytes] = {}
+        self._decompressed: dict[int, bytes] = {}
         self._decoded: dict[int, NDArray[Any]] = {}
         self._zeros_bytes = 0
 
     def view(self, item: Item, key: str = "bufferView") -> tuple[memoryview, int]:
         """The bytes of the buffer view that item[key] names, and its stride (0: packed)."""
-        view = self._views[item.index(key, self._views, "bufferViews")]
+        k = item.index(key, self._views, "bufferViews")
+        view, stride = self._views[k], self._views[k].integer("byteStride", 0)
+        compressed = meshopt_extension(view)
+        if compressed is None:
+            return self._slice(view), stride
+        if k not in self._decompressed:
+            self._decompressed[k] = decoded_view(compressed, bytes(self._slice(compressed)))
+        return memoryview(self._decompressed[k]), stride
+
+    def _slice(self, view: Item) -> memoryview:
+        """The part of a buffer that a view, or its compressed form, names."""
         data = self._buffer(view)
         start, length = view.integer("byteOffset", 0), view.integer("byteLength", low=1)
         if start + length > len(data):
@@ -130,16 +142,27 @@ class Buffers:
                 f"ends at byte {start + length}, but its buffer has {len(data)}",
                 "The file is damaged or truncated.",
             )
-        return memoryview(data)[start : start + length], view.integer("byteStride", 0)
+        return memoryview(data)[start : start + length]
 
-    def view_item(self, accessor: Item) -> Item:
-        """The buffer view of an accessor that has one."""
-        return self._views[accessor.index("bufferView", self._views, "bufferViews")]
+    def decompress(self, primitive: Item) -> bool:
+        """Decode what Draco compressed of a primitive, in place of its accessors' own bytes.
 
-    def is_missing(self, view: Item) -> bool:
-        """Whether the buffer of a view is a mere placeholder for decompressed data."""
-        k = view.index("buffer", self._buffers, "buffers")
-        return not self._buffers[k].has("uri") and (k > 0 or self._binary is None)
+        False where DracoPy is not installed and the file holds the same uncompressed.
+        """
+        extension = primitive.at("extensions", DRACO)
+        attributes = primitive.child("attributes")
+        k = attributes.index("POSITION", self.accessors, "accessors")
+        if not has_draco() and self.accessors[k].has("bufferView"):
+            return False
+        triangles, found = decoded_primitive(extension, bytes(self.view(extension)[0]))
+        if primitive.has("indices"):
+            k = primitive.index("indices", self.accessors, "accessors")
+            self._decoded[k] = triangles.reshape(-1, 1)
+        for name, values in found.items():
+            if attributes.has(name):
+                k = attributes.index(name, self.accessors, "accessors")
+                self._decoded[k] = _normalized(self.accessors[k], values)
+        return True
 
     def _buffer(self, view: Item) -> bytes:
         k = view.index("buffer", self._buffers, "buffers")
@@ -189,10 +212,7 @@ class Buffers:
             values = self._zeros(accessor, count, width, dtype)
         if accessor.has("sparse"):
             values = self._with_sparse(accessor, values)
-        if accessor.flag("normalized") and not np.issubdtype(dtype, np.floating):
-            top = float(np.iinfo(np.dtype(dtype)).max)
-            values = np.maximum(values.astype(np.float32) / np.float32(top), np.float32(-1.0))
-        return values
+        return _normalized(accessor, values)
 
     def _zeros(
         self, accessor: Item, count: int, width: int, dtype: type[np.generic]
@@ -239,3 +259,11 @@ class Buffers:
         replaced = values.copy()
         replaced[rows] = self._strided(sparse, what, values.dtype.type, count, values.shape[1])
         return replaced
+
+
+def _normalized(accessor: Item, values: NDArray[Any]) -> NDArray[Any]:
+    """Whole numbers as -1 to 1 or 0 to 1, where the accessor says so."""
+    if not accessor.flag("normalized") or np.issubdtype(values.dtype, np.floating):
+        return values
+    top = np.float32(np.iinfo(values.dtype).max)
+    return np.asarray(np.maximum(values.astype(np.float32) / top, np.float32(-1.0)))

@@ -14,22 +14,21 @@ from ...errors import SceneError
 from ...maths.transforms import trs_matrix
 from ..checks import F64
 from .gltf_buffers import Buffers
+from .gltf_compressed import DRACO, MESHOPT
 from .gltf_json import Item
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 MOST_INSTANCES = 100_000
-_DRACO = "KHR_draco_mesh_compression"
-_MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _SUPPORTED = {
+    DRACO,
     INSTANCING,
+    *MESHOPT,
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 }
 _LOST = {
-    _DRACO: "what the file holds uncompressed is shown",
-    **dict.fromkeys(_MESHOPT, "what the file holds uncompressed is shown"),
     "KHR_texture_basisu": "images in other formats are used where there are any",
     "KHR_materials_variants": "materials are those of the first look",
     "KHR_node_visibility": "hidden nodes are shown",
@@ -45,8 +44,6 @@ def check_extensions(document: Item) -> list[str]:
     """
     required = [str(item.value) for item in document.items("extensionsRequired")]
     for name in required:
-        if name == _DRACO or name in _MESHOPT:
-            raise compressed(document, name)
         if not _is_read(name):
             raise SceneError(
                 f"it needs the extension {name}, which airlight does not read",
@@ -64,34 +61,6 @@ def check_extensions(document: Item) -> list[str]:
 
 def _is_read(name: str) -> bool:
     return name in _SUPPORTED or (name.startswith("KHR_materials_") and name not in _LOST)
-
-
-def compressed(where: Item, name: str) -> SceneError:
-    """The error that there is nothing but what `name` compressed."""
-    place = f"{where.place}: " if where.place else ""
-    return SceneError(
-        f"{place}its meshes are compressed with {name}, which airlight does not read",
-        where=where.file,
-        remedy="Export it without mesh compression.",
-    )
-
-
-def check_compression(primitive: Item, buffers: Buffers) -> None:
-    """Raise SceneError for a primitive of which the file holds nothing uncompressed."""
-    attributes = primitive.child("attributes")
-    if not attributes.has("POSITION"):
-        return
-    k = attributes.index("POSITION", buffers.accessors, "accessors")
-    accessor = buffers.accessors[k]
-    if not accessor.has("bufferView"):
-        if primitive.child("extensions").has(_DRACO):
-            raise compressed(primitive, _DRACO)
-        return
-    view = buffers.view_item(accessor)
-    for name in _MESHOPT:
-        packed = view.at("extensions", name)
-        if packed.value and buffers.is_missing(view):
-            raise compressed(primitive, name)
 
 
 def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:

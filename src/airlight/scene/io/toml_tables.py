@@ -59,7 +59,12 @@ MESH = Table(
     "the world's X axis, then Y, then Z, then translated. The colours here replace those of the "
     "file's materials, textures included; masks stay.",
     (
-        Key("file", checks.text, "path", "a mesh file: OBJ, glTF, GLB, PLY or STL"),
+        Key(
+            "file",
+            checks.text,
+            "path",
+            "a mesh file: OBJ, glTF, GLB, PLY or STL; Draco: airlight[gltf]",
+        ),
         Key(
             "shape",
             one_of("box", "sphere", "plane", "quad"),
