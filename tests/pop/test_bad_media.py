@@ -12,7 +12,7 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, PointLight, Scene, Volume
 
@@ -25,10 +25,10 @@ def emission(gpu: Gpu, volume: Volume) -> F64:
     """Under an even sky of radiance 1, a sun and a lamp inside."""
     solver, commands = PopSolver(gpu, volume, SETTINGS, lights=2), Commands(gpu)
     lights = (DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((0.1, 0.2, 0.3), (0.1, 0.1, 0.1)))
-    solver.encode(commands, lights, Environment((1.0, 1.0, 1.0)), EYE)
+    solver.encode(commands, Illumination(lights, Environment((1.0, 1.0, 1.0)), EYE))
     commands.submit()
     texels = solver.emission.texture.read()[..., :3].astype(np.float64)
-    return np.asarray(texels * solver.beams.table.scale)
+    return np.asarray(texels * solver.scale)
 
 
 @pytest.mark.parametrize("sigma_t", [0.0, 1e-30, 1e-6, 1e4, 1e12])
@@ -116,10 +116,10 @@ def test_a_white_block_is_white_however_thick(gpu, g):
     for sigma_t in (8.0, 80.0, 1e6):
         block = Volume((sigma_t,) * 3, ONES, g=(g,) * 3, albedo=(1.0, 0.9, 0.5))
         solver, commands = PopSolver(gpu, block, PopSettings(ordinates=16, grid=8)), Commands(gpu)
-        solver.encode(commands, (), Environment((1.0, 1.0, 1.0)), EYE)
+        solver.encode(commands, Illumination((), Environment((1.0, 1.0, 1.0)), EYE))
         commands.submit()
         side = solver.emission.texture.read()[:, :, -1, :3].astype(np.float64).mean(axis=(0, 1))
-        side *= solver.beams.table.scale
+        side *= solver.scale
         assert side[0] == pytest.approx(1.0, abs=0.06)
         assert 0.05 < side[1] < 0.7
         assert 0.01 < side[2] < 0.3

@@ -9,7 +9,7 @@ from airlight.gpu.commands import Commands
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight
 from airlight.scene.volume import Volume
@@ -30,10 +30,10 @@ def turned(about: F64, angle: float) -> F64:
 def emission(solver: PopSolver, lights, sky, eye: F64) -> F64:
     """In-scattered radiance per unit scattering coefficient, W m^-2 sr^-1, (z, y, x, channel)."""
     commands = Commands(solver.medium.gpu)
-    solver.encode(commands, lights, sky, eye)
+    solver.encode(commands, Illumination(lights, sky, eye))
     commands.submit()
     light = solver.emission.texture.read()[..., :3].astype(np.float64)
-    return light * solver.beams.table.scale
+    return light * solver.scale
 
 
 @pytest.mark.parametrize(("scheme", "angle"), [("delta-beam", 0.7), ("split", 0.0), ("split", 0.7)])

@@ -9,10 +9,10 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
-from airlight.pop.light.importance import Look, ViewImportance, coarse_air
+from airlight.pop.light.importance import Look, ViewImportance, coarse_medium
 from airlight.pop.medium.placement import placed
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene import Camera, Environment, Volume
 
 BALL = Volume((4.0,) * 3, shape="sphere", g=(0.9,) * 3)
@@ -32,9 +32,9 @@ def emission(gpu: Gpu, count: int, **s: str) -> F64:
 def look_at(solver: PopSolver, camera: Camera) -> F64:
     commands = Commands(solver.medium.gpu)
     eye = np.array(camera.position)
-    solver.encode(commands, (), SKY, eye, look=Look(camera, 1.5))
+    solver.encode(commands, Illumination((), SKY, eye, look=Look(camera, 1.5)))
     commands.submit()
-    return solver.emission.texture.read()[..., :3].astype(np.float64) * solver.beams.table.scale
+    return solver.emission.texture.read()[..., :3].astype(np.float64) * solver.scale
 
 
 def test_few_ordinates_are_nearer_to_many(gpu):
@@ -90,9 +90,9 @@ def test_importance_turns_with_the_map_and_the_camera():
     assert np.array_equal(away, np.ones((16, 32)))
 
 
-def test_the_coarse_air_has_the_mediums_mass():
+def test_the_coarse_medium_has_the_mediums_mass():
     rho = np.random.default_rng(3).random((20, 30, 10)).astype(np.float32)
     volume = Volume((2.0, 4.0, 6.0), rho, bounds=((0, 0, 0), (1, 3, 2)), g=(0.1, 0.2, 0.3))
-    air = coarse_air(volume, placed(volume, 10))
+    air = coarse_medium(volume, placed(volume, 10))
     assert air.density.mean() == pytest.approx(rho.mean(), rel=0.02)
     assert (air.sigma_t[0], air.g[0]) == (pytest.approx(4.0), pytest.approx(0.2))

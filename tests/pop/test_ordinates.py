@@ -10,7 +10,8 @@ import pytest
 
 from airlight.maths.beam_phase import PHASE_TABLE
 from airlight.maths.ordinates import even_sky, parallel
-from airlight.pop.light.ordinates import Kind, OrdinateTable, SceneOrdinates
+from airlight.pop.light.ordinates import SceneOrdinates
+from airlight.pop.light.table import Kind, OrdinateTable
 from airlight.pop.medium.placement import placed
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, PointLight
@@ -42,9 +43,9 @@ def test_the_map_turns_with_its_environment():
 def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
     box = Volume((1.0,) * 3, shape="box", g=(0.0, 0.5, 0.9))
     at = placed(box, 4)
-    table = OrdinateTable(gpu, 3)
+    table = OrdinateTable(gpu, 3, prefilter=True)
     sky = parallel([(0, 0, 1), (0, 1, 0)], [(2, 4, 8), (1, 1, 1)])
-    table.write(sky, [PointLight((0.1, 0.2, 0.3), (1, 1, 1))], at, box.g, prefilter=True)
+    table.write(sky, [PointLight((0.1, 0.2, 0.3), (1, 1, 1))], at, box.g)
     assert (table.scale, table.count) == (8.0, 3)
     rows = table.rows.read().reshape(-1, 16)
     np.testing.assert_allclose(rows[0, :8], (0, 0, 1, 1, 0.25, 0.5, 1.0, 0.0))
@@ -52,7 +53,7 @@ def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
     phase = table.phase.read().reshape(-1, PHASE_TABLE, 4)[0, :, :3]
     assert phase[0, 2] > phase[-1, 2]
     with pytest.raises(ValueError, match="4 ordinates in a table of 3"):
-        table.write(even_sky(4), (), at, box.g, prefilter=True)
+        table.write(even_sky(4), (), at, box.g)
 
 
 @pytest.mark.parametrize("made_by", ["partition", "importance"])

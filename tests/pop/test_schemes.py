@@ -15,7 +15,7 @@ from airlight.maths.radial_grid import radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Mesh, Scene, Volume
 from airlight.scene.environment import Environment
@@ -32,7 +32,7 @@ LAMP = PointLight((0.3, 0.4, 0.5), (2.0, 1.0, 0.5))
 def solved(gpu: Gpu, scheme: str, lights=(SUN,), sky=SKY, **settings) -> PopSolver:
     made = PopSolver(gpu, blob(), PopSettings(scheme=scheme, **{**SETTINGS, **settings}), lights=1)
     commands = Commands(gpu)
-    made.encode(commands, lights, sky, EYE)
+    made.encode(commands, Illumination(lights, sky, EYE))
     commands.submit()
     return made
 
@@ -51,7 +51,7 @@ class Twin:
     def __init__(self, solver: PopSolver, *, is_paper: bool) -> None:
         self.air, self.is_paper = air_of(solver), is_paper
         self.eye = solver.medium.placement.point(EYE)
-        self.iterations = solver.beams.iterations
+        self.iterations = solver.transport.iterations
         shape = (*self.air.density.shape, 3)
         self.merged, self.power = np.zeros(shape), np.zeros(shape)
         self.forward = np.zeros((3, *shape))
@@ -108,15 +108,15 @@ class Twin:
 
 def twin(solver: PopSolver, lights, sky: Environment | None) -> Twin:
     made = Twin(solver, is_paper=solver.settings.scheme == "paper")
-    beams, at = solver.beams, solver.medium.placement
+    transport, at = solver.transport, solver.medium.placement
     rows = solver._scene_ordinates.of(lights, sky)
     for d, e, c in zip(rows.direction, rows.irradiance, rows.mean_cosine, strict=True):
         made.add_parallel(
-            at.direction(d), e / beams.table.scale, float(c), beams.hopping.grids.capacity
+            at.direction(d), e / solver.scale, float(c), transport.propagation.grids.capacity
         )
     for lamp in (light for light in lights if isinstance(light, PointLight)):
         position, power = at.point(np.array(lamp.position)), np.array(lamp.intensity)
-        made.add_lamp(position, power / beams.table.scale, solver.settings.grid)
+        made.add_lamp(position, power / solver.scale, solver.settings.grid)
     return made
 
 
@@ -128,9 +128,9 @@ def inside(made: Twin) -> np.ndarray:
 def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
     solver = solved(gpu, scheme, residuum=False)
     truth = twin(solver, (SUN,), SKY)
-    merged = of_cells(solver, solver.beams.hopping.merge.merged.read(), 1)[0]
+    merged = of_cells(solver, solver.transport.propagation.merge.merged.read(), 1)[0]
     assert_close(merged * inside(truth), truth.merged * inside(truth), 5e-3)
-    deposits = of_cells(solver, solver.beams.diffuse.deposits.read(), 4)
+    deposits = of_cells(solver, solver.transport.diffuse.deposits.read(), 4)
     assert_close(deposits[0], truth.power, 5e-3)
     if scheme == "split":
         assert_close(deposits[1:], truth.forward, 5e-3)
@@ -141,9 +141,9 @@ def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
 def test_hops_around_a_lamp_are_their_twins(gpu):
     solver = solved(gpu, "split", (LAMP,), None)
     truth = twin(solver, (LAMP,), None)
-    merged = of_cells(solver, solver.beams.hopping.merge.merged.read(), 1)[0]
+    merged = of_cells(solver, solver.transport.propagation.merge.merged.read(), 1)[0]
     assert_close(merged * inside(truth), truth.merged * inside(truth), 0.01)
-    deposits = of_cells(solver, solver.beams.diffuse.deposits.read(), 4)
+    deposits = of_cells(solver, solver.transport.diffuse.deposits.read(), 4)
     assert_close(deposits[0], truth.power, 5e-3)
 
 
@@ -151,7 +151,7 @@ def test_the_picture_is_beams_lobes_and_residuum(gpu):
     solver = solved(gpu, "split", exact_sky=False)
     truth = twin(solver, (SUN,), SKY)
     rows = solver._scene_ordinates.of((SUN,), SKY)
-    scale = solver.beams.table.scale
+    scale = solver.scale
     each = zip(
         solver.medium.placement.direction(rows.direction),
         rows.irradiance,
@@ -179,13 +179,13 @@ def test_the_picture_is_beams_lobes_and_residuum(gpu):
 
 def test_the_papers_residuum_hops_in_the_mediums_cells(gpu):
     solver = solved(gpu, "paper", residuum_iterations=3)
-    assert 1 <= solver.beams.iterations <= 6
+    assert 1 <= solver.transport.iterations <= 6
     truth = twin(solver, (SUN,), SKY)
     air, cell = truth.air, truth.air.cell
     absorbed = air.density[..., None] * air.sigma_t * (1.0 - air.albedo) * cell.mean()
     light = truth.power / (cell.prod() / cell.mean())
     want = hop.isotropic_hops(light, np.exp(-absorbed), 3)
-    got = of_cells(solver, solver.beams.diffuse.diffuse.read(), 4)
+    got = of_cells(solver, solver.transport.diffuse.diffuse.read(), 4)
     assert_close(got[0], want, 5e-3)
 
 
@@ -196,7 +196,7 @@ def test_frames_repeat_to_the_bit_and_follow_the_eye(gpu, scheme):
     assert np.isfinite(first.astype(np.float32)).all()
     assert np.array_equal(first, solved(gpu, scheme, (LAMP,)).emission.texture.read())
     commands = Commands(gpu)
-    one.encode(commands, (LAMP,), SKY, -EYE)
+    one.encode(commands, Illumination((LAMP,), SKY, -EYE))
     commands.submit()
     assert not np.array_equal(first, one.emission.texture.read())
 
@@ -206,7 +206,7 @@ def test_a_far_lamp_is_a_parallel_grid(gpu):
     lamp = solved(gpu, "split", (far,), None).emission.texture.read()[..., :3]
     down = DirectionalLight((0.0, -1.0, 0.0), (1.0,) * 3)
     sun = solved(gpu, "split", (down,), None)
-    scale = sun.beams.table.scale / solved(gpu, "split", (far,), None).beams.table.scale
+    scale = sun.scale / solved(gpu, "split", (far,), None).scale
     ratio = lamp.astype(np.float64).sum() / sun.emission.texture.read()[..., :3].sum() / scale
     assert ratio == pytest.approx(1.0, abs=0.1)
 

@@ -19,9 +19,9 @@ from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.light.ordinates import SceneOrdinates
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene.environment import Environment
-from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
+from airlight.scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from airlight.scene.volume import Volume
 
 SKY, SUN = Environment((0.2, 0.3, 0.4)), DirectionalLight((0.3, -0.8, 0.2), (3.0, 2.0, 1.0))
@@ -78,7 +78,7 @@ def twin(solver: PopSolver, sky: Ordinates, scale: float, *, is_white: bool = Fa
 def solved(gpu: Gpu) -> PopSolver:
     solver = PopSolver(gpu, blob(), SETTINGS, lights=1)
     commands = Commands(gpu)
-    solver.encode(commands, (SUN,), SKY, EYE)
+    solver.encode(commands, Illumination((SUN,), SKY, EYE))
     commands.submit()
     return solver
 
@@ -86,7 +86,7 @@ def solved(gpu: Gpu) -> PopSolver:
 @pytest.fixture(scope="module")
 def truth(solved: PopSolver) -> Twin:
     sky = SceneOrdinates(SETTINGS.ordinates).of((SUN,), SKY)
-    return twin(solved, sky, solved.beams.table.scale)
+    return twin(solved, sky, solved.scale)
 
 
 def of_cells(solver: PopSolver, buffer: np.ndarray, parts: int) -> F64:
@@ -107,7 +107,7 @@ def test_density_is_averaged(solved, truth):
 
 def test_paths_are_marched(solved, truth):
     want = np.stack([b.passed for b in truth.solution.beams])
-    got = solved.beams.paths.passed.read()[: want.size].reshape(want.shape)
+    got = solved.transport.light.passed.read()[: want.size].reshape(want.shape)
     asked = reached(truth)
     assert 0.3 < asked.mean() < 1.0
     assert_close(got * asked, want * asked, 3e-3)
@@ -121,16 +121,16 @@ def reached(truth: Twin) -> np.ndarray:
 
 def test_deposits_are_left(solved, truth):
     power, forward = db.deposit(truth.medium, truth.solution.beams)
-    got = of_cells(solved, solved.beams.diffuse.deposits.read(), 4)
+    got = of_cells(solved, solved.transport.diffuse.deposits.read(), 4)
     assert_close(got[0], power, 2e-3)
     assert_close(got[1:], forward, 2e-3)
 
 
 def test_light_diffuses(solved, truth):
-    got = of_cells(solved, solved.beams.diffuse.diffuse.read(), 4)
+    got = of_cells(solved, solved.transport.diffuse.diffuse.read(), 4)
     assert_close(got[0], truth.solution.fluence, 3e-3)
     assert_close(got[1:], truth.solution.flux, 3e-3)
-    residual = of_cells(solved, solved.beams.diffuse.residual.read(), 1)
+    residual = of_cells(solved, solved.transport.diffuse.residual.read(), 1)
     power, _ = db.deposit(truth.medium, truth.solution.beams)
     source = power / np.prod(truth.medium.cell)
     assert np.linalg.norm(residual) < 5e-3 * np.linalg.norm(source)
@@ -163,9 +163,16 @@ def solved_centre(volume: Volume) -> F64:
     return np.asarray(volume.world_from_volume[:3, :3] @ centre + volume.world_from_volume[:3, 3])
 
 
-def frame(solver: PopSolver, gpu: Gpu, *args: object) -> F64:
+def frame(
+    solver: PopSolver,
+    gpu: Gpu,
+    lights: tuple[Light, ...],
+    sky: Environment | None,
+    eye: F64,
+    volume: Volume | None = None,
+) -> F64:
     commands = Commands(gpu)
-    texture = solver.encode(commands, *args)  # type: ignore[arg-type]
+    texture = solver.encode(commands, Illumination(lights, sky, eye), volume)
     commands.submit()
     return texture.read().astype(np.float64)
 
@@ -185,7 +192,7 @@ def test_frames_repeat_to_the_bit_and_follow_every_change(gpu):
     fresh = PopSolver(gpu, thinner, SETTINGS, lights=1)
     assert np.array_equal(changed, frame(fresh, gpu, (SUN,), SKY, EYE))
     with pytest.raises(SceneError, match=r"the volume changed in size\. Make a new Renderer"):
-        one.encode(Commands(gpu), (SUN,), SKY, EYE, blob(9))
+        one.encode(Commands(gpu), Illumination((SUN,), SKY, EYE), blob(9))
 
 
 @pytest.mark.parametrize("density", [np.zeros((4, 4, 4)), np.ones((1, 1, 1)), np.ones((1, 30, 2))])
@@ -217,9 +224,13 @@ def test_a_spot_that_turns_its_back_scatters_nothing(gpu):
 def test_lamps_light_the_medium_like_their_twins(gpu):
     solver = PopSolver(gpu, blob(), SETTINGS, lights=2)
     commands = Commands(gpu)
-    solver.encode(commands, LAMPS, None, EYE)
+    solver.encode(commands, Illumination(LAMPS, None, EYE))
     commands.submit()
-    at, scale, width = solver.medium.placement, solver.beams.table.scale, solver.medium.placed.width
+    at, scale, width = (
+        solver.medium.placement,
+        solver.scale,
+        solver.medium.placed.width,
+    )
     air = twin(solver, even_sky(1), scale).medium
     beams, near = [], 0.0
     for light in LAMPS:
@@ -242,7 +253,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
         around = near_fluence(air, one, distance, mean, radius, width.density)
         near = near + beside[..., None] * around
     solution = db.light(air, beams, SETTINGS.solver_steps, width.diffusivity)
-    got = of_cells(solver, solver.beams.diffuse.diffuse.read(), 4)
+    got = of_cells(solver, solver.transport.diffuse.diffuse.read(), 4)
     assert_close(got[0], np.maximum(solution.fluence + near, 0.0), 5e-3)
     assert_close(got[1:], solution.flux, 5e-3)
     assert np.isfinite(solver.emission.texture.read()).all()

@@ -10,7 +10,7 @@ from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene import Environment, Volume
 
 BALL = Volume((3.0,) * 3, shape="sphere", g=(0.0, 0.7, 0.95))
@@ -28,9 +28,9 @@ def test_half_the_turn_is_half_the_change(gpu: Gpu, what: str) -> None:
         eye = 4.0 * np.array([np.sin(turn), 0.3, np.cos(turn)])
         sky = Environment(map=MAP, rotation_deg=angle_deg if what == "map" else 0.0)
         commands = Commands(gpu)
-        solver.encode(commands, (), sky, eye)
+        solver.encode(commands, Illumination((), sky, eye))
         commands.submit()
-        return solver.emission.texture.read()[..., :3].astype(np.float64) * solver.beams.table.scale
+        return solver.emission.texture.read()[..., :3].astype(np.float64) * solver.scale
 
     frames = [emission(0.5 * k) for k in range(7)]
     mean = np.mean(frames, axis=(0, 1, 2, 3))

@@ -13,12 +13,12 @@ from airlight.maths.ordinate_grid import ordinate_grids
 from airlight.maths.radial_grid import radial_grid
 from airlight.maths.transforms import F64
 from airlight.pop.grids import grids as hop_grids
-from airlight.pop.grids.grids import FAR, FIXED_POINT_BITS, HopGridData
-from airlight.pop.grids.propagation import Hopping
+from airlight.pop.grids.grids import FAR, FIXED_POINT_BITS, GridData
+from airlight.pop.grids.propagation import GridPropagation
 from airlight.pop.media import PopMedia
+from airlight.pop.medium.grid_medium import GridMedium
 from airlight.pop.medium.placement import placed
-from airlight.pop.settings import PopSettings
-from airlight.pop.virtual.grids import is_hopping
+from airlight.pop.settings import PopSettings, uses_virtual_grids
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Material, Mesh, Scene, SpotLight, Volume
 from airlight.scene.shapes import box, quad
@@ -76,11 +76,11 @@ def solved(scene: Scene, **settings: object) -> tuple[F64, dict[str, F64]]:
     """The picture of scattered light, and what the solver has: rows of grids, first power."""
     with Renderer(scene, "pop", (12, 12), settings={**SETTINGS, **settings}) as made:
         image = made.frame(samples=1)
-        hopping = made.technique.find(PopMedia).solvers[0].beams.hopping
+        hopping = made.technique.find(PopMedia).solvers[0].transport.propagation
         rows = hopping.grids.rows.read(np.uint8)
-        lights = made.technique.find(PopMedia).solvers[0].beams.table.rows.read()
+        lights = made.technique.find(PopMedia).solvers[0].transport.light.table.rows.read()
         told = {
-            "rows": np.frombuffer(rows.tobytes(), HopGridData.dtype),
+            "rows": np.frombuffer(rows.tobytes(), GridData.dtype),
             "lights": lights.reshape(-1, 4, 4),
         }
     return image.layers["scattered"].astype(np.float64), told
@@ -155,8 +155,8 @@ def test_what_enters_dense_air_is_what_the_floor_sends(gpu: Gpu) -> None:
         made.frame(samples=1)
         solver = made.technique.find(PopMedia).solvers[0]
         cells = solver.medium.placement.cells
-        deposits = solver.beams.diffuse.deposits.read().reshape(4, cells, 4)[0, :, :3]
-        got = deposits.sum(axis=0) * solver.beams.table.scale
+        deposits = solver.transport.diffuse.deposits.read().reshape(4, cells, 4)[0, :, :3]
+        got = deposits.sum(axis=0) * solver.scale
     np.testing.assert_allclose(got, entering_power(), rtol=0.08)
 
 
@@ -186,7 +186,7 @@ def test_a_plate_in_the_air_stops_what_hops(gpu: Gpu) -> None:
         with Renderer(replace(scene, meshes=meshes), "pop", (8, 8), settings=finer) as made:
             made.frame(samples=1)
             solver = made.technique.find(PopMedia).solvers[0]
-            merged = solver.beams.hopping.merge.merged.read()
+            merged = solver.transport.propagation.merge.merged.read()
             lights[name] = merged.reshape(*solver.medium.placement.count[::-1], 4)[..., 0]
     assert lights["cut"][:, 11:].sum() < 0.1 * lights["open"][:, 11:].sum()
     assert lights["cut"][:, :6].sum() == pytest.approx(lights["open"][:, :6].sum(), rel=0.1)
@@ -201,7 +201,7 @@ def test_only_cells_in_the_box_hop_however_many_at_once(
         monkeypatch.setattr(hop_grids, "_CONSTANTS", few)
         with Renderer(over_floor(), "pop", (8, 8), settings=SETTINGS) as made:
             found.append(made.frame(samples=1).layers["scattered"])
-            grids = made.technique.find(PopMedia).solvers[0].beams.hopping.grids
+            grids = made.technique.find(PopMedia).solvers[0].transport.propagation.grids
             listed, groups = grids.listed.read(np.uint32), grids.groups.read(np.uint32)
             density = grids.density.read()[: grids.count * grids.capacity]
         inside = np.flatnonzero(density >= 0.0)
@@ -228,14 +228,14 @@ def test_lights_of_a_dark_scene_have_no_cells(gpu: Gpu) -> None:
 
 
 def test_too_many_grids_are_refused(gpu: Gpu) -> None:
-    at = placed(over_floor().volumes[0], 64)
-    with pytest.raises(DeviceError, match=r"hops in 4000 grids of 64\^3 cells need \d+ MB") as told:
-        Hopping(gpu, at, 64, 4000)
+    medium = GridMedium(gpu, over_floor().volumes[0], 8, voxels=None, others=0)
+    with pytest.raises(DeviceError, match=r"4000 grids of 64\^3 cells need \d+ MB") as told:
+        GridPropagation(medium, PopSettings(grid=64), 4000)
     assert "virtual_lights" in str(told.value)
 
 
 def test_who_hops() -> None:
-    assert is_hopping(PopSettings(scheme="split"), alone=False)
-    assert not is_hopping(PopSettings(virtual_grids="beams"), alone=True)
-    assert is_hopping(PopSettings(virtual_grids="radial"), alone=True)
-    assert not is_hopping(PopSettings(virtual_grids="radial"), alone=False)
+    assert uses_virtual_grids(PopSettings(scheme="split"), alone=False)
+    assert not uses_virtual_grids(PopSettings(virtual_grids="beams"), alone=True)
+    assert uses_virtual_grids(PopSettings(virtual_grids="radial"), alone=True)
+    assert not uses_virtual_grids(PopSettings(virtual_grids="radial"), alone=False)

@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.maths.ordinates import even_sky, joined, parallel
 from airlight.maths.transforms import F64
-from airlight.pop.light.visibility import sights
+from airlight.pop.light.visibility import shadow_rows
 from airlight.pop.media import PopMedia
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Mesh, PointLight, Scene, Volume
@@ -39,9 +39,9 @@ def shares(scene: Scene) -> tuple[F64, F64]:
     with Renderer(scene, "pop", (16, 16), settings=SETTINGS) as renderer:
         renderer.frame(samples=1)
         (solver,) = renderer.technique.find(PopMedia).solvers
-        count, (x, y, z) = solver.beams.table.count, solver.medium.placement.count
-        stored = solver.beams.paths.passed.read()[: 2 * count * x * y * z]
-        rows = solver.beams.table.rows.read().reshape(-1, 16)[:count]
+        count, (x, y, z) = solver.transport.light.table.count, solver.medium.placement.count
+        stored = solver.transport.light.passed.read()[: 2 * count * x * y * z]
+        rows = solver.transport.light.table.rows.read().reshape(-1, 16)[:count]
     return stored.reshape(2, count, z, y, x)[1].astype(np.float64), rows[:, :3]
 
 
@@ -94,7 +94,7 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
         for d, e in zip(toward, np.random.default_rng(4).random(40), strict=True)
     ]
     lights = (SUN, LAMP, DirectionalLight((1, 0, 0), (1, 1, 1)))
-    rows, parts = sights(joined([suns, sky]), lights, lamps)
+    rows, parts = shadow_rows(joined([suns, sky]), lights, lamps)
     assert list(rows["light"]) == [1, 3, 0, 0, 0, 0, 0, 0, 2]
     assert rows["count"].sum() == len(parts) == 40
     assert sorted(parts["layer"]) == list(range(40))
@@ -108,8 +108,8 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
 
 
 def test_an_ordinate_without_a_light_takes_the_nearest():
-    rows, parts = sights(even_sky(5), (), [DirectionalLight((0, -1, 0), (1, 1, 1))])
+    rows, parts = shadow_rows(even_sky(5), (), [DirectionalLight((0, -1, 0), (1, 1, 1))])
     assert list(rows["count"]) == [1] * 5
     assert list(parts["layer"]) == [0] * 5
-    rows, _ = sights(even_sky(5), (), [])
+    rows, _ = shadow_rows(even_sky(5), (), [])
     assert rows["count"].sum() == 0

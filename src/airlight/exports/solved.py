@@ -14,6 +14,7 @@ from ..fields import Fields
 from ..gpu.memory import Texture
 from ..lattice.placement import LatticeParams
 from ..pop.media import PopMedia
+from ..pop.solver import PopSolver
 from ..rendering import Renderer
 from ..scene.scene import Scene
 from ..techniques.technique import Technique
@@ -127,12 +128,17 @@ def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ..
     eye = _three(renderer.scene.camera.position)
     return tuple(
         VolumeLight(
-            (solver.emission.texture.read()[..., :3] * solver.beams.table.scale).astype(np.float32),
+            _scattered(solver),
             np.asarray(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64),
             eye,
         )
         for solver in solvers
     )
+
+
+def _scattered(solver: PopSolver) -> np.ndarray[Any, np.dtype[np.float32]]:
+    """(Z, Y, X, 3): in-scattered radiance per unit scattering coefficient, W m^-2 sr^-1."""
+    return (solver.emission.texture.read()[..., :3] * solver.scale).astype(np.float32)
 
 
 def _three(values: Any) -> tuple[float, float, float]:

@@ -42,7 +42,7 @@ class _Attenuate(ComputePass):
             storage("owners", "u32"),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
-            image("dimmed", "rgba16float", "2d-array"),
+            image("attenuated", "rgba16float", "2d-array"),
             *air.slots,
         )
         super().__init__(gpu, generated=air.wgsl)
@@ -58,7 +58,7 @@ class _AttenuateSky(ComputePass):
             storage("views", LightViewData),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
-            image("dimmed", "rgba16float", "2d-array"),
+            image("attenuated", "rgba16float", "2d-array"),
             *air.medium_slots,
         )
         super().__init__(gpu, generated=air.medium_wgsl)
@@ -86,7 +86,7 @@ class _Attenuated(ReflectiveShadowMaps):
                 views=self.views,
                 depth=self.depth,
                 flux=self._from.flux,
-                dimmed=self.flux,
+                attenuated=self.flux,
                 **bound,
             )
 
@@ -98,11 +98,11 @@ class AttenuatedMaps(_Attenuated):
         self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia, owners: Sequence[int]
     ) -> None:
         """`owners`: each layer's row among the scene's lights."""
-        super().__init__(gpu, "dimmed flux", of, _Attenuate(gpu, air))
+        super().__init__(gpu, "attenuated flux", of, _Attenuate(gpu, air))
         self._air = air
         self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
 
-    def dim(self, commands: Commands, lights: Buffer) -> None:
+    def attenuate(self, commands: Commands, lights: Buffer) -> None:
         """Take the maps and the media as they are; `lights`: the scene's table."""
         self._copy(commands, lights=lights, owners=self._owners, **self._air.bound)
 
@@ -111,9 +111,9 @@ class AttenuatedSkyMaps(_Attenuated):
     """The maps of the sky's lights, attenuated by media along the maps' depth."""
 
     def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia) -> None:
-        super().__init__(gpu, "dimmed flux of the sky", of, _AttenuateSky(gpu, air))
+        super().__init__(gpu, "attenuated flux of the sky", of, _AttenuateSky(gpu, air))
         self._air = air
 
-    def dim(self, commands: Commands) -> None:
+    def attenuate(self, commands: Commands) -> None:
         """Take the maps and the media as they are."""
         self._copy(commands, **self._air.medium_bound)

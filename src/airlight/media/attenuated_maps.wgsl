@@ -11,5 +11,5 @@
     let p = texel_point(views[id.z], texel_centre(id.xy, params.resolution), d);
     let owner = owners[id.z];
     let passed = media_light_transmittance(lights[owner], owner, p);
-    textureStore(dimmed, texel, id.z, vec4f(power.rgb * passed, power.a));
+    textureStore(attenuated, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

@@ -15,5 +15,5 @@
         passed = media_transmittance(texel_point(views[id.z], uv, 0.0),
             texel_point(views[id.z], uv, d));
     }
-    textureStore(dimmed, texel, id.z, vec4f(power.rgb * passed, power.a));
+    textureStore(attenuated, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

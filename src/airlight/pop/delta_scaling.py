@@ -1,8 +1,8 @@
-"""Media whose phase function is sharper than parts of the sky are told apart.
+"""Delta scaling of media whose phase function is sharper than the ordinates resolve.
 
-Light that such a medium scatters hardly leaves its way, while an ordinate spreads it over a part of
-the sky: what is behind the medium would be hidden by its own blur. The sharpest share of each
-scattering is therefore taken for none, which keeps absorption and the transport coefficient
+Light that such a medium scatters hardly leaves its direction, while an ordinate spreads it over a
+part of the sky: a surface behind the medium would be hidden by that blur. The forward peak of the
+phase function therefore counts as unscattered, which keeps absorption and the transport coefficient
 sigma_s (1 - g) (delta scaling; Joseph, Wiscombe and Weinman 1976).
 """
 
@@ -22,17 +22,17 @@ SHARPEST = 0.97  # mean cosine; an ordinate of 64 has 0.95 to 0.99
 _M = TypeVar("_M", Medium, Volume)
 
 
-class SharpLobes:
-    """Scenes with no lobe sharper than SHARPEST; what did not change stays the same object."""
+class DeltaScaling:
+    """Scenes without a lobe sharper than SHARPEST; an unchanged volume stays the same object."""
 
     def __init__(self) -> None:
         self._made: list[tuple[Volume, Volume]] = []
 
-    def dulled(self, scene: Scene) -> Scene:
-        """The scene, its media dulled where they are sharper."""
+    def scaled(self, scene: Scene) -> Scene:
+        """The scene, with media scaled where their lobes are sharper."""
         medium = scene.medium
         if medium is not None and max(medium.g) > SHARPEST:
-            scene = replace(scene, medium=_dulled(medium))
+            scene = replace(scene, medium=_scaled(medium))
         if all(max(volume.g) <= SHARPEST for volume in scene.volumes):
             return scene
         volumes = tuple(self._of(volume) for volume in scene.volumes)
@@ -42,11 +42,12 @@ class SharpLobes:
     def _of(self, volume: Volume) -> Volume:
         if max(volume.g) <= SHARPEST:
             return volume
-        made = (dulled for known, dulled in self._made if known is volume)
-        return next(made, None) or _dulled(volume)
+        made = (scaled for known, scaled in self._made if known is volume)
+        return next(made, None) or _scaled(volume)
 
 
-def _dulled(medium: _M) -> _M:
+def _scaled(medium: _M) -> _M:
+    """The medium without the forward peak; as much is absorbed, and sigma_s (1 - g) stays."""
     g, albedo = np.array(medium.g), np.array(medium.albedo)
     unscattered = np.maximum(g - SHARPEST, 0.0) / (1.0 - SHARPEST)
     left = 1.0 - albedo * unscattered

@@ -1,9 +1,10 @@
-"""Light that surfaces reflect into a medium, taken from a solved lattice around it.
+"""Indirect light of surfaces in a medium, from a solved lattice around it.
 
-The lattice knows no medium. Under an even light of radiance 1 the medium's own solution says how
-much of it reaches each cell, absorption and all; times the lattice's radiance there, that is what
-arrives. Exact where the lattice is even, or nothing is absorbed in thin air. Elek2014 section 6
-lights the medium by virtual point lights, of which one needs hundreds; differs: see above.
+The lattice knows no medium. Under a uniform sky of radiance 1 the medium's own solution is the
+share of light that reaches each cell, absorption included; times the radiance of the lattice there,
+that is what arrives. It is exact where the radiance of the lattice is uniform, or where a thin
+medium absorbs nothing. differs: Elek2014 section 6 lights the medium by virtual point lights, of
+which one needs hundreds.
 """
 
 from __future__ import annotations
@@ -17,29 +18,29 @@ from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
-from .light.ordinates import OrdinateData
+from .delta.beams import DeltaBeams
+from .light.table import OrdinateData
 from .medium.grid_medium import GridMedium
 from .medium.placement import MediumParams
-from .schemes import Beams
 from .settings import PopSettings
 
 _WHITE = 0.999
 
 
-class BounceParams(Struct):
+class IndirectParams(Struct):
     """The eye, and how the lattice is read."""
 
     world_from_medium = mat4x4f()
-    eye = vec3f("m, in the medium's frame")
+    eye = vec3f("m, in the frame of the medium")
     scale = f32("radiance per stored unit, in units of the emission's scale")
     direct = f32("share of the states' direction that the phase function keeps, per g")
-    is_whole = u32("1: the lattice's light is all there in the medium")
+    is_whole = u32("1: all of the lattice's light arrives in the medium")
 
 
-class _Bounce(ComputePass):
+class _Indirect(ComputePass):
     slots = (
         uniform("params", MediumParams),
-        uniform("bounce", BounceParams),
+        uniform("reflected", IndirectParams),
         storage("ordinates", OrdinateData),
         storage("passed", "f32"),
         storage("diffuse", "vec4f"),
@@ -50,70 +51,71 @@ class _Bounce(ComputePass):
             texture(f"lattice_{name}", "3d")
             for name in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         ),
-        storage("bounced", "vec4f", "read_write"),
+        storage("indirect", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
     file = "indirect.wgsl"
 
 
-class Bounce:
-    """Fills `Emission.bounced`, per unit scattering coefficient."""
+class IndirectLight:
+    """Fills `Emission.indirect`: scattered radiance per unit scattering coefficient."""
 
     def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
         self._medium = medium
         self._sky = even_sky(settings.ordinates)
-        self._even = Beams(medium, settings, settings.ordinates, medium.mix)
-        self._pass, self._linear = _Bounce(medium.gpu), linear_sampler(medium.gpu)
+        self._uniform = DeltaBeams(medium, settings, settings.ordinates, medium.mixture)
+        self._pass, self._linear = _Indirect(medium.gpu), linear_sampler(medium.gpu)
 
     def encode_medium(
-        self, commands: Commands, params: MediumParams, bounced: ReflectedLight
+        self, commands: Commands, params: MediumParams, reflected: ReflectedLight
     ) -> None:
-        """Take a changed medium; `params` count the even sky's ordinates."""
-        self._even.write(self._sky, (), 1.0)
-        self._even.encode_medium(commands, params)
-        if not (self._is_white or bounced.knows_media):
-            self._even.encode(commands, params)
+        """Take a changed medium: solve it under a uniform sky, whose ordinates `params` count."""
+        self._uniform.write(self._sky, (), 1.0)
+        self._uniform.encode_medium(commands, params)
+        if not self._is_whole(reflected):
+            self._uniform.encode(commands, params)
 
     def encode(
         self,
         commands: Commands,
         params: MediumParams,
         eye: F64,
-        bounced: ReflectedLight,
+        reflected: ReflectedLight,
         scale: float,
         target: Buffer,
     ) -> None:
-        """For an eye at `eye` (3,), m in the medium's frame; `scale`: radiance per unit of
-        `target`.
+        """Fill `target` for an eye at `eye` (3,), m in the frame of the medium.
+
+        `scale`: radiance per unit of `target`.
         """
-        placement, source = self._medium.placement, bounced.source
-        bounce = BounceParams(
-            world_from_medium=placement.world_from_medium,
-            eye=eye,
-            scale=source.scale / scale,
-            direct=source.direct,
-            is_whole=int(self._is_white or bounced.knows_media),
-        )
+        medium, source = self._medium, reflected.source
+        light = self._uniform.light
         self._pass.dispatch(
             commands,
-            (placement.cells,),
+            (medium.cells,),
             params=params,
-            bounce=bounce,
-            ordinates=self._even.table.rows,
-            passed=self._even.paths.passed,
-            diffuse=self._even.diffuse.diffuse,
-            reach=self._medium.density.reach,
+            reflected=IndirectParams(
+                world_from_medium=medium.placement.world_from_medium,
+                eye=eye,
+                scale=source.scale / scale,
+                direct=source.direct,
+                is_whole=int(self._is_whole(reflected)),
+            ),
+            ordinates=light.table.rows,
+            passed=light.passed,
+            diffuse=self._uniform.diffuse.diffuse,
+            reach=medium.density.reach,
             lattice=source.placement.params(),
             linear_clamp=self._linear,
             **source.bound,
-            bounced=target,
+            indirect=target,
         )
 
     @property
     def count(self) -> int:
-        """Ordinates of the even sky."""
+        """Ordinates of the uniform sky."""
         return self._sky.count
 
-    @property
-    def _is_white(self) -> bool:
-        return min(self._medium.volume.albedo) > _WHITE
+    def _is_whole(self, reflected: ReflectedLight) -> bool:
+        """Whether all light arrives: nothing is absorbed, or the lattice knows the medium."""
+        return min(self._medium.volume.albedo) > _WHITE or reflected.knows_media

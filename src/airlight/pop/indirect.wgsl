@@ -1,11 +1,13 @@
+// Indirect light of surfaces that a cell scatters towards the eye, per unit scattering coefficient:
+// the radiance of the lattice there, times the share that reaches the cell.
 //! use medium_grid
 //! use delta_beam
 //! use phase
 //! use lattice
 
-// How much of an even light of radiance 1 there is in a cell; see maths/delta_beam.py, fluence.
-fn even_radiance(cell: u32) -> vec3f {
-    if (bounce.is_whole != 0u) {
+// The mean radiance in a cell under a uniform sky of radiance 1; see maths/delta_beam.py, fluence.
+fn uniform_radiance(cell: u32) -> vec3f {
+    if (reflected.is_whole != 0u) {
         return vec3f(1.0);
     }
     let loss = params.sigma_t * beam_loss(params.g, params.albedo);
@@ -16,26 +18,31 @@ fn even_radiance(cell: u32) -> vec3f {
     return clamp(fluence * PHASE_ISOTROPIC, vec3f(0.0), vec3f(1.0));
 }
 
-fn radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
-    return max(0.0, state.x + bounce.direct * g * dot(state.yzw, travel));
+// Scattered radiance of a two-band state: the phase function keeps g of its direction.
+fn scattered_radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
+    return max(0.0, state.x + reflected.direct * g * dot(state.yzw, travel));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || reach[id.x] == 0u) {
         return;
     }
+    // The cell, and the direction to the eye, in the world.
     let centre = cell_centre(cell_of(id.x));
-    let p = (bounce.world_from_medium * vec4f(centre, 1.0)).xyz;
-    let to_eye = normalize(bounce.eye - centre + vec3f(1e-12));
-    let travel = (bounce.world_from_medium * vec4f(to_eye, 0.0)).xyz;
-    let weight = bounce.scale * lattice_weight(lattice, p);
+    let p = (reflected.world_from_medium * vec4f(centre, 1.0)).xyz;
+    let to_eye = normalize(reflected.eye - centre + vec3f(1e-12));
+    let travel = (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz;
+    let weight = reflected.scale * lattice_weight(lattice, p);
     var light = vec3f(0.0);
     if (weight > 0.0) {
         let uvw = lattice_coordinates(lattice, p, vec3f(0.0));
-        light = weight * even_radiance(id.x) * vec3f(
-            radiance(textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), travel, params.g.r),
-            radiance(textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0), travel, params.g.g),
-            radiance(textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0), travel, params.g.b));
+        let red = textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0);
+        let green = textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0);
+        let blue = textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0);
+        light = weight * uniform_radiance(id.x) * vec3f(
+            scattered_radiance(red, travel, params.g.r),
+            scattered_radiance(green, travel, params.g.g),
+            scattered_radiance(blue, travel, params.g.b));
     }
-    bounced[id.x] = vec4f(light, 0.0);
+    indirect[id.x] = vec4f(light, 0.0);
 }

@@ -1,7 +1,7 @@
-"""Scattering media of a scene, each solved on a grid of its own, as sources for marching.
+"""The scattering media of a scene, each solved on a grid of its own, as sources for marching.
 
-They shade and light one another; see `together`. Surfaces shade them and light them: by virtual
-lights of what the scene's lights reach, or from the lattices that were solved before.
+They shade and light one another; see `several_media`. Surfaces shade them, and light them by
+virtual point lights or from the lattices that were solved before.
 """
 
 from __future__ import annotations
@@ -37,46 +37,51 @@ class PopMedia(Solver):
     """Yields the radiance that media scatter towards the eye, on their grids."""
 
     def __init__(
-        self, kit: Kit, air: GpuMedia, settings: PopSettings, media_of: MediaOf | None = None
+        self, kit: Kit, media: GpuMedia, settings: PopSettings, media_of: MediaOf | None = None
     ) -> None:
-        """`air`: what is marched, brought up to date by others; its last media are those solved.
+        """`media`: all that are marched, brought up to date by others; the last are solved here.
 
-        `media_of`: which they are, if not the scene's volumes. Raises SceneError for more media
+        `media_of`: the volumes of a scene that are, if not all. Raises SceneError for more media
         than can be marched at once.
         """
         self.kit, self.settings = kit, settings
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
-        scene = kit.context.scene
-        media = self._media_of(scene)
-        if len(media) > MAX_SOURCES:
+        self._scene = kit.context.scene
+        volumes = self._media_of(self._scene)
+        if len(volumes) > MAX_SOURCES:
             raise SceneError(
-                f"the scene has {len(media)} media, at most {MAX_SOURCES} can be drawn",
+                f"the scene has {len(volumes)} media, at most {MAX_SOURCES} can be drawn",
                 remedy="Leave some out.",
             )
-        self._first_row = air.count - len(media)
-        self._maps = reflected_maps(kit, air, settings)
-        virtual = self._maps.reflected if self._maps else None
+        self._first_row = media.count - len(volumes)
+        # The surfaces around the media, with their virtual point lights.
+        self._maps = reflected_maps(kit, media, settings)
+        reflected = self._maps.reflected if self._maps else None
         self._surfaces: Surfaces | None = None
-        if scene.meshes:
-            self._surfaces = Surfaces(kit.meshes, kit.lights, kit.sky, virtual, kit.blockers)
-        lights = len(scene.lights) + (self._surfaces.virtual_lights if self._surfaces else 0)
-        grids = iter(air.grids)
-        self.solvers = [
+        if self._scene.meshes:
+            self._surfaces = Surfaces(kit.meshes, kit.lights, kit.sky, reflected, kit.blockers)
+        self.solvers = self._made(volumes, media)
+        introduce(self.solvers)
+
+    def _made(self, volumes: list[Volume], media: GpuMedia) -> list[PopSolver]:
+        """A solver for each volume; the density grids are on the device already."""
+        virtual = self._surfaces.virtual_lights if self._surfaces else 0
+        lights = len(self._scene.lights) + virtual
+        grids = iter(media.grids)
+        return [
             PopSolver(
-                kit.gpu,
+                self.kit.gpu,
                 volume,
-                settings,
+                self.settings,
                 lights=lights,
                 voxels=next(grids) if volume.density is not None else None,
-                others=len(media) - 1,
+                others=len(volumes) - 1,
             )
-            for volume in media
+            for volume in volumes
         ]
-        introduce(self.solvers)
-        self._scene = scene
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
-        """Take the scene, and what surfaces reflect; media are solved when they are seen."""
+        """Take the scene, and what surfaces reflect; media are solved for a view."""
         self._scene = frame.scene
         if self._maps:
             with commands.stage("reflective shadow maps"):
@@ -84,8 +89,9 @@ class PopMedia(Solver):
         return fields
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """Every medium's radiance towards the eye of `view`."""
+        """Solve every medium, and yield the radiance that it scatters towards the eye of `view`."""
         scene = self._scene
+        # Indirect light comes from virtual point lights or from lattices, not from both.
         has_reflected = scene.meshes and self._maps is None
         lit = Illumination(
             scene.lights,
@@ -108,15 +114,15 @@ class PopMedia(Solver):
 class EveryMedium:
     """The scene's own medium as a box of density 1, and its volumes.
 
-    A medium without bounds keeps the box it had at first: its grid does not follow the camera.
+    A medium without bounds keeps the box of the first frame: its grid does not follow the camera.
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Raises SceneError where the scene's medium has no end."""
+        """Raises SceneError where the scene's medium is endless."""
         self._box = _medium_box(scene)
 
     def __call__(self, scene: Scene) -> list[Volume]:
-        """In the order of `media.gpu_media`."""
+        """The media in the order of `media.gpu_media`."""
         m = scene.medium
         if m is None or self._box is None:
             return list(scene.volumes)
@@ -127,13 +133,13 @@ class EveryMedium:
 
 
 def _medium_box(scene: Scene) -> tuple[F64, F64] | None:
-    """Where the scene's own medium is, metres. Raises SceneError where that has no end."""
+    """The box of the scene's own medium, metres. Raises SceneError where it is endless."""
     medium = scene.medium
     if medium is None:
         return None
     if medium.endless:
         raise SceneError(
-            "endless air does not fit into the grid of pop",
+            "an endless medium does not fit into the grid of pop",
             remedy="Use technique lpv-scatter, or give the medium bounds",
         )
     return medium_box(medium, *scene.bounds, scene.camera.position)

@@ -1,4 +1,4 @@
-"""What principal-ordinates propagation can be told."""
+"""Settings of principal-ordinates propagation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SCHEMES = ("delta-beam", "split", "paper")
 
 @dataclass(frozen=True)
 class PopSettings:
-    """What principal-ordinates propagation can be told."""
+    """Settings of principal-ordinates propagation."""
 
     scheme: str = setting(
         "delta-beam",
@@ -68,3 +68,11 @@ class PopSettings:
         low=0.0,
         high=1.0,
     )
+
+
+def uses_virtual_grids(settings: PopSettings, *, alone: bool) -> bool:
+    """Whether virtual point lights propagate in grids of their own instead of being beams.
+
+    `alone`: whether a scene has no other medium; grids know one medium only.
+    """
+    return settings.scheme != "delta-beam" or (settings.virtual_grids == "radial" and alone)

@@ -1,7 +1,7 @@
-"""Several media in one lit: they shade one another, and each is lit by what the others scatter.
+"""Several media in one frame: they shade one another, and each receives what the others scatter.
 
-First every medium is solved under the light of the scene, through the others; then again, in turn,
-with what the others send out as they are solved by then.
+First every medium is solved under the light of the scene, attenuated by the others; then again, in
+turn, with the light that the others scatter as they are solved by then.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from ..scene.volume import Volume
 from .solver import Illumination, PopSolver
 
 ROUNDS = 1
-"""How often light is handed on between media, beyond what the turns themselves hand on."""
+"""How often each medium receives the light of the others; in turn, so later ones see more of it."""
 
 
 def introduce(solvers: Sequence[PopSolver]) -> None:
-    """Tell each of the others; all were made with `others` of their number."""
+    """Set the other media of each; all were made with `others` of their number."""
     for solver in solvers:
         solver.medium.meet([other.medium for other in solvers if other is not solver])
 
@@ -25,20 +25,23 @@ def introduce(solvers: Sequence[PopSolver]) -> None:
 def encode(
     commands: Commands, solvers: Sequence[PopSolver], volumes: Sequence[Volume], lit: Illumination
 ) -> None:
-    """Bring the emission of all up to date, each with its volume as it is now."""
+    """Bring the emission of all up to date, each with its volume as it is in this frame."""
+    # Ordinates and densities; where one medium changes, so does the mixture of all.
     changed = [
         solver.begin(commands, lit, volume) for solver, volume in zip(solvers, volumes, strict=True)
     ]
-    new_medium = any(changed)
-    if new_medium:
+    is_new_medium = any(changed)
+    if is_new_medium:
         for solver in solvers:
             solver.encode_medium(commands, lit)
-    new_light = any([solver.is_new_light(lit) for solver in solvers]) or new_medium
-    if new_light:
+    # The light of the scene in each medium, then the light of the others in each.
+    is_new_light = any([solver.is_new_light(lit) for solver in solvers]) or is_new_medium
+    if is_new_light:
         for solver in solvers:
             solver.encode_light(commands, lit)
         for _ in range(ROUNDS):
             for solver in solvers:
-                solver.beams.encode_given(commands)
+                solver.transport.encode_others(commands)
+    # Radiance towards the eye.
     for solver in solvers:
-        solver.encode_view(commands, lit, new_medium=new_medium, new_light=new_light)
+        solver.encode_view(commands, lit, is_new_medium=is_new_medium, is_new_light=is_new_light)

@@ -1,61 +1,109 @@
-"""One scattering medium under sun, sky and lamps: the technique, top to bottom (Elek2014).
+"""One medium under lights, environment and surfaces, top to bottom (Elek2014).
 
-Light is cut into ordinates, a beam each; every cell marches towards all of them, what leaves the
-beams spreads by diffusion, and for every eye each cell is told what it scatters towards it. Nothing
-is precomputed; what did not change since the last lit is not done again.
+    begin          the light as a few principal ordinates (5.1); the medium on a grid of its own
+    encode_medium  its density in cells, and the operators that depend on nothing else
+    encode_light   attenuation between every cell and every ordinate (4.1), then multiple
+                   scattering: by diffusion, or from cell to cell in a grid per ordinate (4.2, 4.3)
+    encode_view    the radiance that each cell scatters towards the eye (4.4), which is then marched
 
-Several media of a scene have a solver each, which shade and light one another; see `together`.
+Nothing is precomputed, and what did not change since the last frame is not computed again. Several
+media of a scene have a solver each, and light one another; see `several_media`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from typing import Any, Protocol
 
 from ..fields import ReflectedLight, Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..maths.ordinates import even_sky
+from ..maths.ordinates import Ordinates
 from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import Light, PointLight
 from ..scene.volume import Volume
+from .delta.beams import DeltaBeams
+from .delta.diffuse import Diffuse
 from .delta.emission import Emission
-from .indirect import Bounce
+from .furnace import Furnace
+from .grids.scheme import OrdinateGrids
+from .indirect import IndirectLight
 from .light.importance import Look, ViewImportance
-from .light.ordinates import SceneOrdinates, even_light, lamps_of
-from .light.sky_correction import SkyLight
+from .light.incident import IncidentLight
+from .light.ordinates import SceneOrdinates, local_lights
+from .light.table import LocalLight
 from .light.visibility import Surfaces
 from .medium.grid_medium import GridMedium
-from .medium.mixture import Mix
-from .schemes import Beams, HoppingBeams
+from .medium.placement import MediumParams
 from .settings import PopSettings
 
-_DARK = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-_WHITE = (1.0, 1.0, 1.0)
+_VIRTUAL = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Illumination:
-    """What media are lit by and seen from; see `PopSolver.encode`."""
+    """The light on media and the eye that sees them.
+
+    `eye` (3,), m in the world. `surfaces`: those that shade media. `reflected`: what they reflect
+    into them, from a lattice. `look`: the camera, for the importance of ordinates.
+    """
 
     lights: tuple[Light, ...]
     environment: Environment | None
     eye: F64
     surfaces: Surfaces | None = None
-    bounced: ReflectedLight | None = None
+    reflected: ReflectedLight | None = None
     look: Look | None = None
 
 
-class PopSolver:
-    """The light that one volume scatters: `medium` is the volume on its grid, `beams` the light.
+class Transport(Protocol):
+    """A scheme: how the light of the ordinates spreads in one medium."""
 
-    The grid's size and the most lights are fixed. `lights`: how many there can be beside the
-    environment. `voxels`: the volume's density as a filterable 3D texture, where there is one
-    already. `others`: media beside it; see `together`.
+    light: IncidentLight
+    diffuse: Diffuse
+
+    @property
+    def iterations(self) -> int:
+        """Propagation steps from cell to cell; 0 where there are none."""
+
+    def write(
+        self,
+        ordinates: Ordinates,
+        local: Sequence[LocalLight],
+        scale: float = 0.0,
+        *,
+        virtual: int = 0,
+    ) -> None:
+        """Upload the light of a frame."""
+
+    def write_surfaces(
+        self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
+    ) -> None:
+        """Take the surfaces that shade the medium."""
+
+    def encode_medium(self, commands: Commands, params: MediumParams) -> None:
+        """Take a changed medium."""
+
+    def encode(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
+        """Solve the light of the scene."""
+
+    def encode_others(self, commands: Commands) -> None:
+        """Solve again, with the light that other media scatter."""
+
+    def encode_view(
+        self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
+    ) -> None:
+        """Fill `emission` for an eye (3,), m in the frame of the medium."""
+
+
+class PopSolver:
+    """The light that one volume scatters.
+
+    `medium`: the volume on its grid. `transport`: the light in it. `emission`: towards the eye.
+    The size of the grid and the most lights are fixed.
     """
 
     Settings = PopSettings
@@ -70,104 +118,148 @@ class PopSolver:
         voxels: Texture | None = None,
         others: int = 0,
     ) -> None:
+        """For at most so many `lights` beside the environment, and a number of `others`.
+
+        `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
+        """
         self.settings = settings
         is_beam = settings.scheme == "delta-beam"
-        self.medium = GridMedium(
-            gpu, volume, settings.grid, voxels=voxels, others=others if is_beam else 0
-        )
-        medium, kind = self.medium, Beams if is_beam else HoppingBeams
-        self.emission = Emission(gpu, medium.placement, medium.mix)
-        self.beams = kind(
-            medium,
+        # Grids of ordinates know one medium only.
+        others = others if is_beam else 0
+        self.medium = GridMedium(gpu, volume, settings.grid, voxels=voxels, others=others)
+        self.emission = Emission(self.medium, settings.furnace_correction)
+        scheme = DeltaBeams if is_beam else OrdinateGrids
+        self.transport: Transport = scheme(
+            self.medium,
             settings,
             settings.ordinates + lights,
-            medium.mix,
-            bounced=self.emission.bounced,
+            self.medium.mixture,
+            indirect=self.emission.indirect,
             takes_others=True,
         )
-        self.white = Mix(gpu, medium.placement.cells, medium.mix.media - 1, has_blocks=False)
         has_furnace = is_beam and settings.furnace_correction > 0.0
-        self.furnace = (
-            Beams(medium, settings, settings.ordinates, self.white) if has_furnace else None
-        )
+        self._furnace = Furnace(self.medium, settings) if has_furnace else None
         self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
         self._importance = ViewImportance() if settings.importance == "view" else None
-        self._even = even_sky(settings.ordinates) if self.furnace else None
-        self._bounce: Bounce | None = None
+        self._indirect: IndirectLight | None = None
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
 
     def encode(
-        self,
-        commands: Commands,
-        lights: tuple[Light, ...],
-        environment: Environment | None,
-        eye: F64,
-        volume: Volume | None = None,
-        surfaces: Surfaces | None = None,
-        bounced: ReflectedLight | None = None,
-        look: Look | None = None,
+        self, commands: Commands, lit: Illumination, volume: Volume | None = None
     ) -> Texture:
-        """The texture of in-scattered radiance towards `eye` (world, m); see `source`.
+        """Solve one medium alone; returns the texture of in-scattered radiance towards the eye.
 
-        `volume`: the medium as it is now; of the same box and grid size as at the start.
-        `surfaces`: what shades it; `bounced`: what light they reflect into it. `look`: the view,
-        where importance asks for it. Of one medium alone; see `together.encode`.
+        `volume`: the medium as it is in this frame; of the same box and grid size as at the start.
         """
-        lit = Illumination(
-            lights, environment, np.asarray(eye, np.float64), surfaces, bounced, look
-        )
-        new_medium = self.begin(commands, lit, volume)
-        if new_medium:
+        # The ordinates, and the medium.
+        is_new_medium = self.begin(commands, lit, volume)
+        if is_new_medium:
             self.encode_medium(commands, lit)
-        new_light = self.is_new_light(lit) or new_medium
-        if new_light:
+        # Light in the cells.
+        is_new_light = self.is_new_light(lit) or is_new_medium
+        if is_new_light:
             self.encode_light(commands, lit)
-        self.encode_view(commands, lit, new_medium=new_medium, new_light=new_light)
+        # Radiance towards the eye.
+        self.encode_view(commands, lit, is_new_medium=is_new_medium, is_new_light=is_new_light)
         return self.emission.texture
 
     def begin(self, commands: Commands, lit: Illumination, volume: Volume | None) -> bool:
-        """Take the light and medium; whether the medium changed."""
+        """Take the light and the medium of a frame; returns whether the medium changed."""
         if volume is not None and volume is not self.medium.volume:
             self.medium.take(volume)
+        # Directional lights and environment as ordinates, directed to what the camera sees.
         with commands.stage("pop ordinates"):
-            seen = self._seen(lit.environment, lit.look)
-            self._ordinates = self._scene_ordinates.of(lit.lights, lit.environment, seen)
-        self._lamps = lamps_of(lit.lights)
-        # Virtual lights' rows are written on the device.
+            importance = self._importance_of(lit)
+            self._ordinates = self._scene_ordinates.of(lit.lights, lit.environment, importance)
+        # Local lights follow, then virtual point lights, whose rows the device fills.
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
-        self._lamps += [_DARK] * self._virtual
-        count = self._ordinates.count + len(self._lamps) + self.beams.blocks
+        self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
+        count = self._ordinates.count + len(self._local) + self.transport.light.blocks
         self.medium.params = self.medium.params_of(count)
         return self.medium.encode(commands)
 
+    def _importance_of(self, lit: Illumination) -> F64 | None:
+        """The importance of the environment for the camera, where the settings ask for it."""
+        environment, look = lit.environment, lit.look
+        if self._importance is None or look is None or environment is None:
+            return None
+        medium = self.medium
+        return self._importance.of(medium.volume, medium.placement, look, environment.rotation_deg)
+
+    def encode_medium(self, commands: Commands, lit: Illumination) -> None:
+        """Take a changed medium, or a change of one of the others."""
+        medium = self.medium
+        medium.encode_mixture(commands)
+        # The operator of the diffusion solve.
+        with commands.stage("pop density"):
+            self.transport.encode_medium(commands, medium.params)
+        # The medium without absorption under a uniform sky: the furnace.
+        if self._furnace is not None:
+            self._furnace.encode_medium(commands)
+        # The medium under a uniform sky: the share of indirect light that reaches each cell.
+        if lit.reflected is not None:
+            self._indirect = self._indirect or IndirectLight(medium, self.settings)
+            uniform = medium.params_of(self._indirect.count)
+            self._indirect.encode_medium(commands, uniform, lit.reflected)
+
     def is_new_light(self, lit: Illumination) -> bool:
-        """Whether the light is not the last lit's."""
+        """Whether the light is not that of the last frame."""
         versions = () if lit.surfaces is None else lit.surfaces.version
-        versions += () if lit.bounced is None else lit.bounced.version
+        versions += () if lit.reflected is None else lit.reflected.version
         directions, power = self._ordinates.direction, self._ordinates.irradiance
-        key = (directions.tobytes(), power.tobytes(), *self._lamps, *versions)
+        key = (directions.tobytes(), power.tobytes(), *self._local, *versions)
         is_new, self._light_key = key != self._light_key, key
         return is_new
 
     def encode_light(self, commands: Commands, lit: Illumination) -> None:
-        """Beams and what leaves them; other media dark."""
-        # Where surfaces are all the light there is, the lattice's unit is the scale.
-        is_dark = lit.bounced is not None and not self._ordinates.count and not self._lamps
-        scale = lit.bounced.source.scale if lit.bounced and is_dark else 0.0
-        self.beams.write(self._ordinates, self._lamps, scale, virtual=self._virtual)
-        self._write_gain(self.beams, self._scene_ordinates.sky)
+        """Solve the light in the cells, while other media are dark."""
+        medium, transport = self.medium, self.transport
+        # Where indirect light is all there is, its unit is the scale.
+        is_dark = not self._ordinates.count and not self._local
+        scale = lit.reflected.source.scale if lit.reflected and is_dark else 0.0
+        # The ordinates, corrected so that single scattering of the sky is exact.
+        transport.write(self._ordinates, self._local, scale, virtual=self._virtual)
+        if self.settings.exact_sky:
+            transport.light.write_correction(self._scene_ordinates.sky)
         if lit.surfaces is not None:
-            self.beams.write_surfaces(self._ordinates, lit.lights, lit.surfaces)
+            transport.write_surfaces(self._ordinates, lit.lights, lit.surfaces)
+        transport.encode(commands, medium.params, medium.placement.point(lit.eye))
+
+    def encode_view(
+        self, commands: Commands, lit: Illumination, *, is_new_medium: bool, is_new_light: bool
+    ) -> None:
+        """Fill `emission` for the eye, where anything changed."""
+        is_new_view = is_new_medium or lit.eye.tobytes() != self._view_key
+        if not (is_new_view or is_new_light):
+            return
+        self._view_key = lit.eye.tobytes()
         medium = self.medium
-        self.beams.encode(commands, medium.params, medium.placement.point(lit.eye))
+        eye = medium.placement.point(lit.eye)
+        # Corrections for which a white medium under a uniform sky scatters exactly its radiance.
+        if is_new_view and self._furnace is not None:
+            with commands.stage("pop emission"):
+                self._furnace.encode_view(commands, eye, self.emission)
+        # Indirect light of surfaces.
+        if lit.reflected is not None and self._indirect is not None:
+            with commands.stage("pop bounce"):
+                uniform = medium.params_of(self._indirect.count)
+                target = self.emission.indirect
+                self._indirect.encode(commands, uniform, eye, lit.reflected, self.scale, target)
+        # Light of the ordinates, scattered once and more often, and all of it together.
+        self.transport.encode_view(commands, medium.params, eye, self.emission)
+
+    @property
+    def scale(self) -> float:
+        """The unit of `emission`, W m^-2 sr^-1 per unit scattering coefficient."""
+        return self.transport.light.table.scale
 
     def source(self, medium: int) -> Source:
-        """The last emission for `march`; `medium` is the volume's row in `media.gpu_media`."""
+        """The last emission for marching; `medium`: the row of the volume in `media.gpu_media`."""
         return Source(
             self.emission.texture,
             self.medium.placement.uvw_from_world,
-            scale=self.beams.table.scale,
+            scale=self.scale,
             medium=medium,
         )
 
@@ -175,70 +267,9 @@ class PopSolver:
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
         return {
-            "ordinates": self.beams.table.count,
+            "ordinates": self.transport.light.table.count,
             "grid": list(self.medium.placement.count),
             "scheme": self.settings.scheme,
-            "hops": getattr(self.beams, "iterations", 0),
+            "hops": self.transport.iterations,
             "iterations": self.settings.solver_steps,
         }
-
-    def _seen(self, environment: Environment | None, look: Look | None) -> F64 | None:
-        """What the camera sees of the map, where that is asked for."""
-        if self._importance is None or look is None or environment is None:
-            return None
-        medium = self.medium
-        return self._importance.of(medium.volume, medium.placement, look, environment.rotation_deg)
-
-    def encode_medium(self, commands: Commands, lit: Illumination) -> None:
-        """What a changed medium needs, or a change of one that it is mixed with."""
-        medium = self.medium
-        medium.encode_mix(commands)
-        medium.write_mix(self.white, is_white=True)
-        with commands.stage("pop density"):
-            self.beams.encode_medium(commands, medium.params)
-        if self.furnace is not None and self._even is not None:
-            white = medium.params_of(self._even.count, _WHITE)
-            self.furnace.write(self._even, (), 1.0)
-            self._write_gain(self.furnace, even_light(self._even))
-            self.furnace.encode_medium(commands, white)
-            self.furnace.encode(commands, white)
-        if lit.bounced is not None:
-            self._bounce = self._bounce or Bounce(medium, self.settings)
-            even = medium.params_of(self._bounce.count)
-            self._bounce.encode_medium(commands, even, lit.bounced)
-
-    def encode_view(
-        self, commands: Commands, lit: Illumination, *, new_medium: bool, new_light: bool
-    ) -> None:
-        """What the eye sees of it, where that changed."""
-        new_view = new_medium or lit.eye.tobytes() != self._view_key
-        if not (new_view or new_light):
-            return
-        self._view_key = lit.eye.tobytes()
-        medium, bounced = self.medium, lit.bounced
-        local = medium.placement.point(lit.eye)
-        if new_view and self.furnace is not None:
-            with commands.stage("pop emission"):
-                white = medium.params_of(self.furnace.table.count, _WHITE)
-                self.emission.encode_furnace(
-                    commands,
-                    white,
-                    local,
-                    self.furnace.table,
-                    self.furnace.paths.passed,
-                    self.furnace.diffuse.diffuse,
-                    medium.density.reach,
-                    self.white,
-                )
-        if bounced is not None and self._bounce is not None:
-            with commands.stage("pop bounce"):
-                even = medium.params_of(self._bounce.count)
-                self._bounce.encode(
-                    commands, even, local, bounced, self.beams.table.scale, self.emission.bounced
-                )
-        self.beams.encode_view(commands, medium.params, local, self.emission)
-
-    def _write_gain(self, beams: Beams, sky: SkyLight | None) -> None:
-        if self.settings.exact_sky:
-            medium, prefilter = self.medium, self.settings.prefilter
-            beams.table.gain.write(sky, medium.placement, medium.volume.g, prefilter=prefilter)

@@ -87,11 +87,11 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal ordinates for every medium (Elek2014); surfaces are lit directly."""
     from ..media.media import Media
-    from ..pop.delta_scaling import SharpLobes
+    from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
 
-    lobes = SharpLobes()
-    scene_filter = (lambda scene: scene) if settings.scheme == "paper" else lobes.dulled
+    scaling = DeltaScaling()
+    scene_filter = (lambda scene: scene) if settings.scheme == "paper" else scaling.scaled
     context = replace(context, scene=scene_filter(context.scene))
     # A sky that lights no surface is not worth its maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))

@@ -68,11 +68,11 @@ class LatticeVolumes:
     def attenuate(self, commands: Commands) -> None:
         """The lights' maps, drawn for this frame, as seen through the volumes."""
         for maps in self._lights:
-            maps.dim(commands, self._solver.kit.lights.table)
+            maps.attenuate(commands, self._solver.kit.lights.table)
 
     def attenuate_sky(self, commands: Commands) -> None:
         """The sky's maps likewise."""
-        self._sky.dim(commands)
+        self._sky.attenuate(commands)
 
     def seen(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
         """The attenuated ones in place of `maps`."""

@@ -43,7 +43,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
             sum.sky += once;
         }
         let quasi = select(exp(-reduced_depth(n, cell)) - direct, vec3f(0.0),
-            ordinates[n].position.w == HOPS_ON);
+            ordinates[n].position.w == VIRTUAL_GRID);
         let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;

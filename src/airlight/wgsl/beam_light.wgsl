@@ -6,6 +6,6 @@
 fn beam_light(n: u32, cell: u32, point: vec3f) -> OrdinateLight {
     var light = ordinate_light(n, point);
     light.irradiance *= passed[(params.ordinate_count + n) * params.cells + cell]
-        * given_light(n, cell);
+        * inter_medium_irradiance(n, cell);
     return light;
 }

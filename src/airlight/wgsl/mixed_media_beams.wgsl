@@ -1,6 +1,6 @@
 // What all media did to an ordinate's light on its way to a cell of one of them. The including pass
 // binds `params` (MediumParams), `media` (MixedData, its own first), `passed` (pop/light/paths.py) and
-// `given` (vec4f, [block][cell], pop/exchange/irradiance.py). See wgsl/one_medium_beams.wgsl.
+// `inter_medium` (vec4f, [block][cell], pop/exchange/irradiance.py). See wgsl/one_medium_beams.wgsl.
 //! use delta_beam
 
 // In the own box.
@@ -49,12 +49,12 @@ fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f {
     return forward_cosine(often, kept / max(often, vec3f(1e-20)));
 }
 
-fn given_light(n: u32, cell: u32) -> vec3f {
+fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f {
     let first = params.ordinate_count - BLOCKS;
     if (BLOCKS == 0u || n < first) {
         return vec3f(1.0);
     }
-    return given[(n - first) * params.cells + cell].rgb;
+    return inter_medium[(n - first) * params.cells + cell].rgb;
 }
 
 fn mean_loss() -> vec3f {

@@ -17,7 +17,7 @@ fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f {
 }
 
 // Of an ordinate that is another medium's light, what arrives.
-fn given_light(n: u32, cell: u32) -> vec3f {
+fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f {
     return vec3f(1.0);
 }
 

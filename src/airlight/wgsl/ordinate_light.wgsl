@@ -42,14 +42,14 @@ fn block_light(n: u32, away: vec3f) -> OrdinateLight {
 
 fn ordinate_light(n: u32, point: vec3f) -> OrdinateLight {
     let o = ordinates[n];
-    if (o.position.w == FROM_MEDIUM) {
+    if (o.position.w == BLOCK) {
         return block_light(n, point - o.position.xyz);
     }
-    if (o.position.w == FROM_AFAR) {
+    if (o.position.w == DISTANT) {
         return OrdinateLight(o.direction.xyz, o.irradiance.rgb, 1e30);
     }
     let away = point - o.position.xyz;
-    if (o.position.w == FROM_SURFACE || o.position.w == HOPS_ON) {
+    if (o.position.w == VIRTUAL || o.position.w == VIRTUAL_GRID) {
         return reflected_light(n, away);
     }
     let distance = max(length(away), 1e-9);

@@ -1,14 +1,14 @@
-"""What leaves all beams in every cell of the medium: power, and the net power it carries on."""
+"""The power that leaves all beams in every cell, and the net power that it carries on."""
 
 from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
-from ..light.ordinates import OrdinateData
-from ..medium.mixture import Mix
+from ..light.incident import IncidentLight
+from ..light.table import OrdinateData
+from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 
 
@@ -17,38 +17,30 @@ class Deposit(ComputePass):
 
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, mix: Mix, *, has_blocks: bool) -> None:
-        """`has_blocks`: whether the last ordinates are other media's light."""
-        self._mix = mix
+    def __init__(self, medium: GridMedium, light: IncidentLight) -> None:
+        mixture = light.mixture
+        self._medium, self._light = medium, light
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
             storage("ordinates", OrdinateData),
-            *mix.beam_slots,
+            *mixture.beam_slots,
             storage("passed", "f32"),
             storage("density", "f32"),
             storage("deposits", "vec4f", "read_write"),
         )
-        super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=has_blocks) + mix.cell_wgsl_more)
+        beams = mixture.beam_wgsl(has_blocks=bool(light.blocks))
+        super().__init__(medium.gpu, generated=beams + mixture.cell_wgsl_after_beams)
 
-    def encode(
-        self,
-        commands: Commands,
-        params: MediumParams,
-        cells: int,
-        *,
-        ordinates: Buffer,
-        passed: Buffer,
-        density: Buffer,
-        deposits: Buffer,
-    ) -> None:
-        """Sum over all ordinates, cell by cell: no atomics, the same bits every time."""
+    def encode(self, commands: Commands, params: MediumParams, deposits: Buffer) -> None:
+        """Sum over all ordinates, cell by cell: without atomics, so the bits are reproducible."""
+        light = self._light
         self.dispatch(
             commands,
-            (cells,),
+            (self._medium.cells,),
             params=params,
-            ordinates=ordinates,
-            passed=passed,
-            density=density,
+            ordinates=light.table.rows,
+            passed=light.passed,
+            density=self._medium.density.cells,
             deposits=deposits,
-            **self._mix.beam_bound,
+            **light.mixture.beam_bound,
         )

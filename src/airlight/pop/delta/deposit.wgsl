@@ -1,7 +1,10 @@
+// The power that leaves all beams in a cell, and the net power that it carries on; see
+// maths/delta_beam.py, deposit.
 //! use beam_light
 
-// What a linear depth along one axis does to the mean of exp(-depth); see mean_transmission in
-// maths/delta_beam.py. At a border the slope is that of the other side.
+// The mean of exp(-depth) over a cell, over that in its middle, for a depth that is linear along
+// one axis; see mean_transmission in maths/delta_beam.py. At a border the slope is that of the
+// other side.
 fn slope_gain(before: vec3f, here: vec3f, after: vec3f, is_low: bool, is_high: bool) -> vec3f {
     let inner_rise = select(here - before, after - here, is_low);
     let outer_rise = select(after - here, here - before, is_high);
@@ -9,6 +12,7 @@ fn slope_gain(before: vec3f, here: vec3f, after: vec3f, is_low: bool, is_high: b
     return sinh_quotient(0.5 * select(vec3f(0.0), gentler, inner_rise * outer_rise > vec3f(0.0)));
 }
 
+// sinh(x)/x for x >= 0.
 fn sinh_quotient(x: vec3f) -> vec3f {
     let x2 = x * x;
     let series = 1.0 + x2 / 6.0 * (1.0 + x2 / 20.0);
@@ -37,14 +41,16 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     var x = vec3f(0.0);
     var y = vec3f(0.0);
     var z = vec3f(0.0);
+    // Sums over the ordinates of irradiance, and of net irradiance along x, y, z.
     let leaving = leaving_beams(id.x);
     let is_any = any(leaving > vec3f(0.0));
     for (var n = 0u; n < params.ordinate_count && is_any; n++) {
         let light = beam_light(n, id.x, point);
-        // What hops leaves its own residuum.
-        if (ordinates[n].position.w == HOPS_ON || all(light.irradiance <= vec3f(0.0))) {
+        // Light that propagates in a grid leaves a residuum of its own.
+        if (ordinates[n].position.w == VIRTUAL_GRID || all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
+        // The mean transmittance of the beam in the cell.
         let here = reduced_depth(n, id.x);
         let gain = axis_gain(n, id.x, here, 0u, cell.x, count.x)
             * axis_gain(n, id.x, here, 1u, cell.y, count.y)
@@ -56,6 +62,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
         y += carried * light.travel.y;
         z += carried * light.travel.z;
     }
+    // W: times the scattering out of beams, and the part of it that keeps the direction.
     let volume = params.cell.x * params.cell.y * params.cell.z;
     let forward = volume * leaving_forward(id.x);
     deposits[id.x] = vec4f(volume * leaving * power, 0.0);

@@ -1,8 +1,8 @@
-"""Diffuse light in a medium's cells: conjugate gradients with a fixed number of steps.
+"""Diffuse light in the cells of a medium: conjugate gradients with a fixed number of steps.
 
-Two dispatches a step. Dot products leave one partial sum per workgroup, which every workgroup of
-the next dispatch adds up again, in the same order: no readback, no atomics, the same bits every
-time. The preconditioner is the operator's diagonal. See `maths.diffusion`.
+A step is two dispatches. Dot products leave one partial sum per workgroup, which every workgroup of
+the next dispatch adds up in the same order: nothing is read back, no atomics are needed, and the
+bits are reproducible. The preconditioner is the diagonal of the operator. See `maths.diffusion`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ from ...gpu.device import Gpu
 from ...gpu.layout import Struct, u32
 from ...gpu.memory import Buffer
 from ...gpu.slots import Slot, storage, uniform
-from ..medium.mixture import Mix
-from ..medium.placement import MediumParams, MediumPlacement
+from ..medium.mixture import Mixture
+from ..medium.placement import PARTIAL_SUM_GROUP, MediumParams, MediumPlacement
 
-GROUP = 256  # invocations that leave one partial sum
-VECTORS = 4  # deposits and flux: [P, Bx, By, Bz], [Phi, Jx, Jy, Jz]
+_VECTORS = 4  # deposits and diffuse light: [P, Bx, By, Bz], [Phi, Jx, Jy, Jz]
 
 
 class StepParams(Struct):
@@ -32,13 +31,13 @@ _sums = storage("sums", "vec4f", "read_write")
 
 
 class _OfCells(ComputePass):
-    """A pass that asks what is in cells."""
+    """A pass that reads the coefficients of cells."""
 
     own_slots: tuple[Slot, ...]
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
-        self.slots = (*self.own_slots, *mix.cell_slots)  # type: ignore[misc]
-        super().__init__(gpu, generated=mix.cell_wgsl)
+    def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
+        self.slots = (*self.own_slots, *mixture.cell_slots)  # type: ignore[misc]
+        super().__init__(gpu, generated=mixture.cell_wgsl)
 
 
 class _System(_OfCells):
@@ -62,7 +61,7 @@ class _Begin(_OfCells):
         storage("phi", "vec4f", "read_write"),
         _sums,
     )
-    workgroup = (GROUP, 1, 1)
+    workgroup = (PARTIAL_SUM_GROUP, 1, 1)
     file = "diffuse_begin.wgsl"
 
 
@@ -79,7 +78,7 @@ class _Search(ComputePass):
         storage("product", "vec4f", "read_write"),
         _sums,
     )
-    workgroup = (GROUP, 1, 1)
+    workgroup = (PARTIAL_SUM_GROUP, 1, 1)
     file = "diffuse_search.wgsl"
 
 
@@ -97,12 +96,12 @@ class _Update(ComputePass):
         storage("z", "vec4f", "read_write"),
         _sums,
     )
-    workgroup = (GROUP, 1, 1)
+    workgroup = (PARTIAL_SUM_GROUP, 1, 1)
     file = "diffuse_update.wgsl"
 
 
 class _Flux(_OfCells):
-    """J at cell centres, from phi and what the deposits carry."""
+    """The flux J at cell centres, from phi and the net power that the deposits carry."""
 
     own_slots = (
         _params,
@@ -116,35 +115,40 @@ class _Flux(_OfCells):
 
 
 class Diffuse:
-    """The diffuse light of one medium: `deposits` in, `diffuse` [Phi, Jx, Jy, Jz] out."""
+    """The diffuse light of one medium.
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, mix: Mix) -> None:
-        self.cells, self._mix = placement.cells, mix
+    In: `deposits`, vec4 [P, Bx, By, Bz][z][y][x], W. Out: `diffuse`, vec4 [Phi, Jx, Jy,
+    Jz][z][y][x], W m^-2; both rgb.
+    """
+
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
+        self.cells, self._mixture = placement.cells, mixture
         nbytes = 16 * self.cells
-        self.deposits = Buffer(gpu, "deposits", VECTORS * nbytes)
-        self.diffuse = Buffer(gpu, "diffuse light", VECTORS * nbytes)
+        self.deposits = Buffer(gpu, "deposits", _VECTORS * nbytes)
+        self.diffuse = Buffer(gpu, "diffuse light", _VECTORS * nbytes)
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
-        self._links = Buffer(gpu, "diffusion links", VECTORS * nbytes)
-        self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // GROUP))
-        self._system, self._flux = _System(gpu, mix), _Flux(gpu, mix)
-        self._begin, self._search, self._update = _Begin(gpu, mix), _Search(gpu), _Update(gpu)
+        self._links = Buffer(gpu, "diffusion links", _VECTORS * nbytes)
+        self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // PARTIAL_SUM_GROUP))
+        self._system, self._flux = _System(gpu, mixture), _Flux(gpu, mixture)
+        self._begin, self._search, self._update = _Begin(gpu, mixture), _Search(gpu), _Update(gpu)
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Buffer) -> None:
-        """Make the operator of a medium; `params` count no ordinates."""
+        """Compute the operator of a medium, whose number of ordinates does not matter."""
         self._system.dispatch(
             commands,
             (self.cells,),
             params=params,
             density=density,
             links=self._links,
-            **self._mix.cell_bound,
+            **self._mixture.cell_bound,
         )
 
     def encode(self, commands: Commands, params: MediumParams, density: Buffer, steps: int) -> None:
-        """Solve for `deposits` by `steps` steps."""
+        """Solve for `deposits` in so many `steps` of conjugate gradients."""
         v, cells = self._vectors, (self.cells,)
         common = {"params": params, "links": self._links, "sums": self._sums, "z": v["z"]}
+        # r = b, z = r/diagonal, phi = 0.
         self._begin.dispatch(
             commands,
             cells,
@@ -153,8 +157,9 @@ class Diffuse:
             deposits=self.deposits,
             residual=v["residual"],
             phi=v["phi"],
-            **self._mix.cell_bound,
+            **self._mixture.cell_bound,
         )
+        # p = z + beta p, then phi += alpha p and r -= alpha A p.
         for step in range(steps):
             before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
             iteration = StepParams(step=step)
@@ -177,6 +182,7 @@ class Diffuse:
                 phi=v["phi"],
                 residual=v["residual"],
             )
+        # Fluence and net flux from phi.
         self._flux.dispatch(
             commands,
             cells,
@@ -185,10 +191,10 @@ class Diffuse:
             deposits=self.deposits,
             phi=v["phi"],
             diffuse=self.diffuse,
-            **self._mix.cell_bound,
+            **self._mixture.cell_bound,
         )
 
     @property
     def residual(self) -> Buffer:
-        """b - A phi, W m^-3, vec4 per cell: how far the last solve got."""
+        """The residual b - A phi of the last solve, W m^-3, vec4 per cell."""
         return self._vectors["residual"]

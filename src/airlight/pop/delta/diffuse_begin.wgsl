@@ -1,7 +1,8 @@
+// The start of conjugate gradients: phi = 0, r = b, z = r/diagonal; sums r.z.
 //! use diffusion
 //! use partial_sums
 
-// Right-hand side: P/V less the divergence of the flux that the deposits carry.
+// The right-hand side b: P/V less the divergence of the flux that the deposits carry.
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
     let volume = params.cell.x * params.cell.y * params.cell.z;

@@ -1,6 +1,7 @@
+// Fluence and net flux of diffuse light in a cell, from the solution phi.
 //! use diffusion
 
-// J outwards through a face of a cell, W m^-2.
+// The flux J outwards through a face of a cell, W m^-2.
 fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     let volume = params.cell.x * params.cell.y * params.cell.z;
     let outwards = select(-1.0, 1.0, side == 1u) / volume;
@@ -21,6 +22,7 @@ fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     if (id.x >= params.cells) {
         return;
     }
+    // The solution may undershoot zero; J at the centre is the mean of two faces.
     diffuse[id.x] = vec4f(max(phi[id.x].xyz, vec3f(0.0)), 0.0);
     for (var axis = 0u; axis < 3u; axis++) {
         let j = 0.5 * (flux_outwards(id.x, axis, 1u) - flux_outwards(id.x, axis, 0u));

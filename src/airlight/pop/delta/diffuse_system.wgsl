@@ -1,6 +1,8 @@
+// The operator of the diffusion solve: its diagonal, and the links to the next cells along x, y, z.
 //! use diffusion
 
-// J per difference of phi across an inner face, over h: m^-1; 0 on the box's upper faces.
+// The flux per difference of phi across a cell's upper inner face, over its side h, m^-1; 0 on the
+// upper faces of the box.
 fn link_up(index: u32, cell: vec3u, axis: u32) -> vec3f {
     if (is_outer(cell, axis, 1u)) {
         return vec3f(0.0);

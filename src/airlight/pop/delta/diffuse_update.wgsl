@@ -1,9 +1,11 @@
+// A step along the search direction: phi += alpha p, r -= alpha A p, z = r/diagonal; sums r.z.
 //! use partial_sums
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
+    // alpha = r.z over p.Ap.
     let now = whole_sum(RZ + (iteration.step & 1u), lane);
     let alpha = quotient(now, whole_sum(SEARCHED, lane));
     var rz = vec3f(0.0);

@@ -1,4 +1,4 @@
-"""What every cell scatters towards the eye: beams, quasi-forward light and diffuse light."""
+"""The radiance that every cell scatters towards the eye: beams, quasi-forward and diffuse light."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from ...gpu.layout import Struct, f32, mat4x4f, vec3f
 from ...gpu.memory import Buffer, BufferPart, Texture
 from ...gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ...maths.transforms import F64
-from ..light.ordinates import OrdinateData, OrdinateTable
-from ..medium.mixture import Mix
-from ..medium.placement import MediumParams, MediumPlacement
+from ..light.incident import IncidentLight
+from ..light.table import OrdinateData, OrdinateTable
+from ..medium.grid_medium import GridMedium
+from ..medium.mixture import Mixture
+from ..medium.placement import MediumParams
 
 
 class ViewParams(Struct):
-    """The eye in the medium's frame."""
+    """The eye in the frame of the medium."""
 
     eye = vec3f("m")
     correction = f32("exponent of the furnace correction; 0 for none")
@@ -27,34 +29,32 @@ class ViewParams(Struct):
 class _OfBeams(ComputePass):
     own_slots: tuple[Slot, ...]
 
-    def __init__(self, gpu: Gpu, mix: Mix, *, has_blocks: bool) -> None:
-        self.slots = (*self.own_slots, *mix.beam_slots)  # type: ignore[misc]
-        super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=has_blocks))
+    def __init__(self, gpu: Gpu, mixture: Mixture, *, has_blocks: bool) -> None:
+        self.slots = (*self.own_slots, *mixture.beam_slots)  # type: ignore[misc]
+        super().__init__(gpu, generated=mixture.beam_wgsl(has_blocks=has_blocks))
+
+
+_read: tuple[Slot, ...] = (
+    uniform("params", MediumParams),
+    uniform("view", ViewParams),
+    storage("ordinates", OrdinateData),
+    storage("phase", "vec4f"),
+    storage("passed", "f32"),
+    storage("diffuse", "vec4f"),
+    storage("reach", "u32"),
+    texture("sky_correction"),
+    sampler("sky_sampler"),
+)
 
 
 class _Emission(_OfBeams):
-    own_slots = (
-        uniform("params", MediumParams),
-        uniform("view", ViewParams),
-        storage("ordinates", OrdinateData),
-        storage("phase", "vec4f"),
-        storage("passed", "f32"),
-        storage("diffuse", "vec4f"),
-        storage("reach", "u32"),
-        texture("sky_gain"),
-        sampler("sky_sampler"),
-        storage("refined", "vec4f"),
-        image("emission", "rgba16float", "3d"),
-    )
+    own_slots = (*_read, storage("refined", "vec4f"), image("emission", "rgba16float", "3d"))
     workgroup = (64, 1, 1)
     file = "emission.wgsl"
 
 
 class _Furnace(_OfBeams):
-    own_slots = (
-        *_Emission.own_slots[:9],
-        storage("corrections", "vec4f", "read_write"),
-    )
+    own_slots = (*_read, storage("corrections", "vec4f", "read_write"))
     workgroup = (64, 1, 1)
     file = "emission_furnace.wgsl"
 
@@ -62,46 +62,47 @@ class _Furnace(_OfBeams):
 class Emission:
     """Fills `texture`: in-scattered radiance per unit scattering coefficient.
 
-    In units of the ordinates' scale: times `OrdinateTable.scale`, W m^-2 sr^-1.
+    Its unit is the scale of the ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
+    `corrections`, vec4 per cell: factors of multiple scattering, see `encode_furnace`. `indirect`,
+    vec4 per cell: indirect light of surfaces, in the same unit.
     """
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, mix: Mix) -> None:
-        self._mix, self.cells = mix, placement.cells
+    def __init__(self, medium: GridMedium, correction: float) -> None:
+        """`correction`: exponent of the furnace corrections; 0 for none."""
+        gpu, mixture = medium.gpu, medium.mixture
+        self._medium, self._correction = medium, correction
         self.texture = Texture(
-            gpu, "emission", placement.count, "rgba16float", dimension="3d", written=True
+            gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
-        # Furnace corrections, and what surfaces reflect into the medium: 0 until `Bounce` says
-        # otherwise. One buffer, since stages bind eight at least, and no more on some devices.
-        nbytes = -(-16 * placement.cells // BufferPart.ALIGNMENT) * BufferPart.ALIGNMENT
-        self._refined = Buffer(gpu, "furnace corrections and bounced light", 2 * nbytes)
-        self.corrections = BufferPart(self._refined, 0, 16 * placement.cells)
-        self.bounced = BufferPart(self._refined, nbytes, 16 * placement.cells)
-        self._emission = _Emission(gpu, mix, has_blocks=True)
-        self._furnace = _Furnace(gpu, mix, has_blocks=False)
+        # Both parts lie in one buffer: some devices bind no more than eight per stage. Indirect
+        # light is 0 until another pass fills it.
+        nbytes = -(-16 * medium.cells // BufferPart.ALIGNMENT) * BufferPart.ALIGNMENT
+        self._refined = Buffer(gpu, "furnace corrections and indirect light", 2 * nbytes)
+        self.corrections = BufferPart(self._refined, 0, 16 * medium.cells)
+        self.indirect = BufferPart(self._refined, nbytes, 16 * medium.cells)
+        self._emission = _Emission(gpu, mixture, has_blocks=True)
+        self._furnace = _Furnace(gpu, mixture, has_blocks=False)
 
     def encode(
         self,
         commands: Commands,
         params: MediumParams,
         eye: F64,
-        table: OrdinateTable,
-        passed: Buffer,
+        light: IncidentLight,
         diffuse: Buffer,
-        reach: Buffer,
-        correction: float,
     ) -> None:
-        """For an eye at `eye` (3,), m in the medium's frame."""
+        """Fill `texture` for an eye at `eye` (3,), m in the frame of the medium."""
         self._emission.dispatch(
             commands,
-            (self.cells,),
+            (self._medium.cells,),
             params=params,
-            **seen_by(table, eye, correction),
-            passed=passed,
+            **bound_by_view(light.table, eye, self._correction),
+            passed=light.passed,
             diffuse=diffuse,
-            reach=reach,
+            reach=self._medium.density.reach,
             refined=self._refined,
             emission=self.texture,
-            **self._mix.beam_bound,
+            **light.mixture.beam_bound,
         )
 
     def encode_furnace(
@@ -109,34 +110,34 @@ class Emission:
         commands: Commands,
         params: MediumParams,
         eye: F64,
-        table: OrdinateTable,
-        passed: Buffer,
+        light: IncidentLight,
         diffuse: Buffer,
-        reach: Buffer,
-        white: Mix,
     ) -> None:
-        """Fill `corrections` from the same medium without absorption under an even sky of 1."""
+        """Fill `corrections` from the medium without absorption under a uniform sky of radiance 1.
+
+        `light` and `diffuse` are those of that medium.
+        """
         self._furnace.dispatch(
             commands,
-            (self.cells,),
+            (self._medium.cells,),
             params=params,
-            **seen_by(table, eye, 0.0),
-            passed=passed,
+            **bound_by_view(light.table, eye, 0.0),
+            passed=light.passed,
             diffuse=diffuse,
-            reach=reach,
+            reach=self._medium.density.reach,
             corrections=self.corrections,
-            **white.beam_bound,
+            **light.mixture.beam_bound,
         )
 
 
-def seen_by(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
-    """The light and the eye, as emission binds them."""
-    gain = table.gain
-    view = ViewParams(eye=eye, correction=correction, sky_from_medium=gain.sky_from_medium)
+def bound_by_view(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
+    """The ordinates and the eye, by slot name."""
+    sky = table.correction
+    view = ViewParams(eye=eye, correction=correction, sky_from_medium=sky.sky_from_medium)
     return {
         "view": view,
         "ordinates": table.rows,
         "phase": table.phase,
-        "sky_gain": gain.texture,
-        "sky_sampler": gain.sampler,
+        "sky_correction": sky.texture,
+        "sky_sampler": sky.sampler,
     }

@@ -1,7 +1,7 @@
+// The radiance that a cell scatters towards the eye, per unit scattering coefficient. `refined`:
+// the furnace corrections of all cells, then the indirect light of surfaces in them.
 //! use beam_emission
 //! use sky_gain
-
-// `refined`: furnace corrections of all cells, then what surfaces reflect into them.
 
 const HALF_MAX = 65504.0;
 
@@ -14,6 +14,7 @@ const HALF_MAX = 65504.0;
         textureStore(emission, cell, vec4f(0.0, 0.0, 0.0, 1.0));
         return;
     }
+    // Multiple scattering: forwards only, and diffuse; corrected as in the furnace.
     let point = cell_centre(cell);
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
@@ -21,8 +22,9 @@ const HALF_MAX = 65504.0;
     if (view.correction > 0.0) {
         scattered *= pow(refined[id.x].rgb, vec3f(view.correction));
     }
-    let once = light.beams + light.sky * sky_gain_towards(travel);
-    let bounced = refined[arrayLength(&refined) / 2u + id.x].rgb;
-    let all = once + scattered + bounced;
+    // Single scattering of lights and sky, and the indirect light of surfaces.
+    let once = light.beams + light.sky * sky_correction_towards(travel);
+    let indirect = refined[arrayLength(&refined) / 2u + id.x].rgb;
+    let all = once + scattered + indirect;
     textureStore(emission, cell, vec4f(min(all, vec3f(HALF_MAX)), 1.0));
 }

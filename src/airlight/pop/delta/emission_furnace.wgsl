@@ -1,8 +1,8 @@
+// White furnace: under a uniform sky of radiance 1 a medium without absorption scatters exactly 1
+// everywhere. The correction is the factor of multiple scattering for which that holds.
 //! use beam_emission
 //! use sky_gain
 
-// Under an even sky of radiance 1 a medium that does not absorb scatters exactly 1 everywhere: what
-// multiple scattering has to be multiplied by for that.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || reach[id.x] == 0u) {
         return;
@@ -11,7 +11,7 @@
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
     let multiple = light.quasi_forward + diffuse_emission(id.x, travel, light);
-    let once = light.sky * sky_gain_towards(travel);
+    let once = light.sky * sky_correction_towards(travel);
     let c = (1.0 - once) / max(multiple, vec3f(1e-6));
     corrections[id.x] = vec4f(clamp(c, vec3f(0.5), vec3f(2.0)), 0.0);
 }

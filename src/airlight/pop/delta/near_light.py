@@ -1,6 +1,7 @@
-"""Light that has scattered once close to a lamp, which beams and diffusion miss.
+"""Light that has scattered once close to a local light, which beams and diffusion miss.
 
-See `maths.lamp_beam.near_fluence`; added to the diffuse fluence, whose net flux is right already.
+See `maths.lamp_beam.near_fluence`; it is added to the diffuse fluence, whose net flux is right
+already.
 """
 
 from __future__ import annotations
@@ -9,37 +10,38 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
 from ...maths.delta_beam import beam_loss, forward_share
 from ...maths.lamp_beam import NEAR_TABLE, near_table
-from ..light.ordinates import OrdinateData
-from ..medium.mixture import Mix
+from ..light.incident import IncidentLight
+from ..light.table import OrdinateData
+from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 
 
 class NearLight(ComputePass):
-    """Adds what all lamps' surroundings miss to `diffuse`."""
+    """Adds the missing fluence around all local lights to `diffuse`."""
 
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
-        self._mix = mix
+    def __init__(self, medium: GridMedium, light: IncidentLight) -> None:
+        mixture = light.mixture
+        self._medium, self._light = medium, light
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
             storage("ordinates", OrdinateData),
-            *mix.beam_slots,
+            *mixture.beam_slots,
             storage("passed", "f32"),
             storage("missing", "vec4f"),
             storage("diffuse", "vec4f", "read_write"),
         )
-        super().__init__(gpu, generated=mix.beam_wgsl(has_blocks=False))
-        self._table = Buffer(gpu, "near a lamp", 16 * NEAR_TABLE)
+        super().__init__(medium.gpu, generated=mixture.beam_wgsl(has_blocks=False))
+        self._table = Buffer(medium.gpu, "near a local light", 16 * NEAR_TABLE)
         self._written: tuple[float, ...] = ()
 
     def write(self, g: tuple[float, ...], albedo: tuple[float, ...]) -> None:
-        """Take a medium's phase function and albedo."""
+        """Tabulate the missing fluence of a medium, unless it is the last one."""
         if (*g, *albedo) == self._written:
             return
         self._written = (*g, *albedo)
@@ -49,24 +51,16 @@ class NearLight(ComputePass):
             texels[:, channel] = near_table(float(ratio))
         self._table.write(texels)
 
-    def encode(
-        self,
-        commands: Commands,
-        params: MediumParams,
-        cells: int,
-        *,
-        ordinates: Buffer,
-        passed: Buffer,
-        diffuse: Buffer,
-    ) -> None:
-        """Cell by cell, over all lamps among the ordinates."""
+    def encode(self, commands: Commands, params: MediumParams, diffuse: Buffer) -> None:
+        """Sum over all local lights among the ordinates, cell by cell."""
+        light = self._light
         self.dispatch(
             commands,
-            (cells,),
+            (self._medium.cells,),
             params=params,
-            ordinates=ordinates,
-            passed=passed,
+            ordinates=light.table.rows,
+            passed=light.passed,
             missing=self._table,
             diffuse=diffuse,
-            **self._mix.beam_bound,
+            **light.mixture.beam_bound,
         )

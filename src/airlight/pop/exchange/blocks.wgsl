@@ -1,31 +1,35 @@
+// One block of a sending medium: the power that its part outside the receiver's box scatters, W,
+// and its net flux. The position of a block does not depend on light.
 //! use medium_grid
+//! use ordinate_kind
 
-// One block of the giving medium: what its part outside the taker's box scatters, W, and where to.
-// Its place does not depend on light.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x >= PER_AXIS * PER_AXIS * PER_AXIS) {
+    if (id.x >= BLOCKS_PER_AXIS * BLOCKS_PER_AXIS * BLOCKS_PER_AXIS) {
         return;
     }
-    let at = vec3u(id.x % PER_AXIS, (id.x / PER_AXIS) % PER_AXIS, id.x / (PER_AXIS * PER_AXIS));
-    let low = at * params.count / PER_AXIS;
-    let high = (at + 1u) * params.count / PER_AXIS;
+    let at = vec3u(id.x % BLOCKS_PER_AXIS, (id.x / BLOCKS_PER_AXIS) % BLOCKS_PER_AXIS,
+        id.x / (BLOCKS_PER_AXIS * BLOCKS_PER_AXIS));
+    let low = at * params.count / BLOCKS_PER_AXIS;
+    let high = (at + 1u) * params.count / BLOCKS_PER_AXIS;
     let volume = params.cell.x * params.cell.y * params.cell.z;
     var power = vec3f(0.0);
     var moment = array<vec3f, 3>(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    var place = vec3f(0.0);
+    var position = vec3f(0.0);
     var weight = 0.0;
     var depth = vec3f(0.0);
     var filled = 0.0;
     for (var z = low.z; z < high.z; z++) {
         for (var y = low.y; y < high.y; y++) {
             for (var x = low.x; x < high.x; x++) {
+                // Empty cells send nothing, and cells in the receiver's box are its own.
                 let cell = (z * params.count.y + y) * params.count.x + x;
                 let point = cell_centre(vec3u(x, y, z));
-                let uvw = (block.uvw_from_giver * vec4f(point, 1.0)).xyz;
+                let uvw = (receiver.uvw_from_sender * vec4f(point, 1.0)).xyz;
                 let rho = density[cell];
                 if (rho <= 0.0 || (all(uvw > vec3f(0.0)) && all(uvw < vec3f(1.0)))) {
                     continue;
                 }
+                // Of what leaves beams the medium's own share, and its diffuse light, scattered.
                 let own = scattering_own(cell);
                 let forward = own * media[0].g;
                 let share = own / max(leaving_beams(cell), vec3f(1e-20));
@@ -38,7 +42,8 @@
                     moment[axis] += turned * deposits[index].xyz
                         + volume * forward * diffuse[index].xyz;
                 }
-                place += rho * point;
+                // Centre of mass, and the optical depth per metre, weighted by density.
+                position += rho * point;
                 weight += rho;
                 filled += 1.0;
                 for (var m = 0u; m < MEDIA; m++) {
@@ -47,15 +52,18 @@
             }
         }
     }
-    let row = block.first_row + id.x;
-    let local = select(0.5 * params.extent, place / weight, weight > 0.0);
-    ordinates[row].position = vec4f((block.taker_from_giver * vec4f(local, 1.0)).xyz, 3.0);
-    let units = block.scale;
+    // The block as an ordinate of the receiver.
+    let row = receiver.first_row + id.x;
+    let local = select(0.5 * params.extent, position / weight, weight > 0.0);
+    ordinates[row].position =
+        vec4f((receiver.receiver_from_sender * vec4f(local, 1.0)).xyz, BLOCK);
+    // Its power, squared rms radius (of a sphere of its volume, per axis), net flux and depth.
+    let units = receiver.scale;
     let radius = pow(0.2387 * max(filled, 1.0) * volume, 1.0 / 3.0);
     let side = pow(max(filled, 1.0) * volume, 1.0 / 3.0);
-    let first = 5u * (block.first + id.x);
+    let first = 5u * (receiver.first + id.x);
     blocks[first] = vec4f(units * power, radius * radius / 3.0);
-    let turn = block.taker_from_giver;
+    let turn = receiver.receiver_from_sender;
     for (var axis = 0u; axis < 3u; axis++) {
         blocks[first + 1u + axis] = vec4f(units * (turn[0][axis] * moment[0]
             + turn[1][axis] * moment[1] + turn[2][axis] * moment[2]), 0.0);

@@ -1,13 +1,11 @@
-"""Light that the other media scatter towards one, from outside its box.
+"""Inter-medium irradiance: light that the other media scatter towards one, from outside its box.
 
-Each other medium is cut into blocks. What a block scatters out of beams, and of its diffuse light,
-is a source with its net direction, seen from every cell through what lies between as one more
-ordinate: a scaled beam, as all others. Walls stop it; see `given_sight`.
+Each other medium is cut into blocks. The light that a block scatters out of beams, and of its
+diffuse light, is a source with a net direction. It is one more ordinate of the receiving medium,
+attenuated like all others; surfaces between shade it (`visibility`).
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,27 +15,33 @@ from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f, u32
 from ...gpu.memory import Buffer
 from ...gpu.slots import sampler, storage, uniform
-from ..light.ordinates import OrdinateData, OrdinateTable
+from ..light.table import OrdinateData, OrdinateTable
+from ..light.visibility import Surfaces
 from ..medium.grid_medium import GridMedium
-from ..medium.mixture import BLOCKS, PER_AXIS, Mix, MixedData, fine_bound, fine_slots, fine_wgsl
+from ..medium.mixture import (
+    BLOCKS,
+    BLOCKS_PER_AXIS,
+    MixedData,
+    Mixture,
+    fine_bound,
+    fine_slots,
+    fine_wgsl,
+)
 from ..medium.placement import MediumParams
-from .visibility import GivenSight
-
-if TYPE_CHECKING:
-    from ..light.visibility import Surfaces
+from .visibility import BlockVisibility
 
 
 class BlockParams(Struct):
-    """The one that takes a medium's light."""
+    """The medium that receives the light of another one."""
 
-    taker_from_giver = mat4x4f("m to m")
-    uvw_from_giver = mat4x4f("m to 0..1 in the taker's box")
-    first_row = u32("of the taker's ordinates")
-    first = u32("of the taker's blocks")
-    scale = f32("the taker's units per the giver's; 0: dark")
+    receiver_from_sender = mat4x4f("m to m")
+    uvw_from_sender = mat4x4f("m to 0..1 in the receiver's box")
+    first_row = u32("of the receiver's ordinates")
+    first = u32("of the receiver's blocks")
+    scale = f32("the receiver's units per the sender's; 0: dark")
 
 
-class GivenParams(Struct):
+class InterMediumParams(Struct):
     """How many blocks there are."""
 
     blocks = u32()
@@ -47,28 +51,29 @@ class _Blocks(ComputePass):
     workgroup = (BLOCKS, 1, 1)
     file = "blocks.wgsl"
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
+    def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
-            uniform("block", BlockParams),
-            *mix.cell_slots,
+            uniform("receiver", BlockParams),
+            *mixture.cell_slots,
             storage("density", "f32"),
             storage("deposits", "vec4f"),
             storage("diffuse", "vec4f"),
             storage("ordinates", OrdinateData, "read_write"),
             storage("blocks", "vec4f", "read_write"),
         )
-        super().__init__(gpu, generated=f"const PER_AXIS = {PER_AXIS}u;\n{mix.cell_wgsl}")
+        constant = f"const BLOCKS_PER_AXIS = {BLOCKS_PER_AXIS}u;\n"
+        super().__init__(gpu, generated=constant + mixture.cell_wgsl)
 
 
-class _Given(ComputePass):
+class _Irradiance(ComputePass):
     workgroup = (64, 1, 1)
     file = "irradiance.wgsl"
 
     def __init__(self, gpu: Gpu, others: int) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
-            uniform("way", GivenParams),
+            uniform("exchange", InterMediumParams),
             storage("media", MixedData),
             storage("ordinates", OrdinateData),
             storage("blocks", "vec4f"),
@@ -76,93 +81,81 @@ class _Given(ComputePass):
             storage("seen", "f32"),
             sampler("linear_clamp"),
             *fine_slots(others),
-            storage("given", "vec4f", "read_write"),
+            storage("inter_medium", "vec4f", "read_write"),
         )
         super().__init__(gpu, generated=fine_wgsl(others))
 
 
-class Given:
-    """Fills a medium's `Mix.given` and places its last ordinates."""
+class InterMediumLight:
+    """Fills `Mixture.inter_medium` of the receiving medium, and positions its last ordinates."""
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
-        self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mix.blocks)
-        self._gather, self._give = _Blocks(gpu, mix), _Given(gpu, mix.media - 1)
-        self._sight = GivenSight(gpu, mix.cells, mix.blocks)
+    def __init__(self, receiver: GridMedium, mixture: Mixture) -> None:
+        gpu = receiver.gpu
+        self._receiver = receiver
+        self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mixture.blocks)
+        self._gather = _Blocks(gpu, mixture)
+        self._irradiance = _Irradiance(gpu, mixture.media - 1)
+        self._visibility = BlockVisibility(receiver, mixture.blocks)
+
+    def forget(self) -> None:
+        """The medium, or one that it meets, moved or changed."""
+        self._visibility.forget()
 
     def encode(
-        self,
-        commands: Commands,
-        taker: GridMedium,
-        table: OrdinateTable,
-        surfaces: Surfaces | None,
-        *,
-        is_lit: bool,
+        self, commands: Commands, table: OrdinateTable, surfaces: Surfaces | None, *, is_lit: bool
     ) -> None:
-        """What the taker's others send now, as the last of `table`. Not `is_lit`: places alone.
+        """Receive what the other media scatter as they are solved, as the last of `table`.
 
-        `surfaces`: what stands between them.
+        Not `is_lit`: only the positions of the blocks are set, from which visibility follows.
         """
-        for index in range(len(taker.others)):
-            self._gather_block(commands, taker, table, index, is_lit=is_lit)
-        placement, params = taker.placement, taker.params
+        # The power of every block, and where it is.
+        for index in range(len(self._receiver.others)):
+            self._gather_blocks(commands, table, index, is_lit=is_lit)
+        # Surfaces between the blocks and the cells, once they are positioned.
         if surfaces is not None and surfaces.blockers is not None and not is_lit:
-            self._sight.encode(
-                commands,
-                params,
-                placement,
-                surfaces.blockers,
-                version=surfaces.meshes.version,
-                ordinates=table.rows,
-                blocks=self._blocks,
-                reach=taker.density.reach,
+            self._visibility.encode(
+                commands, surfaces.blockers, surfaces.meshes.version, table.rows, self._blocks
             )
-        self._give.dispatch(
+        # The irradiance of each block in each cell.
+        medium = self._receiver
+        mixture, density = medium.mixture, medium.density
+        self._irradiance.dispatch(
             commands,
-            (placement.cells, taker.mix.blocks),
-            params=params,
-            way=GivenParams(blocks=taker.mix.blocks),
-            media=taker.mix.rows,
+            (medium.cells, mixture.blocks),
+            params=medium.params,
+            exchange=InterMediumParams(blocks=mixture.blocks),
+            media=mixture.rows,
             ordinates=table.rows,
             blocks=self._blocks,
-            reach=taker.density.reach,
-            seen=self._sight.seen,
-            linear_clamp=taker.density.linear,
-            **fine_bound(taker.fine_others),
-            given=taker.mix.given,
+            reach=density.reach,
+            seen=self._visibility.seen,
+            linear_clamp=density.linear,
+            **fine_bound(medium.fine_others),
+            inter_medium=mixture.inter_medium,
         )
 
-    def _gather_block(
-        self,
-        commands: Commands,
-        taker: GridMedium,
-        table: OrdinateTable,
-        index: int,
-        *,
-        is_lit: bool,
+    def _gather_blocks(
+        self, commands: Commands, table: OrdinateTable, index: int, *, is_lit: bool
     ) -> None:
-        """The blocks of one of the others."""
-        giver = taker.others[index]
-        to_world = giver.placement.world_from_medium
-        block = BlockParams(
-            taker_from_giver=np.linalg.inv(taker.placement.world_from_medium) @ to_world,
-            uvw_from_giver=taker.placement.uvw_from_world @ to_world,
-            first_row=table.count - taker.mix.blocks + BLOCKS * index,
+        """Sum up the blocks of one of the other media."""
+        receiver, sender = self._receiver, self._receiver.others[index]
+        to_world = sender.placement.world_from_medium
+        params = BlockParams(
+            receiver_from_sender=np.linalg.inv(receiver.placement.world_from_medium) @ to_world,
+            uvw_from_sender=receiver.placement.uvw_from_world @ to_world,
+            first_row=table.count - receiver.mixture.blocks + BLOCKS * index,
             first=BLOCKS * index,
-            scale=giver.sent.scale / table.scale if is_lit else 0.0,
+            scale=sender.scattered.scale / table.scale if is_lit else 0.0,
         )
         self._gather.dispatch(
             commands,
             (BLOCKS,),
-            params=giver.params,
-            block=block,
-            **giver.mix.cell_bound,
-            density=giver.density.cells,
-            deposits=giver.sent.deposits,
-            diffuse=giver.sent.diffuse,
+            params=sender.params,
+            receiver=params,
+            **sender.mixture.cell_bound,
+            density=sender.density.cells,
+            deposits=sender.scattered.deposits,
+            diffuse=sender.scattered.diffuse,
             ordinates=table.rows,
             blocks=self._blocks,
         )
-
-    def forget(self) -> None:
-        """Media moved, or changed."""
-        self._sight.forget()

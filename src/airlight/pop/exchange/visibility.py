@@ -1,7 +1,7 @@
-"""Walls between media: how much of every block of the others each cell sees past surfaces.
+"""Surfaces between media: the share of every block of the others that each cell sees past them.
 
-Straight walks through the faces that blockers leave open, from four places of a block. They depend
-on surfaces and on where media are alone, and are taken anew where those changed.
+Straight lines through the face visibility of the lattice, from four samples of a block. They depend
+on surfaces and the positions of media only, and are recomputed where those changed.
 """
 
 from __future__ import annotations
@@ -12,29 +12,29 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.layout import Struct, mat4x4f, u32
 from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import Blockers
 from ...lattice.placement import LatticeParams
-from ..light.ordinates import OrdinateData
-from ..medium.placement import MediumParams, MediumPlacement
+from ..light.table import OrdinateData
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
 
 
-class WallParams(Struct):
+class BlockVisibilityParams(Struct):
     """Where the medium is, and how many blocks there are."""
 
     world_from_medium = mat4x4f()
     blocks = u32()
 
 
-class GivenSight(ComputePass):
-    """Fills `seen`, f32 [block][cell], 0..1: 1 while nothing stands anywhere."""
+class BlockVisibility(ComputePass):
+    """Fills `seen`, f32 [block][cell], 0..1; 1 until `encode`."""
 
     slots = (
         uniform("params", MediumParams),
-        uniform("walls", WallParams),
+        uniform("exchange", BlockVisibilityParams),
         uniform("lattice", LatticeParams),
         *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
         storage("ordinates", OrdinateData),
@@ -43,45 +43,44 @@ class GivenSight(ComputePass):
         storage("seen", "f32", "read_write"),
     )
     workgroup = (64, 1, 1)
-    file = "visibility.wgsl"
 
-    def __init__(self, gpu: Gpu, cells: int, blocks: int) -> None:
-        super().__init__(gpu)
-        self._blocks = blocks
-        self.seen = buffer_of(gpu, "seen of other media", np.ones(cells * blocks, np.float32))
+    def __init__(self, receiver: GridMedium, blocks: int) -> None:
+        super().__init__(receiver.gpu)
+        self._receiver, self._blocks = receiver, blocks
+        ones = np.ones(receiver.cells * blocks, np.float32)
+        self.seen = buffer_of(receiver.gpu, "seen of other media", ones)
         self._made: tuple[Any, ...] = ()
 
     def forget(self) -> None:
-        """Media moved, or changed."""
+        """The medium, or one that it meets, moved or changed."""
         self._made = ()
 
     def encode(
         self,
         commands: Commands,
-        params: MediumParams,
-        placement: MediumPlacement,
         blockers: Blockers,
-        *,
         version: int,
         ordinates: Buffer,
         blocks: Buffer,
-        reach: Buffer,
     ) -> None:
-        """After blocks were placed; `version`: of the geometry that `blockers` are of."""
+        """Fill `seen` after blocks were positioned; `version`: of the geometry of `blockers`."""
         made = (version, blockers.placement)
         if made == self._made:
             return
         self._made = made
-        walls = WallParams(world_from_medium=placement.world_from_medium, blocks=self._blocks)
+        medium = self._receiver
+        params = BlockVisibilityParams(
+            world_from_medium=medium.placement.world_from_medium, blocks=self._blocks
+        )
         self.dispatch(
             commands,
-            (placement.cells, self._blocks),
-            params=params,
-            walls=walls,
+            (medium.cells, self._blocks),
+            params=medium.params,
+            exchange=params,
             lattice=blockers.placement.params(),
             **blockers.bound,
             ordinates=ordinates,
             blocks=blocks,
-            reach=reach,
+            reach=medium.density.reach,
             seen=self.seen,
         )

@@ -1,10 +1,11 @@
+// The medium's density in a cell of a grid, and the list of cells that light may propagate from.
 //! use hop_grid
 
-// Light may hop from here.
-fn list(entry: u32) {
-    let place = atomicAdd(&listed[0], 1u);
-    atomicStore(&listed[1u + place], entry);
-    if (place % GROUP == 0u && place / GROUP < MOST_GROUPS) {
+// List a cell, and dispatch one more group where it is the first of a group.
+fn list_cell(entry: u32) {
+    let index = atomicAdd(&listed[0], 1u);
+    atomicStore(&listed[1u + index], entry);
+    if (index % GROUP == 0u && index / GROUP < MOST_GROUPS) {
         atomicAdd(&groups[0], 1u);
         atomicStore(&groups[1], 1u);
         atomicStore(&groups[2], 1u);
@@ -19,10 +20,11 @@ fn list(entry: u32) {
     let cell = hop_cell(n, id.x);
     var sum = 0.0;
     var inside = 0u;
-    // Most shells around a lamp beside the medium are far from its box: nothing to sample.
+    // Most shells around a light beside the medium are far from its box, and need no samples.
     let centre = hop_point(n, vec3f(cell) + 0.5);
     let apart = distance(centre, clamp(centre, vec3f(0.0), params.extent));
     let is_far = grids[n].is_radial == 1u && apart > hop_path(n, cell.z);
+    // The mean of eight samples.
     let samples = select(8u, 0u, is_far);
     for (var k = 0u; k < samples; k++) {
         let offset = vec3f(vec3u(k, k >> 1u, k >> 2u) & vec3u(1u)) * 0.5 + 0.25;
@@ -32,10 +34,11 @@ fn list(entry: u32) {
             inside += 1u;
         }
     }
-    // Around lamps, what is beyond the medium's box is told from what is empty.
+    // Around local lights a cell beyond the medium's box is marked by -1, to tell it from an empty
+    // one.
     let is_beyond = inside == 0u && grids[n].is_radial == 1u;
     hop_rho[n * hops.capacity + id.x] = select(sum / 8.0, -1.0, is_beyond);
     if (!is_beyond || hops.is_paper == 1u) {
-        list(n * hops.capacity + id.x);
+        list_cell(n * hops.capacity + id.x);
     }
 }

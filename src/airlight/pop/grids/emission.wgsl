@@ -1,10 +1,12 @@
+// The radiance that a cell scatters towards the eye: of lobes in the grids, of the residuum, and
+// (not as printed) of beams.
 //! use beam_emission
 //! use sky_gain
 
 const HALF_MAX = 65504.0;
 const RESIDUAL_LOBE = 0.5;
 
-// The residuum's; see maths/ordinate_hops.py, residual_emission.
+// The radiance of the residuum; see maths/ordinate_hops.py, residual_emission.
 fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     let phi = diffuse[cell].xyz;
     let along = diffuse[cell + params.cells].xyz * travel.x
@@ -23,7 +25,7 @@ fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     var light = merged[id.x].xyz + residual_emission(id.x, travel);
     if (hops.is_paper == 0u && reach[id.x] != 0u) {
         let beams = beam_emission(id.x, travel);
-        light += beams.beams + beams.sky * sky_gain_towards(travel);
+        light += beams.beams + beams.sky * sky_correction_towards(travel);
     }
     textureStore(emission, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));
 }

@@ -1,23 +1,24 @@
-"""All grids' light on the medium's own cells (Elek2014 section 5.3), and what they hand over.
+"""The light of all grids on the medium's own cells (Elek2014 section 5.3), and the residuum.
 
-Parallel grids are read trilinearly, weighted by density. The residuum around lamps, whose cells are
-smaller than the medium's where it matters, is added up in fixed point: the same bits every time.
+Parallel grids are read trilinearly, weighted by density. The residuum around local lights, whose
+cells are smaller than the medium's where it matters, is summed in fixed point: the bits are
+reproducible.
 """
 
 from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
-from ..medium.placement import MediumParams, MediumPlacement
-from .grids import HopGridData, HopGrids, HopParams
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
+from .grids import GridData, GridParams, Grids
 
 _grids = (
     uniform("params", MediumParams),
-    uniform("hops", HopParams),
-    storage("grids", HopGridData),
+    uniform("hops", GridParams),
+    storage("grids", GridData),
     storage("solid_angles", "f32"),
     storage("gathered", "vec4f"),
     storage("splatted", "atomic<i32>", "read_write"),
@@ -45,41 +46,39 @@ class _Merge(ComputePass):
 class Merge:
     """`merged`, vec4 [z][y][x]: in-scattered radiance per unit scattering coefficient."""
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, merged: Buffer | None = None) -> None:
-        """Into `merged`, where that is another's."""
-        self.cells = placement.cells
-        self.merged = merged or Buffer(gpu, "merged light", 16 * placement.cells)
-        self._splatted = Buffer(gpu, "residuum of lamps", 12 * placement.cells)
+    def __init__(self, medium: GridMedium, grids: Grids, merged: Buffer | None = None) -> None:
+        """`merged`: the buffer of another pass to fill, if any."""
+        gpu, cells = medium.gpu, medium.cells
+        self._medium, self._grids = medium, grids
+        self.merged = merged or Buffer(gpu, "merged light", 16 * cells)
+        self._splatted = Buffer(gpu, "residuum of local lights", 12 * cells)
         self._splat, self._merge = _Splat(gpu), _Merge(gpu)
 
     def encode(
         self,
         commands: Commands,
         params: MediumParams,
-        hops: HopParams,
-        grids: HopGrids,
+        hops: GridParams,
         gathered: Buffer,
-        density: Buffer,
         deposits: Buffer,
     ) -> None:
-        """Fill `merged`, and `deposits` as `Deposit` does; or add to them."""
+        """Fill `merged`, and `deposits` as `delta.deposit` does; or add to them."""
+        grids = self._grids
         common = {
             "params": params,
             "hops": hops,
-            "grids": grids.rows,
-            "solid_angles": grids.solid_angles,
+            **grids.bound,
             "gathered": gathered,
             "splatted": self._splatted,
-            "hop_rho": grids.density,
         }
-        around = grids.lamps + grids.virtual
-        if around:
-            self._splat.dispatch(commands, (grids.capacity, around), **common)
+        radial = grids.local + grids.virtual
+        if radial:
+            self._splat.dispatch(commands, (grids.capacity, radial), **common)
         self._merge.dispatch(
             commands,
-            (self.cells,),
+            (self._medium.cells,),
             **common,
-            density=density,
+            density=self._medium.density.cells,
             merged=self.merged,
             deposits=deposits,
         )

@@ -1,14 +1,17 @@
+// The light of all grids in a cell of the medium (Elek2014 section 5.3), and the residuum there.
 //! use hop_grid
 
-struct Read {
+// What a grid holds at a point, weighted.
+struct GridLight {
     weight: f32,
-    seen: vec3f,
-    residual: vec3f,  // W m^-3 per density
-    carried: vec3f,
+    seen: vec3f,        // in-scattered radiance
+    residual: vec3f,    // W m^-3 per density
+    carried: vec3f,     // of that, the net power along the grid's light
 }
 
-// A cell of a shell's square or of the rim around it, which the octahedron's seams sew on.
-fn sewn(n: u32, at: vec2i) -> vec2u {
+// A cell of a shell's square, or the cell that the seams of the octahedron put on the rim around
+// it.
+fn across_seam(n: u32, at: vec2i) -> vec2u {
     let side = i32(grids[n].count.x);
     let inside = clamp(at, vec2i(0), vec2i(side - 1));
     let over = at - inside;
@@ -16,9 +19,9 @@ fn sewn(n: u32, at: vec2i) -> vec2u {
     return vec2u(octahedron_neighbour(inside, step, side));
 }
 
-// Trilinear, weighted by density: empty cells have no say.
-fn read_grid(n: u32, place: vec3f) -> Read {
-    var sum = Read(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+// Trilinear and weighted by density, so that empty cells do not count.
+fn read_grid(n: u32, place: vec3f) -> GridLight {
+    var sum = GridLight(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let g = grids[n];
     let is_radial = g.is_radial == 1u;
     let top = vec3f(g.count) - 1.0;
@@ -33,7 +36,7 @@ fn read_grid(n: u32, place: vec3f) -> Read {
         let share = select(1.0 - part, part, upper == vec3u(1u));
         var cell = vec3u(min(vec3f(low) + vec3f(upper), top));
         if (is_radial) {
-            cell = vec3u(sewn(n, vec2i(low.xy) + vec2i(upper.xy)), cell.z);
+            cell = vec3u(across_seam(n, vec2i(low.xy) + vec2i(upper.xy)), cell.z);
         }
         let index = hop_index(n, cell);
         let rho = max(hop_rho[n * hops.capacity + index], 0.0);
@@ -53,7 +56,8 @@ fn read_grid(n: u32, place: vec3f) -> Read {
     return sum;
 }
 
-fn keep(slot: u32, more: vec3f) {
+// Write a deposit, or add it to that of beams.
+fn deposit(slot: u32, more: vec3f) {
     deposits[slot] = select(vec4f(0.0), deposits[slot], hops.is_added == 1u) + vec4f(more, 0.0);
 }
 
@@ -61,6 +65,7 @@ fn keep(slot: u32, more: vec3f) {
     if (id.x >= params.cells) {
         return;
     }
+    // Sums over all grids that hold light.
     let rho = density[id.x];
     let point = cell_centre(cell_of(id.x));
     var seen = vec3f(0.0);
@@ -81,14 +86,16 @@ fn keep(slot: u32, more: vec3f) {
             forward[axis] += got.carried / got.weight * d[axis];
         }
     }
+    // Residuum per density, times the medium in the cell; around local lights it was summed in
+    // fixed point, and the sums are cleared.
     let fill = rho * params.cell.x * params.cell.y * params.cell.z;
     merged[id.x] = vec4f(seen, 0.0);
-    var thrown = vec3f(0.0);
+    var splat = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        thrown[c] = f32(atomicExchange(&splatted[3u * id.x + c], 0)) / max(grids[0].fixed_scale, 1e-30);
+        splat[c] = f32(atomicExchange(&splatted[3u * id.x + c], 0)) / max(grids[0].fixed_scale, 1e-30);
     }
-    keep(id.x, fill * power + thrown);
+    deposit(id.x, fill * power + splat);
     for (var axis = 0u; axis < 3u; axis++) {
-        keep(id.x + (1u + axis) * params.cells, fill * forward[axis]);
+        deposit(id.x + (1u + axis) * params.cells, fill * forward[axis]);
     }
 }

@@ -1,18 +1,23 @@
+// A step of light through the grids of all ordinates (Elek2014 sections 4.1 to 4.3): a cell takes
+// what its six neighbours send, absorbs and scatters it, and sends the rest on; see
+// maths/ordinate_hops.py.
 //! use hop_light
 
-const SHARE = 0.6;
-const SHARE_RADIAL = 0.5;
-const SHARE_RADIAL_PEAKED = 0.25;
+const SHARE = 0.6;                  // of scattering, what joins the residuum; the rest widens lobes
+const SHARE_RADIAL = 0.5;           // the same in radial grids
+const SHARE_RADIAL_PEAKED = 0.25;   // the same in radial grids from a g of PEAKED on
 const PEAKED = 0.8;
-const HAND_OVER_HIGH = 0.65;
-const HAND_OVER_LOW = 0.45;
-const CARRIED = 0.15;
+const HAND_OVER_HIGH = 0.65;        // lobes of this mean cosine begin to join the residuum,
+const HAND_OVER_LOW = 0.45;         // and of this one all do
+const CARRIED = 0.15;               // of a lobe that joins the residuum, what stays net power
 
+// Power that arrives in a cell, W, and the same times the mean cosine of its lobe.
 struct Arrival {
     power: vec3f,
     along: vec3f,
 }
 
+// What a cell sent in the last step.
 fn sent(n: u32, cell: vec3u) -> Outflow {
     let slot = hop_slot(n, hop_index(n, cell));
     let x = states_in[slot];
@@ -26,11 +31,13 @@ fn take(sum: ptr<function, Arrival>, power: vec3f, a: vec3f) {
     (*sum).along += power * a;
 }
 
-// All that the six neighbours send here.
+// The light that the six neighbours send to a cell; `gate`: visibility between it and the one
+// before.
 fn arriving(n: u32, cell: vec3u, gate: f32) -> Arrival {
     var sum = Arrival(vec3f(0.0), vec3f(0.0));
     let count = grids[n].count;
     let is_radial = grids[n].is_radial == 1u;
+    // From the cells before and behind it along the light.
     if (cell.z > 0u) {
         let o = sent(n, cell - vec3u(0u, 0u, 1u));
         take(&sum, gate * o.ahead, o.a);
@@ -39,6 +46,7 @@ fn arriving(n: u32, cell: vec3u, gate: f32) -> Arrival {
         let o = sent(n, cell + vec3u(0u, 0u, 1u));
         take(&sum, o.behind, o.a);
     }
+    // From the four beside it. Shells keep what their smaller neighbours cannot take.
     var stays = 0.0;
     for (var side = 0u; side < 4u; side++) {
         let other = hop_beside(n, cell, side);
@@ -60,14 +68,17 @@ struct Scattered {
     a: vec3f,        // the rest's
 }
 
+// Scattering in a cell of density `rho`, of a lobe of mean cosine `a`.
 fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     let path = hop_path(n, cell.z);
     let depth = rho * params.sigma_t * params.albedo * path;
+    // As printed, the lobe alone widens.
     if (hops.is_paper == 1u) {
         let g = max(params.g, vec3f(0.0));
         let kept = select(vec3f(0.0), pow(max(g, vec3f(1e-9)), depth), g > vec3f(0.0));
         return Scattered(vec3f(0.0), a * select(vec3f(1.0), kept, depth > vec3f(0.0)));
     }
+    // Else a share of the scattering, reduced by g, joins the residuum; the rest widens the lobe.
     let lost = depth * (1.0 - params.g);
     if (grids[n].is_radial == 1u) {
         let peaked = params.g >= vec3f(PEAKED);
@@ -81,23 +92,27 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     return Scattered(1.0 - exp(-SHARE * lost) * (1.0 - handed), after);
 }
 
-fn hop(n: u32, index: u32) {
+// One cell of grid n.
+fn step_cell(n: u32, index: u32) {
     let cell = hop_cell(n, index);
     let slot = hop_slot(n, index);
     let density = hop_rho[n * hops.capacity + index];
     let rho = max(density, 0.0);
     let gate = gathered[slot].w;
+    // Light that arrives, and its lobe.
     let sum = arriving(n, cell, gate);
     let some = sum.power > vec3f(1e-30);
     var a = select(vec3f(0.0), sum.along / select(vec3f(1.0), sum.power, some), some);
-    // A box is convex: what has left it does not come back, as hops would.
+    // A box is convex: light that has left it does not come back, as it would from cell to cell.
     let is_lost = density < 0.0 && hops.is_paper == 0u;
+    // What absorption leaves of it, and scattering of that.
     let absorption = rho * params.sigma_t * (1.0 - params.albedo);
     let power = select(1.0, 0.0, is_lost) * sum.power
         * exp(-absorption * hop_path(n, cell.z) * straight_way(n, a));
     let gone = scattered(n, cell, rho, a);
     a = gone.a;
     let left = power * (1.0 - gone.leaving);
+    // What the eye sees of it, what joins the residuum, and what is sent on.
     if (rho > 0.0) {
         gathered[slot] += vec4f(seen_light(n, cell, rho, left, a, straight_way(n, a)), 0.0);
     }
@@ -111,6 +126,7 @@ fn hop(n: u32, index: u32) {
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
 ) {
+    // Where there are more cells than invocations, each goes through several.
     let count = listed[0];
     var k = id.x;
     if (k >= count) {
@@ -118,7 +134,7 @@ fn hop(n: u32, index: u32) {
     }
     loop {
         let entry = listed[1u + k];
-        hop(entry / hops.capacity, entry % hops.capacity);
+        step_cell(entry / hops.capacity, entry % hops.capacity);
         k += WX * groups.x;
         if (k >= count) {
             break;

@@ -1,112 +1,83 @@
-"""Hops through all grids of a medium's lights, and what they leave in the medium's own cells."""
+"""Propagation through all grids of a medium's lights, and its result on the medium's own cells."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 from ...errors import DeviceError
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
 from ...gpu.memory import Buffer
-from ...maths.ordinates import Ordinates
 from ...maths.transforms import F64
-from ..light.ordinates import Lamp, OrdinateTable
-from ..medium.density import Density
-from ..medium.placement import MediumParams, MediumPlacement
+from ..light.incident import IncidentLight
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
+from ..settings import PopSettings
 from ..virtual.grids import VirtualGrids
-from .grids import HopGrids
+from .grids import GridLights, Grids
 from .merge import Merge
 from .propagate import Propagate, chain_bytes
 
 
-class Hopping:
-    """Grids of lights that are rows of an `OrdinateTable`; of virtual lights, too."""
+class GridPropagation:
+    """Grids of lights that are rows of an `OrdinateTable`, virtual point lights among them."""
 
     def __init__(
         self,
-        gpu: Gpu,
-        placement: MediumPlacement,
-        side: int,
+        medium: GridMedium,
+        settings: PopSettings,
         most: int,
         *,
         is_paper: bool = False,
+        is_added: bool = False,
         merged: Buffer | None = None,
     ) -> None:
-        """At most `most` grids of about `side`^3 cells. `merged`: where it goes, if not its own."""
-        self.is_paper = is_paper
-        _require_room(gpu, side, most)
-        self.grids = HopGrids(gpu, placement, side, most)
-        self.chain = Propagate(gpu, self.grids.capacity, most)
-        self.merge = Merge(gpu, placement, merged)
-        self._virtual = VirtualGrids(gpu)
-        self._prefilter = True
+        """For at most `most` grids.
 
-    def write(
-        self,
-        ordinates: Ordinates,
-        lamps: Sequence[Lamp],
-        placement: MediumPlacement,
-        *,
-        prefilter: bool,
-        scale: float,
-        virtual: int = 0,
-        first_row: int = 0,
-    ) -> None:
-        """Place the grids; see `HopGrids.write`."""
-        self._prefilter = prefilter
-        self.grids.write(
-            ordinates,
-            lamps,
-            placement,
-            prefilter=prefilter,
-            scale=scale,
-            virtual=virtual,
-            first_row=first_row,
-        )
+        `is_added`: the residuum is added to the deposits of beams. `merged`: the buffer of another
+        pass for the merged light, if any. Raises DeviceError where the device has not enough room.
+        """
+        _require_room(medium.gpu, settings.grid, most)
+        self.iterations, self._is_added = settings.iterations, is_added
+        self.grids = Grids(medium, settings, most, is_paper=is_paper)
+        self.propagate = Propagate(medium.gpu, self.grids, most)
+        self.merge = Merge(medium, self.grids, merged)
+        self._virtual = VirtualGrids(medium.gpu)
 
-    def encode_grids(
-        self, commands: Commands, params: MediumParams, ordinates: Buffer, density: Density
-    ) -> None:
-        """Place those of virtual lights, and fill all with air."""
-        hops = self.grids.params((0.0, 0.0, 0.0), is_paper=self.is_paper)
+    def write(self, lights: GridLights) -> None:
+        """Place the grids; see `Grids.write`."""
+        self.grids.write(lights)
+
+    def encode_grids(self, commands: Commands, params: MediumParams, ordinates: Buffer) -> None:
+        """Place the grids of virtual point lights, and fill all with the medium."""
         if self.grids.virtual:
-            self._virtual.encode(
-                commands, params, hops, self.grids, ordinates, prefilter=self._prefilter
-            )
-        self.grids.encode(commands, params, hops, density)
+            self._virtual.encode(commands, params, self.grids, ordinates)
+        self.grids.encode(commands, params)
 
     def encode(
         self,
         commands: Commands,
         params: MediumParams,
-        table: OrdinateTable,
-        passed: Buffer,
-        density: Density,
-        deposits: Buffer,
+        light: IncidentLight,
         eye: F64,
-        iterations: int,
-        *,
-        is_added: bool = False,
+        deposits: Buffer,
     ) -> None:
-        """Hop; fill `merge.merged` for an eye (3,), m in the medium's frame, and `deposits`."""
-        hops = self.grids.params(eye, is_paper=self.is_paper, is_added=is_added)
+        """Fill `merge.merged` for an eye (3,), m in the frame of the medium, and `deposits`."""
+        # Light that scatters once in every cell of every grid.
         with commands.stage("pop initialisation"):
-            self.chain.encode_begin(
-                commands, params, self.grids, table.rows, passed, eye, is_paper=self.is_paper
-            )
+            self.propagate.encode_begin(commands, params, light, eye)
+        # From cell to cell; what the eye sees of it is gathered on the way.
         with commands.stage("pop propagation"):
-            self.chain.encode(commands, params, self.grids, eye, iterations, is_paper=self.is_paper)
+            self.propagate.encode(commands, params, eye, self.iterations)
+        # All grids on the cells of the medium.
         with commands.stage("pop merge"):
-            self.merge.encode(
-                commands, params, hops, self.grids, self.chain.gathered, density.cells, deposits
-            )
+            hops = self.grids.params(eye, is_added=self._is_added)
+            self.merge.encode(commands, params, hops, self.propagate.gathered, deposits)
 
 
 def _require_room(gpu: Gpu, side: int, most: int) -> None:
     needed, limit = chain_bytes(side, most), gpu.limits["max-storage-buffer-binding-size"]
     if needed > limit:
         raise DeviceError(
-            f"hops in {most} grids of {side}^3 cells need {needed >> 20} MB in one piece, "
+            f"{most} grids of {side}^3 cells need {needed >> 20} MB in one piece, "
             f"{gpu.info.name} has {limit >> 20}",
             remedy="Take fewer ordinates or virtual_lights, or a smaller grid",
         )

@@ -1,18 +1,19 @@
+// The residuum around a local light, whose cells are smaller than the medium's where it matters,
+// added to the medium's cells in fixed point.
 //! use hop_grid
 
-// The residuum around lamps, whose cells are smaller than the medium's where it matters, added to
-// the medium's cells in fixed point.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = hops.first_lamp + id.y;
     if (n >= hops.grids || id.x >= hop_cells(n) || grids[n].is_radial == 0u) {
         return;
     }
-    // Light that left the medium on its way is lost.
-    let is_air = hop_rho[n * hops.capacity + id.x] > 0.0;
-    let power = select(0.0, 1.0, is_air) * gathered[3u * (n * hops.capacity + id.x) + 1u].xyz * grids[0].fixed_scale;
+    // Light that left the medium is lost.
+    let is_inside = hop_rho[n * hops.capacity + id.x] > 0.0;
+    let power = select(0.0, 1.0, is_inside) * gathered[3u * (n * hops.capacity + id.x) + 1u].xyz * grids[0].fixed_scale;
     if (all(power <= vec3f(0.0))) {
         return;
     }
+    // Eight cells share it, trilinear.
     let point = hop_point(n, vec3f(hop_cell(n, id.x)) + 0.5);
     let top = vec3f(params.count) - 1.0;
     let at = clamp(point / params.cell - 0.5, vec3f(0.0), top);

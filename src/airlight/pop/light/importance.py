@@ -1,7 +1,7 @@
-"""What a view sees of the light around a medium, as a map; see `maths.view_importance`.
+"""Importance of the light around a medium for one view, as a map; see `maths.view_importance`.
 
-On the host, where volumes are known: from a dozen cells a side, made again where the medium
-changed, and 30 ms of hops and sums for a new view. Nothing is read back.
+The host computes it, where volumes are known: on about twelve cells a side, anew where the medium
+changed, and in 30 ms of propagation and sums for a new view. Nothing is read back.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from ...scene.volume import Volume
 from ..medium.placement import SPHERE_SIDE, MediumPlacement, shape_density
 
 WAYS = ("none", "view")
-"""Whether ordinates are drawn to what the camera sees."""
+"""Values of the setting: whether ordinates are chosen for what the camera sees."""
 _SIDE = 12  # cells along a side of a cube-shaped medium
 _AVERAGED = 24  # cells along each axis that voxels are averaged to before
 _SHAPE = (ROWS, 2 * ROWS)
@@ -37,13 +37,13 @@ _SHAPE = (ROWS, 2 * ROWS)
 
 @dataclass(frozen=True)
 class Look:
-    """A camera and its picture's width over its height."""
+    """A camera, and the width of its image over the height."""
 
     camera: Camera
     aspect: float
 
     def frustum(self, placement: MediumPlacement) -> Frustum:
-        """In a medium's frame."""
+        """The view frustum in the frame of a medium."""
         c = self.camera
         forward = np.subtract(c.target, c.position)
         right = np.cross(forward, c.up)
@@ -55,64 +55,69 @@ class Look:
 
 
 class ViewImportance:
-    """Importance of one medium's sky."""
+    """Importance of the sky of one medium, cached by medium and view."""
 
     def __init__(self) -> None:
         self._key: tuple[Any, ...] = ()
         self._view_key: tuple[Any, ...] = ()
-        self._seen = np.ones(_SHAPE)
+        self._map = np.ones(_SHAPE)
         self._volume: Volume | None = None
-        self._air: MediumGrid | None = None
+        self._medium: MediumGrid | None = None
         self._out: WayOut | None = None
 
     def of(
         self, volume: Volume, placement: MediumPlacement, look: Look, rotation_deg: float
     ) -> F64:
-        """(16, 32), mean 1, by direction towards an environment turned by `rotation_deg`.
+        """(16, 32), mean 1, by direction towards an environment rotated by `rotation_deg`.
 
-        1 everywhere where the medium is not in the picture. The same array for the same view.
+        It is 1 everywhere where the camera does not see the medium. The array is the same object
+        for the same view.
         """
-        air, out = self._of_medium(volume, placement)
+        medium, out = self._of_medium(volume, placement)
         view_key = (*self._key, look, rotation_deg, placement.world_from_medium.tobytes())
         if view_key != self._view_key:
             self._view_key = view_key
-            self._seen = _seen(air, out, placement, look, rotation_deg)
-        return self._seen
+            self._map = _importance(medium, out, placement, look, rotation_deg)
+        return self._map
 
     def _of_medium(self, volume: Volume, placement: MediumPlacement) -> tuple[MediumGrid, WayOut]:
-        """Known again while the volume and its box are the same."""
+        """The coarse medium, and how light leaves it; cached while volume and box stay the same."""
         matrices = (placement.unit_from_medium.tobytes(), placement.extent.tobytes())
         key = (id(volume.density), volume.sigma_t, volume.albedo, volume.g, *matrices)
-        if self._air is None or self._out is None or key != self._key:
+        if self._medium is None or self._out is None or key != self._key:
             self._key, self._volume = key, volume
-            self._air = coarse_air(volume, placement)
+            self._medium = coarse_medium(volume, placement)
             towards = latlong_texel_directions(*_SHAPE).reshape(-1, 3)
-            self._out = way_out(self._air, towards)
-        return self._air, self._out
+            self._out = way_out(self._medium, towards)
+        return self._medium, self._out
 
 
-def coarse_air(volume: Volume, placement: MediumPlacement) -> MediumGrid:
-    """One channel, the mean of three, on about a dozen cells a side of the medium's box."""
+def coarse_medium(volume: Volume, placement: MediumPlacement) -> MediumGrid:
+    """The mean of three channels, on about twelve cells a side of the medium's box."""
     voxels = box_averaged(shape_density(volume, SPHERE_SIDE), (_AVERAGED,) * 3)
+    # Cells that are nearly cubes, with coefficients at density 1.
     extent = placement.extent
     side = float(np.cbrt(np.prod(extent))) / _SIDE
     x, y, z = np.clip(np.round(extent / side), 4, 3 * _SIDE).astype(int)
     one = np.ones((z, y, x))
     mean = [np.array([float(np.mean(v))]) for v in (volume.sigma_t, volume.albedo, volume.g)]
     cells = MediumGrid(extent, one, one, *mean)
+    # Their densities, 0 outside the volume.
     unit = cells.centres @ placement.unit_from_medium[:3, :3].T + placement.unit_from_medium[:3, 3]
     inside = np.all((unit >= 0.0) & (unit <= 1.0), axis=-1)
     density = np.where(inside, trilinear(voxels, unit * _AVERAGED), 0.0)
     return MediumGrid(extent, density, density, *mean)
 
 
-def _seen(
-    air: MediumGrid, out: WayOut, placement: MediumPlacement, look: Look, rotation_deg: float
+def _importance(
+    medium: MediumGrid, out: WayOut, placement: MediumPlacement, look: Look, rotation_deg: float
 ) -> F64:
-    grid = view_grid(look.frustum(placement), air.extent)
+    """Importance by direction towards the rotated environment."""
+    grid = view_grid(look.frustum(placement), medium.extent)
     if grid is None:
         return np.ones(_SHAPE)
-    seen = importance_map(scattered_importance(grid, air), out, air, _SHAPE)
+    # Importance from the eye, scattered in the medium, that leaves it in each direction.
+    seen = importance_map(scattered_importance(grid, medium), out, medium, _SHAPE)
     angle = np.radians(rotation_deg)
     c, s = np.cos(angle), np.sin(angle)
     about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

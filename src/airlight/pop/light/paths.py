@@ -1,55 +1,53 @@
-"""The density that every ordinate's light has passed on reaching every cell.
+"""The density between every cell and each ordinate.
 
-One dispatch over cells and ordinates, a march each. Elek2014 section 4.1 sweeps a grid turned
-along each ordinate; differs: see `maths.delta_beam`.
+One dispatch over cells and ordinates marches each path. Elek2014 section 4.1 sweeps a grid that is
+aligned with the ordinate; differs: see `maths.delta_beam`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, u32
-from ...gpu.memory import Buffer, Texture
+from ...gpu.memory import Buffer
 from ...gpu.slots import sampler, storage, texture, uniform
-from ..medium.density import Density
-from ..medium.mixture import Mix, fine_bound, fine_slots, fine_wgsl
-from ..medium.placement import MediumParams, MediumPlacement
-from .ordinates import OrdinateData
+from ..medium.grid_medium import GridMedium
+from ..medium.mixture import Mixture, fine_bound, fine_slots, fine_wgsl
+from ..medium.placement import MediumParams
+from .table import OrdinateData, OrdinateTable
 
 
-class WayParams(Struct):
-    """How far other media count."""
+class OtherPathParams(Struct):
+    """Where other media attenuate."""
 
-    is_closed = u32("1: in the medium's own box alone")
+    is_closed = u32("1: in the medium's own box only")
 
 
 class _Others(ComputePass):
     workgroup = (64, 1, 1)
     file = "paths_others.wgsl"
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
+    def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
-            uniform("ways", WayParams),
+            uniform("others", OtherPathParams),
             storage("ordinates", OrdinateData),
-            *mix.cell_slots,
+            *mixture.cell_slots,
             storage("reach", "u32"),
-            *fine_slots(mix.media - 1),
+            *fine_slots(mixture.media - 1),
             sampler("linear_clamp"),
             storage("passed", "f32", "read_write"),
         )
-        super().__init__(gpu, generated=fine_wgsl(mix.media - 1))
+        super().__init__(gpu, generated=fine_wgsl(mixture.media - 1))
 
 
 class Paths(ComputePass):
     """Fills `passed`, f32 [2 * media][ordinate][z][y][x].
 
-    First m of density 1, see `maths.voxels.density_behind`; then the share of light that surfaces
-    let through: 1, until `Visibility` says otherwise; then the others'
-    m of density 1, in the medium's box and beyond it.
+    First the medium's own column density, m at density 1, see `maths.voxels.density_behind`; then
+    the share of light that surfaces let through: 1 until `Visibility` overwrites it; then the
+    column densities of each other medium, in the medium's own box and beyond it.
     """
 
     slots = (
@@ -62,45 +60,34 @@ class Paths(ComputePass):
     )
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, capacity: int, mix: Mix) -> None:
+    def __init__(self, medium: GridMedium, mixture: Mixture, capacity: int) -> None:
         """For up to `capacity` ordinates."""
-        super().__init__(gpu)
-        self._cells, self._mix = placement.cells, mix
-        self._others = None if mix.is_alone else _Others(gpu, mix)
-        self.passed = Buffer(gpu, "density passed", 8 * mix.media * capacity * placement.cells)
+        super().__init__(medium.gpu)
+        self._medium, self._mixture = medium, mixture
+        self._others = None if mixture.is_alone else _Others(medium.gpu, mixture)
+        nbytes = 8 * mixture.media * capacity * medium.cells
+        self.passed = Buffer(medium.gpu, "density passed", nbytes)
 
     def encode(
-        self,
-        commands: Commands,
-        params: MediumParams,
-        ordinates: Buffer,
-        count: int,
-        density: Density,
-        others: Sequence[Texture] = (),
-        *,
-        is_closed: bool = False,
+        self, commands: Commands, params: MediumParams, table: OrdinateTable, *, is_closed: bool
     ) -> None:
-        """March towards the first `count` ordinates; past `others` (their `Density.fine`)."""
-        self.dispatch(
-            commands,
-            (self._cells, max(1, count)),
-            params=params,
-            ordinates=ordinates,
-            reach=density.reach,
-            fine=density.fine,
-            linear_clamp=density.linear,
-            passed=self.passed,
-        )
+        """March to every ordinate; past other media beyond the box if not `is_closed`."""
+        density = self._medium.density
+        extent = (self._medium.cells, max(1, table.count))
+        shared = {
+            "params": params,
+            "ordinates": table.rows,
+            "reach": density.reach,
+            "linear_clamp": density.linear,
+            "passed": self.passed,
+        }
+        self.dispatch(commands, extent, **shared, fine=density.fine)
         if self._others is not None:
             self._others.dispatch(
                 commands,
-                (self._cells, max(1, count)),
-                params=params,
-                ways=WayParams(is_closed=int(is_closed)),
-                ordinates=ordinates,
-                **self._mix.cell_bound,
-                reach=density.reach,
-                **fine_bound(others),
-                linear_clamp=density.linear,
-                passed=self.passed,
+                extent,
+                **shared,
+                others=OtherPathParams(is_closed=int(is_closed)),
+                **self._mixture.cell_bound,
+                **fine_bound(self._medium.fine_others),
             )

@@ -1,3 +1,4 @@
+// The column density between a cell and an ordinate inside the medium's box, by the midpoint rule.
 //! use ordinate_light
 //! use medium
 
@@ -5,16 +6,19 @@
     if (id.x >= params.cells || id.y >= params.ordinate_count) {
         return;
     }
+    // No surface is known of yet, and cells out of reach need no light.
     passed[(params.ordinate_count + id.y) * params.cells + id.x] = 1.0;
     if (reach[id.x] == 0u) {
         passed[id.y * params.cells + id.x] = 0.0;
         return;
     }
+    // Back along the light to where it enters the box, or to a local light inside.
     let point = cell_centre(cell_of(id.x));
     let light = ordinate_light(id.y, point);
     let back = -light.travel;
     let inside = max(0.0, ray_box_interval(point, back, vec3f(0.0), params.extent).y);
     let length = min(inside, light.distance);
+    // Steps of at most the shortest side of a cell.
     let longest = min(params.cell.x, min(params.cell.y, params.cell.z));
     let steps = max(1.0, ceil(length / longest));
     let dt = length / steps;

@@ -1,4 +1,4 @@
-"""What makes the sky's single scattering exact, as a map on the device; see `maths.sky_phase`."""
+"""Factors that make single scattering of the sky exact in clear media; see `maths.sky_phase`."""
 
 from __future__ import annotations
 
@@ -18,22 +18,24 @@ from ..medium.placement import MediumPlacement
 
 @dataclass(frozen=True, eq=False)
 class SkyLight:
-    """A map (H, W, 3), W m^-2 sr^-1, its ordinates, and how far both are turned about +Y."""
+    """A map (H, W, 3), W m^-2 sr^-1, its ordinates, and the rotation of both about +Y."""
 
     radiance: F64
     ordinates: Ordinates
     rotation_deg: float = 0.0
 
 
-class SkyGain:
-    """`texture`, latitude and longitude: factors of the sky's beams; 1 until told otherwise."""
+class SkyCorrection:
+    """`texture`: factors of the beams of the sky by latitude and longitude of the direction to the
+    eye; 1 until `write`. `sky_from_medium` (4, 4) rotates directions into its frame.
+    """
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self.texture = self._made(np.ones((1, 1, 3)))
         self.sampler = Sampler(
             gpu,
-            "sky gain",
+            "sky correction",
             mag_filter="linear",
             min_filter="linear",
             address_mode_u="repeat",
@@ -51,9 +53,10 @@ class SkyGain:
         *,
         prefilter: bool,
     ) -> None:
-        """Take a sky; none leaves everything as it is."""
+        """Take a sky; None leaves everything as it is."""
         if sky is None:
             return
+        # The rotation of the map, which alone changes while an environment rotates.
         angle = np.radians(sky.rotation_deg)
         c, s = np.cos(angle), np.sin(angle)
         map_from_world = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
@@ -65,16 +68,17 @@ class SkyGain:
         ):
             return
         self._key = key
+        # Exact single scattering of the map over that of its ordinates.
         table = beam_phase_table(np.asarray(g), sky.ordinates.mean_cosine, prefilter=prefilter)
-        gain = sky_gain(self._convolved(sky.radiance, g), sky.ordinates, table)
-        if self.texture.size[:2] != (gain.shape[1], gain.shape[0]):
+        factors = sky_gain(self._convolved(sky.radiance, g), sky.ordinates, table)
+        if self.texture.size[:2] != (factors.shape[1], factors.shape[0]):
             self.texture.release()
-            self.texture = self._made(gain)
+            self.texture = self._made(factors)
         else:
-            self.texture.write(_rgba(gain))
+            self.texture.write(_rgba(factors))
 
     def _convolved(self, radiance: F64, g: tuple[float, ...]) -> F64:
-        """Of the map: the same for every choice of ordinates."""
+        """The map convolved with the phase function: the same for every choice of ordinates."""
         known = self._exact
         if known is None or known[0] is not radiance or known[1] != g:
             repeats = -(-ROWS // len(radiance))
@@ -82,13 +86,14 @@ class SkyGain:
             known = self._exact = radiance, g, convolved(wide, g)
         return known[2]
 
-    def _made(self, gain: F64) -> Texture:
-        made = Texture(self._gpu, "sky gain", (gain.shape[1], gain.shape[0]), "rgba16float")
-        made.write(_rgba(gain))
+    def _made(self, factors: F64) -> Texture:
+        size = (factors.shape[1], factors.shape[0])
+        made = Texture(self._gpu, "sky correction", size, "rgba16float")
+        made.write(_rgba(factors))
         return made
 
 
-def _rgba(gain: F64) -> Any:
-    texels = np.ones((*gain.shape[:2], 4), np.float16)
-    texels[..., :3] = gain
+def _rgba(factors: F64) -> Any:
+    texels = np.ones((*factors.shape[:2], 4), np.float16)
+    texels[..., :3] = factors
     return texels

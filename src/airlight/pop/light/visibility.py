@@ -1,7 +1,7 @@
-"""Surfaces shade the medium: how much of every ordinate's light reaches every cell past them.
+"""Shadows of surfaces in a medium: the share of each ordinate that reaches every cell past them.
 
-Suns and lamps by their shadow maps. An ordinate of the sky by the depth maps of those of the sky's
-directional lights that lie in its part of the sphere. Elek2014 section 6.
+Directional and local lights ask their shadow maps. An ordinate of the sky asks the depth maps of
+those of the sky's directional lights that lie in its part of the sphere. Elek2014 section 6.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f, u32
 from ...gpu.memory import Buffer
 from ...gpu.slots import sampler, storage, texture, uniform
@@ -28,40 +27,44 @@ from ...scene.lights import DirectionalLight, Light
 from ...surface.geometry import GpuScene
 from ...surface.light_table import LightData
 from ...surface.light_views import LightViewData
-from ..medium.placement import MediumParams, MediumPlacement
-from ..virtual.lights import Reflected
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
+from ..virtual.reflected import ReflectedLights
 
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """What shades media: the maps of a technique for surfaces, solved before the media are."""
+    """The surfaces around media: their shadow maps, and what they reflect.
+
+    `reflected`: where virtual point lights are sampled from; `blockers`: cells between media.
+    """
 
     meshes: GpuScene
     lights: Lights
     sky: Sky
-    reflected: Reflected | None = None
-    blockers: Blockers | None = None  # what stands between media
+    reflected: ReflectedLights | None = None
+    blockers: Blockers | None = None
 
     @property
     def version(self) -> tuple[int, ...]:
-        """Another one whenever a map was drawn anew."""
+        """Another one whenever a map was redrawn."""
         own = self.meshes.version, self.lights.parallel.version, self.lights.local.version
         return own if self.reflected is None else (*own, self.reflected.version)
 
     @property
     def virtual_lights(self) -> int:
-        """How many there are, the last of a medium's ordinates."""
+        """How many virtual point lights there are among the ordinates of a medium."""
         return 0 if self.reflected is None else self.reflected.count
 
 
-class SightParams(Struct):
+class VisibilityParams(Struct):
     """Where the medium is."""
 
     world_from_medium = mat4x4f()
 
 
-class SightData(Struct):
-    """By which maps an ordinate is seen."""
+class ShadowsData(Struct):
+    """The shadow maps of one ordinate."""
 
     light = u32("its number in the scene from 1; 0 for the sky's")
     first = u32("of its sky views")
@@ -70,19 +73,19 @@ class SightData(Struct):
 
 
 class SkyViewData(Struct):
-    """A directional light of the sky."""
+    """A directional light of the sky, as part of an ordinate."""
 
     layer = u32()
     weight = f32("share of its ordinate's light")
 
 
 class Visibility(ComputePass):
-    """Fills the second half of `Paths.passed`: shares of light, 0..1."""
+    """Fills the second part of `Paths.passed`: shares of light, 0..1."""
 
     slots = (
         uniform("params", MediumParams),
-        uniform("sight", SightParams),
-        storage("sights", SightData),
+        uniform("placement", VisibilityParams),
+        storage("shadows", ShadowsData),
         storage("sky_shares", SkyViewData),
         storage("reach", "u32"),
         storage("lights", LightData),
@@ -97,50 +100,48 @@ class Visibility(ComputePass):
     )
     workgroup = (64, 1, 1)
 
-    def __init__(self, gpu: Gpu, capacity: int) -> None:
-        """For up to `capacity` ordinates."""
-        super().__init__(gpu)
-        self._gpu = gpu
-        self._sights = Buffer(gpu, "sights", SightData.dtype.itemsize * capacity)
-        self._shares = Buffer(gpu, "sky shares", SkyViewData.dtype.itemsize)
+    def __init__(self, medium: GridMedium, capacity: int) -> None:
+        """For up to `capacity` ordinates of `medium`."""
+        super().__init__(medium.gpu)
+        self._medium = medium
+        self._shadows = Buffer(medium.gpu, "shadows", ShadowsData.dtype.itemsize * capacity)
+        self._shares = Buffer(medium.gpu, "sky shares", SkyViewData.dtype.itemsize)
         self._unshaded = 0
 
     def write(
         self, ordinates: Ordinates, lights: tuple[Light, ...], sky: Sky, unshaded: int = 0
     ) -> None:
-        """Take the light; `ordinates` without the scene's lamps, suns first. Nothing shades
-        `unshaded` more of them.
+        """Take the light of a frame; nothing shades the `unshaded` ordinates after it.
+
+        `ordinates`: without local lights, those of directional lights first.
         """
-        rows, shares = sights(ordinates, lights, sky.lights if sky.maps.layers else [])
+        rows, shares = shadow_rows(ordinates, lights, sky.lights if sky.maps.layers else [])
         rows = np.concatenate([rows, np.zeros(unshaded, rows.dtype)])
         self._unshaded = unshaded
-        self._sights.write(rows)
+        self._shadows.write(rows)
         if shares.nbytes > self._shares.nbytes:
             self._shares.release()
-            self._shares = Buffer(self._gpu, "sky shares", shares.nbytes)
+            self._shares = Buffer(self._medium.gpu, "sky shares", shares.nbytes)
         self._shares.write(shares)
 
     def encode(
         self,
         commands: Commands,
         params: MediumParams,
-        placement: MediumPlacement,
         count: int,
         surfaces: Surfaces,
-        *,
-        reach: Buffer,
         passed: Buffer,
     ) -> None:
-        """For the first `count` ordinates but the unshaded, after their paths were marched."""
+        """Fill shares of the first `count` ordinates but the unshaded, after their paths."""
         lights, maps = surfaces.lights, surfaces.sky.maps
         self.dispatch(
             commands,
-            (placement.cells, max(1, count - self._unshaded)),
+            (self._medium.cells, max(1, count - self._unshaded)),
             params=params,
-            sight=SightParams(world_from_medium=placement.world_from_medium),
-            sights=self._sights,
+            placement=VisibilityParams(world_from_medium=self._medium.placement.world_from_medium),
+            shadows=self._shadows,
             sky_shares=self._shares,
-            reach=reach,
+            reach=self._medium.density.reach,
             lights=lights.table,
             parallel_views=lights.parallel.views,
             local_views=lights.local.views,
@@ -153,27 +154,29 @@ class Visibility(ComputePass):
         )
 
 
-def sights(
+def shadow_rows(
     ordinates: Ordinates, lights: tuple[Light, ...], sky: Sequence[DirectionalLight]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """`SightData` of the ordinates, then of the lamps; and the sky's shares in their order.
+    """`ShadowsData` of the ordinates, then of local lights; and the sky's shares in their order.
 
     Every light of the sky belongs to the nearest ordinate; an ordinate without one takes the
     nearest.
     """
-    suns = [i for i, light in enumerate(lights) if isinstance(light, DirectionalLight)]
-    lamps = [i for i, light in enumerate(lights) if not isinstance(light, DirectionalLight)]
-    of_sky = ordinates.direction[len(suns) :]
-    rows = np.zeros(max(1, ordinates.count + len(lamps)), SightData.dtype)
-    rows["light"][: len(suns)] = np.array(suns, np.uint32) + 1
-    rows["light"][ordinates.count : ordinates.count + len(lamps)] = np.array(lamps, np.uint32) + 1
+    # Directional and local lights have shadow maps of their own.
+    distant = [i for i, light in enumerate(lights) if isinstance(light, DirectionalLight)]
+    local = [i for i, light in enumerate(lights) if not isinstance(light, DirectionalLight)]
+    of_sky = ordinates.direction[len(distant) :]
+    rows = np.zeros(max(1, ordinates.count + len(local)), ShadowsData.dtype)
+    rows["light"][: len(distant)] = np.array(distant, np.uint32) + 1
+    rows["light"][ordinates.count : ordinates.count + len(local)] = np.array(local, np.uint32) + 1
     if not sky or not len(of_sky):
         return rows, np.zeros(1, SkyViewData.dtype)
+    # Ordinates of the sky share those of its lights.
     directions = np.array([light.direction for light in sky])
     weights = np.array([light.irradiance for light in sky]).sum(axis=1)
     owner, layer, weight = _shared(of_sky, directions, weights)
     counts = np.bincount(owner, minlength=len(of_sky))
-    part = rows[len(suns) : ordinates.count]
+    part = rows[len(distant) : ordinates.count]
     part["count"] = counts
     part["first"] = np.cumsum(counts) - counts
     shares = np.zeros(len(layer), SkyViewData.dtype)
@@ -185,7 +188,7 @@ def sights(
 def _shared(
     of_sky: F64, directions: F64, weights: F64
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], F64]:
-    """(owner, layer, weight) of every share, by owner."""
+    """(owner, layer, weight) of every share, sorted by owner."""
     cosine = of_sky @ directions.T
     owner = np.argmax(cosine, axis=0)
     lonely = np.setdiff1d(np.arange(len(of_sky)), owner)

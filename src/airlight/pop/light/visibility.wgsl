@@ -1,14 +1,15 @@
+// The share of an ordinate's light that surfaces let through to a cell: the mean of four samples.
 //! use medium_grid
 //! use lights
 //! use shadow
 
-// Places in a cell where visibility is asked, in cells from its centre.
-const PLACES = array<vec3f, 4>(
+// Offsets of the samples from the cell's centre, in cells: corners of a tetrahedron.
+const OFFSETS = array<vec3f, 4>(
     vec3f(0.25, 0.25, 0.25), vec3f(-0.25, -0.25, 0.25), vec3f(-0.25, 0.25, -0.25),
     vec3f(0.25, -0.25, -0.25),
 );
 
-fn light_share(light: LightData, p: vec3f) -> f32 {
+fn light_visibility(light: LightData, p: vec3f) -> f32 {
     let in = incoming(light, p);
     let view = view_of(light, in.to_light);
     if (light.kind == LIGHT_DIRECTIONAL) {
@@ -19,9 +20,10 @@ fn light_share(light: LightData, p: vec3f) -> f32 {
         in.to_light, in.distance);
 }
 
-fn sky_lit(layer: u32, p: vec3f) -> f32 {
+fn sky_visibility(layer: u32, p: vec3f) -> f32 {
     let clip = sky_views[layer].clip_from_world * vec4f(p, 1.0);
     let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    // Nothing shades a point beside the map or beyond it.
     if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || clip.z >= 1.0) {
         return 1.0;
     }
@@ -32,21 +34,23 @@ fn sky_lit(layer: u32, p: vec3f) -> f32 {
     if (id.x >= params.cells || id.y >= params.ordinate_count || reach[id.x] == 0u) {
         return;
     }
-    let s = sights[id.y];
+    let s = shadows[id.y];
     if (s.light == 0u && s.count == 0u) {
         return;
     }
     var share = 0.0;
     for (var k = 0u; k < 4u; k++) {
-        let local = (vec3f(cell_of(id.x)) + 0.5 + PLACES[k]) * params.cell;
-        let p = (sight.world_from_medium * vec4f(local, 1.0)).xyz;
+        let local = (vec3f(cell_of(id.x)) + 0.5 + OFFSETS[k]) * params.cell;
+        let p = (placement.world_from_medium * vec4f(local, 1.0)).xyz;
+        // A light of the scene has a map, or a cube of them.
         if (s.light != 0u) {
-            share += light_share(lights[s.light - 1u], p);
+            share += light_visibility(lights[s.light - 1u], p);
             continue;
         }
+        // An ordinate of the sky is made of several of its lights.
         for (var i = 0u; i < s.count; i++) {
-            let seen = sky_shares[s.first + i];
-            share += seen.weight * sky_lit(seen.layer, p);
+            let part = sky_shares[s.first + i];
+            share += part.weight * sky_visibility(part.layer, p);
         }
     }
     passed[(params.ordinate_count + id.y) * params.cells + id.x] = 0.25 * share;

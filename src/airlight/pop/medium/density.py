@@ -1,7 +1,7 @@
-"""A volume's voxels averaged into the cells of its medium's grid, and into half of them.
+"""The density of a medium in its cells: means of a volume's voxels, trilinear between them.
 
-Samples are spread evenly in a cell, at least one per voxel and axis up to 16: trilinear between
-voxels, 0 outside the volume.
+Samples are spread evenly in a fine cell, one to 16 per axis and at least one per voxel in that
+range; the density is 0 outside the volume. A cell is the mean of its eight fine cells.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...gpu.memory import Buffer, Texture, linear_sampler
 from ...gpu.slots import image, sampler, storage, texture, uniform
 from ...maths.half import half_floats
 from ...scene.volume import Volume
-from .mixture import Mix, fine_bound, fine_slots, fine_wgsl
+from .mixture import Mixture, fine_bound, fine_slots, fine_wgsl
 from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, shape_density
 
 
@@ -30,14 +30,29 @@ class _Fine(ComputePass):
     file = "density_fine.wgsl"
 
 
-class _Coarse(ComputePass):
+class _Cells(ComputePass):
     slots = (
         uniform("params", MediumParams),
         texture("fine", "3d"),
         storage("density", "f32", "read_write"),
     )
     workgroup = (256, 1, 1)
-    file = "density_coarse.wgsl"
+    file = "density_cells.wgsl"
+
+
+class _Others(ComputePass):
+    workgroup = (64, 1, 1)
+    file = "density_others.wgsl"
+
+    def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", MediumParams),
+            *mixture.cell_slots,
+            *fine_slots(mixture.media - 1),
+            sampler("linear_clamp"),
+            storage("density", "f32", "read_write"),
+        )
+        super().__init__(gpu, generated=fine_wgsl(mixture.media - 1))
 
 
 class _Reach(ComputePass):
@@ -49,78 +64,64 @@ class _Reach(ComputePass):
     workgroup = (64, 1, 1)
     file = "density_reach.wgsl"
 
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
-        super().__init__(gpu, generated=f"const MEDIA = {mix.media}u;\n")
-
-
-class _Others(ComputePass):
-    workgroup = (64, 1, 1)
-    file = "density_others.wgsl"
-
-    def __init__(self, gpu: Gpu, mix: Mix) -> None:
-        self.slots = (  # type: ignore[misc]
-            uniform("params", MediumParams),
-            *mix.cell_slots,
-            *fine_slots(mix.media - 1),
-            sampler("linear_clamp"),
-            storage("density", "f32", "read_write"),
-        )
-        super().__init__(gpu, generated=fine_wgsl(mix.media - 1))
+    def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
+        super().__init__(gpu, generated=f"const MEDIA = {mixture.media}u;\n")
 
 
 class Density:
-    """`fine`: a filtered 3D texture, density in x. `cells`: means, f32 [medium][z][y][x], its own
-    first, then what other media there are.
+    """The density of all media on the grid of one.
 
-    `reach`, u32: 1 where a cell or one beside it holds any; the light of others is not asked for.
+    `fine`: a filterable 3D texture of the medium's own density, in x. `cells`: f32
+    [medium][z][y][x], means of its own density first, then of the other media. `reach`: u32, 1
+    where a cell or one beside it holds any medium; other cells need no light.
     """
 
-    def __init__(self, gpu: Gpu, placement: MediumPlacement, mix: Mix) -> None:
-        self.placement, self._mix = placement, mix
+    def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
+        self.placement, self._mixture = placement, mixture
         self.fine = Texture(
             gpu, "fine density", placement.fine_count, "rgba16float", dimension="3d", written=True
         )
-        self.cells = Buffer(gpu, "density", 4 * placement.cells * mix.media)
+        self.cells = Buffer(gpu, "density", 4 * placement.cells * mixture.media)
         self.reach = Buffer(gpu, "reach of the medium", 4 * placement.cells)
-        self._fine, self._coarse, self._reach = _Fine(gpu), _Coarse(gpu), _Reach(gpu, mix)
-        self._others = None if mix.is_alone else _Others(gpu, mix)
+        self._fine, self._cells, self._reach = _Fine(gpu), _Cells(gpu), _Reach(gpu, mixture)
+        self._others = None if mixture.is_alone else _Others(gpu, mixture)
         self.linear = linear_sampler(gpu)
 
     def encode(self, commands: Commands, params: MediumParams, voxels: Texture) -> None:
-        """Fill `fine` and the first of `cells` from `voxels`."""
+        """Fill `fine` and the medium's own part of `cells` from `voxels`."""
+        fine_count, cells = self.placement.fine_count, (self.placement.cells,)
         self._fine.dispatch(
             commands,
-            self.placement.fine_count,
+            fine_count,
             params=params,
             voxels=voxels,
             linear_clamp=self.linear,
             fine=self.fine,
         )
-        self._coarse.dispatch(
-            commands, (self.placement.cells,), params=params, fine=self.fine, density=self.cells
-        )
+        self._cells.dispatch(commands, cells, params=params, fine=self.fine, density=self.cells)
 
-    def encode_reach(
+    def encode_others(
         self, commands: Commands, params: MediumParams, others: Sequence[Texture]
     ) -> None:
-        """Then the rest, from the others' `fine`."""
+        """Fill the rest of `cells` from the `fine` densities of the `others`, then `reach`."""
+        cells = self.placement.cells
         if self._others is not None:
             self._others.dispatch(
                 commands,
-                (self.placement.cells, 1 + len(others)),
+                (cells, 1 + len(others)),
                 params=params,
-                **self._mix.cell_bound,
+                **self._mixture.cell_bound,
                 **fine_bound(others),
                 linear_clamp=self.linear,
                 density=self.cells,
             )
         self._reach.dispatch(
-            commands, (self.placement.cells,), params=params, density=self.cells, reach=self.reach
+            commands, (cells,), params=params, density=self.cells, reach=self.reach
         )
 
 
 def density_texture(gpu: Gpu, volume: Volume) -> Texture:
-    """A volume's voxels, filterable."""
+    """The voxels of a volume as a filterable 3D texture."""
     density = shape_density(volume, SPHERE_SIDE)
     depth, height, width = density.shape
     made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
@@ -129,5 +130,5 @@ def density_texture(gpu: Gpu, volume: Volume) -> Texture:
 
 
 def voxel_count(volume: Volume) -> tuple[int, ...]:
-    """Of a density grid; nothing of a shape."""
+    """The shape of a volume's density grid; () for a shape."""
     return () if volume.density is None else volume.density.shape

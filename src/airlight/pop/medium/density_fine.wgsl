@@ -1,4 +1,6 @@
-const FINE = 2.0;
+// The density of a fine cell: the mean of samples of the voxels, 0 outside the volume.
+
+const FINE = 2.0;   // fine cells per cell and axis (FINE in placement.py)
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= 2u * params.count)) {
@@ -8,6 +10,7 @@ const FINE = 2.0;
     let total = n.x * n.y * n.z;
     var sum = 0.0;
     for (var s = 0u; s < total; s++) {
+        // The sample's offset in the fine cell, then its coordinates in the volume.
         let inside = (vec3f(vec3u(s % n.x, (s / n.x) % n.y, s / (n.x * n.y))) + 0.5) / vec3f(n);
         let point = (vec3f(id) + inside) * params.cell / FINE;
         let uvw = (params.unit_from_medium * vec4f(point, 1.0)).xyz;

@@ -1,9 +1,10 @@
+// The mean densities of the other media in the cells of this medium.
 //! use medium_grid
 
-const SIDE = 4u;
+const SIDE = 4u;    // samples along each axis of a cell
 
-// Means of the other media's densities in the own medium's cells.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    // id.y is the medium; the first is this one, whose density is known.
     if (id.x >= params.cells || id.y == 0u || id.y >= MEDIA) {
         return;
     }

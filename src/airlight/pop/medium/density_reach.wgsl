@@ -1,7 +1,7 @@
+// Whether the cell or one beside it, across edges and corners too, holds any medium: trilinear
+// filtering of the emission reads no other cells.
 //! use medium_grid
 
-// Whether the cell or one beside it, also across edges and corners, holds any medium: what
-// filtering can reach from there.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells) {
         return;
@@ -9,6 +9,7 @@
     let cell = cell_of(id.x);
     let low = max(cell, vec3u(1u)) - 1u;
     let high = min(cell + 1u, params.count - 1u);
+    // The largest density of all media among the 27 cells.
     var most = 0.0;
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {

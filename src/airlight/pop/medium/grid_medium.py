@@ -1,4 +1,4 @@
-"""A volume on a grid of its own, and the media beside it: what every pass over it takes."""
+"""A volume on a grid of its own, and the media beside it: what every pass over its cells binds."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from ...gpu.device import Gpu
 from ...gpu.memory import Buffer, Texture
 from ...maths.half import half_floats
 from ...scene.volume import Volume
-from ..delta.diffuse import GROUP
 from .density import Density, density_texture, voxel_count
-from .mixture import Mix
+from .mixture import Mixture
 from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, PlacedVolume, shape_density
 
 
 @dataclass
-class Sent:
-    """Where the light lies that a medium sends to others: out of beams, and diffuse.
+class ScatteredLight:
+    """Light that a medium scatters, for the others: power that left beams, and diffuse light.
 
-    `scale`: radiance per stored unit.
+    `deposits` and `diffuse` as `delta.diffuse` has them; `scale`: radiance per stored unit.
     """
 
     deposits: Buffer
@@ -33,12 +32,12 @@ class Sent:
 class GridMedium:
     """A volume, its `density` in cells, and the `others`, whose number is fixed.
 
-    `mix`: all of them as it meets them. `params`: of the frame's ordinates. `sent`: once it has
-    beams.
+    `mixture`: the coefficients of all of them in its cells. `params`: for passes over the ordinates
+    of the frame. `scattered`: set by the scheme that solves it.
     """
 
     params: MediumParams
-    sent: Sent
+    scattered: ScatteredLight
 
     def __init__(
         self, gpu: Gpu, volume: Volume, resolution: int, *, voxels: Texture | None, others: int
@@ -47,43 +46,48 @@ class GridMedium:
         self.gpu, self._resolution = gpu, resolution
         self.placed = PlacedVolume.of(volume, resolution)
         self.others: tuple[GridMedium, ...] = ()
-        self.mix = Mix(gpu, self.placement.cells, others)
-        self.density = Density(gpu, self.placement, self.mix)
+        self.mixture = Mixture(gpu, self.placement.cells, others)
+        self.density = Density(gpu, self.placement, self.mixture)
         self._own_voxels = voxels is None
         self._voxels = density_texture(gpu, volume) if voxels is None else voxels
         self._key: tuple[Any, ...] = ()
 
     def meet(self, others: Sequence[GridMedium]) -> None:
-        """Know the other media from now on; none of them where it was made without room for any.
+        """Set the other media; none of them if this one was made for none.
 
-        (Light that hops knows of no other medium.)
+        (The schemes that propagate in grids know one medium only.)
         """
-        self.others = () if self.mix.is_alone else tuple(others)
+        self.others = () if self.mixture.is_alone else tuple(others)
 
     @property
     def volume(self) -> Volume:
-        """As it is now."""
+        """The volume of this frame."""
         return self.placed.volume
 
     @property
     def placement(self) -> MediumPlacement:
-        """Of its grid."""
+        """Where the grid is."""
         return self.placed.placement
 
     @property
+    def cells(self) -> int:
+        """How many cells there are."""
+        return self.placed.placement.cells
+
+    @property
     def fine_others(self) -> list[Texture]:
-        """The others' densities."""
+        """The fine densities of the others."""
         return [other.density.fine for other in self.others]
 
-    def write_mix(self, mix: Mix, *, is_white: bool = False) -> None:
-        """Tell `mix` where all are now."""
-        mix.write(self.placed, [other.placed for other in self.others], is_white=is_white)
+    def write_mixture(self, mixture: Mixture, *, is_white: bool = False) -> None:
+        """Upload this medium and the others to `mixture`; without absorption if `is_white`."""
+        mixture.write(self.placed, [other.placed for other in self.others], is_white=is_white)
 
     def params_of(
         self, ordinates: int, albedo: tuple[float, float, float] | None = None
     ) -> MediumParams:
-        """With another albedo, where one is given."""
-        fields = self.placed.fields(ordinates, GROUP)
+        """The parameters of passes over so many `ordinates`; with another `albedo`, if any."""
+        fields = self.placed.fields(ordinates)
         return MediumParams(**(fields if albedo is None else fields | {"albedo": albedo}))
 
     def take(self, volume: Volume) -> None:
@@ -98,7 +102,7 @@ class GridMedium:
         self.placed = new
 
     def encode(self, commands: Commands) -> bool:
-        """Fill `density.fine` where the volume changed; whether it did."""
+        """Fill the medium's own density where the volume changed; returns whether it did."""
         v = self.volume
         key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
         if key == self._key:
@@ -108,8 +112,8 @@ class GridMedium:
             self.density.encode(commands, self.params, self._voxels)
         return True
 
-    def encode_mix(self, commands: Commands) -> None:
-        """Then what its cells hold of the others."""
-        self.write_mix(self.mix)
+    def encode_mixture(self, commands: Commands) -> None:
+        """Fill `mixture` and the densities of the others, after all have theirs."""
+        self.write_mixture(self.mixture)
         with commands.stage("pop density"):
-            self.density.encode_reach(commands, self.params, self.fine_others)
+            self.density.encode_others(commands, self.params, self.fine_others)

@@ -1,4 +1,4 @@
-"""Where a medium's own grid is in the world, and what shaders know about it."""
+"""The grid of a medium: where it lies in the world, and its parameters in shaders."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from ...maths.diffusion import largest_diffusivity
 from ...maths.transforms import F64
 from ...scene.volume import Volume
 
-FINE = 2  # fine cells per cell and axis: what sweeps sample
-_STRETCH = 4  # a side may have this many times the cells of a cube's
+FINE = 2  # fine cells per cell and axis; paths sample the density of fine cells
 SPHERE_SIDE = 64  # voxels across a sphere
 THICKEST_CELL = 4.0  # optical depth of a cell; a thicker one is opaque, and its middle dark
-_PROBED = 32  # density samples per axis that tell how wide the medium is
+PARTIAL_SUM_GROUP = 256  # cells of a workgroup that leaves one partial sum of a dot product
+_STRETCH = 4  # a side has at most this many times the cells of a cube's
+_PROBED = 32  # density samples per axis that estimate the width of the medium
 
 
 class MediumParams(Struct):
@@ -26,7 +27,7 @@ class MediumParams(Struct):
     extent = vec3f("m")
     ordinate_count = u32()
     cell = vec3f("m")
-    groups = u32("workgroups that leave a partial sum each")
+    groups = u32("workgroups that leave a partial sum each, see PARTIAL_SUM_GROUP")
     count = vec3u("cells")
     cells = u32()
     sigma_t = vec3f("m^-1")
@@ -39,10 +40,10 @@ class MediumParams(Struct):
 
 @dataclass(frozen=True, eq=False)
 class MediumPlacement:
-    """A box of cells around a volume, in a frame of its own: corner at 0, m, axes unit length.
+    """A box of cells around a volume. Its frame has the corner at 0 and axes of unit length, m.
 
-    `world_from_medium` (4, 4) is rigid (it may mirror); `unit_from_medium` (4, 4) goes on to the
-    volume's voxels, 0..1.
+    `world_from_medium` (4, 4) is rigid (it may mirror); `unit_from_medium` (4, 4) leads to the
+    voxels of the volume, 0..1. `extent` (3,), m; `count`: cells along x, y, z.
     """
 
     world_from_medium: F64
@@ -62,7 +63,7 @@ class MediumPlacement:
 
     @property
     def fine_count(self) -> tuple[int, int, int]:
-        """Cells of the density that sweeps sample."""
+        """Fine cells along x, y, z, whose density paths sample."""
         x, y, z = self.count
         return FINE * x, FINE * y, FINE * z
 
@@ -82,7 +83,7 @@ class MediumPlacement:
 
 
 def placed(volume: Volume, resolution: int) -> MediumPlacement:
-    """About `resolution`^3 cells over a volume's box, however long its sides are."""
+    """A grid of about `resolution`^3 cells over the box of a volume, whatever its sides."""
     low, high = np.asarray(volume.bounds, dtype=np.float64)
     world_from_unit = np.asarray(volume.world_from_volume) @ _scaled(high - low, low)
     rotation, low_corner, extent = _frame(world_from_unit)
@@ -100,9 +101,9 @@ def placed(volume: Volume, resolution: int) -> MediumPlacement:
 
 
 def _frame(world_from_unit: F64) -> tuple[F64, F64, F64]:
-    """(rotation, lower corner in it, extent) of a box around the unit cube's image.
+    """(rotation, lower corner in it, extent) of a box around the image of the unit cube.
 
-    Along its edges where they are at right angles; else the nearest rotation's.
+    The axes follow its edges where those are at right angles, else the nearest rotation.
     """
     edges = world_from_unit[:3, :3]
     length = np.maximum(np.linalg.norm(edges, axis=0), 1e-12)
@@ -124,10 +125,10 @@ def _scaled(size: F64, low: F64) -> F64:
 
 @dataclass(frozen=True)
 class Width:
-    """How wide a volume's medium is, which a few samples of its density tell.
+    """How wide the medium of a volume is, estimated from a few samples of its density.
 
-    `diffusivity`, m: the largest there can be, a third of its radius; see `maths.diffusion`.
-    `density`: the mean over its mass.
+    `diffusivity`, m: the largest possible, a third of the radius; see `maths.diffusion`.
+    `density`: the mean density, weighted by mass.
     """
 
     diffusivity: float
@@ -135,7 +136,7 @@ class Width:
 
 
 def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
-    """Of the medium in a volume's box."""
+    """The width of the medium in the box of a volume."""
     density = shape_density(volume, _PROBED)
     steps = tuple(slice(None, None, -(-n // _PROBED)) for n in density.shape)
     probed = density[steps].astype(np.float64)
@@ -145,7 +146,7 @@ def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
 
 
 def shape_density(volume: Volume, side: int) -> Any:
-    """The density grid (z, y, x) of any volume; a shape's is 1 in it, its rim anti-aliased."""
+    """The density grid (z, y, x) of any volume; 1 inside a shape, with an anti-aliased rim."""
     if volume.density is not None:
         return volume.density
     if volume.shape == "box":
@@ -158,7 +159,7 @@ def shape_density(volume: Volume, side: int) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class PlacedVolume:
-    """A volume, the grid that it is solved on, and how wide its medium is."""
+    """A volume, the grid that it is solved on, and the width of its medium."""
 
     volume: Volume
     placement: MediumPlacement
@@ -166,24 +167,24 @@ class PlacedVolume:
 
     @classmethod
     def of(cls, volume: Volume, resolution: int) -> PlacedVolume:
-        """On a grid of about `resolution`^3 cells."""
+        """Place `volume` on a grid of about `resolution`^3 cells."""
         placement = placed(volume, resolution)
         return cls(volume, placement, medium_width(volume, placement))
 
     @property
     def extinction(self) -> tuple[float, ...]:
-        """m^-1 at density 1: the volume's, or what makes its cells opaque where that is less.
+        """Extinction, m^-1 at density 1, limited so that a cell has an optical depth of at most 4.
 
-        Hardly any light comes through either, but of thicker cells the middle sees none: a white
-        block under an even sky scatters 1.00 at a cell's depth of 4, 1.3 at 8, 2.3 at 20, nothing
-        at 100. Eye rays are marched through the true extinction.
+        Hardly any light passes such a cell, but the middle of a thicker one receives none: a white
+        block under a uniform sky of radiance 1 scatters 1.00 at a depth of 4 per cell, 1.3 at 8,
+        2.3 at 20, nothing at 100. Eye rays are marched through the true extinction.
         """
         depth = self.width.density * float(self.placement.cell.mean())
         most = THICKEST_CELL / max(depth, 1e-30)
         return tuple(min(sigma, most) for sigma in self.volume.sigma_t)
 
-    def fields(self, ordinates: int, group: int) -> dict[str, Any]:
-        """The values of `MediumParams` by name; `group` is the size of a workgroup."""
+    def fields(self, ordinates: int) -> dict[str, Any]:
+        """The values of `MediumParams` by name, for passes over so many `ordinates`."""
         volume, placement, width = self.volume, self.placement, self.width
         voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
         per_cell = -(-voxels // np.array(placement.fine_count))
@@ -200,5 +201,5 @@ class PlacedVolume:
             "mean_density": width.density,
             "samples": np.clip(per_cell, 1, 16),
             "g": volume.g,
-            "groups": -(-placement.cells // group),
+            "groups": -(-placement.cells // PARTIAL_SUM_GROUP),
         }

@@ -1,54 +1,40 @@
 """Virtual point lights: what surfaces reflect into a medium, once (Elek2014 section 6).
 
-Texels of reflective shadow maps are taken by what about arrives of their light in the medium, from
-a running sum of it: one of each of `count` equal parts, so that the same scene always has the same
-ones, and a small change moves them little. All of it happens on the device. A virtual light stands
-for a piece of surface: a cosine lobe whose fall-off ends where the piece is as near as it is wide,
-instead of the clamping that Elek2014 takes from instant radiosity.
-Elek2014 gives each a radial grid, as `virtual_grids` does here for the schemes split and paper, and
-for delta-beam on request. differs: there they are more of its beams by default, which costs less
-and errs less.
+Texels of reflective shadow maps are sampled by about what arrives of their light in the medium: one
+at each of `count` equal steps of its running sum, so that the same scene always has the same
+samples, and a small change moves them little. The device does all of it. A virtual point light
+stands for a piece of surface: a cosine lobe whose fall-off ends where the piece is as near as it is
+wide, instead of the clamping that Elek2014 takes from instant radiosity. Elek2014 gives each a
+radial grid, as `virtual.grids` does for the schemes split and paper, and for delta-beam on request.
+differs: delta-beam makes them beams by default, which costs less and errs less.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, texture, uniform
-from ...lattice.blockers import Blockers
-from ...lattice.placement import LatticeParams, Placement
+from ...lattice.placement import LatticeParams
 from ...surface.light_views import LightViewData
 from ...surface.reflective import ReflectiveShadowMaps
-from ..light.ordinates import Kind, OrdinateData
-from ..medium.placement import MediumParams, MediumPlacement
+from ..light.table import Kind, OrdinateData, OrdinateTable
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
+from .reflected import ReflectedLights
 
 TILE = 16
 """Texels along a side of what is summed at once."""
-_SCAN = 256
+_SCAN_GROUP = 256
 
 _CONSTANTS = f"const TILE = {TILE}u;\nconst PI = 3.14159265;\n"
 
 
-@dataclass(eq=False)
-class Reflected:
-    """What virtual lights are taken from: maps, and what stands between them and media."""
-
-    maps: tuple[ReflectiveShadowMaps, ...]
-    blockers: Blockers
-    placement: Placement
-    count: int
-    version: int = 0
-
-
 class VirtualParams(Struct):
-    """A set of maps, the medium, and where virtual lights are written."""
+    """A set of maps, the medium, and where virtual point lights are written."""
 
     medium_from_world = mat4x4f()
     centre = vec3f("m, of the medium in the world")
@@ -58,7 +44,7 @@ class VirtualParams(Struct):
     layers = u32()
     first_tile = u32("of these maps")
     all_tiles = u32("of all maps")
-    count = u32("virtual lights")
+    count = u32("virtual point lights")
     first_row = u32("of the ordinates")
     scale = f32("of the ordinates' irradiance, W m^-2")
     kind = f32("their Kind")
@@ -70,8 +56,8 @@ class ScanParams(Struct):
     count = u32()
 
 
-class SightParams(Struct):
-    """Which rows are virtual lights."""
+class VirtualVisibilityParams(Struct):
+    """Which rows are virtual point lights."""
 
     world_from_medium = mat4x4f()
     count = u32()
@@ -95,7 +81,7 @@ class _Tiles(ComputePass):
 
 class _Scan(ComputePass):
     slots = (uniform("params", ScanParams), storage("tiles", "f32", "read_write"))
-    workgroup = (_SCAN, 1, 1)
+    workgroup = (_SCAN_GROUP, 1, 1)
     file = "scan.wgsl"
 
 
@@ -112,10 +98,10 @@ class _Pick(ComputePass):
     file = "pick.wgsl"
 
 
-class _Sight(ComputePass):
+class _Visibility(ComputePass):
     slots = (
         uniform("params", MediumParams),
-        uniform("sight", SightParams),
+        uniform("virtual_lights", VirtualVisibilityParams),
         uniform("lattice", LatticeParams),
         *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
         storage("places", "vec4f"),
@@ -127,31 +113,28 @@ class _Sight(ComputePass):
 
 
 class VirtualLights:
-    """Writes the last rows of a medium's ordinates, and what surfaces keep from it of them."""
+    """Writes rows of a medium's ordinates, and the share of them that surfaces let through."""
 
-    def __init__(self, gpu: Gpu, reflected: Reflected, *, are_hopping: bool) -> None:
-        """`are_hopping`: whether each has a grid, or is a beam of the medium."""
-        self._of, self._kind = reflected, Kind.HOPS_ON if are_hopping else Kind.FROM_SURFACE
+    def __init__(self, medium: GridMedium, reflected: ReflectedLights, *, in_grids: bool) -> None:
+        """`in_grids`: each propagates in a grid of its own, else it is a beam of the medium."""
+        gpu = medium.gpu
+        self._medium, self._from = medium, reflected
+        self._kind = Kind.VIRTUAL_GRID if in_grids else Kind.VIRTUAL
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
+        # Lattice coordinates of each virtual point light.
         self._places = Buffer(gpu, "virtual lights in cells", 16 * reflected.count)
         self._sum, self._pick = _Tiles(gpu, generated=_CONSTANTS), _Pick(gpu, generated=_CONSTANTS)
-        self._scan, self._sight = _Scan(gpu), _Sight(gpu)
+        self._scan, self._visibility = _Scan(gpu), _Visibility(gpu)
         self._first_row = 0
 
-    def encode(
-        self,
-        commands: Commands,
-        placement: MediumPlacement,
-        ordinates: Buffer,
-        first_row: int,
-        scale: float,
-    ) -> None:
-        """Choose: rows `first_row` and on of `ordinates`, in units of `scale`."""
+    def encode(self, commands: Commands, table: OrdinateTable, first_row: int) -> None:
+        """Sample them into the rows of `table` from `first_row` on."""
         self._first_row = first_row
-        found = [p for p in self._params(placement, first_row, scale) if p[0].layers]
+        found = [p for p in self._params(first_row, table.scale) if p[0].layers]
         if not found:
             return
+        # The weight of each tile of texels, and the running sum over all tiles of all maps.
         for maps, params in found:
             self._sum.dispatch(
                 commands,
@@ -162,49 +145,44 @@ class VirtualLights:
             )
         scan = ScanParams(count=sum(self._tiles_of))
         self._scan.dispatch(commands, (1,), params=scan, tiles=self._tiles)
+        # One texel at each equal step of the sum.
         for maps, params in found:
             self._pick.dispatch(
                 commands,
-                (self._of.count,),
+                (self._from.count,),
                 params=params,
                 **_bound(maps),
                 tiles=self._tiles,
-                lattice=self._of.placement.params(),
-                lattice_walls=self._of.blockers.walls,
-                ordinates=ordinates,
+                lattice=self._from.placement.params(),
+                lattice_walls=self._from.blockers.walls,
+                ordinates=table.rows,
                 places=self._places,
             )
 
-    def encode_sight(
-        self,
-        commands: Commands,
-        params: MediumParams,
-        placement: MediumPlacement,
-        *,
-        reach: Buffer,
-        passed: Buffer,
-    ) -> None:
-        """Shares of their light, 0..1, into the second half of `passed`."""
-        sight = SightParams(
-            world_from_medium=placement.world_from_medium,
-            count=self._of.count,
+    def encode_visibility(self, commands: Commands, params: MediumParams, passed: Buffer) -> None:
+        """Fill the shares of their light, 0..1, in the second part of `passed`."""
+        virtual_lights = VirtualVisibilityParams(
+            world_from_medium=self._medium.placement.world_from_medium,
+            count=self._from.count,
             first_row=self._first_row,
         )
-        self._sight.dispatch(
+        self._visibility.dispatch(
             commands,
-            (placement.cells, self._of.count),
+            (self._medium.cells, self._from.count),
             params=params,
-            sight=sight,
-            lattice=self._of.placement.params(),
-            **self._of.blockers.bound,
+            virtual_lights=virtual_lights,
+            lattice=self._from.placement.params(),
+            **self._from.blockers.bound,
             places=self._places,
-            reach=reach,
+            reach=self._medium.density.reach,
             passed=passed,
         )
 
     def _params(
-        self, placement: MediumPlacement, first_row: int, scale: float
+        self, first_row: int, scale: float
     ) -> list[tuple[ReflectiveShadowMaps, VirtualParams]]:
+        """The maps, each set with its parameters."""
+        placement = self._medium.placement
         to_world = placement.world_from_medium
         half = 0.5 * placement.extent
         firsts = np.cumsum([0, *self._tiles_of])
@@ -220,13 +198,13 @@ class VirtualLights:
                     layers=maps.layers,
                     first_tile=int(firsts[k]),
                     all_tiles=int(firsts[-1]),
-                    count=self._of.count,
+                    count=self._from.count,
                     first_row=first_row,
                     scale=scale,
                     kind=self._kind,
                 ),
             )
-            for k, maps in enumerate(self._of.maps)
+            for k, maps in enumerate(self._from.maps)
         ]
 
 

@@ -1,6 +1,6 @@
+// The weight of a tile: the sum of those of its texels.
 //! use reflecting_texel
 
-// The weight of a square of texels.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let side = params.side;
     if (id.x >= side * side * params.layers) {

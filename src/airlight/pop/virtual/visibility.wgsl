@@ -1,13 +1,14 @@
+// The share of a virtual point light that surfaces let through to a cell, by the lattice.
 //! use medium_grid
 //! use open_line
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x >= params.cells || id.y >= sight.count || reach[id.x] == 0u) {
+    if (id.x >= params.cells || id.y >= virtual_lights.count || reach[id.x] == 0u) {
         return;
     }
-    let row = sight.first_row + id.y;
+    let row = virtual_lights.first_row + id.y;
     let centre = cell_centre(cell_of(id.x));
-    let world = (sight.world_from_medium * vec4f(centre, 1.0)).xyz;
+    let world = (virtual_lights.world_from_medium * vec4f(centre, 1.0)).xyz;
     let share = open_line(warped_coordinates(lattice, world), places[id.y].xyz);
     passed[(params.ordinate_count + row) * params.cells + id.x] = share;
 }

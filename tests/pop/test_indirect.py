@@ -12,7 +12,7 @@ from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.maths.transforms import F64
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene import Environment, Volume
 
 SETTINGS = PopSettings(ordinates=16, grid=8, solver_steps=24)
@@ -40,11 +40,11 @@ def emission(gpu: Gpu, volume: Volume, source: LatticeSource | None, sky: float 
     solver, commands = PopSolver(gpu, volume, SETTINGS), Commands(gpu)
     environment = Environment((sky,) * 3) if sky else None
     bounced = ReflectedLight(source, ()) if source else None
-    solver.encode(commands, (), environment, EYE, bounced=bounced)
+    solver.encode(commands, Illumination((), environment, EYE, reflected=bounced))
     commands.submit()
     inside = solver.medium.density.cells.read().reshape(solver.medium.placement.count[::-1]) > 0.5
     texels = solver.emission.texture.read()[..., :3].astype(np.float64)
-    return np.asarray(texels[inside] * solver.beams.table.scale)
+    return np.asarray(texels[inside] * solver.scale)
 
 
 def test_what_does_not_absorb_passes_the_lattice_on(gpu):

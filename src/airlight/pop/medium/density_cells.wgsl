@@ -1,3 +1,4 @@
+// The density of a cell: the mean of its eight fine cells.
 //! use medium_grid
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

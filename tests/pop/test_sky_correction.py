@@ -10,9 +10,9 @@ from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
-from airlight.pop.light.sky_correction import SkyGain
+from airlight.pop.light.sky_correction import SkyCorrection
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import PopSolver
+from airlight.pop.solver import Illumination, PopSolver
 from airlight.scene import Environment, Volume
 
 G = 0.93
@@ -24,9 +24,9 @@ def emitted(gpu: Gpu, sky: Environment, eye: F64, **settings: object) -> float:
     """Mean radiance scattered towards a far eye."""
     solver = PopSolver(gpu, THIN, PopSettings(ordinates=24, grid=4, solver_steps=4, **settings))
     commands = Commands(gpu)
-    solver.encode(commands, (), sky, 1e4 * eye)
+    solver.encode(commands, Illumination((), sky, 1e4 * eye))
     commands.submit()
-    value = solver.emission.texture.read()[..., 0].astype(float).mean() * solver.beams.table.scale
+    value = solver.emission.texture.read()[..., 0].astype(float).mean() * solver.scale
     return float(value)
 
 
@@ -52,7 +52,7 @@ def test_a_glow_in_a_turned_map_is_seen_as_it_is(gpu):
 
 
 def test_without_a_sky_it_is_one(gpu):
-    gain = SkyGain(gpu)
+    gain = SkyCorrection(gpu)
     gain.write(
         None, PopSolver(gpu, THIN, PopSettings(grid=4)).medium.placement, THIN.g, prefilter=True
     )

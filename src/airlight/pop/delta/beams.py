@@ -1,0 +1,154 @@
+"""The scheme delta-beam: a forward-scaled beam per ordinate, and one diffusion solve.
+
+See `maths.delta_beam` for the method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...gpu.commands import Commands
+from ...gpu.memory import Buffer
+from ...maths.ordinates import Ordinates, parallel
+from ...maths.transforms import F64
+from ...scene.lights import Light
+from ..grids.grids import GridLights
+from ..grids.propagation import GridPropagation
+from ..light.incident import IncidentLight
+from ..light.table import LocalLight
+from ..light.visibility import Surfaces
+from ..medium.grid_medium import GridMedium, ScatteredLight
+from ..medium.mixture import Mixture
+from ..medium.placement import MediumParams
+from ..settings import PopSettings, uses_virtual_grids
+from .deposit import Deposit
+from .diffuse import Diffuse
+from .emission import Emission
+from .near_light import NearLight
+
+
+class DeltaBeams:
+    """The light of one medium: `light` in its cells, of which `diffuse` is what left the beams."""
+
+    iterations = 0
+    """Propagation steps from cell to cell: none."""
+
+    def __init__(
+        self,
+        medium: GridMedium,
+        settings: PopSettings,
+        capacity: int,
+        mixture: Mixture,
+        *,
+        indirect: Buffer | None = None,
+        takes_others: bool = False,
+    ) -> None:
+        """For at most `capacity` ordinates.
+
+        `takes_others`: whether light of the other media in `mixture` arrives, and this light is
+        what they receive; else the world ends at the medium's box. `indirect`: where virtual
+        point lights in grids leave the radiance that the eye sees of them.
+        """
+        self._medium, self._settings, self._indirect = medium, settings, indirect
+        self.light = IncidentLight(medium, mixture, settings, capacity, takes_others=takes_others)
+        self.diffuse = Diffuse(medium.gpu, medium.placement, mixture)
+        self._deposit = Deposit(medium, self.light)
+        self._near = NearLight(medium, self.light)
+        self._in_grids = uses_virtual_grids(settings, alone=mixture.is_alone)
+        self._virtual_grids: GridPropagation | None = None
+        self._propagated_for = b""  # the eye
+        self._has_local_lights = False
+        self._sends = takes_others
+        if takes_others:
+            medium.scattered = ScatteredLight(self.diffuse.deposits, self.diffuse.diffuse)
+
+    def write(
+        self,
+        ordinates: Ordinates,
+        local: Sequence[LocalLight],
+        scale: float = 0.0,
+        *,
+        virtual: int = 0,
+    ) -> None:
+        """Upload the light of a frame; `scale` as in `OrdinateTable.write`.
+
+        The last `virtual` of `local` are virtual point lights, which the device overwrites.
+        """
+        volume, table = self._medium.volume, self.light.table
+        self._has_local_lights = len(local) > virtual
+        if local:
+            self._near.write(volume.g, volume.albedo)
+        self.light.write(ordinates, local, scale)
+        if self._sends:
+            self._medium.scattered.scale = table.scale
+        if virtual and self._in_grids:
+            self._write_virtual_grids(virtual)
+
+    def _write_virtual_grids(self, virtual: int) -> None:
+        """Place a grid for each of the last `virtual` ordinates."""
+        table = self.light.table
+        if self._virtual_grids is None:
+            self._virtual_grids = GridPropagation(
+                self._medium, self._settings, virtual, merged=self._indirect, is_added=True
+            )
+        first_row = table.count - virtual
+        self._virtual_grids.write(
+            GridLights(parallel([], []), (), table.scale, virtual=virtual, first_row=first_row)
+        )
+
+    def write_surfaces(
+        self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
+    ) -> None:
+        """Take the surfaces that shade the medium, with the lights of the scene."""
+        self.light.write_surfaces(ordinates, lights, surfaces, in_grids=self._in_grids)
+
+    def encode_medium(self, commands: Commands, params: MediumParams) -> None:
+        """Take a changed medium: the operator of the diffusion solve."""
+        self.light.forget()
+        self.diffuse.encode_medium(commands, params, self._medium.density.cells)
+
+    def encode(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
+        """Solve the light of the scene; `eye` (3,), m in the frame of the medium, if any."""
+        # Blocks of other media are positioned; they are dark until those are solved.
+        self.light.encode_others(commands, is_lit=False)
+        # Media and surfaces between every cell and every ordinate.
+        self.light.encode(commands, params)
+        if self._virtual_grids is not None:
+            with commands.stage("pop initialisation"):
+                self._virtual_grids.encode_grids(commands, params, self.light.table.rows)
+        # Power that leaves the beams, and where it spreads.
+        self._scatter(commands, params, eye)
+
+    def encode_others(self, commands: Commands) -> None:
+        """Solve again, with the light that other media scatter as they are solved."""
+        if self.light.blocks:
+            self.light.encode_others(commands, is_lit=True)
+            self._scatter(commands, self._medium.params)
+
+    def _scatter(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
+        """Deposit power from the beams in the cells, and solve for the diffuse light."""
+        with commands.stage("pop deposit"):
+            self._deposit.encode(commands, params, self.diffuse.deposits)
+        if self._virtual_grids is not None and eye is not None:
+            self._propagate_virtual(commands, params, eye)
+        with commands.stage("pop diffuse"):
+            density, steps = self._medium.density.cells, self._settings.solver_steps
+            self.diffuse.encode(commands, params, density, steps)
+            # Close to local lights the cells are too coarse for both.
+            if self._has_local_lights:
+                self._near.encode(commands, params, self.diffuse.diffuse)
+
+    def _propagate_virtual(self, commands: Commands, params: MediumParams, eye: F64) -> None:
+        """Virtual point lights in grids: added to the deposits, and the radiance to `eye`."""
+        assert self._virtual_grids is not None
+        self._propagated_for = eye.tobytes()
+        self._virtual_grids.encode(commands, params, self.light, eye, self.diffuse.deposits)
+
+    def encode_view(
+        self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
+    ) -> None:
+        """Fill `emission` for an eye at `eye` (3,), m in the frame of the medium."""
+        if self._virtual_grids is not None and eye.tobytes() != self._propagated_for:
+            self._propagate_virtual(commands, params, eye)
+        with commands.stage("pop emission"):
+            emission.encode(commands, params, eye, self.light, self.diffuse.diffuse)
