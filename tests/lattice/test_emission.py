@@ -9,6 +9,7 @@ from airlight.gpu.memory import Buffer
 from airlight.lattice.blockers import Blockers
 from airlight.lattice.emission import InjectEmission, emitted_flux
 from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
+from airlight.lattice.lobes import COSINE, InjectionTarget
 from airlight.lattice.lookup import texture_scale
 from airlight.lattice.placement import Placement
 from airlight.scene import Material, Scene
@@ -29,7 +30,8 @@ def emitted(gpu, commands, owned):
         sums, nbytes = owned(new_sums(gpu, ROOM)), 3 * ROOM.cells * 16
         zero, cells = owned(Buffer(gpu, "zero", nbytes)), owned(Buffer(gpu, "cells", nbytes))
         scale = fixed_point_scale(emitted_flux(meshes))
-        InjectEmission(gpu).encode(commands, blockers, sums, scale, is_shaped=False)
+        target = InjectionTarget(ROOM, blockers.walls, sums, scale)
+        InjectEmission(gpu).encode(commands, blockers, target, COSINE)
         Resolve(gpu).encode(commands, ROOM, sums, zero, cells, scale)
         commands.submit()
         return cells.read().reshape(3, 16, 16, 16, 4).astype(np.float64)

@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 
 from airlight.gpu.memory import Buffer
-from airlight.lattice.inject import (
-    COSINE_LOBE,
-    Inject,
-    Resolve,
-    fixed_point_scale,
-    flux_bound,
-    new_sums,
-)
+from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
+from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, InjectionTarget
 from airlight.lattice.placement import Placement
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
 from airlight.surface.light_views import light_views
@@ -42,7 +36,8 @@ def injected(gpu, commands, owned, cells_texture):
         zero, lattice = owned(Buffer(gpu, "zero", nbytes)), owned(Buffer(gpu, "cells", nbytes))
         scale = fixed_point_scale(flux_bound([light], *scene.bounds))
         shifts = cells_texture(placement, "rgba8snorm", walls)
-        inject.encode(commands, maps, placement, shifts, sums, scale, is_shaped=is_shaped)
+        target = InjectionTarget(placement, shifts, sums, scale)
+        inject.encode(commands, maps, target, SHAPED if is_shaped else COSINE)
         resolve.encode(commands, placement, sums, zero, lattice, scale)
         commands.submit()
         assert not sums.read(np.int32).any()  # ready for the next frame

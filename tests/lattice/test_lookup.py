@@ -7,7 +7,7 @@ import pytest
 
 from airlight.gpu.memory import Buffer, buffer_of, linear_sampler
 from airlight.gpu.slots import sampler, storage, texture, uniform
-from airlight.lattice.inject import SHAPED_LOBE
+from airlight.lattice.lobes import SHAPED_LOBE
 from airlight.lattice.lookup import LatticeTextures, own_shares, texture_scale
 from airlight.lattice.placement import LatticeParams, Placement
 from airlight.maths.lattice6 import (

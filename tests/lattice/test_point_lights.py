@@ -8,6 +8,7 @@ import pytest
 from airlight import Camera, Mesh, PointLights, Scene
 from airlight.gpu.memory import Texture
 from airlight.lattice.inject import fixed_point_scale, new_sums
+from airlight.lattice.lobes import InjectionTarget
 from airlight.lattice.placement import Placement
 from airlight.lattice.point_lights import InjectPoints
 from airlight.rendering import Renderer
@@ -24,7 +25,7 @@ def injected(gpu, commands, owned):
         walls = owned(Texture(gpu, "walls", ROOM.count, "rgba8snorm", dimension="3d", written=True))
         points, sums = owned(InjectPoints(gpu)), owned(new_sums(gpu, ROOM))
         scale = fixed_point_scale(points.take(groups))
-        points.encode(commands, ROOM, walls, sums, scale)
+        points.encode(commands, InjectionTarget(ROOM, walls, sums, scale))
         commands.submit()
         return sums.read(np.int32).reshape(3, *ROOM.count[::-1], 4) / scale
 

@@ -7,6 +7,7 @@ import pytest
 
 from airlight.gpu.memory import Buffer, Texture, buffer_of, linear_sampler
 from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
+from airlight.lattice.lobes import InjectionTarget
 from airlight.lattice.lookup import LatticeTextures, texture_scale
 from airlight.lattice.placement import Placement
 from airlight.lpv.border import Border
@@ -56,14 +57,11 @@ def nest(gpu, commands, owned):
             if placement is inner:
                 Border(gpu).encode(
                     commands,
-                    inner,
+                    InjectionTarget(inner, solved["lattice_walls"], sums, units),
                     OUTER,
-                    solved,
-                    linear_sampler(gpu),
+                    {**solved, "linear_clamp": linear_sampler(gpu)},
                     faces,
-                    sums,
                     power_scale=power,
-                    scale=units,
                 )
             own = lobes(placement, points, normals, powers).astype(np.float32)
             base = owned(buffer_of(gpu, "own", np.ascontiguousarray(own)))

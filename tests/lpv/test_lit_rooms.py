@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from airlight.gpu.memory import buffer_of
-from airlight.lattice.inject import SHAPED_LOBE, forward_share
+from airlight.lattice.inject import forward_share
+from airlight.lattice.lobes import SHAPED_LOBE
 from airlight.lattice.lookup import own_shares
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate

@@ -11,6 +11,7 @@ from airlight.exports.solved import export_lattice
 from airlight.gpu.memory import Buffer
 from airlight.lattice.blockers import Blockers
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
+from airlight.lattice.lobes import SHAPED, InjectionTarget
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
 from airlight.rendering import Renderer
@@ -36,7 +37,7 @@ def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, comman
     sums, nbytes = owned(new_sums(gpu, room)), 3 * room.cells * 16
     zero, cells = owned(Buffer(gpu, "zero", nbytes)), owned(Buffer(gpu, "cells", nbytes))
     scale = fixed_point_scale(flux_bound([light], *meshes.bounds))
-    Inject(gpu).encode(commands, maps, room, blockers.walls, sums, scale, is_shaped=True)
+    Inject(gpu).encode(commands, maps, InjectionTarget(room, blockers.walls, sums, scale), SHAPED)
     Resolve(gpu).encode(commands, room, sums, zero, cells, scale)
     step = owned(Propagate(gpu, room, is_blocked=True))
     after = step.encode(commands, cells, blockers.faces, 1)

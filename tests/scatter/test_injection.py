@@ -7,7 +7,8 @@ import pytest
 
 from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lattice.blockers import Blockers
-from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
+from airlight.lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, new_sums
+from airlight.lattice.lobes import InjectionTarget, Lobe
 from airlight.lattice.placement import Placement
 from airlight.lighting.lights import Lights
 from airlight.maths.lattice26_walls import returned_sharpness
@@ -15,11 +16,7 @@ from airlight.maths.medium import ray_box_interval
 from airlight.maths.sampling import fibonacci_sphere
 from airlight.media.gpu_media import GpuMedia
 from airlight.scatter.cell_medium import CellMedium
-from airlight.scatter.inject_maps import (
-    InjectRays,
-    InjectReflected,
-    owner_rows,
-)
+from airlight.scatter.inject_rays import InjectRays, Sampling, owner_rows
 from airlight.scatter.inject_single import InjectSingle
 from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
 from airlight.scene.material import Material
@@ -69,24 +66,21 @@ class Place:
         )
         return self.read()
 
-    def from_maps(self, make, side=64, **options):
-        """What InjectReflected or InjectRays adds, W."""
+    def from_maps(self, sampling=None, side=64):
+        """What InjectRays adds, or Inject without `sampling`, W."""
         views = light_views(self.scene.lights, LOW, HIGH, side)
         maps = ReflectiveShadowMaps(self.gpu, "test", side, len(views))
         maps.encode(self.commands, self.meshes, self.scene.lights, views)
         owners = buffer_of(self.gpu, "owners", owner_rows([v.light for v in views]))
         sums, scale = new_sums(self.gpu, PLACEMENT), fixed_point_scale(500.0, returned_sharpness())
-        make(self.gpu, self.air).encode(
-            self.commands,
-            maps,
-            self.lights.table,
-            owners,
-            PLACEMENT,
-            self.blockers.walls,
-            sums,
-            scale,
-            **options,
-        )
+        target = InjectionTarget(PLACEMENT, self.blockers.walls, sums, scale)
+        lights = MapLights(self.lights.table, owners)
+        if sampling:
+            rays = InjectRays(self.gpu, self.air)
+            rays.encode(self.commands, maps, target, lights=lights, sampling=sampling)
+        else:
+            lobe = Lobe(returned_sharpness())
+            Inject(self.gpu, self.air).encode(self.commands, maps, target, lobe, lights=lights)
         Resolve(self.gpu).encode(
             self.commands, PLACEMENT, sums, self.black, self.cells, scale / (4 * np.pi)
         )
@@ -172,12 +166,12 @@ def test_a_sheet_casts_its_shadow_into_the_air(place):
 def test_points_of_map_rays_carry_the_same_light(place, name, is_stratified):
     light = LIGHTS[name]
     box = place(light)
-    got = box.from_maps(InjectRays, samples=8, seed=3, is_stratified=is_stratified)
+    got = box.from_maps(Sampling(samples=8, seed=3, is_stratified=is_stratified))
     want = scattered_in_the_box(light)
     np.testing.assert_allclose(got[..., 0].sum(axis=(1, 2, 3)), want, rtol=0.02)
-    again = box.from_maps(InjectRays, samples=8, seed=3, is_stratified=is_stratified)
+    again = box.from_maps(Sampling(samples=8, seed=3, is_stratified=is_stratified))
     assert np.array_equal(got, again)
-    other = box.from_maps(InjectRays, samples=8, seed=4, is_stratified=is_stratified)
+    other = box.from_maps(Sampling(samples=8, seed=4, is_stratified=is_stratified))
     assert not np.array_equal(got, other)
 
 
@@ -185,7 +179,7 @@ def test_stratified_points_are_less_noisy(place):
     box = place(LIGHTS["slanting sun"])
     smooth = box.gathered()[..., 0]
     noise = [
-        np.linalg.norm(box.from_maps(InjectRays, samples=8, is_stratified=s)[..., 0] - smooth)
+        np.linalg.norm(box.from_maps(Sampling(samples=8, is_stratified=s))[..., 0] - smooth)
         for s in (False, True)
     ]
     assert noise[1] < 0.7 * noise[0]
@@ -194,7 +188,7 @@ def test_stratified_points_are_less_noisy(place):
 def test_reflected_light_is_attenuated_on_its_way(place):
     """A floor reflects what a metre of fog lets through to it."""
     got = place(LIGHTS["sun down an axis"], meshes=(sheet(-0.5, 1.0),))
-    got = got.from_maps(InjectReflected, side=256)
+    got = got.from_maps(side=256)
     passed = np.exp(-np.array(FOG.sigma_t) * 1.5)
     want = REFLECTANCE * np.array([2, 3, 4]) * passed
     np.testing.assert_allclose(got[..., 0].sum(axis=(1, 2, 3)), want, rtol=0.03)

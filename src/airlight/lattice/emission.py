@@ -11,13 +11,11 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.layout import Struct, u32
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import storage, texture, uniform
+from ..gpu.slots import storage, uniform
 from ..scene.mesh import Mesh
 from ..surface.geometry import InstanceData
 from .blockers import Blockers
-from .inject import LobeParams, lobe_params
-from .placement import LatticeParams
+from .lobes import TARGET_SLOTS, InjectionTarget, Lobe
 from .surfels import SurfelData, triangle_areas
 
 
@@ -32,12 +30,9 @@ class InjectEmission(ComputePass):
 
     slots = (
         uniform("params", EmissionParams),
-        uniform("lobes", LobeParams),
-        uniform("lattice", LatticeParams),
         storage("surfels", SurfelData),
         storage("instances", InstanceData),
-        texture("lattice_walls", "3d"),
-        storage("sums", "atomic<i32>", "read_write"),
+        *TARGET_SLOTS,
     )
     workgroup = (256, 1, 1)
 
@@ -45,23 +40,17 @@ class InjectEmission(ComputePass):
         self,
         commands: Commands,
         blockers: Blockers,
-        sums: Buffer,
-        scale: float,
-        *,
-        is_shaped: bool,
+        target: InjectionTarget,
+        lobe: Lobe,
     ) -> None:
         """Parameters as in `Inject.encode`."""
-        walls: Texture = blockers.walls
         self.dispatch(
             commands,
             (blockers.count,),
             params=EmissionParams(surfel_count=blockers.count),
-            lobes=lobe_params(scale, is_shaped=is_shaped),
-            lattice=blockers.placement.params(),
             surfels=blockers.surfels,
             instances=blockers.meshes.instances,
-            lattice_walls=walls,
-            sums=sums,
+            **target.bound(lobe),
         )
 
 

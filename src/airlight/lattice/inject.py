@@ -9,35 +9,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import storage, texture, uniform
+from ..gpu.memory import Buffer
+from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.lattice6 import hops
 from ..scene.lights import DirectionalLight, Light, PointLight
+from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
-from .placement import LatticeParams, Placement
+from .lobes import SHAPED_LOBE, TARGET_SLOTS, InjectionTarget, Lobe
+from .placement import Placement
 
 _HEADROOM_BITS = 30
-COSINE_LOBE = 2.0
-"""b = COSINE_LOBE P n / 4pi: the two-band fit of a clamped cosine (Ramamoorthi2001)."""
-SHAPED_LOBE = 2.7
-"""Where the surface itself blocks what would go backwards, a narrower lobe is the better one:
-measured on a floor beside a wall, both blocking (relative L2 error 0.05; 0.12 at 2, 0.17 at 5)."""
-
-
-class LobeParams(Struct):
-    """How flux becomes integers, and the shape of a virtual point light's lobe."""
-
-    scale = f32("fixed-point units per W sr^-1")
-    lobe = f32("b / (P n / 4pi)")
-    hop_constant = f32("share of an isotropic cell's power on one hop")
-    hop_directional = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
-    is_shaped = u32("1: the surface blocks what goes backwards")
 
 
 class InjectParams(Struct):
@@ -67,39 +55,82 @@ EVERYTHING = SmallObjects()
 """Nothing is left out."""
 
 
+class LightAttenuation(Protocol):
+    """Media as passes bind them that use `wgsl/media_light.wgsl`."""
+
+    slots: tuple[Slot, ...]
+    wgsl: str
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """The resources, by slot name."""
+
+
+@dataclass(frozen=True, eq=False)
+class MapLights:
+    """Whose light maps show: the `table` of lights, and each layer's row in it (`owners`)."""
+
+    table: Buffer
+    owners: Buffer
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By the names of MAP_LIGHT_SLOTS."""
+        return {"lights": self.table, "owners": self.owners}
+
+
+MAP_LIGHT_SLOTS = (storage("lights", LightData), storage("owners", "u32"))
+MAP_SLOTS = (
+    storage("views", LightViewData),
+    texture("depth", "2d-array", "depth"),
+    texture("normal", "2d-array", "unfilterable-float"),
+    texture("flux", "2d-array", "unfilterable-float"),
+)
+_UNATTENUATED = """
+fn light_arriving(layer: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
+"""
+_ATTENUATED = """
+//! use media_light
+fn light_arriving(layer: u32, p: vec3f) -> vec3f {
+    let owner = owners[layer];
+    return media_light_transmittance(lights[owner], owner, p);
+}
+"""
+
+
 class Inject(ComputePass):
     """Every texel of a reflective shadow map, moved half a cell along its normal, adds its lobe."""
 
-    slots = (
+    slots: tuple[Slot, ...] = (  # type: ignore[misc]
         uniform("params", InjectParams),
-        uniform("lobes", LobeParams),
-        uniform("lattice", LatticeParams),
-        storage("views", LightViewData),
-        texture("depth", "2d-array", "depth"),
-        texture("normal", "2d-array", "unfilterable-float"),
-        texture("flux", "2d-array", "unfilterable-float"),
-        texture("lattice_walls", "3d"),
-        storage("sums", "atomic<i32>", "read_write"),
+        *MAP_SLOTS,
+        *TARGET_SLOTS,
     )
     workgroup = (16, 16, 1)
+
+    def __init__(self, gpu: Gpu, attenuation: LightAttenuation | None = None) -> None:
+        """`attenuation`: media on the path from each light to the texel (Billeter2012 3.1)."""
+        self._attenuation, generated = attenuation, _UNATTENUATED
+        if attenuation is not None:
+            self.slots = (*Inject.slots, *MAP_LIGHT_SLOTS, *attenuation.slots)
+            generated = attenuation.wgsl + _ATTENUATED
+        super().__init__(gpu, generated=generated)
 
     def encode(
         self,
         commands: Commands,
         maps: ReflectiveShadowMaps,
-        placement: Placement,
-        walls: Texture,
-        sums: Buffer,
-        scale: float,
+        target: InjectionTarget,
+        lobe: Lobe,
         *,
-        is_shaped: bool,
         small: SmallObjects = EVERYTHING,
+        lights: MapLights | None = None,
     ) -> None:
-        """Add all texels of `maps` to `sums` (fixed point, `scale` units per W sr^-1).
+        """Add all texels of `maps`; `small`: which objects are left out.
 
-        `is_shaped`: surfaces stop light from the first step on, so the lobe may be narrow.
-        `small`: which objects are left out.
+        `lights` are asked for where media attenuate them.
         """
+        media = {**self._attenuation.bound, **lights.bound} if self._attenuation and lights else {}
         self.dispatch(
             commands,
             (maps.resolution, maps.resolution, maps.layers),
@@ -110,27 +141,15 @@ class Inject(ComputePass):
                 next_least=small.next_least,
                 has_static=int(small.has_static),
             ),
-            lobes=lobe_params(scale, is_shaped=is_shaped),
-            lattice=placement.params(),
-            views=maps.views,
-            depth=maps.depth,
-            normal=maps.normal,
-            flux=maps.flux,
-            lattice_walls=walls,
-            sums=sums,
+            **map_bound(maps),
+            **target.bound(lobe),
+            **media,
         )
 
 
-def lobe_params(scale: float, *, is_shaped: bool) -> LobeParams:
-    """The parameters of `wgsl/lobes.wgsl`."""
-    hop = hops("centroid")[0].matrix
-    return LobeParams.of(
-        scale=scale,
-        lobe=SHAPED_LOBE if is_shaped else COSINE_LOBE,
-        hop_constant=float(hop[0, 0]),
-        hop_directional=float(hop[0, 1]),
-        is_shaped=int(is_shaped),
-    )
+def map_bound(maps: ReflectiveShadowMaps) -> dict[str, Any]:
+    """By the names of MAP_SLOTS."""
+    return {"views": maps.views, "depth": maps.depth, "normal": maps.normal, "flux": maps.flux}
 
 
 class ResolveParams(Struct):

@@ -1,15 +1,7 @@
+// The including pass says what of a layer's light arrives at a point: light_arriving(layer, p).
 //! use lattice_space
 //! use lobes
-
-// A texel's solid angle in perspective, or its area where the light is parallel.
-fn texel_measure(view: LightViewData, centre: vec2f) -> f32 {
-    let area = view.texel.x * view.texel.y;
-    if (view.is_perspective == 0u) {
-        return area;
-    }
-    let tangent = centre * view.texel * f32(params.resolution) * 0.5;
-    return area * pow(1.0 + dot(tangent, tangent), -1.5);
-}
+//! use light_texel
 
 fn large_enough(size: f32, least: f32) -> f32 {
     return select(smoothstep(least, 1.5 * least, size), 1.0, least <= 0.0);
@@ -37,15 +29,14 @@ fn object_share(size: f32, p: vec3f) -> f32 {
         return;
     }
     let view = views[id.z];
-    let centre = (vec2f(id.xy) + 0.5) / f32(params.resolution) * vec2f(2.0, -2.0)
-        + vec2f(-1.0, 1.0);
-    let world = view.world_from_clip * vec4f(centre, d, 1.0);
+    let centre = texel_centre(id.xy, params.resolution);
     let facing = textureLoad(normal, texel, id.z, 0);
     let n = normalize(facing.xyz);
-    let p = world.xyz / world.w;
+    let p = texel_point(view, centre, d);
     let share = object_share(facing.w, p);
     if (share > 0.0) {
         let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
-        add_lobe(coordinates, n, power_density * (share * texel_measure(view, centre)));
+        let measure = share * texel_measure(view, centre, params.resolution);
+        add_lobe(coordinates, n, light_arriving(id.z, p) * power_density * measure);
     }
 }

@@ -14,7 +14,8 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
-from .inject import SHAPED_LOBE, forward_share
+from .inject import forward_share
+from .lobes import SHAPED_LOBE
 from .placement import EVERYWHERE, Hull, Placement
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504

@@ -14,11 +14,10 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import storage, texture, uniform
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, uniform
 from ..scene.point_lights import PointLights
-from .inject import LobeParams, lobe_params
-from .placement import LatticeParams, Placement
+from .lobes import COSINE, TARGET_SLOTS, InjectionTarget
 
 
 class PointData(Struct):
@@ -39,11 +38,8 @@ class PointParams(Struct):
 class _InjectPoints(ComputePass):
     slots = (
         uniform("params", PointParams),
-        uniform("lobes", LobeParams),
-        uniform("lattice", LatticeParams),
         storage("points", PointData),
-        texture("lattice_walls", "3d"),
-        storage("sums", "atomic<i32>", "read_write"),
+        *TARGET_SLOTS,
     )
     workgroup = (256, 1, 1)
     file = "point_lights.wgsl"
@@ -72,10 +68,8 @@ class InjectPoints:
             self._upload()
         return sum(group.power for group in groups)
 
-    def encode(
-        self, commands: Commands, placement: Placement, walls: Texture, sums: Buffer, scale: float
-    ) -> None:
-        """Add all lights to `sums` (fixed point, `scale` units per W sr^-1)."""
+    def encode(self, commands: Commands, target: InjectionTarget) -> None:
+        """Add all lights."""
         if not self.count:
             return
         if self._pass is None:
@@ -84,11 +78,8 @@ class InjectPoints:
             commands,
             (self.count,),
             params=PointParams(lights=self.count),
-            lobes=lobe_params(scale, is_shaped=False),
-            lattice=placement.params(),
             points=self._points,
-            lattice_walls=walls,
-            sums=sums,
+            **target.bound(COSINE),
         )
 
     def _upload(self) -> None:

@@ -14,8 +14,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32
-from ..gpu.memory import Buffer, Sampler, Texture
+from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.lattice6 import hops
 
@@ -51,34 +52,30 @@ class Border(ComputePass):
     def encode(
         self,
         commands: Commands,
-        inner: Placement,
+        target: InjectionTarget,
         outer: Placement,
-        solved: dict[str, Texture],
-        linear: Sampler,
+        solved: dict[str, Any],
         faces: Buffer,
-        sums: Buffer,
         *,
         power_scale: float,
-        scale: float,
     ) -> None:
-        """Add to `sums` (`scale` units per W sr^-1) what enters `inner` from the solved `outer`.
+        """Add to the lattice of `target` what enters it from the solved `outer`.
 
         `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both
-        share, of `power_scale` stored units per W sr^-1.
+        share, of `power_scale` stored units per W sr^-1, and their sampler.
         """
+        inner = target.placement
         area = (inner.cell / outer.cell) ** 2
         side = max(inner.count)
-        bound: dict[str, Any] = dict(solved)
         self.dispatch(
             commands,
             (side, side, 6),
-            params=BorderParams(units=area * scale / power_scale),
+            params=BorderParams(units=area * target.scale / power_scale),
             lattice=inner.params(power_scale),
             outer=outer.params(power_scale),
-            **bound,
-            linear_clamp=linear,
+            **solved,
             faces=faces,
-            sums=sums,
+            sums=target.sums,
         )
 
 

@@ -14,6 +14,7 @@ from ..gpu.memory import Buffer
 from ..lattice.blockers import Blockers
 from ..lattice.inject import SmallObjects, new_sums
 from ..lattice.lattices import Level
+from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import Placement
 from .propagate import Propagate
 
@@ -40,6 +41,10 @@ class Cascade:
     def blockers(self) -> Blockers:
         """What blocks between them."""
         return self.level.blockers
+
+    def target(self, scale: float) -> InjectionTarget:
+        """Its sums, to be added to in units of `scale` per W sr^-1."""
+        return InjectionTarget(self.placement, self.blockers.walls, self.sums, scale)
 
 
 def cascade(gpu: Gpu, level: Level, propagate: Propagate, small: SmallObjects) -> Cascade:

@@ -25,6 +25,7 @@ from ..lattice.inject import (
 )
 from ..lattice.irradiance import Irradiance
 from ..lattice.lattices import Level
+from ..lattice.lobes import COSINE, SHAPED, InjectionTarget
 from ..lattice.lookup import LatticeTextures, texture_scale
 from ..lattice.nested import Nest, nested
 from ..lattice.placement import EVERYWHERE, Hull, LatticeParams, triple
@@ -102,7 +103,8 @@ class LpvSolver(Solver):
         )
         self.is_paper = settings.scheme == "paper"
         # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
-        self.is_shaped = settings.occlusion and not self.is_paper
+        # Surfaces that stop light from the first step on let the lobe be narrow.
+        self.lobe = SHAPED if settings.occlusion and not self.is_paper else COSINE
         self.media: LatticeMedia | None = None
         # Passes.
         self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
@@ -207,8 +209,7 @@ class LpvSolver(Solver):
                 for maps in self.maps.groups:
                     if maps.layers:
                         self._inject(commands, part, maps, scale)
-                walls = part.blockers.walls
-                self.points.encode(commands, part.placement, walls, part.sums, scale)
+                self.points.encode(commands, part.target(scale))
         # The largest first: what lies beyond the next one's borders.
         for level in range(len(self.cascades) - 1, -1, -1):
             self._propagate(commands, level, scale)
@@ -219,11 +220,8 @@ class LpvSolver(Solver):
         self.inject.encode(
             commands,
             self.media.seen(maps) if self.media else maps,
-            part.placement,
-            part.blockers.walls,
-            part.sums,
-            scale,
-            is_shaped=self.is_shaped,
+            part.target(scale),
+            self.lobe,
             small=part.small,
         )
 
@@ -233,9 +231,7 @@ class LpvSolver(Solver):
         if self.kit.sky.maps.layers:
             self._inject(commands, part, self.kit.sky.maps, scale)
         if self.kit.blockers.is_emissive:
-            self.emission.encode(
-                commands, part.blockers, part.sums, scale, is_shaped=self.is_shaped
-            )
+            self.emission.encode(commands, part.blockers, part.target(scale), self.lobe)
         self.resolve.encode(commands, part.placement, part.sums, self.black, part.static, scale)
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:
@@ -245,7 +241,7 @@ class LpvSolver(Solver):
                 self.media.block(commands, level, self.kit.meshes.version)
         with commands.stage("inject"):
             if self.border and level + 1 < len(self.cascades):
-                self.enter(commands, level, self.textures, part.sums, scale)
+                self.enter(commands, level, self.textures, part.target(scale))
             self.resolve.encode(
                 commands, part.placement, part.sums, part.static, part.injected, scale
             )
@@ -258,7 +254,7 @@ class LpvSolver(Solver):
                 total,
                 self.power_scale,
                 hull=self._hull,
-                is_shaped=self.is_shaped,
+                is_shaped=self.lobe.is_shaped,
                 placement=part.placement,
             )
         if self.media:
@@ -272,20 +268,17 @@ class LpvSolver(Solver):
         )
 
     def enter(
-        self, commands: Commands, level: int, solved: LatticeTextures, sums: Buffer, scale: float
+        self, commands: Commands, level: int, solved: LatticeTextures, target: InjectionTarget
     ) -> None:
-        """Add to `sums` what comes into a lattice from beyond its borders, as `solved` has it."""
+        """Add to a lattice what enters it from beyond its borders, as `solved` has it."""
         assert self.border is not None
         self.border.encode(
             commands,
-            self.cascades[level].placement,
+            target,
             self.cascades[level + 1].placement,
-            {**solved.bound, **self.kit.blockers.bound},
-            self.linear,
+            {**solved.bound, **self.kit.blockers.bound, "linear_clamp": self.linear},
             self.faces(level),
-            sums,
             power_scale=self.power_scale,
-            scale=scale,
         )
 
     def faces(self, level: int) -> Buffer:

@@ -13,8 +13,9 @@ from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.emission import InjectEmission, emitted_flux
-from ..lattice.inject import Resolve, fixed_point_scale, flux_bound, new_sums
+from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux_bound, new_sums
 from ..lattice.irradiance import Irradiance
+from ..lattice.lobes import COSINE, InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.view import View
@@ -29,7 +30,7 @@ from .cell_medium import CellMedium
 from .emission import Emission
 from .forward import ForwardLight
 from .inject_border import InjectBorder
-from .inject_maps import InjectRays, InjectReflected, owner_rows
+from .inject_rays import InjectRays, Sampling, owner_rows
 from .inject_single import InjectSingle
 from .levels import Levels
 from .reduced import is_forward, reduced_scene
@@ -38,6 +39,7 @@ from .settings import ScatterSettings, densest_air, is_varied
 from .surface_light import SurfaceLight
 from .walls import CellReflectance
 
+_RETURNED = Lobe(returned_sharpness())
 _SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
 
 
@@ -63,11 +65,14 @@ class ScatterSolver(Solver):
             self.gpu, sky_scene, light_count=most, column_resolution=_SKY_COLUMNS
         )
         self.maps = LightMaps(self.gpu, scene.lights, settings.map_resolution)
-        self._owners = [
-            buffer_of(self.gpu, "map owners", owner_rows(owners)) for owners in self.maps.owners
+        self._map_lights = [
+            MapLights(self.lights.table, buffer_of(self.gpu, "map owners", owner_rows(owners)))
+            for owners in self.maps.owners
         ]
-        self._sky_owners = buffer_of(self.gpu, "sky owners", owner_rows([*range(max(1, most))]))
-        self._sky_table = Buffer(self.gpu, "sky lights", LightData.dtype.itemsize * max(1, most))
+        self._sky_lights = MapLights(
+            Buffer(self.gpu, "sky lights", LightData.dtype.itemsize * max(1, most)),
+            buffer_of(self.gpu, "sky owners", owner_rows([*range(max(1, most))])),
+        )
         self._make_passes(scene)
 
     def _seen(self, scene: Scene) -> Scene:
@@ -77,10 +82,10 @@ class ScatterSolver(Solver):
     def _make_passes(self, scene: Scene) -> None:
         gpu, cells = self.gpu, self.placement.cells
         is_blocked = self.settings.occlusion
-        self.inject_reflected = InjectReflected(gpu, self.air)
+        self.inject_reflected = Inject(gpu, self.air)
         self.inject_rays = InjectRays(gpu, self.air)
         self.inject_single = InjectSingle(gpu, self.air)
-        self.sky_reflected = InjectReflected(gpu, self.sky_air)
+        self.sky_reflected = Inject(gpu, self.sky_air)
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
         self._is_forward = self._is_reduced = False
@@ -215,11 +220,11 @@ class ScatterSolver(Solver):
         place, walls = self.placement, self.blockers.walls
         base = self.black
         if self.sky.lights and self.sky.maps.layers:
-            self._sky_table.write(table)
+            self._sky_lights.table.write(table)
             maps = self.sky.maps
             bound = {
                 **self.lights.bound,
-                "lights": self._sky_table,
+                "lights": self._sky_lights.table,
                 "parallel_views": maps.views,
                 "parallel_shadows": maps.depth,
             }
@@ -237,28 +242,26 @@ class ScatterSolver(Solver):
                     face_visibility=self.blockers.face_visibility,
                 )
             self.sky_reflected.encode(
-                commands, maps, self._sky_table, self._sky_owners, place, walls, self.sums, scale
+                commands, maps, self._target(scale), _RETURNED, lights=self._sky_lights
             )
             base = self.source
         if self.blockers.is_emissive:
-            self.inject_emission.encode(commands, self.blockers, self.sums, scale, is_shaped=False)
+            self.inject_emission.encode(commands, self.blockers, self._target(scale), COSINE)
         self._resolve(commands, base, self.steady, scale)
 
+    def _target(self, scale: float) -> InjectionTarget:
+        return InjectionTarget(self.placement, self.blockers.walls, self.sums, scale)
+
     def _inject_reflected(self, commands: Commands, scale: float) -> None:
-        place, walls = self.placement, self.blockers.walls
-        self.points.encode(commands, place, walls, self.sums, scale)
-        for maps, owners in zip(self.maps.groups, self._owners, strict=True):
+        target, s = self._target(scale), self.settings
+        sampling = Sampling(s.samples, s.seed, is_stratified=s.single == "stratified")
+        self.points.encode(commands, target)
+        for maps, lights in zip(self.maps.groups, self._map_lights, strict=True):
             if not maps.layers:
                 continue
-            given = (commands, maps, self.lights.table, owners, place, walls, self.sums, scale)
-            self.inject_reflected.encode(*given)
-            if self.settings.single in ("random", "stratified"):
-                self.inject_rays.encode(
-                    *given,
-                    samples=self.settings.samples,
-                    seed=self.settings.seed,
-                    is_stratified=self.settings.single == "stratified",
-                )
+            self.inject_reflected.encode(commands, maps, target, _RETURNED, lights=lights)
+            if s.single in ("random", "stratified"):
+                self.inject_rays.encode(commands, maps, target, lights=lights, sampling=sampling)
 
     def _inject_single(self, commands: Commands) -> None:
         count = self.lights.count if self.settings.single == "gather" else 0

@@ -17,6 +17,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..lattice.inject import Resolve, new_sums
+from ..lattice.lobes import InjectionTarget
 from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
@@ -101,8 +102,9 @@ class LatticeVolumes:
         with commands.stage("inject"):
             base = part.injected
             if solver.border and level + 1 < len(self._levels):
-                solver.enter(commands, level, self.textures, own.sums, scale)
-                solver.enter(commands, level, solver.textures, own.sums, -scale)
+                target = InjectionTarget(part.placement, part.blockers.walls, own.sums, scale)
+                solver.enter(commands, level, self.textures, target)
+                solver.enter(commands, level, solver.textures, replace(target, scale=-scale))
                 self._resolve.encode(
                     commands, part.placement, own.sums, part.injected, own.base, scale
                 )
