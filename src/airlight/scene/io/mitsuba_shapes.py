@@ -36,14 +36,14 @@ def shape_geometries(node: Node, source: Source) -> list[Placed]:
 
     Raises SceneError for a kind that Mitsuba does not have, and for files that cannot be read.
     """
-    if node.kind in ("obj", "ply"):
+    if node.kind in ("obj", "ply", "serialized"):
         return _from_file(node, source)
     if node.kind not in _MAKERS:
         if node.kind not in _LEFT_OUT:
             raise SceneError(
                 f"{node} is no shape of Mitsuba's",
                 where=source.path,
-                remedy=nearest(node.kind, [*_MAKERS, *_LEFT_OUT, "obj", "ply"]),
+                remedy=nearest(node.kind, [*_MAKERS, *_LEFT_OUT, "obj", "ply", "serialized"]),
             )
         source.note(f"{node} is left out: shapes of this kind are not read")
         return []
@@ -90,6 +90,11 @@ def _from_file(node: Node, source: Source) -> list[Placed]:
         from .mitsuba_ply import read_ply
 
         parts = [Placed(read_ply(path), np.eye(4))]
+        flip_v = bool(node.get("flip_tex_coords", False))
+    elif node.kind == "serialized":
+        from .mitsuba_serialized import read_serialized
+
+        parts = [Placed(read_serialized(path, int(node.get("shape_index", 0))), np.eye(4))]
         flip_v = bool(node.get("flip_tex_coords", False))
     else:
         from .obj import load_obj
@@ -227,7 +232,6 @@ _MAKERS: dict[str, Callable[[], Geometry]] = {
     "disk": _disk,
 }
 _LEFT_OUT = (
-    "serialized",
     "instance",
     "shapegroup",
     "merge",
