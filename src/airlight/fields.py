@@ -1,14 +1,14 @@
-"""What solvers are given and what they yield: the contract that every technique is made of.
+"""The contract between solvers: what each is given, and the fields that it yields.
 
-    frame    the scene as it is now, and the box that its lights must see
-    solver   solve(commands, frame, fields) -> fields     whatever the view
-             see(commands, view, fields) -> fields        what depends on the eye
+    frame    the scene of this frame, and the box that shadow maps must cover
+    solver   solve(commands, frame, fields) -> fields       independent of any view
+             solve_view(commands, view, fields) -> fields   what depends on the eye
     fields   irradiance -> lighting of surfaces
              scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
 
-Solvers run in the order of the recipe and see the fields of those before them. Whoever reads a
-field does not know which solver it comes from.
+Solvers run in the order of the recipe and are given the fields of those before them. The reader of
+a field does not know which solver it comes from.
 """
 
 from __future__ import annotations
@@ -91,10 +91,11 @@ class LatticeSource:
 
 @dataclass(frozen=True, eq=False)
 class ForwardSource:
-    """rgb W m^-2 times 1/`scale`, a: optical depth of scattering; `slabs` lights along z.
+    """Light that was only scattered forwards, per light: rgb * `scale` in W m^-2.
 
-    `blurred`: the same of blocks of FORWARD_BLOCK^3 cells, of the side `cell_m`.
-    `table`: their rows of LightData, of which the first `count` shine.
+    Its alpha is the optical depth of scattering; `slabs` lights lie one behind the other along z.
+    `blurred`: the same on blocks of FORWARD_BLOCK^3 cells of side `cell_m`, metres. `table`: the
+    lights' rows of LightData, of which the first `count` are in use.
     """
 
     texture: Texture
@@ -107,16 +108,17 @@ class ForwardSource:
 
     @property
     def spread(self) -> float:
-        """m^-2: times (1 - g) and the square of a way, how nearly light is spread over blocks."""
+        """In m^-2: `spread` (1 - g) distance^2 nears 1 where a beam is as wide as a block."""
         return 2.0 * (0.29 / (_FORWARD_BLUR_CELLS * self.cell_m)) ** 2
 
 
 @dataclass(frozen=True, eq=False)
 class HalfSpaceLight:
-    """`table`, W m^-2 sr^-1: for rows of depths the mean radiance of similar air, then that of the
-    sky, then what air scatters of the sky towards `side`^2 directions.
+    """Light of an endless medium, solved analytically as a half-space (`media.half_space`).
 
-    `top`, m, where the air begins; `sigma_t`, m^-1, of its densest channel.
+    `table`, W m^-2 sr^-1, has a row for each optical depth: the mean radiance of the reduced
+    medium, that of the sky, and the sky's radiance scattered once towards `side`^2 directions.
+    `top`, m: the height of the surface of the medium; `sigma_t`, m^-1: of its densest channel.
     """
 
     table: Buffer
@@ -127,7 +129,7 @@ class HalfSpaceLight:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What is to be solved. `low`, `high` (3,), metres: the box that lights must see."""
+    """One frame of a scene. `low`, `high` (3,), metres: the box that shadow maps must cover."""
 
     scene: Scene
     low: F64
@@ -135,16 +137,16 @@ class Frame:
 
     @property
     def bounds(self) -> tuple[F64, F64]:
-        """Its lower and its upper corner."""
+        """The lower and the upper corner of the box."""
         return self.low, self.high
 
 
 @dataclass(frozen=True, eq=False)
 class ReflectedLight:
-    """Light that surfaces reflect, as a medium takes it from lattices.
+    """Light that surfaces reflect, as media read it from lattices.
 
-    `version`: equal as long as the light is the same. `knows_media`: whether it was solved with the
-    scene's volumes in the lattices, and so holds what there is of it inside them.
+    `version`: equal as long as the light is the same. `knows_media`: the lattices were solved with
+    the scene's volumes in them, so the light is attenuated inside the volumes.
     """
 
     source: LatticeSource
@@ -154,14 +156,14 @@ class ReflectedLight:
 
 @dataclass(frozen=True, eq=False)
 class Fields:
-    """Light that has been solved.
+    """The fields that solvers have yielded so far.
 
-    sky          of the environment on surfaces, W m^-2
-    irradiance   of lattices on surfaces, W m^-2
-    reflected    by surfaces into media
-    scattered    mean radiance on lattices, of which media scatter their share, W m^-2 sr^-1
-    sky_scatter  the same of the environment's direct light
-    volumes      radiance that solved volumes scatter towards the eye, on grids of their own
+    sky          direct irradiance of the environment on surfaces, W m^-2
+    irradiance   indirect irradiance of lattices on surfaces, W m^-2
+    reflected    light that surfaces reflect into media
+    scattered    mean radiance on lattices, W m^-2 sr^-1; media scatter their share of it
+    sky_scatter  the same, of the environment's direct light
+    volumes      radiance that volumes scatter towards the eye, on grids of their own
     half_space   light of an endless medium beyond the lattices
     """
 
@@ -175,17 +177,17 @@ class Fields:
 
 
 class Solver(Protocol):
-    """One of the parts that a technique's light is solved by; made once, used for any frame."""
+    """One part of a technique's light transport; made once, used for any number of frames."""
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
-        """Everything that does not depend on the view: `fields`, and what this adds to them."""
+        """`fields` with those that this solver adds; nothing in them depends on a view."""
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """What depends on the eye of `view`."""
+        """`fields` with those that depend on the eye of `view`."""
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What was solved, for --stats."""
+        """This solver's part of --stats."""
 
     def release(self) -> None:
         """Called when the technique goes, before the kit's `gpu` gives back what was made with it.

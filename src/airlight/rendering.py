@@ -38,7 +38,7 @@ from .techniques import make_technique
 Progress = Callable[[str, float], None]
 MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
-_KEPT_TIMES = 256
+_MOST_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
@@ -50,13 +50,13 @@ class Renderer:
         image = r.frame(camera=...)
 
     The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
-    everything that `frame` takes may change from call to call. A picture depends on the scene that
-    the renderer was made with and on the scene it shows, not on the pictures before it. A path or
+    everything that `frame` takes may change from call to call. An image depends on the scene that
+    the renderer was made with and on the scene it shows, not on the images before it. A path or
     builtin:NAME is loaded. Raises SceneError, SettingsError, DeviceError.
 
     Each thread may have renderers of its own; one renderer serves one thread at a time, any
-    thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C breaks off
-    changes nothing: the next one makes anew what it needs.
+    thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C interrupts
+    changes nothing: the next one recreates what it needs.
     """
 
     def __init__(
@@ -80,13 +80,13 @@ class Renderer:
         self._make()
 
     def _make(self) -> None:
-        """All that is on the device, for the scene that it shows."""
+        """Create all that is on the device, for the scene that is shown."""
         technique, settings, adapter = self._wanted
         self._is_torn = True
         self._accumulator: Accumulator | None = None
         self.gpu = gpu = open_gpu(adapter).scope()
         self._means = gpu.scope()
-        gpu.require("max-texture-dimension-2d", max(self.size), "the picture")
+        gpu.require("max-texture-dimension-2d", max(self.size), "the image")
         gpu.memory.forget_peak()
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
@@ -116,11 +116,11 @@ class Renderer:
         read: bool = True,
         progress: Progress | None = None,
     ) -> Image | None:
-        """One picture, with what is given changed for good.
+        """One image. What the arguments change stays changed for the frames after it.
 
-        `time`, seconds, moves what the scene's animation moves; what else is given holds over it.
-        `samples` jittered pictures are averaged. Without `read` nothing comes back to the host,
-        as in a viewer; the call then returns when the device is done. Raises SceneError,
+        `time`, seconds, evaluates the scene's animation; other arguments override it. `samples`
+        jittered images are averaged. Without `read` nothing comes back to the host, as in a
+        viewer; the call then returns None when the device is done. Raises SceneError,
         SettingsError, DeviceError.
         """
         begin = perf_counter()
@@ -142,7 +142,7 @@ class Renderer:
                 return self._image(samples) if read else None
 
     def _draw(self, scene: Scene, samples: int, progress: Progress | None) -> None:
-        """Hand over all that the picture of `scene` takes."""
+        """Encode and submit all work for an image of `scene`."""
         if scene.meshes is not self.scene.meshes:
             self.meshes.move(scene.meshes)
         self.scene = scene
@@ -160,7 +160,7 @@ class Renderer:
         self.commands.submit()
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; what was solved stays.
+        """Draw images of `size`, pixels, from here on; the solved fields stay.
 
         Raises SettingsError, DeviceError.
         """
@@ -168,7 +168,7 @@ class Renderer:
         with self.used():
             if size == self.size:
                 return
-            self.gpu.require("max-texture-dimension-2d", max(size), "the picture")
+            self.gpu.require("max-texture-dimension-2d", max(size), "the image")
             with self.whole():
                 self._means.release()
                 self.size, self._accumulator = size, None
@@ -191,10 +191,10 @@ class Renderer:
             return dict(commands.stage_ms)
 
     def stats(self) -> dict[str, Any]:
-        """What --stats writes, as far as the renderer knows it.
+        """The values of --stats that the renderer knows.
 
         `frame_ms` and `python_ms` are medians of the frames after the first, which compiles
-        shaders; None before there is a second. `first_image_s` counts from the renderer's making.
+        shaders; None before there is a second. `first_image_s` counts from the renderer's creation.
         Raises DeviceError where it is closed.
         """
         self._check_open()
@@ -212,7 +212,7 @@ class Renderer:
         }
 
     def close(self) -> None:
-        """Give the device's memory back; once more it does nothing.
+        """Give the device's memory back; a second call does nothing.
 
         Raises DeviceError while another thread uses it.
         """
@@ -237,9 +237,10 @@ class Renderer:
 
     @contextmanager
     def used(self) -> Iterator[None]:
-        """The device as this thread's own; resources of a frame that broke off are made again.
+        """A context in which this thread alone uses the device.
 
-        `frame` enters it itself.
+        It recreates the resources that an interrupted frame left undefined. `frame` enters it
+        itself.
 
         Raises DeviceError: another thread is in it, this process was forked, the renderer is
         closed, the device was lost or has no memory left.
@@ -255,7 +256,7 @@ class Renderer:
 
     @contextmanager
     def whole(self) -> Iterator[None]:
-        """What is broken off in here never was: `used` makes all of it anew when next entered."""
+        """A context whose work, if interrupted, leaves no trace: `used` recreates all next time."""
         scene, size = self.scene, self.size
         try:
             yield
@@ -268,12 +269,12 @@ class Renderer:
             raise DeviceError("this Renderer is closed", remedy="Make a new one")
 
     def _release(self) -> None:
-        """Give back all that is on the device."""
+        """Release all that is on the device."""
         self._made.close()
         self._accumulator = None
 
     def _asked(self, scene: Scene, **changes: Any) -> Scene:
-        """`scene`, and what of `changes` is not None put into it. Raises SettingsError."""
+        """`scene` with those of `changes` that are not None. Raises SettingsError."""
         given: dict[str, Any] = {
             name: tuple(value) if name in _MANY else value
             for name, value in changes.items()
@@ -287,31 +288,31 @@ class Renderer:
         return scene
 
     def _count(self, begin: float, encoded: float, done: float) -> None:
-        """Keep a frame's times, seconds; of a long animation the first and the latest."""
+        """Store a frame's times, seconds; of a long animation the first and the latest."""
         if self._first_image_s is None:
             self._first_image_s = done - self._began_s
-        for kept, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
-            del kept[1:-_KEPT_TIMES]
-            kept.append(spent_s * 1e3)
+        for stored, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
+            del stored[1:-_MOST_TIMES]
+            stored.append(spent_s * 1e3)
 
     def _accumulate(self, index: int) -> None:
-        pictures = self.technique.pictures(self.view)
+        layers = self.technique.layers(self.view)
         if self._accumulator is None:
-            self._accumulator = Accumulator(self._means, self.size, tuple(pictures))
+            self._accumulator = Accumulator(self._means, self.size, tuple(layers))
         with self.commands.stage("accumulate"):
-            self._accumulator.encode(self.commands, pictures, index)
+            self._accumulator.encode(self.commands, layers, index)
 
     def _image(self, samples: int) -> Image:
-        pictures = self.technique.pictures(self.view)
+        textures = self.technique.layers(self.view)
         layers = {
             name: (
                 self._accumulator.read(name)
                 if samples > 1 and self._accumulator
                 else texture.read()
             )[..., :3].astype(np.float32)
-            for name, texture in pictures.items()
+            for name, texture in textures.items()
         }
-        radiance = np.sum([layers[n] for n in pictures if n not in NOT_ADDED], axis=0)
+        radiance = np.sum([layers[n] for n in textures if n not in NOT_ADDED], axis=0)
         g = self.view.gbuffer
         layers |= {
             "albedo": g.albedo.read()[..., :3].astype(np.float32),
@@ -323,7 +324,7 @@ class Renderer:
         return Image(radiance, layers, exposure_stops=exposure, stats=self.stats())
 
     def _distance(self) -> np.ndarray[Any, np.dtype[np.float32]]:
-        """Metres along each pixel's ray; infinite where nothing is."""
+        """The distance along each pixel's ray, m; infinite where there is no surface."""
         depth = self.view.gbuffer.depth.read().astype(np.float64)
         height, width = depth.shape
         x = (np.arange(width) + 0.5) / width * 2.0 - 1.0
@@ -349,11 +350,12 @@ def render(
     timed: bool = False,
     time: float | None = None,
 ) -> Image:
-    """One anti-aliased picture of `scene`, which may also be a file or builtin:NAME.
+    """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
-    `size` (width, height) in pixels; `samples` jittered pictures are averaged; `settings` as in
-    `airlight render -D`. `progress(stage, share)` is called as it goes. `timed` adds per-pass
-    milliseconds to `image.stats` (a few more frames). `time`: when, seconds, in a scene that moves.
+    `size`: (width, height) in pixels. `samples` jittered images are averaged. `settings` as in
+    `airlight render -D`. `progress(stage, share)` is called after each step. `timed` renders a few
+    more frames, for `frame_ms` and the milliseconds of each pass in `image.stats`. `time`,
+    seconds, is when a moving scene is shown.
     Raises SceneError, SettingsError, DeviceError.
     """
     if samples < 1 or samples > 4096:

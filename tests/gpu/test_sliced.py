@@ -28,7 +28,7 @@ def drawn(commands: Commands) -> np.ndarray:
         r.technique.draw(commands, r.view)
         commands.submit()
         r.gpu.wait()
-        return np.stack([t.read() for t in r.technique.pictures(r.view).values()])
+        return np.stack([t.read() for t in r.technique.layers(r.view).values()])
 
 
 def test_a_picture_made_pass_by_pass_is_the_same_bits(gpu):

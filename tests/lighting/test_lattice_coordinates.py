@@ -202,5 +202,5 @@ def test_two_views_by_turns(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]
                 views[turn].aim((corner.camera, aside)[turn])
                 technique.draw(commands, views[turn])
                 commands.submit()
-                got = technique.pictures(views[turn])["direct"].read()[..., :3]
+                got = technique.layers(views[turn])["direct"].read()[..., :3]
                 np.testing.assert_array_equal(got, expected[turn])

@@ -66,7 +66,7 @@ class Still:
         r.view.aim(self.scene.camera)
         self.technique.draw(r.commands, r.view)
         r.commands.submit()
-        layers = self.technique.pictures(r.view)
+        layers = self.technique.layers(r.view)
         return layers["indirect"].read()[..., :3].mean(axis=-1).astype(np.float64)
 
     def __enter__(self):

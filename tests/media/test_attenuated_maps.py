@@ -35,13 +35,15 @@ def test_flux_is_what_the_air_lets_through(
     maps.encode(commands, meshes, [sun], light_views([sun], low, high, 16))
     air = owned(GpuMedia(gpu, scene, light_count=2))
     air.update(commands, scene, low, high)
-    dimmed = owned(AttenuatedMaps(gpu, maps, air, [1]))
-    dimmed.attenuate(commands, lights.table)
+    attenuated = owned(AttenuatedMaps(gpu, maps, air, [1]))
+    attenuated.attenuate(commands, lights.table)
     sky = owned(AttenuatedSkyMaps(gpu, maps, air))
     sky.attenuate(commands)
     commands.submit()
-    np.testing.assert_allclose(sky.flux.read(), dimmed.flux.read(), rtol=2e-3)
-    before, after = (m.flux.read()[..., :3].astype(float).reshape(-1, 3) for m in (maps, dimmed))
+    np.testing.assert_allclose(sky.flux.read(), attenuated.flux.read(), rtol=2e-3)
+    before, after = (
+        m.flux.read()[..., :3].astype(float).reshape(-1, 3) for m in (maps, attenuated)
+    )
     lit = before[:, 0] > 0.0
     assert lit.any()
     np.testing.assert_allclose(

@@ -219,11 +219,11 @@ def test_surfaces_are_where_the_last_picture_left_them(
         technique, expected = renderer.technique, []
         for camera in (foggy.camera, aside):
             expected.append(renderer.frame(camera=camera).layers["direct"])
-            assert technique.pictures(renderer.view)["direct"] is renderer.view.layers.direct
+            assert technique.layers(renderer.view)["direct"] is renderer.view.layers.direct
         with monkeypatch.context() as patched:
             patched.setattr(MediaImage, "encode", in_passes)
             apart = renderer.frame(camera=foggy.camera).layers["direct"]
-            assert technique.pictures(renderer.view)["direct"] is not renderer.view.layers.direct
+            assert technique.layers(renderer.view)["direct"] is not renderer.view.layers.direct
         after = renderer.frame(camera=aside).layers["direct"]
     np.testing.assert_allclose(apart, expected[0], rtol=2e-5)
     np.testing.assert_array_equal(after, expected[1])

@@ -117,7 +117,7 @@ def test_a_solver_of_ones_own_lights_surfaces(gpu: Any) -> None:
         technique.solve(commands, scene)
         technique.draw(commands, view)
         commands.submit()
-        brightness.append(float(technique.pictures(view)["indirect"].read()[4, 4, 0]))
+        brightness.append(float(technique.layers(view)["indirect"].read()[4, 4, 0]))
         assert technique.stats["irradiance"] == light
         assert solver.seen == 1
         technique.release()

@@ -74,7 +74,7 @@ class LatticeMedia(Protocol):
     def attenuate_sky(self, commands: Commands) -> None:
         """The sky's maps likewise."""
 
-    def seen(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
+    def attenuated(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
         """The attenuated ones in place of `maps`."""
 
     def block(self, commands: Commands, level: int, geometry: int) -> None:
@@ -219,7 +219,7 @@ class LpvSolver(Solver):
     ) -> None:
         self.inject.encode(
             commands,
-            self.media.seen(maps) if self.media else maps,
+            self.media.attenuated(maps) if self.media else maps,
             part.target(scale),
             self.lobe,
             small=part.small,

@@ -1,15 +1,19 @@
 """Techniques by name.
 
-direct       lights with shadows, emission and sky; no bounced light, no air
-single       the same through air, with light scattered once
-lpv          light propagation volumes (Kaplanyan2010); no air
-lpv-march    the same, and the lattice marched as if it were lit air
+direct       lights with shadows, emission and sky; no indirect light, no media
+single       direct light through media, and single scattering
+lpv          light propagation volumes (Kaplanyan2010); no media
+lpv-march    lpv, its lattice marched as if it were lit medium
 lpv-sum      the sum of lpv-march and single
 lpv-scatter  multiple scattering on a lattice (Billeter2012)
-pop          principal-ordinates propagation for every medium (Elek2014)
-auto         what suits the scene, together in one frame
+pop          principal-ordinates propagation in every medium (Elek2014)
+auto         the recipe that suits the scene
 
-`recipes` says what each is made of, `technique` how a frame runs through it.
+    recipes    which solvers each technique is made of
+    technique  how a frame runs through them: solve -> fields -> draw
+    settings   the settings of each, joined from its parts
+    auto       which recipe suits a scene
+    volumes    what volumes do to a lattice of reflected light
 """
 
 from __future__ import annotations
@@ -32,7 +36,7 @@ from .technique import Technique
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a technique is made, and what it can be told."""
+    """How a technique is made, and its settings."""
 
     make: Callable[[Context, Any], Technique]
     settings: type[SurfaceSettings]
@@ -55,11 +59,14 @@ TECHNIQUES: dict[str, type[SurfaceSettings]] = {
     **{name: recipe.settings for name, recipe in RECIPES.items() if " " not in name},
     "auto": settings.AutoSettings,
 }
-"""Name -> settings of every technique that can be asked for."""
+"""Name -> settings, of every technique that can be asked for."""
 
 
 def technique_settings(name: str) -> type[SurfaceSettings]:
-    """What a technique can be told in every scene. Raises SettingsError naming the nearest."""
+    """The settings that a technique has in every scene.
+
+    Raises SettingsError for an unknown name, naming the nearest.
+    """
     if name not in TECHNIQUES:
         raise SettingsError(f"unknown technique '{name}'", remedy=nearest(name, TECHNIQUES))
     return TECHNIQUES[name]
@@ -72,7 +79,7 @@ def chosen_recipe(name: str, scene: Scene) -> str:
 
 
 def settings_class(name: str, scene: Scene) -> type[SurfaceSettings]:
-    """What the technique can be told; of `auto` what the one that it takes for `scene` can be."""
+    """The technique's settings for `scene`; of `auto` those of the recipe that it chooses."""
     return RECIPES[chosen_recipe(name, scene)].settings
 
 

@@ -1,12 +1,13 @@
 """The technique `auto`: the recipe whose solvers suit a scene.
 
-surfaces  no media: lpv; media: lpv-scatter, whose lattice carries bounced and scattered light
-volumes   pop, a solver each for the light of suns, lamps and sky, marched as sources; light that
-          surfaces reflect into them comes from the lattice, which they dim and add to
-          (`volumes`). Part of the lattice's medium where there are more than four, or where a box
-          or ball takes much of a lamp's light from the room: there single scattering is exact (a
-          thick ball in the Cornell box: relative L2 error of its light .21, by pop .33; of density
-          grids pop has the smaller error, .27 where the lattice's medium has .55)
+surfaces  without media `lpv`; with media `lpv-scatter`, whose lattice holds reflected and scattered
+          light
+volumes   `pop`: a solver for the light of each volume, marched as a source. Light that surfaces
+          reflect into a volume comes from the lattice, which the volume attenuates and adds to
+          (`volumes`). Volumes are part of the lattice's medium instead where there are more than
+          four, or where a box or ball keeps much of a local light from the room: single scattering
+          is exact there. (A thick ball in the Cornell box: the relative L2 error of its light is
+          .21, with pop .33. For density grids pop is the better one, .27 against .55.)
 """
 
 from __future__ import annotations
@@ -32,21 +33,20 @@ def recipe_for(scene: Scene) -> str:
 
 
 def _shades_a_room(scene: Scene) -> bool:
-    """Whether a volume takes more than a few percent of the lamps' light from the surfaces.
+    """Whether a volume keeps more than a few percent of the local lights' light from surfaces.
 
-    Density grids do not count where the lattice is lpv's: it knows them.
+    Density grids do not count where the lattice is `lpv`'s, which attenuates its lights by them.
     """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
     low, high = scene.bounds
     room = _section(high - low)
-    is_even = [scene.medium is not None or v.density is None for v in scene.volumes]
-    shapes = [volume for volume, even in zip(scene.volumes, is_even, strict=True) if even]
+    shapes = [v for v in scene.volumes if scene.medium is not None or v.density is None]
     return any(_shading(volume) > _SHADED_SHARE * room for volume in shapes)
 
 
 def _shading(volume: Volume) -> float:
-    """About how much a volume's box stops: its section, m^2, times the share it takes."""
+    """Roughly what a volume blocks, m^2: its mean cross section times 1 - transmittance."""
     low, high = volume_world_bounds(volume)
     density = 1.0 if volume.density is None else float(volume.density.mean())
     depth = max(volume.sigma_t) * density * float(np.cbrt(np.prod(high - low)))
@@ -54,6 +54,6 @@ def _shading(volume: Volume) -> float:
 
 
 def _section(size: F64) -> float:
-    """Mean area of a box's sides, m^2."""
+    """The mean area of a box's sides, m^2, from its size, m."""
     x, y, z = size
     return float(x * y + y * z + z * x) / 3.0

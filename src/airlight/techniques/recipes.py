@@ -1,18 +1,18 @@
 """The techniques, each as a recipe: which solvers see which fields, in which order.
 
-    kit      lights with shadow maps, the sky, lattices with blockers
-    solvers  each adds its fields: irradiance of surfaces, light that media scatter
-    media    shafts and marching of all fields; surfaces are seen through it
+    kit      lights with shadow maps, the sky, lattices with their blockers
+    solvers  each adds its fields: irradiance of surfaces, radiance that media scatter
+    media    shafts, marching of all fields, compositing; one of the solvers
 
-A recipe takes what a technique is made for and its settings, and gives the technique. It imports
-the solvers that it uses itself: an image without media needs no code about media.
+A recipe takes what a technique is made for and its settings, and returns the technique. It imports
+the solvers that it uses itself: an image without media loads no code about media.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..lpv.settings import LpvSettings
@@ -29,14 +29,25 @@ from .settings import (
 )
 from .technique import Technique
 
+if TYPE_CHECKING:
+    from ..media.media import Media
+
 
 def direct(context: Context, settings: SurfaceSettings) -> Technique:
-    """Lights with shadows, emission and the sky on surfaces; nothing bounces, no media."""
+    """Direct light: lights with shadow maps, emission and the sky on surfaces.
+
+    There is no indirect light, and there are no media.
+    """
     return Technique("direct", Kit(context, settings))
 
 
 def lpv(context: Context, settings: LpvSettings) -> Technique:
-    """Light propagation volumes (Kaplanyan2010): light bounces between surfaces; no media."""
+    """Light propagation volumes (Kaplanyan2010): indirect light on surfaces, no media.
+
+    Texels of reflective shadow maps are virtual point lights. Their light enters a lattice in two
+    bands of spherical harmonics, propagates to the six neighbours through faces that surfels of
+    the scene block, and is read as irradiance; nested lattices follow the camera.
+    """
     from ..lpv.solver import LpvSolver, cascades_nest
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
@@ -44,7 +55,11 @@ def lpv(context: Context, settings: LpvSettings) -> Technique:
 
 
 def single(context: Context, settings: SingleSettings) -> Technique:
-    """Direct light through media, and what they scatter once, with sharp shadows."""
+    """Direct light attenuated by media, and the light that they scatter once towards the eye.
+
+    The in-scattering integral is evaluated over the lit intervals of each view ray, so shadows in
+    media are as sharp as the shadow maps.
+    """
     from ..media.media import Media
 
     kit = Kit(context, settings, scene_nest(context.scene, settings, in_medium=True))
@@ -53,7 +68,7 @@ def single(context: Context, settings: SingleSettings) -> Technique:
 
 
 def lpv_march(context: Context, settings: LpvMarchSettings) -> Technique:
-    """`lpv`, and its lattice marched as if it were lit medium (Billeter2012, Fig. 5); no shafts."""
+    """`lpv`, its lattice marched as if it were lit medium (Billeter2012, Fig. 5); no shafts."""
     return _lpv_in_media("lpv-march", context, settings, shafts="off")
 
 
@@ -62,19 +77,26 @@ def lpv_sum(context: Context, settings: LpvMarchSettings) -> Technique:
     return _lpv_in_media("lpv-sum", context, settings)
 
 
-def _lpv_in_media(name: str, context: Context, settings: LpvMarchSettings, **air: Any) -> Technique:
+def _lpv_in_media(
+    name: str, context: Context, settings: LpvMarchSettings, **changed: Any
+) -> Technique:
     from ..lpv.solver import LpvSolver, cascades_nest
     from ..media.media import Media
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     lattice = LpvSolver(kit, settings, is_marched=True)
-    drawn = replace(part_of(settings, MediaSettings), **air)
+    drawn = replace(part_of(settings, MediaSettings), **changed)
     media = Media(kit, drawn, is_lattice_marched=True)
     return Technique(name, kit, [lattice, media], media=media)
 
 
 def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
-    """Multiple scattering on one lattice (Billeter2012): reflected and scattered light together."""
+    """Multiple scattering on one lattice (Billeter2012).
+
+    Light that surfaces reflect and light that media scatter enter the same lattice and propagate
+    to 26 neighbours, absorbed and scattered on the way, until the field is steady. Surfaces read
+    its irradiance; view rays march through its mean radiance; single scattering is exact.
+    """
     from ..media.media import Media
     from ..scatter.solver import ScatterSolver
 
@@ -85,41 +107,47 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
-    """Principal ordinates for every medium (Elek2014); surfaces are lit directly."""
+    """Principal-ordinates propagation in every medium (Elek2014); surfaces are lit directly.
+
+    Each light, and each part of the environment, is a principal ordinate: a grid aligned with its
+    direction, through which its radiance propagates and is scattered. The ordinates' radiance is
+    summed on a grid of the medium and marched as a source.
+    """
     from ..media.media import Media
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
 
-    scaling = DeltaScaling()
-    scene_filter = (lambda scene: scene) if settings.scheme == "paper" else scaling.scaled
-    context = replace(context, scene=scene_filter(context.scene))
-    # A sky that lights no surface is not worth its maps.
+    # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
+    scaled = None if settings.scheme == "paper" else DeltaScaling().scaled
+    context = replace(context, scene=scaled(context.scene)) if scaled else context
+    # A sky without surfaces to light needs no shadow maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))
-    air = MediaSettings(
+    drawn = MediaSettings(
         shafts="off", march_resolution=settings.march, march_steps=settings.march_steps
     )
-    every = EveryMedium(context.scene)
-    media = Media(
-        kit, air, sources=len(every(context.scene)), has_sky=False, solved=context.scene.volumes
-    )
+    every, volumes = EveryMedium(context.scene), context.scene.volumes
+    sources = len(every(context.scene))
+    media = Media(kit, drawn, sources=sources, has_sky=False, solved=volumes)
     solved = PopMedia(kit, media.on_device, settings, every)
+    layers = partial(_pop_layers, media)
+    return Technique("pop", kit, [media, solved], media=media, scene_filter=scaled, layers=layers)
 
-    def layers(view: Any) -> dict[str, Any]:
-        found = media.layers(view)
-        return {
-            "direct": found["direct"],
-            "indirect": found["indirect"],
-            "scattered": found["multiple_scatter"],
-            "transmittance": found["transmittance"],
-        }
 
-    return Technique(
-        "pop", kit, [media, solved], media=media, scene_filter=scene_filter, layers=layers
-    )
+def _pop_layers(media: Media, view: Any) -> dict[str, Any]:
+    """All that media scatter, in one layer: ordinates do not tell the orders apart."""
+    found = media.layers(view)
+    names = {"scattered": "multiple_scatter"} | {
+        name: name for name in ("direct", "indirect", "transmittance")
+    }
+    return {name: found[of] for name, of in names.items()}
 
 
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
-    """`lpv` among volumes: they attenuate and add to its lattice, which lights them in turn."""
+    """`lpv` on surfaces, principal ordinates in the volumes between them.
+
+    The volumes attenuate and block the lattice's light and send their own into it; the lattice's
+    light is one of the sources that illuminate them.
+    """
     from ..lpv.solver import LpvSolver, cascades_nest
     from ..media.media import Media
     from ..pop.media import PopMedia
@@ -135,7 +163,7 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
 
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
-    """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in it."""
+    """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in the fog."""
     from ..media.media import Media
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
@@ -156,10 +184,11 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
 
 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
+    """The kit on one lattice over surfaces and medium; its blockers as the setting says."""
     nest = scene_nest(context.scene, settings, in_medium=True)
     if settings.blockers == "maps":
         from ..scatter.map_blockers import MapBlockers
 
-        seen = partial(MapBlockers, resolution=settings.blocker_resolution)
-        return Kit(context, settings, nest, make_blockers=seen)
+        from_maps = partial(MapBlockers, resolution=settings.blocker_resolution)
+        return Kit(context, settings, nest, make_blockers=from_maps)
     return Kit(context, settings, nest)

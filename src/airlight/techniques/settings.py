@@ -1,4 +1,4 @@
-"""What each technique can be told: the settings of its parts, joined."""
+"""The settings of each technique: those of its parts, joined."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ _S = TypeVar("_S")
 
 @dataclass(frozen=True)
 class SingleSettings(SurfaceSettings, MediaSettings):
-    """Surfaces, and how media are drawn."""
+    """Settings of surfaces and of drawing media."""
 
 
 @dataclass(frozen=True)
 class LpvMarchSettings(LpvSettings, MediaSettings):
-    """Light propagation volumes, and how media are drawn."""
+    """Settings of light propagation volumes and of drawing media."""
 
 
 @dataclass(frozen=True)
 class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings):
-    """Multiple scattering on a lattice, and how media are drawn."""
+    """Settings of multiple scattering on a lattice and of drawing media."""
 
-    occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
+    occlusion: bool = setting(True, "whether surfaces block and reflect propagating light")
     blockers: str = setting(
         "surfels",
-        "what is known of surfaces that stop light: samples of all of them, or what six "
-        "maps around the scene see, as in the paper",
+        "where blockers come from: samples of all surfaces, or what six maps around the "
+        "scene see, as in the paper",
         choices=("surfels", "maps"),
     )
     blocker_resolution: int = setting(256, "side of those maps", unit="px", low=8, high=4096)
@@ -42,13 +42,13 @@ class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings):
 
 @dataclass(frozen=True)
 class PopTechniqueSettings(SurfaceSettings, PopSettings):
-    """Surfaces, and principal ordinates."""
+    """Settings of surfaces and of principal ordinates."""
 
-    march: str = setting("half", "resolution of the marched picture", choices=tuple(RESOLUTIONS))
+    march: str = setting("half", "resolution of the marched image", choices=tuple(RESOLUTIONS))
     march_steps: int = setting(128, "most steps of a view ray", low=8, high=1024)
     virtual_lights: int = setting(
         64,
-        "points of lit surfaces whose reflected light media see, once; 0: none",
+        "virtual point lights on lit surfaces, for one bounce into media; 0: none",
         low=0,
         high=512,
     )
@@ -56,21 +56,21 @@ class PopTechniqueSettings(SurfaceSettings, PopSettings):
 
 @dataclass(frozen=True)
 class LpvWithPopSettings(LpvMarchSettings, PopSettings):
-    """Bounced light on lattices, whose names these are first, and principal ordinates."""
+    """Settings of `lpv`, which keep their names, and of principal ordinates."""
 
 
 @dataclass(frozen=True)
 class LpvScatterWithPopSettings(LpvScatterSettings, PopSettings):
-    """A scattering lattice, whose names these are first, and principal ordinates."""
+    """Settings of `lpv-scatter`, which keep their names, and of principal ordinates."""
 
 
 @dataclass(frozen=True)
 class AutoSettings(SurfaceSettings):
-    """What `auto` can be told whatever it chooses; `settings_class` knows more for a scene."""
+    """Settings of `auto` whatever it chooses; `settings_class` has all of them for a scene."""
 
 
 def part_of(settings: Any, kind: type[_S], *, but: type | None = None) -> _S:
-    """The settings of one part among joined ones; those that `but` has mean its own."""
+    """The settings of one part out of joined ones, without those that belong to `but`."""
     taken = but.__dataclass_fields__.keys() if but else ()  # type: ignore[attr-defined]
     names = [name for name in kind.__dataclass_fields__ if name not in taken]  # type: ignore[attr-defined]
     return kind(**{name: getattr(settings, name) for name in names})

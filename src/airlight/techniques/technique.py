@@ -1,4 +1,4 @@
-"""What every technique is: solvers in an order, surfaces lit by their fields, media before them."""
+"""The one class of technique: solvers in an order, then surfaces and media lit by their fields."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Layers = Callable[[View], dict[str, Texture]]
 
 
 class Technique:
-    """Made once for a scene, then used for any number of frames; see `recipes`.
+    """A list of solvers for one scene, used for any number of frames; `recipes` makes them.
 
-    `name`: of the recipe. `solve` is everything that no view matters for, `draw` writes the layers
-    of one. `media` is one of the solvers, where media are drawn at all.
+    `solve` brings all fields up to date for a scene, independent of any view; `draw` writes the
+    layers of one view.
     """
 
     def __init__(
@@ -39,28 +39,35 @@ class Technique:
         scene_filter: SceneFilter | None = None,
         layers: Layers | None = None,
     ) -> None:
-        """`scene_filter`: the scene that solvers are given. `layers`: what is read, if not all."""
+        """`name`: of the recipe. `media`: the one of the solvers that draws media, if any does.
+
+        `scene_filter`: what solvers are given in place of the scene. `layers`: the textures of a
+        view that make its image; by default all that `media`, or else surfaces, wrote.
+        """
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
         self._scene_filter = scene_filter or (lambda scene: scene)
-        air = media.on_device if media else None
-        self.surfaces = Surfaces(kit, kit.context.scene, air)
+        attenuation = media.on_device if media else None
+        self.surfaces = Surfaces(kit, kit.context.scene, attenuation)
         self._layers = layers or (media.layers if media else _surface_layers)
         self.fields: Fields | None = None
 
     def solve(self, commands: Commands, scene: Scene) -> None:
-        """Lights, sky and lattices, then each solver, which sees the fields of those before it."""
+        """Update lights, sky and lattices, then run each solver on the fields of those before."""
         scene = self._scene_filter(scene)
         frame = Frame(scene, *self.kit.bounds(scene))
+        # What all solvers share: shadow maps, blockers, the sky's light in all cells.
         self.kit.encode(commands, scene, *frame.bounds)
+        # Each solver adds its fields to those of the solvers before it.
         fields = Fields(self.kit.sky_irradiance)
         for solver in self.solvers:
             fields = solver.solve(commands, frame, fields)
         self.fields = fields
 
     def draw(self, commands: Commands, view: View) -> None:
-        """Surfaces, then media before them."""
+        """Draw the view's surfaces, then the media in front of them."""
         assert self.fields is not None, "solve comes first"
         fields = self.fields
+        # Solvers add what depends on the eye; they leave the fields of `solve` as they are.
         for solver in self.solvers:
             fields = solver.solve_view(commands, view, fields)
         irradiance = fields.irradiance or self.kit.no_irradiance
@@ -68,12 +75,12 @@ class Technique:
         if self.media:
             self.media.draw(commands, view, fields)
 
-    def pictures(self, view: View) -> dict[str, Texture]:
-        """The layers that `draw` wrote, by name; those that are radiance add up to the image."""
+    def layers(self, view: View) -> dict[str, Texture]:
+        """The textures that `draw` wrote, by layer; the layers of radiance add up to the image."""
         return self._layers(view)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels; what was solved stays."""
+        """Draw images of `size`, pixels, from here on; the solved fields stay."""
         if self.media:
             self.media.resize(size)
 
@@ -83,7 +90,7 @@ class Technique:
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What was solved, for --stats; where several say so, the first solver's word."""
+        """The values of --stats; where two solvers have the same key, the first one's counts."""
         found = self.kit.stats
         for solver in reversed(self.solvers):
             found |= solver.stats

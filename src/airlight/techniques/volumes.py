@@ -1,9 +1,11 @@
-"""Volumes in a lattice of reflected light, where solvers of their own draw them.
+"""Volumes in a lattice of reflected light, where solvers of their own draw the volumes.
 
-Volumes attenuate the lights that the lattice starts from, stop and turn back what it carries
-(`media.volume_blockers`), and send their own first-scattered light to the surfaces: a second
-propagation, from the same light and theirs. Volumes take reflected light from the first: what they
-scatter themselves their solvers know.
+    reflective shadow maps -> attenuated by the volumes -> injected into the lattice
+    cell faces             -> blocked and reflecting where volumes stand (`media.volume_blockers`)
+    single scattering      -> injected as well, for a second propagation that surfaces read
+
+The first propagation holds light of surfaces alone. The volumes' solvers take their indirect light
+from it, because they already know what the volumes themselves scatter.
 """
 
 from __future__ import annotations
@@ -31,72 +33,74 @@ from ..surface.reflective import ReflectiveShadowMaps
 
 
 class LatticeVolumes:
-    """The `lpv.solver.LatticeMedia` of a scene's volumes, all of them on the device in `air`."""
+    """A scene's volumes as the `LatticeMedia` of `lpv.solver`; on the device they are `media`."""
 
-    def __init__(self, solver: LpvSolver, air: GpuMedia) -> None:
-        self._solver, self._air = solver, air
+    def __init__(self, solver: LpvSolver, media: GpuMedia) -> None:
+        self._solver, self._media = solver, media
         kit = solver.kit
         gpu, scene = kit.gpu, kit.context.scene
-        # Lights as they come through the volumes.
+        # Reflective shadow maps, attenuated between their light and each texel.
         self._lights = [
-            AttenuatedMaps(gpu, maps, air, owners)
+            AttenuatedMaps(gpu, maps, media, owners)
             for maps, owners in zip(solver.maps.groups, solver.maps.owners, strict=True)
         ]
-        self._sky = AttenuatedSkyMaps(gpu, kit.sky.maps, air)
-        self._seen: dict[int, ReflectiveShadowMaps] = {
-            id(maps): dimmed for maps, dimmed in zip(solver.maps.groups, self._lights, strict=True)
+        self._sky = AttenuatedSkyMaps(gpu, kit.sky.maps, media)
+        self._attenuated: dict[int, ReflectiveShadowMaps] = {
+            id(maps): own for maps, own in zip(solver.maps.groups, self._lights, strict=True)
         } | {id(kit.sky.maps): self._sky}
-        # Volumes as blockers.
-        self._faced = [VolumeBlockers(gpu, air, part.placement.cells) for part in solver.cascades]
-        self._faced_of: list[tuple[Any, ...]] = [()] * len(solver.cascades)
-        # Their own light: as much as they scatter once, evenly to all sides.
-        self.even = GpuMedia(gpu, _evenly(scene), light_count=kit.lights.count)
+        # Faces of each lattice that volumes block.
+        self._blockers = [
+            VolumeBlockers(gpu, media, part.placement.cells) for part in solver.cascades
+        ]
+        self._blocked_versions: list[tuple[Any, ...]] = [()] * len(solver.cascades)
+        # What reduced isotropic volumes scatter once, and the lattices that it enters.
+        self.isotropic = GpuMedia(gpu, _reduced_isotropic(scene), light_count=kit.lights.count)
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
-        self._inject, self._resolve = InjectSingle(gpu, self.even), Resolve(gpu)
+        self._inject, self._resolve = InjectSingle(gpu, self.isotropic), Resolve(gpu)
         self._levels = [_Level(gpu, part) for part in solver.cascades]
 
     def update(self, commands: Commands, frame: Frame) -> None:
-        """Take the volumes as they are."""
+        """Update the volumes on the device."""
         with commands.stage("air"):
-            self._air.update(commands, frame.scene, *frame.bounds)
-            self.even.update(commands, _evenly(frame.scene), *frame.bounds)
+            self._media.update(commands, frame.scene, *frame.bounds)
+            self.isotropic.update(commands, _reduced_isotropic(frame.scene), *frame.bounds)
 
     @property
     def version(self) -> int:
-        """Another one whenever the volumes changed."""
-        return self._air.version
+        """A number that changes with the volumes."""
+        return self._media.version
 
     def attenuate(self, commands: Commands) -> None:
-        """The lights' maps, drawn for this frame, as seen through the volumes."""
+        """Attenuate the maps of all lights, drawn for this frame, by the volumes."""
         for maps in self._lights:
             maps.attenuate(commands, self._solver.kit.lights.table)
 
     def attenuate_sky(self, commands: Commands) -> None:
-        """The sky's maps likewise."""
+        """Attenuate the sky's maps."""
         self._sky.attenuate(commands)
 
-    def seen(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
-        """The attenuated ones in place of `maps`."""
-        return self._seen[id(maps)]
+    def attenuated(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
+        """The attenuated maps that replace `maps`."""
+        return self._attenuated[id(maps)]
 
     def block(self, commands: Commands, level: int, geometry: int) -> None:
-        """Volumes and walls as blockers of a lattice, where one of them changed."""
+        """Update the blocked faces of a lattice, where volumes or walls changed."""
         part = self._solver.cascades[level]
-        made = (geometry, replace(part.placement, fade=None), self._air.version)
-        if made != self._faced_of[level]:
-            self._faced_of[level] = made
-            self._faced[level].encode(commands, part.placement, part.blockers.faces)
+        made = (geometry, replace(part.placement, fade=None), self._media.version)
+        if made != self._blocked_versions[level]:
+            self._blocked_versions[level] = made
+            self._blockers[level].encode(commands, part.placement, part.blockers.faces)
 
     def faces(self, level: int) -> Buffer:
-        """What blocks between the cells of a lattice, volumes and walls."""
-        return self._faced[level].faces
+        """What blocks between the cells of a lattice: volumes and walls."""
+        return self._blockers[level].faces
 
     def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
-        """What volumes scatter once onto surfaces, with all that bounced, into `textures`.
+        """Propagate the light of surfaces and of volumes once more, into `textures`.
 
-        What they scatter more than once, the lattice's own turning back makes of it. A finer
-        lattice takes in volumes' light from the next one's, in place of what that has of surfaces
-        alone; the larger ones come first.
+        Volumes send what they scatter once; the faces that they block reflect the rest back into
+        the lattice. The coarser lattices come first: at its border a finer one takes in the next
+        one's light with the volumes', in place of that of surfaces alone.
         """
         part, own, lights = solver.cascades[level], self._levels[level], solver.kit.lights
         with commands.stage("inject"):
@@ -141,11 +145,11 @@ class _Level:
         self.sums = new_sums(gpu, part.placement)
 
 
-def _evenly(scene: Scene) -> Scene:
-    """Volumes that scatter evenly, and per steradian: the lattice keeps W sr^-1."""
+def _reduced_isotropic(scene: Scene) -> Scene:
+    """The scene's volumes reduced to isotropic ones, per steradian: the lattice is in W sr^-1."""
     volumes = []
     for volume in scene.volumes:
-        even = reduced(volume)
-        r, g, b = (share / (4.0 * math.pi) for share in even.albedo)
-        volumes.append(replace(even, albedo=(r, g, b)))
+        isotropic = reduced(volume)
+        r, g, b = (share / (4.0 * math.pi) for share in isotropic.albedo)
+        volumes.append(replace(isotropic, albedo=(r, g, b)))
     return replace(scene, volumes=tuple(volumes))

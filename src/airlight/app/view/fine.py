@@ -189,7 +189,7 @@ class Fine:
             if self.presenter is None:
                 self.presenter = Presenter(self.gpu, shot.size, shot.format)
             self.presenter.resize(shot.size)
-            pictures = r.technique.pictures(r.view)
-            self.presenter.take(commands, pictures, r.view, shot.look, index)
+            layers = r.technique.layers(r.view)
+            self.presenter.take(commands, layers, r.view, shot.look, index)
             commands.submit()
             self.samples = index + 1

@@ -104,7 +104,7 @@ class Session:
         """What can be looked at."""
         if self.renderer is None:
             return ("picture",)
-        return layer_names(self.renderer.technique.pictures(self.renderer.view))
+        return layer_names(self.renderer.technique.layers(self.renderer.view))
 
     def has_edit(self) -> bool:
         """Take an edit of the scene file, if there is one; a broken one becomes the message."""
@@ -337,8 +337,8 @@ class Session:
         if self._presenter is None:
             self._presenter = Presenter(self.gpu, plan.size, self._format)
         self._presenter.resize(plan.size)
-        pictures = r.technique.pictures(r.view)
-        self._presenter.take(commands, pictures, r.view, self.state.look, plan.sample)
+        layers = r.technique.layers(r.view)
+        self._presenter.take(commands, layers, r.view, self.state.look, plan.sample)
         self._tone(self._presenter, plan.sample, settled=not plan.is_moving)
         r.gpu.wait()
         if commands.is_timed:
