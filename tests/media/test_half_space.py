@@ -7,7 +7,7 @@ import pytest
 
 from airlight.maths.octahedron import octahedron_point
 from airlight.maths.plane_air import plane_light
-from airlight.media.march.half_space import ROWS, SIDE, HalfSpace, fluence, sky_once
+from airlight.media.march.half_space import ROWS, SIDE, HalfSpace, fluence, sky_single_scatter
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Material, Medium, Mesh, Scene
 from airlight.scene.shapes import quad
@@ -131,14 +131,14 @@ def test_a_sky_scatters_all_its_light_whatever_g_is():
     """Over all directions, by quadrature on the octahedron's square, what arrives."""
     uneven = Medium(0.1, 0.9, 0.6, endless=True, top=10.0)
     sky = sky_lights(Environment(radiance=(1.0, 1.0, 1.0)), 64)
-    made = sky_once(uneven, sky).reshape(ROWS, SIDE, SIDE, 3)
+    made = sky_single_scatter(uneven, sky).reshape(ROWS, SIDE, SIDE, 3)
     # Texels at borders and corners stand for less of the square; solid angle per area of it.
     t = np.linspace(-1.0, 1.0, SIDE)
     u, v = np.meshgrid(t, t)
     area = np.outer(*[np.where(np.abs(t) < 1.0, 1.0, 0.5)] * 2) * (2.0 / (SIDE - 1)) ** 2
     solid = area / np.linalg.norm(octahedron_point(np.stack([u, v], -1)), axis=-1) ** 3
     total = np.einsum("rijc,ij->rc", made, solid)
-    np.testing.assert_allclose(total, fluence(uneven, sky, kept=False), rtol=0.02, atol=1e-9)
+    np.testing.assert_allclose(total, fluence(uneven, sky, is_reduced=False), rtol=0.02, atol=1e-9)
 
 
 def _known(technique: str) -> dict[str, object]:

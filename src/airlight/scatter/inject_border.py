@@ -23,7 +23,7 @@ from ..maths.lattice26_walls import returned_sharpness
 from ..maths.plane_air import plane_light, plane_radiance
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
-from ..media.march.half_space import suns
+from ..media.march.half_space import directional
 from ..scene.lights import Light
 from ..scene.medium import Medium
 from .hop_wgsl import literal
@@ -164,7 +164,7 @@ def incoming_light(medium: Medium, lights: list[Light]) -> F64:
     depth = share / (1.0 - share)
     table = np.zeros((LEVELS, ROWS, 4))
     for c in range(3):
-        ways, irradiances = suns(lights, c)
+        ways, irradiances = directional(lights, c)
         light = plane_light(medium.albedo[c], -ways[:, 1], irradiances)
         own = depth * medium.sigma_t[c] / max(medium.sigma_t)
         table[..., c] = plane_radiance(light, own, levels()[:, 0]).T

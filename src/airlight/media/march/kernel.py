@@ -1,4 +1,4 @@
-"""What marching's kernel is made of, by what is marched: parameters, slots, generated WGSL."""
+"""The parameters, slots and generated WGSL of the marching kernel, by the fields it marches."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ...gpu.slots import Slot, sampler, storage, texture, uniform
 from ...lattice.placement import LatticeParams
 from ..gpu_media import GpuMedia
 from ..rays import RayParams
-from .forward_source import FORWARD_WGSL, forward_slots
-from .half_space import NO_FAR_WGSL, far_slots, far_wgsl
+from .forward_source import FORWARD_WGSL, NO_FORWARD_WGSL, forward_slots
+from .half_space import NO_HALF_SPACE_WGSL, half_space_slots, half_space_wgsl
 
 MAX_LEVELS_AT_ONCE = 3
-"""Nested lattices that fade into each other at one place."""
+"""Nested lattices that fade into each other at one point."""
 
 
 class MarchParams(Struct):
@@ -30,8 +30,8 @@ class MarchParams(Struct):
     forward_spread = f32("m^-2, see ForwardSource")
     forward_slabs = f32("lights that its texture holds along z")
     forward_count = u32("of which so many shine")
-    far_top = f32("m, of endless air")
-    far_sigma = f32("m^-1, of endless air")
+    half_space_top = f32("m, of an endless medium")
+    half_space_sigma_t = f32("m^-1, of an endless medium")
 
 
 class SourceData(Struct):
@@ -44,11 +44,11 @@ class SourceData(Struct):
 
 @dataclass(frozen=True)
 class Variant:
-    """What is marched: source textures, a lattice, the sky's; of those the means alone, in air that
-    scatters evenly; the sky's third band, in air that scatters far from evenly; beams besides the
-    lattice; how many nested lattices there are at one place; the directions, squared, of
-    endless air beyond them; whether lattices hold light of similar even air; what is asked for,
-    the rays' transmittance, their light, or both.
+    """What is marched: source textures, a lattice, the sky's; of those the means alone, where phase
+    functions are isotropic; the sky's third band, where they are strongly anisotropic; forward
+    light besides the lattice; how many nested lattices there are at one point; directions along a
+    side of the table of an endless medium; whether lattices hold light of reduced media; whether
+    the kernel writes the rays' transmittance, their light, or both.
     """
 
     sources: int = 0
@@ -65,21 +65,16 @@ class Variant:
     has_light: bool = True
 
 
-_NO_LATTICE = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
-_NO_FORWARD = """
-fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, evenly: vec3f) -> ForwardLight {
-    return ForwardLight(vec3f(0.0), vec3f(0.0));
-}
-"""
+_NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 
 
-def slots(air: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
-    """What the kernel binds."""
+def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
+    """The slots of the kernel."""
     made = [
         uniform("rays", RayParams),
         uniform("march", MarchParams),
         texture("picked", "2d", "unfilterable-float"),
-        *air.medium_slots,
+        *media.medium_slots,
     ]
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
@@ -100,12 +95,12 @@ def slots(air: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     names += ["sky_third"] * variant.has_third_band
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
-    beams += far_slots() if variant.far_side else ()
+    beams += half_space_slots() if variant.far_side else ()
     return (*made, *beams)
 
 
 def target_names(variant: Variant) -> list[str]:
-    """What the kernel writes."""
+    """The targets of the kernel, in their order."""
     light = ["scattered", *["skylit"] * variant.has_sky]
     return [*light * variant.has_light, *["passed"] * variant.has_passed]
 
@@ -137,26 +132,26 @@ def _targets_wgsl(variant: Variant) -> str:
 
 def generated(variant: Variant) -> str:
     """The WGSL before the kernel."""
-    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_LATTICE
-    beams = FORWARD_WGSL if variant.has_forward else _NO_FORWARD
-    far = NO_FAR_WGSL
+    lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_TWO_BANDS
+    beams = FORWARD_WGSL if variant.has_forward else NO_FORWARD_WGSL
+    half_space = NO_HALF_SPACE_WGSL
     if variant.far_side:
-        far = far_wgsl(variant.far_side, has_forward=variant.has_forward)
-    similar = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
+        half_space = half_space_wgsl(variant.far_side, has_forward=variant.has_forward)
+    reduced = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
     return (
         _targets_wgsl(variant)
-        + similar
+        + reduced
         + _sources_wgsl(variant)
         + lattice
         + _sky_wgsl(variant)
         + beams
-        + far
+        + half_space
     )
 
 
 def _sources_wgsl(variant: Variant) -> str:
     """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
-    `step_share`: how long a step from a place is, in steps of the finest source.
+    `step_share`: the length of a step from a point, in steps of the finest source.
     """
     sources, has_lattices = variant.sources, variant.has_lattice or variant.has_sky
     parts = ["    lattice_enter(p);\n"] if has_lattices else []
@@ -167,58 +162,61 @@ def _sources_wgsl(variant: Variant) -> str:
         f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
         for i in range(sources)
     ]
-    held = ""
+    lattices = ""
     if variant.has_lattice:
-        held = "    sum += lattice_emission(p, travel);\n"
+        lattices = "    sum += lattice_emission(p, travel);\n"
     if variant.has_lattice and variant.far_side:
-        held += "    sum += far_emission(p, travel);\n"
+        lattices += "    sum += half_space_emission(p, travel);\n"
     if not variant.is_reduced_medium:
-        parts.append(held)
+        parts.append(lattices)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     share = "march_step_share(p)" if has_lattices and not sources else "1.0"
     uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
         + "".join(parts)
-        + "    return sum;\n}\nfn similar_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
+        + "    return sum;\n}\nfn reduced_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         + "    var sum = vec3f(0.0);\n"
-        + held * variant.is_reduced_medium
+        + lattices * variant.is_reduced_medium
         + "    return sum;\n}\n"
     )
 
 
 def _lattice_wgsl(variant: Variant) -> str:
-    """`lattice_emission`, and how many lattices fade into each other at one place."""
+    """`lattice_emission`, `lattice_two_bands`, and how many lattices fade into each other."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
     if variant.is_reduced_medium:
-        seen = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_seen")
-        return count + _even_wgsl("lattice") + seen
-    seen = "fn lattice_seen(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
-    return count + seen + (_even_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+        two_bands = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_two_bands")
+        return count + _isotropic_wgsl("lattice") + two_bands
+    return (
+        count
+        + _NO_TWO_BANDS
+        + (_isotropic_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+    )
 
 
 def _sky_wgsl(variant: Variant) -> str:
-    """`skylit_at`, after `emission_at` of the same place, and `sky_even_at`, after that."""
+    """`skylit_at`, after `emission_at` of the same point, and `sky_reduced_at`, after that."""
     if not variant.has_sky:
         return (
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
-            "fn sky_even_at() -> vec3f { return vec3f(0.0); }\n"
+            "fn sky_reduced_at() -> vec3f { return vec3f(0.0); }\n"
         )
-    far = " + far_skylit(p, travel)" if variant.far_side else ""
-    even = "vec3f(0.0)"
+    half_space = " + half_space_skylit(p, travel)" if variant.far_side else ""
+    reduced = "vec3f(0.0)"
     if variant.is_reduced_medium:
-        even = "sky_even_here()" + (" + far_sky_even()" if variant.far_side else "")
+        reduced = "sky_reduced_here()" + (" + half_space_sky_reduced()" if variant.far_side else "")
     return (
         _third_wgsl(variant)
-        + (_even_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
-        + f"fn sky_even_at() -> vec3f {{ return {even}; }}\n"
+        + (_isotropic_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        + f"fn sky_reduced_at() -> vec3f {{ return {reduced}; }}\n"
         + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
-        f"    return sky_emission(p, travel){far};\n}}\n"
+        f"    return sky_emission(p, travel){half_space};\n}}\n"
     )
 
 
 def _third_wgsl(variant: Variant) -> str:
-    """`sky_third_at`: what the third band is per g^2, rgb."""
+    """`sky_third_at`: the third band per g^2, rgb."""
     if not variant.has_third_band:
         return "fn sky_third_at(travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
     return "//! use third_band\n"
@@ -227,7 +225,7 @@ def _third_wgsl(variant: Variant) -> str:
 def _emission_wgsl(name: str) -> str:
     """`{name}_emission`, W m^-3 sr^-1: the phase function keeps g of the two-band direction.
 
-    Of media whose single scattering comes with a source of its own, that is whole.
+    Media whose single scattering comes with a source of its own do not scatter it.
     """
     samples = "".join(
         f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
@@ -238,13 +236,13 @@ def _emission_wgsl(name: str) -> str:
         f"lattice_radiance({c} + vec4f({third.format(c[0])}), travel, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
-    kept = ""
+    before = ""
     if name == "sky":
         samples += "    let third = sky_third_at(travel);\n"
         samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
-        kept = _SKY_EVEN
+        before = _SKY_REDUCED
     return (
-        f"{kept}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
+        f"{before}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
         "        let g = media[m].g;\n"
@@ -254,10 +252,10 @@ def _emission_wgsl(name: str) -> str:
     )
 
 
-_SKY_EVEN = """
+_SKY_REDUCED = """
 var<private> sky_means: vec3f;
-// Of the same place, what similar even air would scatter of the sky's light.
-fn sky_even_here() -> vec3f {
+// What the reduced media would scatter of the sky's light at the same point.
+fn sky_reduced_here() -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
         sum += media_density_here[m] * media_reduced_sigma_s[m];
@@ -267,8 +265,8 @@ fn sky_even_here() -> vec3f {
 """
 
 
-def _even_wgsl(name: str) -> str:
-    """The same where all air scatters evenly: of the three channels' means."""
+def _isotropic_wgsl(name: str) -> str:
+    """The same for isotropic phase functions: of the means of three channels."""
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"

@@ -142,8 +142,8 @@ class March:
             forward_spread=forward.spread if forward else 0.0,
             forward_slabs=forward.slabs if forward else 1.0,
             forward_count=forward.count if forward else 0,
-            far_top=far.top if far else 0.0,
-            far_sigma=far.sigma_t if far else 1.0,
+            half_space_top=far.top if far else 0.0,
+            half_space_sigma_t=far.sigma_t if far else 1.0,
         )
         targets = {"scattered": scattered, "skylit": skylit, "passed": transmittance}
         for part in at_once(variant, self.gpu.limits[_LIMIT] // _BYTES):
@@ -155,7 +155,7 @@ class March:
                 picked=rays.picked,
                 **self._air.medium_bound,
                 **bound,
-                **({"far_light": far.table} if far else {}),
+                **({"half_space": far.table} if far else {}),
             )
 
     def _pass(self, variant: Variant) -> _March:

@@ -1,0 +1,7 @@
+// Marching without forward light; see forward_light.wgsl.
+
+fn forward_light(
+    p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f,
+) -> ForwardLight {
+    return ForwardLight(vec3f(0.0), vec3f(0.0));
+}
