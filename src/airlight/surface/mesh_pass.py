@@ -186,7 +186,7 @@ class MeshPass:
         draws: list[Draw],
         shared: dict[str, Any],
     ) -> None:
-        """InjectionTarget a render pass, or a bundle to be."""
+        """Into a render pass, or a bundle to be."""
         active: MeshPipeline | None = None
         textures: Any = None
         for draw in draws:

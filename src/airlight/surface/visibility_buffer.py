@@ -77,7 +77,7 @@ class _TriangleIds(MeshPipeline):
         return (scene.triangle_table.positions, scene.instances, scene.triangle_table.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
-        """InjectionTarget those vertices."""
+        """Into those vertices."""
         return scene.triangle_table.indices
 
 
