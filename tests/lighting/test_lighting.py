@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from airlight.gpu.device import Gpu, open_gpu
-from airlight.lighting.lighting import Lighting, Part
+from airlight.lighting.kernel import Emitters, LatticeLight, Part
+from airlight.lighting.lighting import Lighting
 
 GRANTED = 16
 """Sampled textures that WebGPU grants every stage."""
@@ -20,5 +21,5 @@ def least(gpu: Gpu) -> Gpu:
 @pytest.mark.parametrize("part", ["whole", "lights", "lattices", "rest"])
 def test_no_more_textures_than_any_device_has(least: Gpu, part: Part) -> None:
     """Of the parts that all devices draw; "cached" is for CPU adapters."""
-    made = Lighting(least, part=part)  # raises where a stage has too many
+    made = Lighting(least, part, Emitters(), LatticeLight())  # raises where a stage has too many
     assert sum("texture" in slot.layout for slot in made.slots) <= GRANTED

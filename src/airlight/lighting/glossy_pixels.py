@@ -12,9 +12,8 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
-from ..lattice.placement import LatticeParams
-from .lighting import LightingParams
+from ..gpu.slots import Slot, image, storage
+from .kernel import LATTICE_SLOTS, SURFACE_SLOTS, LatticeLight
 
 _ENTRY_BYTES = 32
 _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
@@ -28,24 +27,8 @@ def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
 
 class _Mirrored(ComputePass):
     slots: ClassVar[tuple[Slot, ...]] = (
-        uniform("params", LightingParams),
-        storage("lattices", LatticeParams),
-        texture("depth", "2d", "depth"),
-        *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
-        texture("near_field", "2d", "uint"),
-        *(
-            texture(n, "3d")
-            for n in (
-                "sky_cube",
-                "lattice_red",
-                "lattice_green",
-                "lattice_blue",
-                "lattice_visibility_a",
-                "lattice_visibility_b",
-                "lattice_walls",
-            )
-        ),
-        sampler("linear_clamp"),
+        *SURFACE_SLOTS,
+        *LATTICE_SLOTS,
         storage("found", "u32"),
         storage("listed", "vec4u"),
         image("direct_light", "rgba32float"),
@@ -58,18 +41,12 @@ class _Mirrored(ComputePass):
 class GlossyPixels:
     """The list of a picture's glossy pixels, and their mirrored light."""
 
-    def __init__(self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool) -> None:
+    def __init__(self, gpu: Gpu, lattices: LatticeLight) -> None:
         """As for `Lighting`."""
         self.gpu = gpu
         self._pass = _Mirrored(
             gpu,
-            constants={
-                "HAS_OCCLUSION": float(is_occluded),
-                "HAS_GLOSS": 1.0,
-                "IS_LISTED": 1.0,
-                "HAS_SKY": float(has_sky),
-                "IS_ONE_LATTICE": float(is_one_lattice),
-            },
+            constants={**lattices.constants, "HAS_GLOSS": 1.0, "IS_LISTED": 1.0},
         )
         self._found = Buffer(gpu, "glossy pixels", 16)
         self._listed: Buffer | None = None

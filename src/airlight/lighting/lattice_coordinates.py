@@ -14,9 +14,17 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import Slot, sampler, storage, texture, uniform
-from ..lattice.placement import LatticeParams
-from .lighting import CACHED, TRACED_INLINE, TRACED_SEPARATELY, LightingParams
+from ..gpu.slots import Slot
+from .kernel import (
+    CACHED,
+    IMAGE_SAMPLER,
+    LATTICE_SLOTS,
+    SURFACE_SLOTS,
+    TRACED_INLINE,
+    TRACED_SEPARATELY,
+    Gloss,
+    LatticeLight,
+)
 
 _BYTES = 36  # of a pixel of all targets
 
@@ -28,25 +36,9 @@ def can_cache(gpu: Gpu) -> bool:
 
 class _CoordinatesPass(FullscreenPass):
     slots: ClassVar[tuple[Slot, ...]] = (
-        uniform("params", LightingParams),
-        storage("lattices", LatticeParams),
-        texture("depth", "2d", "depth"),
-        *(texture(n, "2d", "unfilterable-float") for n in ("albedo", "normal", "emission")),
-        sampler("image_sampler", "non-filtering"),
-        texture("near_field", "2d", "uint"),
-        *(
-            texture(n, "3d")
-            for n in (
-                "sky_cube",
-                "lattice_red",
-                "lattice_green",
-                "lattice_blue",
-                "lattice_visibility_a",
-                "lattice_visibility_b",
-                "lattice_walls",
-            )
-        ),
-        sampler("linear_clamp"),
+        *SURFACE_SLOTS,
+        IMAGE_SAMPLER,
+        *LATTICE_SLOTS,
     )
     targets = ("rgba32float", "rgba32float", "r32float")
     file = "lattice_coordinates.wgsl"
@@ -55,21 +47,14 @@ class _CoordinatesPass(FullscreenPass):
 class LatticeCoordinates:
     """Of one picture and one lattice."""
 
-    def __init__(
-        self, gpu: Gpu, *, is_occluded: bool, has_sky: bool, is_one_lattice: bool, is_listed: bool
-    ) -> None:
+    def __init__(self, gpu: Gpu, lattices: LatticeLight, gloss: Gloss) -> None:
         """As for `Lighting`."""
         self.gpu = gpu
         self._pass = _CoordinatesPass(
             gpu,
-            generated=TRACED_SEPARATELY if is_listed else TRACED_INLINE,
+            generated=TRACED_SEPARATELY if gloss == "listed" else TRACED_INLINE,
             firsts={"lattices": ()},
-            constants={
-                "HAS_OCCLUSION": float(is_occluded),
-                "HAS_SKY": float(has_sky),
-                "IS_ONE_LATTICE": float(is_one_lattice),
-                "IS_SAMPLED": float(gpu.takes_cpu_paths),
-            },
+            constants={**lattices.constants, "IS_SAMPLED": float(gpu.takes_cpu_paths)},
         )
         self._targets: tuple[Texture, ...] = ()
         self._last: Hashable = None

@@ -6,173 +6,19 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol
-
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import Slot, sampler, storage, texture, uniform
-from ..lattice.placement import LatticeParams
-from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData
-
-_NO_ATTENUATION = """
-fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
-"""
-_ATTENUATED_BY_MEDIA = """
-//! use media_light
-fn light_transmittance(index: u32, p: vec3f) -> vec3f {
-    return media_light_transmittance(lights[index], index, p);
-}
-"""
-# The same in a single box of a homogeneous medium, whose coefficients the triangle carries.
-_ATTENUATED_BY_ONE_BOX = """
-//! use media_light
-fn light_transmittance(index: u32, p: vec3f) -> vec3f {
-    let medium = first_media();
-    let path = media_light_path(light_at(index), p);
-    let o = (medium.volume_from_world * vec4f(p, 1.0)).xyz;
-    let d = (medium.volume_from_world * vec4f(path.xyz, 0.0)).xyz;
-    let span = ray_box_interval(o, d, vec3f(0.0), vec3f(1.0));
-    return transmittance(medium.sigma_t, max(min(span.y, path.w) - max(span.x, 0.0), 0.0));
-}
-"""
-
-
-# Glossy pixels are left to `glossy_pixels`, with the rest of their light.
-TRACED_SEPARATELY = """
-fn is_traced_separately(r: Reflector, n_v: f32) -> bool {
-    return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
-}
-"""
-TRACED_INLINE = """
-fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
-"""
-_LISTED = """
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
-    let at = atomicAdd(&found[0], 1u);
-    listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
-    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), bitcast<u32>(open));
-}
-"""
-_NOT_LISTED = """
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
-"""
-_LISTS = (
-    storage("found", "atomic<u32>", "read_write"),
-    storage("listed", "vec4u", "read_write"),
-)
-_LIT = """
-fn lit_of(pixel: vec2u) -> vec4f { return image_texel(lit, pixel); }
-"""
-_NOT_LIT = """
-fn lit_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
-"""
-# A stage binds sixteen textures at least: what a part does not draw is not in it.
-_NO_LIGHTS = """
-fn background(direction: vec3f) -> vec3f { return vec3f(0.0); }
-fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f { return vec3f(0.0); }
-"""
-_NO_LATTICES = """
-fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered {
-    return Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);
-}
-"""
-
-
-# What single lights and lattices are read from; nothing here goes from a light's view to the world,
-# and all that is asked of media is their transmittance.
-_MEDIA_FIRST = {
-    "media": (
-        "albedo",
-        "grid",
-        "g",
-        "has_shafts",
-        "voxel",
-        "detail_periods",
-        "detail",
-        "detail_bias",
-    )
-}
-_LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
-_LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-Part = Literal["whole", "lights", "lattices", "cached", "rest"]
-"""Which light a pass adds up.
-
-whole     all of it
-lights    that of lights, emission and background, into one target
-rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
-lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
-cached    "lattices", with coordinates and sky light that `LatticeCoordinates` has cached
-"""
-CACHED = ("cached_coordinates", "cached_sky", "cached_returned")
-"""What `LatticeCoordinates` brings, by slot."""
-_CACHED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in CACHED)
-_FROM_CACHE = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return image_texel({name}, pixel); }}\n"
-    for name in CACHED
-)
-_NOT_CACHED = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in CACHED
-)
-
-
-class Attenuation(Protocol):
-    """Media as a pass binds them: `media.gpu_media.GpuMedia`."""
-
-    slots: tuple[Slot, ...]
-    wgsl: str
-
-    @property
-    def bound(self) -> dict[str, Any]:
-        """The resources, by slot name."""
-
-    @property
-    def is_one_box(self) -> bool:
-        """Whether the only medium is a homogeneous box."""
-
-
-class LightingParams(Struct):
-    """Camera and what there is to add."""
-
-    world_from_clip = mat4x4f()
-    eye = vec3f("m")
-    light_count = u32()
-    size = vec2f("px")
-    environment_rotation = f32("rad")
-    has_lattice = u32()
-
-
-_SURFACE_SLOTS = (
-    uniform("params", LightingParams),
-    texture("depth", "2d", "depth"),
-    texture("albedo", "2d", "unfilterable-float"),
-    texture("normal", "2d", "unfilterable-float"),
-    texture("emission", "2d", "unfilterable-float"),
-    sampler("image_sampler", "non-filtering"),
-)
-_LIGHT_SLOTS = (
-    storage("lights", LightData),
-    storage("parallel_views", LightViewData),
-    storage("local_views", LightViewData),
-    texture("parallel_shadows", "2d-array", "depth"),
-    texture("local_shadows", "2d-array", "depth"),
-    sampler("shadow_compare", "comparison"),
-    texture("environment", "2d"),
-    sampler("environment_sampler"),
-)
-_LATTICE_SLOTS = (
-    storage("lattices", LatticeParams),
-    texture("near_field", "2d", "uint"),
-    texture("sky_cube", "3d"),
-    texture("lattice_red", "3d"),
-    texture("lattice_green", "3d"),
-    texture("lattice_blue", "3d"),
-    texture("lattice_visibility_a", "3d"),
-    texture("lattice_visibility_b", "3d"),
-    texture("lattice_walls", "3d"),
-    sampler("linear_clamp"),
+from .kernel import (
+    Attenuation,
+    Emitters,
+    Gloss,
+    Kernel,
+    LatticeLight,
+    Part,
+    lattices_kernel,
+    lighting_slots,
+    lights_kernel,
 )
 
 
@@ -184,104 +30,32 @@ class Lighting(FullscreenPass):
     def __init__(
         self,
         gpu: Gpu,
-        attenuation: Attenuation | None = None,
+        part: Part,
+        emitters: Emitters,
+        lattices: LatticeLight,
         *,
-        is_occluded: bool = False,
-        is_glossy: bool = False,
-        damping: float = 0.0,
-        has_surfaces: bool = True,
-        has_directional: bool = True,
-        has_local: bool = True,
-        has_sky: bool = True,
-        is_one_lattice: bool = False,
-        is_one_directional: bool = False,
-        is_listed: bool = False,
-        part: Part = "whole",
-        has_interreflection: bool = False,
+        gloss: Gloss = "none",
+        attenuation: Attenuation | None = None,
     ) -> None:
-        """`attenuation`: the media between lights and surfaces. `part`: which light is added up.
-
-        `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the
-        kinds of lights there may be. `has_sky`: whether `sky_cube` may hold light.
-        `is_one_lattice`: the table `lattices` has one row. `is_one_directional`: `lights` has one
-        row, a directional light. `has_interreflection`: lattice light bounces between near
-        surfaces. `is_occluded`: near occluders shade the light of sky and lattices. `is_glossy`:
-        smooth surfaces trace their mirrored rays into the lattice; where `is_listed`, the pass
-        lists them for `GlossyPixels` instead. `damping`: see `Irradiance`.
-        """
-        has_lights, has_lattices = part in ("whole", "lights"), part != "lights"
-        is_cached = part == "cached"
-        self.slots = lighting_slots(part, attenuation, is_listed=is_listed)  # type: ignore[misc]
+        """`part`: which light is added up. `attenuation`: the media between lights and surfaces."""
+        self.slots = lighting_slots(part, attenuation, gloss)  # type: ignore[misc]
         self.names = [slot.name for slot in self.slots]
-        constants = {
-            "HAS_SURFACES": float(has_surfaces),
-            "HAS_LIGHTS": float(has_lights),
-            "HAS_LATTICES": float(has_lattices),
+        surfaces = {
+            "HAS_SURFACES": float(emitters.has_surfaces),
             "IS_SAMPLED": float(gpu.takes_cpu_paths),
         }
-        firsts: dict[str, tuple[str, ...]] = {}
-        generated = _NOT_LIT if has_lights else _LIT
-        if has_lattices:
-            firsts |= _LATTICES_FIRST
-            constants |= {
-                "HAS_OCCLUSION": float(is_occluded),
-                "HAS_GLOSS": float(is_glossy and not is_listed),
-                "DAMPING": damping,
-                "HAS_SKY": float(has_sky and not is_cached),
-                "HAS_CACHED": float(is_cached),
-                "RETURNED": float(has_interreflection),
-                "HAS_NEAR_FIELD": float(part in ("lattices", "cached")),
-                "IS_ONE_LATTICE": float(is_one_lattice),
-            }
-            generated += (
-                (TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED)
-                + (_FROM_CACHE if is_cached else _NOT_CACHED)
-                + "//! use lattices_light\n"
-            )
-        else:
-            generated += _NOT_LISTED + _NO_LATTICES
-        if has_lights:
-            is_box = attenuation is not None and attenuation.is_one_box
-            firsts |= _LIGHTS_FIRST | _MEDIA_FIRST if is_box else _LIGHTS_FIRST
-            kinds = {
-                "HAS_DIRECTIONAL": has_directional,
-                "HAS_LOCAL": has_local,
-                "IS_ONE_DIRECTIONAL": is_one_directional,
-            }
-            constants |= {name: float(has_any) for name, has_any in kinds.items()}
-            generated += _transmittance_wgsl(attenuation) + "//! use direct_light\n"
-        else:
-            generated += _NO_LIGHTS
+        kernel = (
+            Kernel("", surfaces, {})
+            + lattices_kernel(part, lattices, gloss)
+            + lights_kernel(part, emitters, attenuation)
+        )
         super().__init__(
             gpu,
-            generated=generated,
-            constants=constants,
-            firsts=firsts,
-            targets=None if has_lattices else self.targets[:1],
+            generated=kernel.generated,
+            constants=kernel.constants,
+            firsts=kernel.firsts,
+            targets=self.targets[:1] if part == "lights" else None,
         )
-
-
-def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
-    """What the media bind, and `light_transmittance`, which `direct_light` asks for."""
-    if attenuation is None:
-        return _NO_ATTENUATION
-    by = _ATTENUATED_BY_ONE_BOX if attenuation.is_one_box else _ATTENUATED_BY_MEDIA
-    return attenuation.wgsl + by
-
-
-def lighting_slots(
-    part: Part, attenuation: Attenuation | None = None, *, is_listed: bool = False
-) -> tuple[Slot, ...]:
-    """What a part of lighting binds, see `Lighting`."""
-    is_after = part in ("lattices", "cached", "rest")
-    return (
-        *_SURFACE_SLOTS,
-        *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
-        *(() if part == "lights" else _LATTICE_SLOTS),
-        *(_CACHED_SLOTS if part == "cached" else ()),
-        *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
-        *(_LISTS if is_listed and part != "lights" else ()),
-    )
 
 
 class RadianceLayers:

@@ -7,6 +7,7 @@ Everything that was solved arrives as fields: this knows no solver.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from ..gpu.commands import Commands
@@ -16,9 +17,18 @@ from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
+from .kernel import (
+    Attenuation,
+    Emitters,
+    Gloss,
+    LatticeLight,
+    LightingParams,
+    Part,
+    lighting_slots,
+)
 from .kit import Kit
 from .lattice_coordinates import LatticeCoordinates, can_cache
-from .lighting import Attenuation, Lighting, LightingParams, Part, lighting_slots
+from .lighting import Lighting
 from .occlusion import Occlusion
 from .view import View
 
@@ -150,13 +160,13 @@ class Surfaces:
         }
 
     @property
-    def _known(self) -> dict[str, bool]:
+    def _lattices(self) -> LatticeLight:
         """What all passes for surfaces must know; without maps the sky stays black."""
-        return {
-            "is_occluded": self.kit.settings.ambient_occlusion,
-            "has_sky": self.kit.sky.maps.layers > 0,
-            "is_one_lattice": self.kit.lattices.table.count == 1,
-        }
+        return LatticeLight(
+            is_occluded=self.kit.settings.ambient_occlusion,
+            has_sky=self.kit.sky.maps.layers > 0,
+            is_one_lattice=self.kit.lattices.table.count == 1,
+        )
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
         """What CPU adapters draw apart for images of `size`, pixels: gloss, and coordinates."""
@@ -165,30 +175,39 @@ class Surfaces:
             return
         self._cpu_scope.release()
         self._passes.clear()
-        self.glossy = GlossyPixels(self._cpu_scope, **self._known) if is_listed else None
+        self.glossy = GlossyPixels(self._cpu_scope, self._lattices) if is_listed else None
         is_one = self.kit.lattices.table.count == 1
         is_cached = can_cache(self.gpu) and is_one and is_listed == self._is_glossy
         self._coordinates = None
         if is_cached:
-            self._coordinates = LatticeCoordinates(
-                self._cpu_scope, **self._known, is_listed=is_listed
-            )
+            gloss = self._gloss_of("lattices")
+            self._coordinates = LatticeCoordinates(self._cpu_scope, self._lattices, gloss)
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         if part not in self._passes:
             lights = self.kit.lights
-            self._passes[part] = Lighting(
-                self.gpu,
-                self.attenuation,
-                is_glossy=self._is_glossy,
-                damping=irradiance.damping,
+            emitters = Emitters(
                 has_surfaces=bool(self.kit.meshes.draws),
                 has_directional=lights.parallel.layers > 0,
                 has_local=lights.local.layers > 0,
-                **self._known,
                 is_one_directional=lights.count == lights.parallel.layers == 1,
-                is_listed=self.glossy is not None and part != "lights",
-                part=part,
+            )
+            lattices = replace(
+                self._lattices,
+                damping=irradiance.damping,
                 has_interreflection=irradiance.has_interreflection,
             )
+            self._passes[part] = Lighting(
+                self.gpu,
+                part,
+                emitters,
+                lattices,
+                gloss=self._gloss_of(part),
+                attenuation=self.attenuation,
+            )
         return self._passes[part]
+
+    def _gloss_of(self, part: Part) -> Gloss:
+        if self.glossy is not None and part != "lights":
+            return "listed"
+        return "inline" if self._is_glossy else "none"
