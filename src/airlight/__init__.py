@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .exports.solved import export_lattice
     from .rendering import Renderer, render
     from .scene import (
+        AreaLight,
         Camera,
         DirectionalLight,
         Environment,
@@ -65,6 +66,7 @@ _ERRORS = (
     "SettingsError",
 )
 _SCENE = (
+    "AreaLight",
     "Camera",
     "DirectionalLight",
     "Environment",
@@ -96,6 +98,7 @@ _RENAMED = {"scenes": "scene.builtin"}
 
 __all__ = [
     "AirlightError",
+    "AreaLight",
     "Camera",
     "DeviceError",
     "DirectionalLight",

@@ -26,6 +26,7 @@ from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image
 from .scene.io import load
+from .scene.light_shapes import LightMeshes
 from .scene.lights import Light
 from .scene.limits import check_extent
 from .scene.mesh import Mesh
@@ -72,6 +73,7 @@ class Renderer:
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
         check_extent(self.scene)
+        self._light_meshes = LightMeshes()
         self._wanted = (technique, dict(settings or {}), adapter)
         self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []
@@ -91,14 +93,11 @@ class Renderer:
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
             self.commands = Commands(gpu)
-            self.meshes = GpuScene(gpu, self._first)
-            self.technique = make_technique(
-                gpu, self._first, self.meshes, technique, settings, self.size
-            )
+            first = self._light_meshes.of(self._first)
+            self.meshes = GpuScene(gpu, first)
+            self.technique = make_technique(gpu, first, self.meshes, technique, settings, self.size)
             made.callback(self.technique.release)
             self.view = View(gpu, self.size)
-            if self.scene.meshes is not self._first.meshes:
-                self.meshes.move(self.scene.meshes)
             self._made = made.pop_all()
         self._is_torn = False
 
@@ -143,10 +142,11 @@ class Renderer:
 
     def _draw(self, scene: Scene, samples: int, progress: Progress | None) -> None:
         """Encode and submit all work for an image of `scene`."""
-        if scene.meshes is not self.scene.meshes:
-            self.meshes.move(scene.meshes)
+        shown = self._light_meshes.of(scene)
+        if shown.meshes is not self.meshes.current:
+            self.meshes.move(shown.meshes)
         self.scene = scene
-        self.technique.solve(self.commands, scene)
+        self.technique.solve(self.commands, shown)
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)

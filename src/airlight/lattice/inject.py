@@ -18,7 +18,7 @@ from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.lattice6 import hops
-from ..scene.lights import DirectionalLight, Light, PointLight
+from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -203,7 +203,9 @@ def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[flo
                 total += max(light.irradiance) * cross_section
             case PointLight():
                 total += 4.0 * math.pi * max(light.intensity)
-            case _:
+            case LightSample():
+                total += max(light.power)
+            case SpotLight():
                 total += 2.0 * math.pi * max(light.intensity)
     return total
 

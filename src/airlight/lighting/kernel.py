@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Literal
 
+from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
@@ -112,21 +113,6 @@ _FROM_CACHE = "".join(
 _NOT_CACHED = "".join(
     f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in CACHED
 )
-
-
-class Attenuation(Protocol):
-    """Media as a pass binds them: `media.gpu_media.GpuMedia`."""
-
-    slots: tuple[Slot, ...]
-    wgsl: str
-
-    @property
-    def bound(self) -> dict[str, Any]:
-        """The resources, by slot name."""
-
-    @property
-    def is_one_box(self) -> bool:
-        """Whether the only medium is a homogeneous box."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..area.emitters import Emitters
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..lattice.blockers import Blockers
@@ -41,6 +42,15 @@ class SurfaceSettings:
     )
     lamp_resolution: int = setting(
         512, "side of a lamp's shadow maps", unit="px", low=16, high=4096
+    )
+    area_samples: int = setting(
+        16,
+        "shadow maps' points on a light with extent; three such lights share no more",
+        low=1,
+        high=64,
+    )
+    area_lights: int = setting(
+        32, "lights with extent, beyond which those close together count as one", low=1, high=64
     )
     sky_lights: int = setting(
         128, "directional lights that stand for the environment", low=0, high=512
@@ -86,14 +96,23 @@ class Kit:
         `gpu` owns all that a technique makes on the device, solvers and surfaces included.
         """
         self.gpu = gpu = context.gpu.scope()
-        self.context, self.settings = replace(context, gpu=gpu), settings
-        self.meshes, scene = context.meshes, context.scene
+        self.emitters = Emitters(
+            context.scene, samples=settings.area_samples, most=settings.area_lights
+        )
+        scene = self.emitters.of(context.scene)
+        self.context, self.settings = replace(context, gpu=gpu, scene=scene), settings
+        self.meshes = context.meshes
+        self.box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
+        """What lights saw last, metres."""
+        # Samples of lights with extent cast shadows into media alone.
+        has_media = scene.medium is not None or bool(scene.volumes)
         self.lights = Lights(
             gpu,
             scene.lights,
             scene.environment,
             settings.shadow_resolution,
             settings.lamp_resolution,
+            mapped=len(scene.lights) if has_media else self.emitters.plain,
         )
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         self.lattices = Lattices(
@@ -124,6 +143,7 @@ class Kit:
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Everything that is shared, for `scene` as it is now; low..high as `bounds`."""
+        self.box = (low, high)
         self.lattices.follow(scene.camera)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)

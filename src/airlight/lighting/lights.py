@@ -32,10 +32,14 @@ class Lights:
         environment: Environment | None,
         parallel_resolution: int,
         local_resolution: int,
+        mapped: int | None = None,
     ) -> None:
+        """`mapped`: how many of the lights, the first, have shadow maps; all if not given."""
         self.gpu = gpu
-        parallel = sum(isinstance(light, DirectionalLight) for light in lights)
-        local = sum(view_count(x) for x in lights if not isinstance(x, DirectionalLight))
+        self._mapped = len(lights) if mapped is None else mapped
+        own = lights[: self._mapped]
+        parallel = sum(isinstance(light, DirectionalLight) for light in own)
+        local = sum(view_count(x) for x in own if not isinstance(x, DirectionalLight))
         self.parallel = ShadowMaps(gpu, "sun shadows", parallel_resolution, parallel)
         self.local = ShadowMaps(gpu, "lamp shadows", local_resolution, local)
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
@@ -65,8 +69,9 @@ class Lights:
             if not self.background.take(environment):
                 self.background.texture.release()
                 self.background = EnvironmentTexture(self.gpu, environment)
-        suns = [x for x in lights if isinstance(x, DirectionalLight)]
-        lamps = [x for x in lights if not isinstance(x, DirectionalLight)]
+        own = lights[: self._mapped]
+        suns = [x for x in own if isinstance(x, DirectionalLight)]
+        lamps = [x for x in own if not isinstance(x, DirectionalLight)]
         low, high = np.asarray(low), np.asarray(high)
         views = light_views(suns, low, high, self.parallel.resolution)
         if self.coarseness != 1.0:

@@ -10,15 +10,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from ..area.attenuation import Attenuation
+from ..area.lighting import AreaLighting, AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.demands import fits
-from ..gpu.memory import linear_sampler, nearest_sampler
+from ..gpu.memory import Texture, linear_sampler, nearest_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
 from .kernel import (
-    Attenuation,
     Emitters,
     Gloss,
     LatticeLight,
@@ -48,6 +49,11 @@ class Surfaces:
         )
         # Devices bind so many textures at once, and every volume brings its own.
         self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation))
+        self._area: AreaLighting | None = None
+        if kit.emitters.count and kit.meshes.draws:
+            shadows = AreaShadows(kit.gpu, kit.emitters, kit.settings.lamp_resolution)
+            self._area = AreaLighting(kit.gpu, shadows, attenuation)
+        self._emission: Texture | None = None
         self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
 
     def draw(
@@ -57,6 +63,7 @@ class Surfaces:
         meshes = self.kit.meshes
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
+        self._emission = self._emitted(commands, view)
         is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
         has_near_field = is_occluded and self._has_near_field(irradiance)
         # Near surfaces send what lights and emission make of them.
@@ -73,11 +80,18 @@ class Surfaces:
                 part = "rest"
             self._light(commands, view, part, irradiance, sky)
 
+    def _emitted(self, commands: Commands, view: View) -> Texture:
+        """What surfaces send by themselves, and by the light of emitters."""
+        if self._area is None:
+            return view.gbuffer.emission
+        with commands.stage("area lights"):
+            self._area.shadows.encode(commands, self.kit.meshes, view.sample, *self.kit.box)
+            camera = (view.world_from_clip, view.eye)
+            return self._area.encode(commands, view.gbuffer, camera, self.kit.lights.table)
+
     def _has_near_field(self, irradiance: Irradiance) -> bool:
         """Whether near surfaces light each other: where there is bounced light at all."""
-        lights, blockers = self.kit.lights, self.kit.blockers
-        has_lights = lights.parallel.layers + lights.local.layers > 0
-        return irradiance.is_reflected and (has_lights or blockers.is_emissive)
+        return irradiance.is_reflected and bool(self.kit.context.scene.lights)
 
     def _occlude(self, commands: Commands, view: View, *, has_light: bool) -> None:
         g, placements = view.gbuffer, self.kit.lattices.placements
@@ -137,7 +151,7 @@ class Surfaces:
         params = LightingParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,
-            light_count=lights.count,
+            light_count=self._plain[0],
             size=view.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
@@ -150,7 +164,7 @@ class Surfaces:
             "depth": g.depth,
             "albedo": g.albedo,
             "normal": g.normal,
-            "emission": g.emission,
+            "emission": self._emission,
             "near_field": view.occlusion.near,
             **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
             "image_sampler": self._nearest,
@@ -158,6 +172,11 @@ class Surfaces:
             **self.kit.blockers.bound,
             "linear_clamp": self._linear,
         }
+
+    @property
+    def _plain(self) -> tuple[int, int]:
+        """How many lights without extent there are, and how many of them are directional."""
+        return self.kit.emitters.plain, self.kit.lights.parallel.layers
 
     @property
     def _lattices(self) -> LatticeLight:
@@ -185,12 +204,12 @@ class Surfaces:
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         if part not in self._passes:
-            lights = self.kit.lights
+            count, directional = self._plain
             emitters = Emitters(
                 has_surfaces=bool(self.kit.meshes.draws),
-                has_directional=lights.parallel.layers > 0,
-                has_local=lights.local.layers > 0,
-                is_one_directional=lights.count == lights.parallel.layers == 1,
+                has_directional=directional > 0,
+                has_local=count > directional,
+                is_one_directional=count == directional == 1,
             )
             lattices = replace(
                 self._lattices,

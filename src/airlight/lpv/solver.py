@@ -14,7 +14,6 @@ from typing import Any, Protocol, cast
 from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, linear_sampler
-from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import (
     EVERYTHING,
     Inject,
@@ -107,7 +106,7 @@ class LpvSolver(Solver):
         self.lobe = SHAPED if settings.occlusion and not self.is_paper else COSINE
         self.media: LatticeMedia | None = None
         # Passes.
-        self.inject, self.emission, self.resolve = Inject(gpu), InjectEmission(gpu), Resolve(gpu)
+        self.inject, self.resolve = Inject(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         self.linear = linear_sampler(gpu)
         # Light: what goes in, what goes on between cells, what surfaces read.
@@ -124,7 +123,6 @@ class LpvSolver(Solver):
             kit.lattices.source = SeenBlockers(kit, settings)
         # State of the last frame.
         self.power_scale, self._static_scale = 1.0, 0.0
-        self._emitted = emitted_flux(scene.meshes)
         self._hull: Hull = EVERYWHERE
         self._sky_version = self._media_version = -1
         self._lit_by: tuple[Any, ...] | None = None
@@ -160,7 +158,7 @@ class LpvSolver(Solver):
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
         self._hull = EVERYWHERE if is_open else (triple(frame.low), triple(frame.high))
         # Fixed-point sums hold all the flux there can be.
-        flux = flux_bound([*scene.lights, *self.kit.sky.lights], *frame.bounds) + self._emitted
+        flux = flux_bound([*scene.lights, *self.kit.sky.lights], *frame.bounds)
         flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         self._find_stale(commands, scale)
@@ -226,12 +224,10 @@ class LpvSolver(Solver):
         )
 
     def _inject_static(self, commands: Commands, part: Cascade, scale: float) -> None:
-        """What sky, geometry and the lattice's place alone change: sky bounce, emission."""
+        """What sky, geometry and the lattice's place alone change: the sky's bounce."""
         part.is_stale = False
         if self.kit.sky.maps.layers:
             self._inject(commands, part, self.kit.sky.maps, scale)
-        if self.kit.blockers.is_emissive:
-            self.emission.encode(commands, part.blockers, part.target(scale), self.lobe)
         self.resolve.encode(commands, part.placement, part.sums, self.black, part.static, scale)
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:

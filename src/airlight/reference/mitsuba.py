@@ -27,6 +27,7 @@ from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
+from .mitsuba_lights import has_glow
 from .mitsuba_media import has_media
 from .mitsuba_process import SCALAR_VARIANT, Job
 from .mitsuba_scene import (
@@ -206,7 +207,7 @@ def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> 
 def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> Job:
     environment = scene.environment
     hide = environment is not None and not environment.visible
-    glows = any(mesh.material.is_emissive for mesh in scene.meshes)
+    glows = has_glow(scene)
     wants_layers = request.names != ("all",)
     compiled = request.variant != SCALAR_VARIANT
     ours = compiled and (wants_layers or (hide and glows))

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..scene.checks import F32, Vec3
 from ..scene.environment import Environment
-from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from ..scene.light_shapes import world_from_unit
+from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from ..scene.point_lights import PointLights
+from ..scene.scene import Scene
 from .mitsuba_files import FileStore, write_exr
 from .mitsuba_xml import (
     add_lookat,
@@ -27,16 +29,66 @@ from .mitsuba_xml import (
 SPOT_PX = 1024
 
 
-def light_emitter(light: Light, files: FileStore) -> Element:
-    """The emitter of a light without extent."""
+def light_elements(light: Light, files: FileStore, notes: list[str]) -> list[Element]:
+    """The emitter of a light without extent, or the shapes that an area light is."""
     if isinstance(light, DirectionalLight):
         emitter = plugin("emitter", "directional")
         add_vector(emitter, "direction", light.direction)
         add_rgb(emitter, "irradiance", light.irradiance)
-        return emitter
+        return [emitter]
     if isinstance(light, PointLight):
-        return _point(light.position, light.intensity)
-    return _spot(light, files)
+        if light.radius == 0.0:
+            return [_point(light.position, light.intensity)]
+        r, g, b = (c / (math.pi * light.radius**2) for c in light.intensity)
+        ball = AreaLight(light.position, (r, g, b), "sphere", radius=light.radius, visible=False)
+        return _area(ball, notes)
+    if isinstance(light, AreaLight):
+        return _area(light, notes)
+    assert isinstance(light, SpotLight)
+    if light.radius > 0.0:
+        notes.append("a spot light's radius: Mitsuba's spots are points, its shadows are hard")
+    return [_spot(light, files)]
+
+
+def _area(light: AreaLight, notes: list[str]) -> list[Element]:
+    """A black shape with an area emitter; the back of a two-sided one is a shape of its own."""
+    if not light.visible:
+        notes.append("a light that is not seen: Mitsuba shows it, and it casts shadows")
+    sides = (1.0, -1.0) if light.two_sided and light.shape != "sphere" else (1.0,)
+    return [_area_side(light, side) for side in sides]
+
+
+def _area_side(light: AreaLight, side: float) -> Element:
+    shape = plugin("shape", light.shape)
+    if light.shape == "sphere":
+        add_point(shape, "center", light.position)
+        add_number(shape, "radius", light.radius)
+    else:
+        # Mitsuba's are 2 m across and face +z; ours are 1 m across and face +y.
+        unit = world_from_unit(light)
+        placed = np.eye(4)
+        placed[:3, 0], placed[:3, 1] = 0.5 * side * unit[:3, 2], 0.5 * unit[:3, 0]
+        placed[:3, 2], placed[:3, 3] = side * unit[:3, 1], unit[:3, 3]
+        # The back lies a hair behind the front.
+        placed[:3, 3] += min(side, 0.0) * 1e-5 * max(light.size) * unit[:3, 1]
+        add_matrix(shape, "to_world", placed)
+    emitter = plugin("emitter", "area")
+    add_rgb(emitter, "radiance", light.radiance)
+    shape.append(emitter)
+    bsdf = plugin("bsdf", "diffuse")
+    add_rgb(bsdf, "reflectance", (0.0, 0.0, 0.0))
+    shape.append(bsdf)
+    return shape
+
+
+def has_glow(scene: Scene) -> bool:
+    """Whether anything that the eye may see gives light: surfaces, area lights, balls."""
+    if any(mesh.material.is_emissive for mesh in scene.meshes):
+        return True
+    return any(
+        isinstance(light, AreaLight) or (isinstance(light, PointLight) and light.radius > 0.0)
+        for light in scene.lights
+    )
 
 
 def point_emitters(group: PointLights) -> list[Element]:

@@ -18,7 +18,7 @@ from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .mitsuba_files import FileStore, is_written
-from .mitsuba_lights import environment_emitter, light_emitter, point_emitters
+from .mitsuba_lights import environment_emitter, has_glow, light_elements, point_emitters
 from .mitsuba_material import is_masked
 from .mitsuba_media import Media, air_bounds, has_media, scene_media
 from .mitsuba_shapes import mesh_shapes
@@ -128,7 +128,7 @@ def export(
     diagonal = scene_diagonal(scene)
     shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
     media = scene_media(scene, files, notes)
-    emitters = [light_emitter(light, files) for light in scene.lights]
+    emitters = [e for light in scene.lights for e in light_elements(light, files, notes)]
     emitters += [emitter for group in scene.light_groups for emitter in point_emitters(group)]
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
@@ -198,7 +198,7 @@ def _hiding(integrator: Element, scene: Scene, notes: list[str]) -> Element:
     add_integer(integrator, "max_depth", "$max_depth")
     if scene.environment is None or scene.environment.visible:
         return integrator
-    if any(mesh.material.is_emissive for mesh in scene.meshes):
+    if has_glow(scene):
         notes.append(VISIBLE_ENVIRONMENT)
     else:
         add_truth(integrator, "hide_emitters", True)

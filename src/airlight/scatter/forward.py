@@ -22,7 +22,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
-from ..scene.lights import DirectionalLight, Light
+from ..scene.lights import AreaLight, DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
@@ -234,6 +234,7 @@ def _scale(lights: tuple[Light, ...], cell_size_m: float) -> float:
             if isinstance(x, DirectionalLight)
             else max(x.intensity) / (0.5 * cell_size_m) ** 2
             for x in lights
+            if not isinstance(x, AreaLight)
         ),
         default=0.0,
     )

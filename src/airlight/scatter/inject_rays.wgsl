@@ -6,7 +6,7 @@
 
 // What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
 fn carried(light: LightData, way: vec3f) -> vec3f {
-    return light.color * select(1.0, spot_fade(light, way), light.kind == LIGHT_SPOT);
+    return light.color * select(1.0, sent_share(light, way), light.kind >= LIGHT_SPOT);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

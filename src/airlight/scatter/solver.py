@@ -12,7 +12,6 @@ import numpy as np
 from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
-from ..lattice.emission import InjectEmission, emitted_flux
 from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux_bound, new_sums
 from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import COSINE, InjectionTarget, Lobe
@@ -89,13 +88,12 @@ class ScatterSolver(Solver):
         self.sky_single = InjectSingle(gpu, self.sky_air)
         self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
         self._is_forward = self._is_reduced = False
-        self.inject_emission, self.resolve = InjectEmission(gpu), Resolve(gpu)
+        self.resolve = Resolve(gpu)
         self.points = InjectPoints(gpu)
         is_endless = scene.medium is not None and scene.medium.endless
         self.border = InjectBorder(gpu, self.placement, self.air) if is_endless else None
         self.reflectance_of = CellReflectance(gpu)
         self.cell_medium = CellMedium(gpu, self.air) if self.is_varied else None
-        self._emitted = emitted_flux(scene.meshes)
         self.sums = new_sums(gpu, self.placement)
         self.black, self.steady, self.reflected, self.source = (
             Buffer(gpu, name, 3 * cells * 16)
@@ -126,7 +124,7 @@ class ScatterSolver(Solver):
         Raises SettingsError (scheme paper in a dense medium).
         """
         scene, (low, high) = self._seen(frame.scene), frame.bounds
-        flux = flux_bound([*scene.lights, *self.sky.lights], low, high) + self._emitted
+        flux = flux_bound([*scene.lights, *self.sky.lights], low, high)
         flux += self.points.take(scene.light_groups)
         scale = fixed_point_scale(flux, returned_sharpness())
         with commands.stage("air"):
@@ -245,8 +243,6 @@ class ScatterSolver(Solver):
                 commands, maps, self._target(scale), _RETURNED, lights=self._sky_lights
             )
             base = self.source
-        if self.blockers.is_emissive:
-            self.inject_emission.encode(commands, self.blockers, self._target(scale), COSINE)
         self._resolve(commands, base, self.steady, scale)
 
     def _target(self, scale: float) -> InjectionTarget:

@@ -10,7 +10,7 @@ io/          files <-> these                builtin/                      scenes
 
 from .camera import Camera
 from .environment import Environment
-from .lights import DirectionalLight, Light, PointLight, SpotLight
+from .lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from .material import Material, Texture
 from .medium import Medium
 from .mesh import Geometry, Mesh
@@ -19,6 +19,7 @@ from .scene import Scene
 from .volume import Volume
 
 __all__ = [
+    "AreaLight",
     "Camera",
     "DirectionalLight",
     "Environment",

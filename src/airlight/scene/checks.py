@@ -75,6 +75,14 @@ def vec3(value: Any, name: str, *, high: float = MOST_M) -> Vec3:
     return (x, y, z)
 
 
+def pair(value: Any, name: str, *, low: float, high: float) -> tuple[float, float]:
+    """Two numbers in [low, high]."""
+    if not _is_list_of(2, value):
+        raise SceneError(f"{name} must be two numbers, not {shown(value)}")
+    a, b = (number(v, name, low=low, high=high) for v in value)
+    return (a, b)
+
+
 def unit_vec3(value: Any, name: str) -> Vec3:
     """Three numbers, normalised."""
     v = vec3(value, name)

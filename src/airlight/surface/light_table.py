@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gpu.layout import Struct, f32, pack_array, u32, vec2f, vec3f
-from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
+from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
 from .light_views import view_count
 
-DIRECTIONAL, POINT, SPOT = 0, 1, 2
+DIRECTIONAL, POINT, SPOT, SAMPLE = 0, 1, 2, 3
 _MOST_RECENT = 8
 
 
@@ -20,14 +20,15 @@ class LightData(Struct):
     """A light, as shaders see it."""
 
     color = vec3f("W m^-2 (directional) or W sr^-1")
-    kind = u32("0 directional, 1 point, 2 spot")
+    kind = u32("0 directional, 1 point, 2 spot, 3 sample of a light with extent")
     position = vec3f("m")
-    cos_inner = f32()
+    cos_inner = f32("of a sample: `front`")
     direction = vec3f("of travel")
-    cos_outer = f32()
+    cos_outer = f32("of a sample: `even`")
     first_view = u32()
     view_count = u32()
-    pad = vec2f()
+    nearest = f32("m^2, squares of distances are no smaller")
+    pad = f32()
 
 
 def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
@@ -41,7 +42,8 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
         "cos_outer": -1.0,
         "first_view": first_view,
         "view_count": view_count(light),
-        "pad": (0, 0),
+        "nearest": 1e-8,
+        "pad": 0.0,
     }
     match light:
         case DirectionalLight():
@@ -56,6 +58,16 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
                 "direction": light.direction,
                 "cos_inner": math.cos(math.radians(light.inner_deg)),
                 "cos_outer": math.cos(math.radians(light.outer_deg)),
+            }
+        case LightSample():
+            fields |= {
+                "color": light.intensity,
+                "kind": SAMPLE,
+                "position": light.position,
+                "direction": light.direction,
+                "cos_inner": light.front,
+                "cos_outer": light.even,
+                "nearest": max(light.extent**2, 1e-8),
             }
     return fields
 

@@ -1,7 +1,7 @@
 """What lights see: their projections, fitted to the scene, stable under camera movement.
 
 Depth is conventional: 0 near, 1 far. A directional light has one view (or one per cascade), a
-spot light one, a point light six.
+spot light one, a point light and a sample of a light with extent six.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..maths.transforms import (
     transformed,
     view_from_world,
 )
-from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
 
 Vec3 = tuple[float, float, float]
 _CUBE = (  # forward, up: faces +x -x +y -y +z -z
@@ -87,7 +87,7 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
                 views.append(_parallel(light, index, low, high, resolution))
             case SpotLight() if view_count(light) == 1:
                 views.append(_spot(light, index, low, high, resolution))
-            case PointLight() | SpotLight():
+            case PointLight() | SpotLight() | LightSample():
                 views += _cube(light, index, low, high, resolution)
     return views
 
@@ -95,7 +95,7 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
 def view_count(light: Light) -> int:
     """How many views `light_views` makes of a light: wide spots see as points do."""
     is_wide = isinstance(light, SpotLight) and light.outer_deg > _WIDE_DEG
-    return 6 if is_wide or isinstance(light, PointLight) else 1
+    return 6 if is_wide or isinstance(light, PointLight | LightSample) else 1
 
 
 def _parallel(
@@ -132,7 +132,7 @@ def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) ->
 
 
 def _cube(
-    light: PointLight | SpotLight, index: int, low: F64, high: F64, resolution: int
+    light: PointLight | SpotLight | LightSample, index: int, low: F64, high: F64, resolution: int
 ) -> list[LightView]:
     return [
         _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)

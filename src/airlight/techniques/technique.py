@@ -53,7 +53,7 @@ class Technique:
 
     def solve(self, commands: Commands, scene: Scene) -> None:
         """Update lights, sky and lattices, then run each solver on the fields of those before."""
-        scene = self._scene_filter(scene)
+        scene = self.kit.emitters.of(self._scene_filter(scene))
         frame = Frame(scene, *self.kit.bounds(scene))
         # What all solvers share: shadow maps, blockers, the sky's light in all cells.
         self.kit.encode(commands, scene, *frame.bounds)

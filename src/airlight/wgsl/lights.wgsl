@@ -1,8 +1,9 @@
-// Lights without extent. The including pass declares the struct LightData.
+// Lights as points: those without extent, and samples of those with one. The including pass declares the struct LightData.
 
 const LIGHT_DIRECTIONAL = 0u;
 const LIGHT_POINT = 1u;
 const LIGHT_SPOT = 2u;
+const LIGHT_SAMPLE = 3u;    // it and spots send more in some directions than in others
 
 struct Incoming {
     to_light: vec3f,    // unit
@@ -10,10 +11,20 @@ struct Incoming {
     distance: f32,      // m
 }
 
-// The spot's fade between its half angles: smoothstep of the cosine.
-fn spot_fade(light: LightData, direction: vec3f) -> f32 {
+// What is sent along `direction`, of what is sent along the light's: a spot's fade between its half
+// angles is the smoothstep of the cosine, a sample of a surface sends by the cosine.
+fn sent_share(light: LightData, direction: vec3f) -> f32 {
     let c = dot(direction, light.direction);
+    if (light.kind == LIGHT_SAMPLE) {
+        return light.cos_inner * max(c, 0.0) + light.cos_outer;
+    }
     return smoothstep(light.cos_outer, max(light.cos_inner, light.cos_outer + 1e-4), c);
+}
+
+// The distance, m, at which a point would be as bright as a light `distance` from a ray: what
+// comes of a surface is nowhere as bright as near a point.
+fn softened(light: LightData, distance: f32) -> f32 {
+    return select(distance, sqrt(distance * distance + light.nearest), light.kind == LIGHT_SAMPLE);
 }
 
 fn incoming(light: LightData, position: vec3f) -> Incoming {
@@ -25,12 +36,12 @@ fn incoming(light: LightData, position: vec3f) -> Incoming {
         return result;
     }
     let delta = light.position - position;
-    let squared = max(dot(delta, delta), 1e-8);
+    let squared = max(dot(delta, delta), light.nearest);
     result.distance = sqrt(squared);
     result.to_light = delta / result.distance;
     result.irradiance = light.color / squared;
-    if (light.kind == LIGHT_SPOT) {
-        result.irradiance *= spot_fade(light, -result.to_light);
+    if (light.kind >= LIGHT_SPOT) {
+        result.irradiance *= sent_share(light, -result.to_light);
     }
     return result;
 }

@@ -87,8 +87,8 @@ fn local_node(
     let t = t_near + h * tan(x);
     let p = origin + t * direction;
     var sent = sent_by(light, index, m, p, t, -sin(x), h / cos(x));
-    if (light.kind == LIGHT_SPOT) {
-        sent *= spot_fade(light, normalize(p - light.position));
+    if (light.kind >= LIGHT_SPOT) {
+        sent *= sent_share(light, normalize(p - light.position));
     }
     return sent;
 }
@@ -107,7 +107,7 @@ fn local_interval(
 ) -> vec3f {
     let geometry = ray_light_geometry(origin, direction, light.position);
     let t_near = -geometry.y;
-    let h = max(geometry.x, 1e-4 * max(abs(t0 - t_near), abs(t1 - t_near)) + 1e-9);
+    let h = max(softened(light, geometry.x), 1e-4 * max(abs(t0 - t_near), abs(t1 - t_near)) + 1e-9);
     let x0 = atan((t0 - t_near) / h);
     let x1 = atan((t1 - t_near) / h);
     let pieces = local_pieces(m, x1 - x0, t1 - t0);

@@ -96,8 +96,8 @@ fn local_node(
     // Where the ray passes close by, the angle says little.
     let t = clamp(t_near + h * tan(x), step_begin, step_end);
     var sent = sent_by(light, t, length(vec2f(h, t - t_near)), -sin(x));
-    if (light.kind == LIGHT_SPOT) {
-        sent *= spot_fade(light, normalize(origin + t * direction - light.position));
+    if (light.kind >= LIGHT_SPOT) {
+        sent *= sent_share(light, normalize(origin + t * direction - light.position));
     }
     return sent;
 }
@@ -106,7 +106,7 @@ fn local_node(
 fn local_piece(light: LightData, origin: vec3f, direction: vec3f, a: f32, b: f32) -> vec3f {
     let geometry = ray_light_geometry(origin, direction, light.position);
     let t_near = -geometry.y;
-    let h = max(geometry.x, 1e-4 * max(abs(a - t_near), abs(b - t_near)) + 1e-9);
+    let h = max(softened(light, geometry.x), 1e-4 * max(abs(a - t_near), abs(b - t_near)) + 1e-9);
     let x0 = atan((a - t_near) / h);
     let x1 = atan((b - t_near) / h);
     let pieces = u32(clamp(ceil((x1 - x0) / 0.4), 1.0, 8.0));

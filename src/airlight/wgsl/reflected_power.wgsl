@@ -5,10 +5,13 @@
 // `albedo` is bihemispherical: a two-band lattice cannot tell gloss from matt.
 fn reflected_power(albedo: vec3f, world: vec3f) -> vec3f {
     let power = params.color * albedo;
-    if (params.kind != 2u) {
+    if (params.kind < 2u) {
         return in_half_range(power);
     }
     let c = dot(normalize(world - params.position), params.direction);
+    if (params.kind == 3u) {    // a sample of a surface
+        return in_half_range(power * (params.cos_inner * max(c, 0.0) + params.cos_outer));
+    }
     return in_half_range(
         power * smoothstep(params.cos_outer, max(params.cos_inner, params.cos_outer + 1e-4), c));
 }

@@ -247,11 +247,11 @@ MISTAKES = [
     ),
     (
         BOX + "[[light]]\nposition = [0, 1, 0]\n",
-        '[[light]] 1 has no type. It is "directional", "point", "spot" or "points".',
+        '[[light]] 1 has no type. It is "directional", "point", "spot", "area" or "points".',
     ),
     (
         BOX + '[[light]]\ntype = "sun"\n',
-        "[[light]] 1: type = 'sun' is unknown. Known: directional, point, points, spot.",
+        "[[light]] 1: type = 'sun' is unknown. Known: area, directional, point, points, spot.",
     ),
     (
         BOX + SUN + SUN + "intensity = 3\n",

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from airlight.scene import (
+    AreaLight,
     Camera,
     DirectionalLight,
     Environment,
@@ -51,6 +52,7 @@ NOT_FIELDS = {
         (LIGHT.keys + LIGHT.variants["directional"], DirectionalLight),
         (LIGHT.keys + LIGHT.variants["point"], PointLight),
         (LIGHT.keys + LIGHT.variants["spot"], SpotLight),
+        (LIGHT.keys + LIGHT.variants["area"], AreaLight),
         (ENVIRONMENT.keys, Environment),
         (MEDIUM.keys, Medium),
         (VOLUME.keys, Volume),

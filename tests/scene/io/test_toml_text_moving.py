@@ -54,6 +54,7 @@ KINDS: dict[str, object] = {
     "boolean": None,
     "two corners": [[-3, -1, -3], [3, 2, 3]],
     "number or vector": [1, 2, 3],
+    "two numbers": [0.5, 2.5],
     'number or "auto"': "auto",
 }
 NEEDS = {  # keys that cannot stand alone
@@ -67,6 +68,7 @@ NEEDS = {  # keys that cannot stand alone
     "light directional": {"direction": [0, -1, 0], "irradiance": [3, 2, 1]},
     "light point": {"position": [0, 3, 0], "intensity": 9},
     "light spot": {"position": [0, 3, 0], "direction": [0, -1, 0], "intensity": 9},
+    "light area": {"position": [0, 3, 0], "radiance": 9},
     "light points": {"file": "many.npz"},
 }
 INSTEAD = {

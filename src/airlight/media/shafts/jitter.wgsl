@@ -39,7 +39,7 @@ fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) ->
     }
     let to_light = light.position - rays.eye;
     let t_near = dot(to_light, direction);
-    let h = max(length(to_light - t_near * direction), 1e-4 * (abs(t_near) + t1) + 1e-9);
+    let h = max(softened(light, length(to_light - t_near * direction)), 1e-4 * (abs(t_near) + t1) + 1e-9);
     let x0 = atan((t0 - t_near) / h);
     let x1 = atan((t1 - t_near) / h);
     return vec2f(t_near + h * tan(mix(x0, x1, u)), (x1 - x0) / h);
@@ -54,7 +54,7 @@ fn step_radiance(
     var gain = place.y;
     if (light.kind != LIGHT_DIRECTIONAL) {
         way = normalize(p - light.position);
-        if (light.kind == LIGHT_SPOT) { gain *= spot_fade(light, way); }
+        if (light.kind >= LIGHT_SPOT) { gain *= sent_share(light, way); }
     }
     if (gain <= 0.0) {
         return vec3f(0.0);

@@ -70,7 +70,11 @@ class LightTrack:
         lights = list(scene.lights)
         _check_index(self.index, len(lights), "light")
         values = _values(self.curves, time_s)
-        for name in ("irradiance", "intensity"):  # smooth curves swing through below zero
+        for name in (
+            "irradiance",
+            "intensity",
+            "radiance",
+        ):  # smooth curves swing through below zero
             if name in values:
                 values[name] = tuple(max(0.0, c) for c in values[name])
         lights[self.index] = replace(lights[self.index], **values)

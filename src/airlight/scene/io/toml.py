@@ -18,7 +18,7 @@ from ..animation.density import VolumeTrack
 from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack
 from ..camera import Camera
 from ..environment import Environment
-from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from .defaults import with_default_camera, with_default_lights
@@ -44,6 +44,7 @@ _LONG_KEY = re.compile(rf"(?<![\w.-])(?:{_KEY_PART}){{{MOST_KEY_PARTS}}}")
 
 _LIGHT_CLASSES: dict[str, Callable[..., Light]] = {
     "directional": DirectionalLight,
+    "area": AreaLight,
     "point": PointLight,
     "spot": SpotLight,
 }

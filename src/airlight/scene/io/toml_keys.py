@@ -14,6 +14,11 @@ def above_zero(value: float, name: str) -> float:
     return checks.number(value, name, low=1e-6, high=1e6)
 
 
+def positive_pair(value: object, name: str) -> tuple[float, float]:
+    """Two numbers above zero, at most a million."""
+    return checks.pair(value, name, low=1e-6, high=1e6)
+
+
 def metered(value: object, name: str) -> float:
     """Stops of exposure as a number: between keyframes there is no "auto"."""
     return checks.number(value, name, low=-checks.MOST_STOPS, high=checks.MOST_STOPS)
@@ -84,6 +89,14 @@ KEYS: dict[str, Table] = {
         variants={
             "directional": (_DIRECTION, _key("irradiance", checks.rgb, COLOUR, "W m^-2")),
             "point": (_POSITION, _INTENSITY),
+            "area": (
+                _POSITION,
+                _DIRECTION,
+                _key("up", checks.unit_vec3, "vector"),
+                _key("radiance", checks.rgb, COLOUR, "W m^-2 sr^-1"),
+                _key("size", positive_pair, "two numbers", "m"),
+                _key("radius", above_zero, "number", "m"),
+            ),
             "spot": (
                 _POSITION,
                 _DIRECTION,

@@ -7,7 +7,16 @@ the two cannot drift apart.
 from __future__ import annotations
 
 from .. import checks
-from .toml_keys import ANIMATION, BETWEEN, CLIP_KEYS, KEYS, SEQUENCE_KEYS
+from ..lights import AREA_SHAPES
+from .toml_keys import (
+    ANIMATION,
+    BETWEEN,
+    CLIP_KEYS,
+    KEYS,
+    SEQUENCE_KEYS,
+    above_zero,
+    positive_pair,
+)
 from .toml_schema import (
     Key,
     Table,
@@ -87,14 +96,18 @@ _INTENSITY = Key(
     "intensity", checks.rgb, _COLOUR, "intensity (of a spot: on its axis)", "W sr^-1", required=True
 )
 
+_RADIUS = Key(
+    "radius", checks.number, "number", "of the sphere it comes from: soft shadows", "m", "0"
+)
+
 LIGHT = Table(
     "light",
-    "A light without extent. (A mesh with emission is a light with extent.)",
+    "A light. Meshes with emission are area lights, too, without a table of their own.",
     (
         Key(
             "type",
-            one_of("directional", "point", "spot", "points"),
-            '"directional", "point", "spot" or "points"',
+            one_of("directional", "point", "spot", "area", "points"),
+            '"directional", "point", "spot", "area" or "points"',
             "its kind",
             required=True,
         ),
@@ -114,7 +127,51 @@ LIGHT = Table(
                 required=True,
             ),
         ),
-        "point": (_POSITION, _INTENSITY),
+        "point": (_POSITION, _INTENSITY, _RADIUS),
+        "area": (
+            _POSITION,
+            Key("radiance", checks.rgb, _COLOUR, "radiance", "W m^-2 sr^-1", required=True),
+            Key(
+                "shape",
+                one_of(*AREA_SHAPES),
+                '"rectangle", "disk" or "sphere"',
+                "what gives the light; `position` is its middle",
+                default='"rectangle"',
+            ),
+            Key(
+                "direction",
+                checks.unit_vec3,
+                _TRAVEL,
+                "the normal of the side that gives light; not of a sphere",
+                default="[0, -1, 0]",
+            ),
+            Key(
+                "up",
+                checks.unit_vec3,
+                "vector",
+                "the way of a rectangle's height, as far as it lies in its plane",
+                default="[0, 0, -1]",
+            ),
+            Key(
+                "size",
+                positive_pair,
+                "two numbers",
+                "a rectangle's width and height",
+                "m",
+                "[1, 1]",
+            ),
+            Key("radius", above_zero, "number", "of a disk or a sphere", "m", "0.5"),
+            Key(
+                "two_sided", checks.boolean, "boolean", "the back gives light, too", default="false"
+            ),
+            Key(
+                "visible",
+                checks.boolean,
+                "boolean",
+                "false: it is not seen, and casts no shadow",
+                default="true",
+            ),
+        ),
         "points": (
             Key(
                 "file",
@@ -131,6 +188,7 @@ LIGHT = Table(
             _INTENSITY,
             Key("inner_deg", checks.number, "number", "half angle lit in full", "degrees", "20"),
             Key("outer_deg", checks.number, "number", "half angle of the cone", "degrees", "30"),
+            _RADIUS,
         ),
     },
 )

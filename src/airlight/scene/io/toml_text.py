@@ -17,7 +17,7 @@ import numpy as np
 
 from ..camera import Camera
 from ..environment import Environment
-from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
@@ -135,10 +135,14 @@ def _light(light: Light) -> dict[str, Any]:
             "direction": light.direction,
             "irradiance": _colour(light.irradiance),
         }
+    if isinstance(light, AreaLight):
+        return _area_light(light)
+    assert isinstance(light, PointLight | SpotLight)
     table = {"position": light.position, "intensity": _colour(light.intensity)}
+    if light.radius > 0.0:
+        table["radius"] = light.radius
     if isinstance(light, PointLight):
         return {"type": "point", **table}
-    assert isinstance(light, SpotLight)
     return {
         "type": "spot",
         **table,
@@ -146,6 +150,20 @@ def _light(light: Light) -> dict[str, Any]:
         "inner_deg": light.inner_deg,
         "outer_deg": light.outer_deg,
     }
+
+
+def _area_light(light: AreaLight) -> dict[str, Any]:
+    """What it must say, then what is not as usual."""
+    table = {
+        "type": "area",
+        "shape": light.shape,
+        "position": light.position,
+        "radiance": _colour(light.radiance),
+    }
+    usual = AreaLight(light.position, light.radiance, light.shape)
+    others = ("direction", "up", "size", "radius", "two_sided", "visible")
+    said = [name for name in others if getattr(light, name) != getattr(usual, name)]
+    return table | {name: getattr(light, name) for name in said}
 
 
 def _environment(

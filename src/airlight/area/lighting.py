@@ -1,0 +1,185 @@
+"""Direct light of emitters on surfaces: analytic, times the share of samples that is seen.
+
+For each emitter the irradiance and the GGX response come in closed form (Heitz2016), and are
+multiplied by sum(w v) / sum(w) over its samples, with v what the sample's shadow map says and w the
+sample's unshadowed light (Heitz2018, section 3): where nothing shadows there is no noise at all.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
+from ..gpu.memory import Buffer, Texture, buffer_of, nearest_sampler
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..maths.area_light import cosine_table
+from ..maths.transforms import F64
+from ..surface.gbuffer import GBuffer
+from ..surface.geometry import GpuScene
+from ..surface.light_table import LightData
+from ..surface.shadow import ShadowMaps
+from .attenuation import Attenuation
+from .emitters import Emitter, Emitters
+from .shapes import MOST_CORNERS
+from .table import (
+    CornerData,
+    EmitterData,
+    SampleData,
+    corner_rows,
+    emitter_rows,
+    sample_rows,
+    sample_views,
+)
+
+MOST_TEXELS = 1 << 24
+"""Of all shadow maps together; where there would be more they are smaller."""
+_NO_MEDIA = """
+fn media_passed(row: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
+"""
+_THROUGH_MEDIA = """
+//! use media_light
+fn media_passed(row: u32, p: vec3f) -> vec3f {
+    return media_light_transmittance(lights[row], row, p);
+}
+"""
+
+
+class AreaLightingParams(Struct):
+    """The camera, and how many emitters there are."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    emitter_count = u32()
+    size = vec2f("px")
+    texel = f32("of the shadow maps, of their width")
+    pad = u32()
+
+
+class _AreaLighting(FullscreenPass):
+    """G-buffer -> emission and direct light of emitters, W m^-2 sr^-1."""
+
+    targets = ("rgba32float",)
+    file = "lighting.wgsl"
+
+    def __init__(self, gpu: Gpu, media: Attenuation | None) -> None:
+        self.slots: tuple[Slot, ...] = (  # type: ignore[misc]
+            uniform("params", AreaLightingParams),
+            texture("depth", "2d", "depth"),
+            texture("albedo", "2d", "unfilterable-float"),
+            texture("normal", "2d", "unfilterable-float"),
+            texture("emission", "2d", "unfilterable-float"),
+            sampler("image_sampler", "non-filtering"),
+            storage("emitters", EmitterData),
+            storage("corners", CornerData),
+            storage("samples", SampleData),
+            storage("cosines", "vec4f"),
+            texture("area_shadows", "2d-array", "depth"),
+            sampler("shadow_compare", "comparison"),
+            *((storage("lights", LightData), *media.slots) if media else ()),
+        )
+        super().__init__(
+            gpu,
+            generated=(media.wgsl + _THROUGH_MEDIA) if media else _NO_MEDIA,
+            constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)},
+        )
+
+
+class AreaShadows:
+    """Emitters on the device with the shadow maps of their samples; drawn where they changed."""
+
+    def __init__(self, gpu: Gpu, emitters: Emitters, resolution: int) -> None:
+        """`resolution`: side of a map, texels, where there are few."""
+        self.emitters = emitters
+        layers = max(1, emitters.layers)
+        while resolution > 32 and layers * resolution**2 > MOST_TEXELS:
+            resolution //= 2
+        self.maps = ShadowMaps(gpu, "area shadows", resolution, layers)
+        self.table = Buffer(gpu, "emitters", EmitterData.dtype.itemsize * emitters.count)
+        self.corners = Buffer(
+            gpu, "emitter corners", CornerData.dtype.itemsize * MOST_CORNERS * emitters.count
+        )
+        self.samples = Buffer(
+            gpu, "emitter samples", SampleData.dtype.itemsize * emitters.sample_count
+        )
+        self._key: tuple[Any, ...] | None = None
+
+    def encode(self, commands: Commands, meshes: GpuScene, index: int, low: F64, high: F64) -> None:
+        """Bring tables and maps up to date for sample `index` of a still; low..high: the scene."""
+        key = (self.emitters.version, meshes.version, index, low.tobytes(), high.tobytes())
+        if key == self._key:
+            return
+        self._key = None  # until all is drawn: what raises leaves nothing to be kept
+        found = self.emitters.jittered(index)
+        self._write(found, low, high)
+        views = [v for e in found for s in e.samples for v in sample_views(s, low, high)]
+        self.maps.encode(commands, meshes, views)
+        self._key = key
+
+    def _write(self, found: tuple[Emitter, ...], low: F64, high: F64) -> None:
+        self.table.write(emitter_rows(found))
+        self.corners.write(corner_rows(found))
+        self.samples.write(sample_rows(found, low, high))
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name."""
+        return {
+            "emitters": self.table,
+            "corners": self.corners,
+            "samples": self.samples,
+            "area_shadows": self.maps.depth,
+            "shadow_compare": self.maps.sampler,
+        }
+
+
+class AreaLighting:
+    """Draws a view's emission, and on it what emitters light."""
+
+    def __init__(self, gpu: Gpu, shadows: AreaShadows, media: Attenuation | None) -> None:
+        """`media`: what light is attenuated by on its way to surfaces."""
+        self.gpu, self.shadows, self.media = gpu, shadows, media
+        self._pass = _AreaLighting(gpu, media)
+        table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
+        table[:, :6] = cosine_table().reshape(-1, 6)
+        self._cosines = buffer_of(gpu, "transformed cosines", table)
+        self._lit: Texture | None = None
+
+    def encode(
+        self,
+        commands: Commands,
+        gbuffer: GBuffer,
+        camera: tuple[F64, tuple[float, float, float]],
+        lights: Buffer,
+    ) -> Texture:
+        """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
+
+        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights.
+        """
+        if self._lit is None or self._lit.size[:2] != gbuffer.size:
+            self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)
+        values: dict[str, Any] = {
+            "params": AreaLightingParams(
+                world_from_clip=camera[0],
+                eye=camera[1],
+                emitter_count=self.shadows.emitters.count,
+                size=gbuffer.size,
+                texel=1.0 / self.shadows.maps.resolution,
+                pad=0,
+            ),
+            "depth": gbuffer.depth,
+            "albedo": gbuffer.albedo,
+            "normal": gbuffer.normal,
+            "emission": gbuffer.emission,
+            "image_sampler": nearest_sampler(self.gpu),
+            "cosines": self._cosines,
+            **self.shadows.bound,
+        }
+        if self.media:
+            values |= {"lights": lights, **self.media.bound}
+        self._pass.draw(commands, (self._lit,), **values)
+        return self._lit

@@ -1,0 +1,148 @@
+"""Glowing surfaces in small triangles: where they lie, where they face, what they give."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.weld import welded
+from ..scene.checks import F64
+from ..scene.mesh import Geometry
+from .sources import Source, snapped, texture_light
+
+I64 = NDArray[np.int64]
+LEAST_PIECES, LEAST_TEXTURED = 512, 2048
+"""Small triangles of a source, at least: samples are groups of them."""
+MOST_SPLIT = 5
+_FOLD_COSINE = 0.9  # of normals of neighbours that belong to one smooth part
+_TAPS = np.array([(4, 1, 1), (1, 4, 1), (1, 1, 4), (2, 2, 2)], np.float64) / 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """`positions` (n, 3), m; `normals` (n, 3), of the side that glows; `areas` (n,), m^2;
+    `radiance` (n, 3), W m^-2 sr^-1; `corners` (n, 3, 3), m.
+    """
+
+    positions: F64
+    normals: F64
+    areas: F64
+    radiance: F64
+    corners: F64
+
+    @property
+    def power(self) -> F64:
+        """W (n,), the mean of the channels."""
+        return np.asarray(np.pi * self.areas * self.radiance.mean(axis=1))
+
+    def taken(self, rows: I64) -> Pieces:
+        """Some of them."""
+        columns = (self.positions, self.normals, self.areas, self.radiance, self.corners)
+        return Pieces(*(values[rows] for values in columns))
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """How sources are cut, for as long as their triangles stay the same: of each piece its source,
+    its triangle and the weights (n, 3, 3) of the triangle's corners in its own; what its texture
+    makes of the source's emission (n, 3); the smooth part that it belongs to.
+    """
+
+    source: I64
+    triangle: I64
+    weights: F64
+    share: F64
+    part: I64
+
+
+def layout(found: Sequence[Source]) -> Layout:
+    """Cut all triangles so that each source has many pieces, and number their smooth parts."""
+    columns: list[tuple[I64, I64, F64, F64, I64]] = []
+    parts = 0
+    for row, source in enumerate(found):
+        geometry, material = source.surface.geometry, source.surface.material
+        count = len(geometry.indices)
+        texture = material.emission_texture if geometry.uvs is not None else None
+        wanted = LEAST_TEXTURED if texture else LEAST_PIECES
+        depth = min(MOST_SPLIT, max(0, int(np.ceil(0.5 * np.log2(wanted / count)))))
+        split = _split(depth)
+        triangle = np.repeat(np.arange(count), len(split))
+        weights = np.tile(split, (count, 1, 1))
+        share = np.ones((len(triangle), 3))
+        if texture is not None and geometry.uvs is not None:
+            uv = geometry.uvs[geometry.indices[triangle]].astype(np.float64)
+            taps = np.einsum("tk,nkc,ncx->tnx", _TAPS, weights, uv)
+            share = np.mean([texture_light(texture, tap) for tap in taps], axis=0)
+        part = smooth_parts(geometry) + parts
+        parts = int(part.max()) + 1
+        columns.append((np.full(len(triangle), row), triangle, weights, share, part[triangle]))
+    if not columns:
+        none = np.zeros(0, np.int64)
+        return Layout(none, none, np.zeros((0, 3, 3)), np.zeros((0, 3)), none)
+    return Layout(*(np.concatenate(column) for column in zip(*columns, strict=True)))
+
+
+def _split(depth: int) -> F64:
+    """Weights (4^depth, 3 corners, 3) of the corners of a triangle's equal parts."""
+    parts = np.eye(3)[None]
+    for _ in range(depth):
+        a, b, c = parts[:, 0], parts[:, 1], parts[:, 2]
+        ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
+        quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab)]
+        parts = np.concatenate([np.stack(quarter, axis=1) for quarter in quarters])
+    return parts
+
+
+def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
+    """The pieces of sources as they stand now."""
+    corners = np.zeros((len(cut.source), 3, 3))
+    radiance = np.zeros((len(cut.source), 3))
+    sign = np.ones(len(cut.source))
+    for row, source in enumerate(found):
+        own = cut.source == row
+        geometry, placed = source.surface.geometry, source.surface.world_from_object
+        world = geometry.positions.astype(np.float64) @ placed[:3, :3].T + placed[:3, 3]
+        triangles = world[geometry.indices[cut.triangle[own]]]
+        corners[own] = np.einsum("nkc,ncx->nkx", cut.weights[own], triangles)
+        radiance[own] = cut.share[own] * np.array(source.surface.material.emission)
+        # A mirroring placement keeps the front.
+        sign[own] = source.side * (1.0 if np.linalg.det(placed[:3, :3]) >= 0.0 else -1.0)
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    double = np.linalg.norm(cross, axis=1)
+    normals = sign[:, None] * cross / np.maximum(double, 1e-30)[:, None]
+    return Pieces(corners.mean(axis=1), normals, 0.5 * double, radiance, corners)
+
+
+def smooth_parts(geometry: Geometry) -> I64:
+    """(T,): numbers of the parts of a mesh whose triangles join without a fold."""
+    corners = welded(snapped(geometry).positions)[geometry.indices]
+    points = geometry.positions.astype(np.float64)[geometry.indices]
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    # Edges that two triangles share, sorted side by side.
+    edges = np.sort(
+        np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1
+    )
+    owner = np.repeat(np.arange(len(corners)), 3)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, owner = edges[order], owner[order]
+    is_same = (edges[1:] == edges[:-1]).all(axis=1)
+    a, b = owner[:-1][is_same], owner[1:][is_same]
+    joins = (normals[a] * normals[b]).sum(axis=1) > _FOLD_COSINE
+    return _joined(len(corners), a[joins], b[joins])
+
+
+def _joined(count: int, a: I64, b: I64) -> I64:
+    """Numbers (count,) of the connected parts of a graph with edges a-b."""
+    label = np.arange(count)
+    while True:
+        lower = label.copy()
+        np.minimum.at(lower, a, label[b])
+        np.minimum.at(lower, b, label[a])
+        lower = lower[lower]  # halves the way to the least
+        if (lower == label).all():
+            return np.asarray(np.unique(label, return_inverse=True)[1].reshape(-1))
+        label = lower

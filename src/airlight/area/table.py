@@ -1,0 +1,181 @@
+"""Emitters and their samples on the device, and the views of the samples' shadow maps.
+
+A sample of a surface sees a hemisphere: three faces of a cube that stands on its corner, the
+normal its diagonal, each widened over half of the faces beside it. One that sends to all sides
+sees a cube.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
+from ..maths.sampling import orthonormal_frame
+from ..maths.transforms import box_corners
+from ..scene.checks import F64
+from ..surface.light_views import LightView
+from .emitters import Emitter, Sample
+from .shapes import MOST_CORNERS
+
+HEMISPHERE_SPAN, CUBE_SPAN = 3.0, 2.0
+"""Width of a view at distance 1 along its axis; a hemisphere's goes from -2 to 1."""
+_NEAREST = 2e-4  # of the farthest
+
+
+class EmitterData(Struct):
+    """One emitter, as shaders see it; its corners lie in a table of their own."""
+
+    radiance = vec3f("W m^-2 sr^-1")
+    kind = u32("0 polygon, 1 sphere, 2 samples alone")
+    centre = vec3f("m")
+    radius = f32("m")
+    normal = vec3f("of a polygon's glowing side")
+    corner_count = u32()
+    axis = vec3f("of a spot")
+    cos_inner = f32()
+    cos_outer = f32("below -1: no spot")
+    first_sample = u32()
+    sample_count = u32()
+    row = u32("of the light that stands for it where media are asked")
+
+
+class SampleData(Struct):
+    """One sample with the frame of its views."""
+
+    position = vec3f("m")
+    front = f32()
+    normal = vec3f()
+    even = f32()
+    color = vec3f("W sr^-1 along the normal")
+    nearest = f32("m^2, squares of distances are no smaller")
+    x = vec3f("axes of the views")
+    first_view = u32()
+    y = vec3f()
+    is_cube = u32()
+    z = vec3f()
+    near = f32("m")
+    far = f32("m")
+
+
+class CornerData(Struct):
+    """One corner of a polygon."""
+
+    position = vec3f("m")
+    pad = f32()
+
+
+def frame(sample: Sample) -> F64:
+    """Axes (3, 3), rows, of a sample's views: those of the world, or about its normal."""
+    if sample.is_cube:
+        return np.eye(3)
+    normal = np.array(sample.light.direction)
+    side, up = orthonormal_frame(normal)
+    turn = 2.0 * np.pi * np.arange(3)[:, None] / 3.0
+    axes = normal / np.sqrt(3.0) + np.sqrt(2.0 / 3.0) * (np.cos(turn) * side + np.sin(turn) * up)
+    return np.asarray(axes)
+
+
+def reach(sample: Sample, low: F64, high: F64) -> tuple[float, float]:
+    """Near and far planes, m, of a sample's views over the box low..high."""
+    position = np.array(sample.light.position)
+    far = float(np.linalg.norm(box_corners(low, high) - position, axis=1).max()) * 1.01
+    return max(_NEAREST * far, sample.near), max(far, 2.0 * sample.near)
+
+
+def sample_views(sample: Sample, low: F64, high: F64) -> list[LightView]:
+    """The views of a sample, in the order of their layers."""
+    axes, (near, far) = frame(sample), reach(sample, low, high)
+    views = []
+    for sign in (1.0, -1.0) if sample.is_cube else (1.0,):
+        for k in range(3):
+            forward, right, up = sign * axes[k], sign * axes[(k + 2) % 3], axes[(k + 1) % 3]
+            rows = np.stack([right, up, forward])
+            moved = np.eye(4)
+            moved[:3, :3] = rows
+            moved[:3, 3] = -rows @ np.array(sample.light.position)
+            views.append(
+                LightView(_clip(near, far, is_cube=sample.is_cube) @ moved, (0.0, 0.0), True, 0)
+            )
+    return views
+
+
+def _clip(near: float, far: float, *, is_cube: bool) -> F64:
+    """Clip space of (right, up, forward); twin: `view_texel` of wgsl/area_shadow.wgsl."""
+    scale, shift = (1.0, 0.0) if is_cube else (1.0 / 1.5, 0.5 / 1.5)
+    gain = far / (far - near)
+    return np.array(
+        [
+            [scale, 0.0, shift, 0.0],
+            [0.0, scale, shift, 0.0],
+            [0.0, 0.0, gain, -gain * near],
+            [0.0, 0.0, 1.0, 0.0],
+        ]
+    )
+
+
+def emitter_rows(emitters: Sequence[Emitter]) -> Any:
+    """The table of `EmitterData`."""
+    rows, first = [], 0
+    for emitter in emitters:
+        shape, spot = emitter.shape, emitter.spot
+        corners = 0 if shape.corners is None else len(shape.corners)
+        rows.append(
+            {
+                "radiance": shape.radiance,
+                "kind": int(shape.kind),
+                "centre": shape.centre,
+                "radius": shape.radius,
+                "normal": shape.normal,
+                "corner_count": corners,
+                "axis": spot.direction if spot else (0.0, 0.0, 0.0),
+                "cos_inner": math.cos(math.radians(spot.inner_deg)) if spot else 0.0,
+                "cos_outer": math.cos(math.radians(spot.outer_deg)) if spot else -2.0,
+                "first_sample": first,
+                "sample_count": len(emitter.samples),
+                "row": emitter.row,
+            }
+        )
+        first += len(emitter.samples)
+    return pack_array(EmitterData, rows)
+
+
+def corner_rows(emitters: Sequence[Emitter]) -> Any:
+    """MOST_CORNERS rows of `CornerData` for each emitter."""
+    packed = np.zeros(max(1, MOST_CORNERS * len(emitters)), CornerData.dtype)
+    for row, emitter in enumerate(emitters):
+        corners = emitter.shape.corners
+        if corners is not None:
+            first = row * MOST_CORNERS
+            packed["position"][first : first + len(corners)] = corners
+    return packed
+
+
+def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
+    """The table of `SampleData`, emitter by emitter."""
+    rows, view = [], 0
+    for sample in (s for emitter in emitters for s in emitter.samples):
+        light, axes = sample.light, frame(sample)
+        near, far = reach(sample, low, high)
+        rows.append(
+            {
+                "position": light.position,
+                "front": light.front,
+                "normal": light.direction,
+                "even": light.even,
+                "color": light.intensity,
+                "nearest": max(light.extent**2, 1e-8),
+                "x": axes[0],
+                "first_view": view,
+                "y": axes[1],
+                "is_cube": int(sample.is_cube),
+                "z": axes[2],
+                "near": near,
+                "far": far,
+            }
+        )
+        view += 6 if sample.is_cube else 3
+    return pack_array(SampleData, rows)

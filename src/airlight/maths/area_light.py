@@ -1,0 +1,119 @@
+"""Irradiance of lights with extent, in closed form; twins of wgsl/area_light.wgsl.
+
+All are seen from a receiver at the origin with its normal along +z, over a radiance of 1 from every
+point of the light towards the receiver, and without anything in between.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .sampling import orthonormal_frame
+
+F64 = NDArray[np.float64]
+
+RIM_CORNERS = 12
+"""Corners of the polygon of the same area that stands for a disk."""
+RIM_SCALE = float(np.sqrt(2.0 * np.pi / (RIM_CORNERS * np.sin(2.0 * np.pi / RIM_CORNERS))))
+"""Its radius over the disk's."""
+
+
+def polygon_irradiance(corners: F64) -> float:
+    """Irradiance, W m^-2, of a convex polygon with corners (n, 3), metres; of either winding.
+
+    Lambert's sum over the edges, angle times cosine of the edge's plane (Heitz2016 section 2), of
+    the part above the receiver's horizon: where an edge goes below, the sum is closed along it.
+    """
+    unit = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    total, down, up = 0.0, np.zeros(3), np.zeros(3)
+    for a, b in zip(np.roll(unit, 1, axis=0), unit, strict=True):
+        is_above, goes_on = a[2] > 0.0, b[2] > 0.0
+        cut = a * b[2] - b * a[2]
+        cut = cut * np.sign(b[2] - a[2]) / max(float(np.linalg.norm(cut)), 1e-30)
+        if is_above and not goes_on:
+            down = cut
+        if goes_on and not is_above:
+            up = cut
+        if is_above or goes_on:
+            total += edge_integral(a if is_above else cut, b if goes_on else cut)
+    return 0.5 * abs(total + edge_integral(down, up))
+
+
+def edge_integral(a: F64, b: F64) -> float:
+    """The angle between unit vectors times the z of the unit normal of their plane."""
+    normal = np.cross(a, b)
+    sine = float(np.linalg.norm(normal))
+    return float(normal[2] * np.arctan2(sine, a @ b) / max(sine, 1e-30))
+
+
+def sphere_irradiance(centre: F64, radius: float) -> float:
+    """Irradiance, W m^-2, of a sphere, metres, also where the horizon cuts it (Snyder1996).
+
+    A receiver inside the sphere sees all of its hemisphere glow.
+    """
+    distance = max(float(np.linalg.norm(centre)), radius * 1.0001)
+    cosine = float(np.clip(centre[2] / distance, -1.0, 1.0))
+    sine2 = (radius / distance) ** 2
+    if cosine * cosine >= sine2:
+        return np.pi * sine2 * max(cosine, 0.0)
+    x = np.sqrt(1.0 / sine2 - 1.0)
+    sine = np.sqrt(1.0 - cosine * cosine)
+    y = float(np.clip(-x * cosine / sine, -1.0, 1.0))
+    root = sine * np.sqrt(1.0 - y * y)
+    return float((cosine * np.arccos(y) - x * root) * sine2 + np.arctan(root / x))
+
+
+def rim(centre: F64, normal: F64, radius: float) -> F64:
+    """Corners (RIM_CORNERS, 3) of the polygon that stands for a disk: as large as the disk."""
+    side, up = orthonormal_frame(normal)
+    angle = 2.0 * np.pi * np.arange(RIM_CORNERS)[:, None] / RIM_CORNERS
+    around = np.cos(angle) * side + np.sin(angle) * up
+    corners: F64 = centre + radius * RIM_SCALE * around
+    return corners
+
+
+def sphere_disk(centre: F64, radius: float) -> tuple[F64, float]:
+    """The disk at a sphere's centre that fills the same cone: its unit normal and radius."""
+    distance = max(float(np.linalg.norm(centre)), radius * 1.001)
+    return -centre / distance, radius * distance / float(np.sqrt(distance**2 - radius**2))
+
+
+@cache
+def cosine_table() -> NDArray[np.float32]:
+    """(rows of roughness, columns of sqrt(1 - n.v), 6), as `maths.cosines_fit` makes it."""
+    table: NDArray[np.float32] = np.load(Path(__file__).with_name("cosines.npy"))
+    table.flags.writeable = False
+    return table
+
+
+def specular_cosine(view_cosine: float, alpha: float) -> tuple[F64, F64]:
+    """The inverse matrix (3, 3) of GGX's transformed cosine in the frame of n and view; albedos.
+
+    The frame's x lies in the plane of normal and view, on the viewer's side. The albedos (2,) are
+    of the reflectance at normal incidence, and of that at grazing (Heitz2016; cosines_fit.py).
+    """
+    table = cosine_table().astype(np.float64)
+    last = len(table) - 1
+    row = np.sqrt(np.clip(alpha, 0.0, 1.0)) * last
+    column = np.sqrt(1.0 - np.clip(view_cosine, 0.0, 1.0)) * last
+    r, c = min(int(row), last - 1), min(int(column), last - 1)
+    v, u = row - r, column - c
+    near = table[r, c] * (1.0 - u) + table[r, c + 1] * u
+    far = table[r + 1, c] * (1.0 - u) + table[r + 1, c + 1] * u
+    m11, m13, m31, m33, *albedos = near * (1.0 - v) + far * v
+    return np.array([[m11, 0.0, m13], [0.0, 1.0, 0.0], [m31, 0.0, m33]]), np.array(albedos)
+
+
+def specular_share(corners: F64, view: F64, alpha: float) -> float:
+    """Share (0 to 1) of GGX's lobe that a convex polygon fills; `view`, unit, towards the eye."""
+    inverse, _ = specular_cosine(float(view[2]), alpha)
+    flat = np.array((view[0], view[1], 0.0))
+    length = float(np.linalg.norm(flat))
+    x = flat / length if length > 1e-6 else np.array((1.0, 0.0, 0.0))
+    y = np.cross(np.array((0.0, 0.0, 1.0)), x)
+    own = corners @ np.stack([x, y, np.array((0.0, 0.0, 1.0))], axis=1)
+    return polygon_irradiance(own @ inverse.T) / np.pi

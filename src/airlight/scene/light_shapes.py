@@ -1,0 +1,105 @@
+"""Surfaces of area lights, as meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from ..maths.sampling import orthonormal_frame
+from . import shapes
+from .checks import F64
+from .lights import AreaLight, AreaShape, Light
+from .material import Material
+from .mesh import Geometry, Mesh
+from .scene import Scene
+
+LIGHT_MESH = "area light"
+"""The name of the mesh of a visible area light."""
+_DISK_SEGMENTS = 48
+
+
+@cache
+def unit_geometry(shape: AreaShape) -> Geometry:
+    """A square of side 1, a disk or a sphere of diameter 1, facing +Y."""
+    if shape == "rectangle":
+        return shapes.quad()
+    return shapes.sphere() if shape == "sphere" else _disk()
+
+
+def _disk() -> Geometry:
+    angle = 2.0 * np.pi * np.arange(_DISK_SEGMENTS) / _DISK_SEGMENTS
+    # As large as the disk, not inside of it.
+    radius = 0.5 * np.sqrt(angle[1] / np.sin(angle[1]))
+    rim = np.stack([radius * np.sin(angle), 0.0 * angle, radius * np.cos(angle)], axis=1)
+    first = np.arange(1, _DISK_SEGMENTS + 1)
+    corners = np.stack([0 * first, first, first % _DISK_SEGMENTS + 1], axis=1)
+    positions = np.concatenate([np.zeros((1, 3)), rim])
+    return Geometry(
+        positions=positions.astype(np.float32),
+        indices=corners.astype(np.uint32),
+        normals=np.tile(np.array((0.0, 1.0, 0.0), np.float32), (len(positions), 1)),
+        uvs=(positions[:, [0, 2]] + 0.5).astype(np.float32),
+    )
+
+
+def world_from_unit(light: AreaLight) -> F64:
+    """The placement (4, 4) of `unit_geometry`: its +Y along the light's direction."""
+    placed = np.eye(4)
+    placed[:3, 3] = light.position
+    if light.shape == "sphere":
+        placed[:3, :3] *= 2.0 * light.radius
+        return placed
+    normal = np.array(light.direction)
+    height = np.array(light.up) - np.dot(light.up, normal) * normal
+    length = float(np.linalg.norm(height))
+    height = height / length if length > 1e-6 else orthonormal_frame(normal)[1]
+    width = np.cross(height, normal)
+    across, along = light.size if light.shape == "rectangle" else (2.0 * light.radius,) * 2
+    # Columns: the quad's x, its normal, its z; right-handed.
+    placed[:3, :3] = np.stack([across * -width, normal, along * height], axis=1)
+    return placed
+
+
+def light_mesh(light: AreaLight, material: Material | None = None) -> Mesh:
+    """The surface of a light; `material`: the one that it has already, else one that glows."""
+    material = material or light_material(light)
+    return Mesh(unit_geometry(light.shape), material, world_from_unit(light), LIGHT_MESH)
+
+
+def light_material(light: AreaLight) -> Material:
+    """Black, and glowing."""
+    return Material(
+        name=LIGHT_MESH,
+        base_color=(0.0, 0.0, 0.0),
+        specular=0.0,
+        emission=light.radiance,
+        two_sided=light.two_sided,
+    )
+
+
+class LightMeshes:
+    """Puts the surfaces of visible area lights among a scene's meshes, behind the others.
+
+    A light's material stays the same object as long as its radiance does.
+    """
+
+    def __init__(self) -> None:
+        self._materials: dict[tuple[object, ...], Material] = {}
+        self._last: tuple[tuple[Light, ...], tuple[Mesh, ...], tuple[Mesh, ...]] | None = None
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene with them; the very same where it has no such light."""
+        lights = [x for x in scene.lights if isinstance(x, AreaLight) and x.visible]
+        if not lights:
+            return scene
+        last = self._last
+        if last is None or last[0] != scene.lights or last[1] is not scene.meshes:
+            made = tuple(light_mesh(light, self._material(light)) for light in lights)
+            last = self._last = (scene.lights, scene.meshes, (*scene.meshes, *made))
+        return replace(scene, meshes=last[2])
+
+    def _material(self, light: AreaLight) -> Material:
+        key = (light.radiance, light.two_sided)
+        return self._materials.setdefault(key, light_material(light))
