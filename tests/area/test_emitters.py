@@ -139,7 +139,9 @@ def test_lights_move_and_dim_from_frame_to_frame() -> None:
     before, version = found.list[0], found.version
     found.of(replace(scene, lights=(replace(light, position=(1, 2, 0), radiance=0.0),)))
     assert found.version > version
-    np.testing.assert_allclose(found.list[0].shape.centre - before.shape.centre, (1, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(
+        found.list[0].shape.centre - before.shape.centre, (1, 0, 0), atol=1e-12
+    )
     assert found.list[0].shape.radiance.max() == 0.0
     np.testing.assert_allclose(
         np.subtract(found.list[0].samples[2].light.position, before.samples[2].light.position),

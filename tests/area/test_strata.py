@@ -23,7 +23,7 @@ def test_few_rows_make_few_strata() -> None:
 
 
 def test_clusters_divide_what_is_far_apart_and_keep_atoms_whole() -> None:
-    near, far = RNG.normal(size=(40, 3)), RNG.normal(size=(40, 3)) + (100, 0, 0)
+    near, far = RNG.normal(size=(40, 3)), RNG.normal(size=(40, 3), loc=(100, 0, 0))
     points, atoms = np.concatenate([near, far]), np.arange(80) // 8
     groups = clusters(points, np.ones(80), atoms, 2)
     assert sorted(map(len, groups)) == [40, 40]

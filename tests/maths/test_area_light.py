@@ -29,7 +29,7 @@ def points_on(corners: np.ndarray, side: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("seed", range(6))
 def test_polygons_also_where_the_horizon_cuts_them(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    first, along, up = rng.normal(size=3) + (0, 0, 0.7), rng.normal(size=3), rng.normal(size=3)
+    first, along, up = rng.normal(size=3, loc=(0, 0, 0.7)), rng.normal(size=3), rng.normal(size=3)
     corners = np.array([first, first + along, first + along + up, first + up])
     towards, angles = points_on(corners, 700)
     expected = float((np.maximum(towards[:, 2], 0.0) * angles).sum())

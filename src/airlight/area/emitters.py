@@ -154,7 +154,7 @@ class Emitters:
         return np.concatenate([self._found.positions, scale * self._found.normals], axis=1)
 
     def _grouped(self, samples: int, most: int) -> list[_Group]:
-        """All pieces in groups: a spot light's ball alone, since no other light fades as it does."""
+        """All pieces in groups; a spot light's ball alone, no other light fades as it does."""
         cut, weights = self._cut, self._weights
         spots = [row for row, source in enumerate(self._sources) if source.spot]
         is_spot = np.isin(cut.source, spots)

@@ -83,6 +83,10 @@ def _matrix(parameters: F64, frame: F64) -> F64:
     return np.asarray(frame @ shape)
 
 
+def _unit(vectors: F64) -> F64:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), np.float64)
+
+
 def _simplex(error: Callable[[F64], float], start: F64, step: float) -> F64:
     """The minimum of a function of few variables (Nelder1965)."""
     points = [start] + [start + step * row for row in np.eye(len(start))]
@@ -131,12 +135,10 @@ def fitted(cosine: float, alpha: float, start: F64 | None) -> tuple[F64, F64, F6
         if min(parameters[:2]) < 1e-5:
             return float("inf")
         matrix = _matrix(parameters, frame)
-        inverse = np.linalg.inv(matrix)
+        inverse: F64 = np.asarray(np.linalg.inv(matrix), np.float64)
         determinant = abs(float(np.linalg.det(inverse)))
         total = 0.0
-        own = base @ matrix.T
-        own /= np.linalg.norm(own, axis=1, keepdims=True)
-        for rays in (light, own):
+        for rays in (light, _unit(base @ matrix.T)):
             f, p, _ = ggx_lobe(view, rays, alpha)
             q = transformed_density(inverse, determinant, rays)
             weights = np.abs(f - albedo * q) ** 3 / np.maximum(p + q, 1e-30)

@@ -14,7 +14,7 @@ from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
 from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux_bound, new_sums
 from ..lattice.irradiance import Irradiance
-from ..lattice.lobes import COSINE, InjectionTarget, Lobe
+from ..lattice.lobes import InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..lighting.view import View
