@@ -6,11 +6,11 @@ The material is Lambert plus GGX (Walter2007) with Smith's height-correlated sha
 
 from __future__ import annotations
 
+from ..area.attenuation import Attenuation
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from .kernel import (
-    Attenuation,
     Emitters,
     Gloss,
     Kernel,
