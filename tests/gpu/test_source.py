@@ -58,7 +58,7 @@ def test_a_compile_error_names_the_pass_file_and_line(kernel, tmp_path):
         "}\n"
     )
     with pytest.raises(ShaderError) as caught:
-        kernel(body, OUT)
+        _ = kernel(body, OUT).pipeline
     message = str(caught.value)
     assert f"{tmp_path.name}/kernel.wgsl:4:21" in message
     assert "no_such_name" in message
@@ -75,7 +75,7 @@ def test_a_compile_error_inside_a_library_names_the_library(kernel, library):
         "}\n"
     )
     with pytest.raises(ShaderError, match=r"wgsl/broken\.wgsl:3:16"):
-        kernel(body, OUT)
+        _ = kernel(body, OUT).pipeline
 
 
 def test_a_message_about_no_known_line_stays_as_it_is():

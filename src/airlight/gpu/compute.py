@@ -7,6 +7,7 @@ and the workgroup constants WX, WY, WZ are generated from the class.
 from __future__ import annotations
 
 import inspect
+from functools import cached_property
 from math import prod
 from pathlib import Path
 from typing import Any, ClassVar
@@ -37,7 +38,8 @@ class ComputePass:
         """`constants` set the shader's `override`s; `generated` WGSL goes before the file's."""
         self.gpu, self.label = gpu, type(self).__name__
         self._groups: dict[tuple[int, ...], tuple[int, ...]] = {}
-        source = Source()
+        self._source, self._constants = Source(), constants or {}
+        source = self._source
         wx, wy, wz = self.workgroup
         slots = on_device(self.slots, gpu)
         check_slots(gpu, self.label, slots)
@@ -49,22 +51,24 @@ class ComputePass:
         path = shader_path(type(self))
         source.add(path.read_text(), f"{path.parent.name}/{path.name}")
         self.bindings = Bindings(gpu, slots, compute=True, label=self.label)
-        fixed = (self.label, self.entry, constants, [slot.layout for slot in slots])
+        self._made_of = (self.label, self.entry, constants, [slot.layout for slot in slots])
 
-        def compile() -> Any:
-            return self._compiled(source, constants or {})
-
-        self.pipeline: Any = gpu.pipelines.get(
-            source.text, fixed, lambda: compiled(gpu, self.label, compile)
+    @cached_property
+    def pipeline(self) -> Any:
+        """Compiled when the pass first runs. Raises ShaderError, DeviceError."""
+        return self.gpu.pipelines.get(
+            self._source.text,
+            self._made_of,
+            lambda: compiled(self.gpu, self.label, self._compiled),
         )
 
-    def _compiled(self, source: Source, constants: dict[str, float]) -> Any:
+    def _compiled(self) -> Any:
         device = self.gpu.device
-        module = compile_wgsl(device, source, self.label)
+        module = compile_wgsl(device, self._source, self.label)
         layout = device.create_pipeline_layout(
             label=self.label, bind_group_layouts=[self.bindings.layout]
         )
-        stage = {"module": module, "entry_point": self.entry, "constants": constants}
+        stage = {"module": module, "entry_point": self.entry, "constants": self._constants}
         return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:

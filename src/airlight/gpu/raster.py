@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, ClassVar
 
 from .bindings import Bindings
@@ -67,17 +68,17 @@ class RasterPipeline:
             made = self._fullscreen(firsts or {}, text)
             self._slots, self._entry, text = made.slots, made.entry, made.text
             generated = made.generated + generated
-        source = self._source(generated, text)
+        self._source, self._constants = self._joined(generated, text), constants or {}
         self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
         self.second: Bindings | None = None
         if self.second_slots:
             self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
-        primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
+        self._primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
         layouts = [slot.layout for slot in (*self._slots, *self._second)]
-        fixed = (
+        self._made_of = (
             self.label,
             constants,
-            primitive,
+            self._primitive,
             self._depth_state(),
             self.targets_used,
             self.blend,
@@ -88,32 +89,32 @@ class RasterPipeline:
             layouts,
         )
 
-        def compile() -> Any:
-            return self._compiled(source, constants or {}, primitive)
-
-        self.pipeline: Any = gpu.pipelines.get(
-            source.text, fixed, lambda: compiled(gpu, self.label, compile)
+    @cached_property
+    def pipeline(self) -> Any:
+        """Compiled when the pass first runs. Raises ShaderError, DeviceError."""
+        return self.gpu.pipelines.get(
+            self._source.text,
+            self._made_of,
+            lambda: compiled(self.gpu, self.label, self._compiled),
         )
 
-    def _compiled(
-        self, source: Source, constants: dict[str, float], primitive: dict[str, str]
-    ) -> Any:
+    def _compiled(self) -> Any:
         device = self.gpu.device
-        module = compile_wgsl(device, source, self.label)
+        module = compile_wgsl(device, self._source, self.label)
         groups = [b.layout for b in (self.bindings, self.second) if b]
         vertex = {
             "module": module,
             "entry_point": self.vertex_entry,
-            "constants": constants,
+            "constants": self._constants,
             "buffers": list(self.vertex_buffers),
         }
         return device.create_render_pipeline(
             label=self.label,
             layout=device.create_pipeline_layout(label=self.label, bind_group_layouts=groups),
             vertex=vertex,
-            primitive=primitive,
+            primitive=self._primitive,
             depth_stencil=self._depth_state(),
-            fragment=self._fragment_state(module, constants),
+            fragment=self._fragment_state(module),
         )
 
     def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
@@ -126,7 +127,7 @@ class RasterPipeline:
             self._slots, _FULLSCREEN_VERTEX + first_elements(self._slots, firsts), text, "fragment"
         )
 
-    def _source(self, generated: str, text: str) -> Source:
+    def _joined(self, generated: str, text: str) -> Source:
         source = Source()
         source.add(declarations(self._slots), f"{self.label} slots")
         if self.second_slots:
@@ -146,7 +147,7 @@ class RasterPipeline:
             "depth_compare": self.depth_compare,
         }
 
-    def _fragment_state(self, module: Any, constants: dict[str, float]) -> dict[str, Any] | None:
+    def _fragment_state(self, module: Any) -> dict[str, Any] | None:
         if not self.fragment_entry:
             return None
         extra = {"blend": self.blend} if self.blend else {}
@@ -154,7 +155,7 @@ class RasterPipeline:
         return {
             "module": module,
             "entry_point": self._entry,
-            "constants": constants,
+            "constants": self._constants,
             "targets": [{"format": f, **e} for f, e in zip(self.targets_used, extras, strict=True)],
         }
 

@@ -155,6 +155,9 @@ class Kit:
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
         """The sky's maps, and its light in those lattices where it or what blocks it changed."""
         changed = self.sky.encode(commands, self.meshes, scene.environment, self.placement)
+        # The device draws the maps while the passes that read them are compiled and encoded.
+        if changed:
+            commands.submit()
         for level in self.lattices.levels:
             version = level.blockers.version
             if changed or level.lit != version:
