@@ -1,7 +1,7 @@
 """Large scenes for maps of few texels: fewer triangles between some of the same vertices.
 
-The sky's maps see the whole scene a hundred times, each in less than ten thousand texels: millions
-of triangles are then hundreds to a texel. Vertices in one cell of a grid, finer than texels and
+The sky's maps see the whole scene a hundred times, each in less than ten thousand texels: a hundred
+thousand triangles are then ten to a texel, and millions hundreds. Vertices in one cell of a grid, finer than texels and
 than the lattice's cells, become the one in their midst (Rossignac1993). Where that loses surface,
 as of gravel smaller than cells, and of leaves the triangles stay as they are.
 """
@@ -24,9 +24,10 @@ from .geometry import GpuScene
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
-MOST_TRIANGLES = 500_000
+MOST_TRIANGLES = 100_000
 """Instances counted each: scenes of no more are drawn as they are."""
-_FEWEST_OF_A_GEOMETRY = 4096
+FEWEST_OF_A_GEOMETRY = 2048
+"""Of all its instances: fewer are drawn in less time than they take to be made coarse."""
 _CELLS_A_TEXEL = 2.0
 _MOST_CELLS = 1 << 25
 _BLOCK = 4  # cells along a side of the blocks whose area is compared
@@ -46,8 +47,9 @@ class CoarseScene:
             return
         low, high = scene.bounds
         cell = float(np.linalg.norm(high - low)) / (_CELLS_A_TEXEL * resolution)
-        for first, (geometry, stretch) in _geometries(scene).items():
-            if len(geometry.indices) >= _FEWEST_OF_A_GEOMETRY and stretch > 0.0:
+        for first, (geometry, stretch, instances) in _geometries(scene).items():
+            drawn = instances * len(geometry.indices)
+            if drawn >= FEWEST_OF_A_GEOMETRY and stretch > 0.0:
                 triangles = coarse_triangles(geometry, cell / stretch)
                 if 2 * len(triangles) <= len(geometry.indices):
                     sources, indices = np.unique(triangles, return_inverse=True)
@@ -82,13 +84,13 @@ class CoarseScene:
         return coarse
 
 
-def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float]]:
-    """By first vertex, and how much the largest of a geometry's instances stretches it."""
-    found: dict[int, tuple[Geometry, float]] = {}
+def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float, int]]:
+    """By first vertex: the geometry, how much its largest instance stretches it, its instances."""
+    found: dict[int, tuple[Geometry, float, int]] = {}
     for mesh, first in zip(scene.original, scene.first_vertices, strict=True):
         stretch = float(np.linalg.norm(mesh.world_from_object[:3, :3], 2))
-        known = found.get(first)
-        found[first] = (mesh.geometry, max(stretch, known[1]) if known else stretch)
+        _, known, instances = found.get(first, (mesh.geometry, 0.0, 0))
+        found[first] = (mesh.geometry, max(stretch, known), instances + 1)
     return found
 
 
