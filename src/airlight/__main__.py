@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+
 from .interrupts import leave_quietly
 
 
 def main() -> None:
     """Run the command line and exit."""
     leave_quietly()
+    # Matrices here are small, and threads of BLAS spin on cores that a CPU adapter draws with.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from .app.cli import main as command_line
 
     command_line()

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .chunks import CHUNK, chunks
 from .colour import luminance, srgb_encode
 from .sampling import r2_noise
 
@@ -162,10 +163,16 @@ def display_srgb8(
     the bands of smooth skies; the same for every picture, and for all colours, so that grey stays
     grey. Non-finite pixels become 0. Raises ValueError for an unknown curve.
     """
-    encoded = srgb_encode(_mapped(radiance, exposure_stops, tone_map)) * 255.0
-    if dither:
-        encoded = encoded + dither_codes(*encoded.shape[:2])[..., None]
-    return np.clip(np.floor(encoded + 0.5), 0.0, 255.0).astype(np.uint8)
+    pixels = np.asarray(radiance)
+    shown = np.empty(pixels.shape, np.uint8)
+    noise = dither_codes(*pixels.shape[:2])[..., None] if dither else None
+    # A few rows at a time, whose temporary arrays stay in the processor's cache.
+    for rows in chunks(len(pixels), max(1, CHUNK // max(1, pixels.shape[1]))):
+        codes = srgb_encode(_mapped(pixels[rows], exposure_stops, tone_map)) * 255.0
+        if noise is not None:
+            codes += noise[rows]
+        shown[rows] = np.clip(np.floor(codes + 0.5), 0.0, 255.0)
+    return shown
 
 
 _mapped = tone_map  # display_srgb8's parameter carries the name a caller writes
