@@ -1,7 +1,7 @@
 """Large scenes for maps of few texels: fewer triangles between some of the same vertices.
 
 The sky's maps see the whole scene a hundred times, each in less than ten thousand texels: a hundred
-thousand triangles are then ten to a texel, and millions hundreds. Vertices in one cell of a grid, finer than texels and
+thousand triangles are then ten to a texel. Vertices in one cell of a grid, finer than texels and
 than the lattice's cells, become the one in their midst (Rossignac1993). Where that loses surface,
 as of gravel smaller than cells, and of leaves the triangles stay as they are.
 """
