@@ -11,9 +11,9 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
-from airlight.media import media_image
 from airlight.media.media_image import MediaImage
 from airlight.media.settings import MediaSettings
+from airlight.media.shafts import image as shaft_image
 from airlight.media.shafts.shafts import Shafts
 from airlight.rendering import Renderer
 from airlight.scene import (
@@ -73,7 +73,7 @@ def l2(a: np.ndarray, b: np.ndarray) -> float:
 @pytest.fixture
 def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small pictures are reduced as large ones are."""
-    monkeypatch.setattr(media_image, "COARSE_TEXEL", np.inf)
+    monkeypatch.setattr(shaft_image, "COARSE_TEXEL", np.inf)
 
 
 def test_small_pictures_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
@@ -176,8 +176,8 @@ def test_shafts_narrower_than_sites_are_apart(
     seen = look(slits, SLITS)
     exact = full(gpu, seen, owned)
     off = []
-    for spacing in (media_image.SITE_SPACING, 0):  # 0: as if sites were never too far apart
-        monkeypatch.setattr(media_image, "SITE_SPACING", spacing)
+    for spacing in (shaft_image.SAMPLE_SPACING, 0):  # 0: as if sites were never too far apart
+        monkeypatch.setattr(shaft_image, "SAMPLE_SPACING", spacing)
         drawn_so = seen.read(drawn(gpu, seen, owned).single_scatter)
         off.append(float(np.linalg.norm(drawn_so - exact) / np.linalg.norm(exact)))
     assert off[0] < 0.05
@@ -192,8 +192,8 @@ def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any
     )
     for contrast, is_used in ((1.0, False), (0.0, False), (0.1, True)):
         air = drawn(gpu, look(scene, SIZE), owned, shaft_contrast=contrast)
-        assert isinstance(air.shafts, Shafts)
-        assert (air.shafts._sparse is not None) == is_used
+        assert isinstance(air.shafts.scheme, Shafts)
+        assert (air.shafts.scheme._sparse is not None) == is_used
 
 
 def test_surfaces_are_where_the_last_picture_left_them(

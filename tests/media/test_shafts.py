@@ -143,7 +143,7 @@ def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> Non
     lights.encode(seen.commands, seen.meshes, seen.scene.lights, None, low, high)
     air = MediaImage(gpu, seen.scene, size, lights, MediaSettings())
     air.solve(seen.commands, seen.scene, low, high)
-    rays, shafts = air.shaft_rays, air.shafts
+    rays, shafts = air.shaft_rays, air.shafts.scheme
     assert isinstance(shafts, Shafts)
     params = rays.encode(seen.commands, seen.view)
     target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)

@@ -75,7 +75,7 @@ class Media(Solver):
     @property
     def on_device(self) -> GpuMedia:
         """All media on the device."""
-        return self.image.air
+        return self.image.media
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Media, shadow hierarchies, then the sky's light on surfaces and media through media."""

@@ -1,11 +1,13 @@
-"""All that media do to an image: light scattered once, marched sources, transmittance."""
+"""The image of media: single scattering of lights, marched fields, transmittance.
+
+shaft rays -> shafts (single scattering)      march rays -> march (fields of solvers, the sky)
+reduced images -> upsampled and composed with surfaces, in one pass where a device can
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
 
 from ..fields import HalfSpaceLight, LatticeSource, Source
 from ..gpu.commands import Commands
@@ -25,17 +27,11 @@ from .gpu_media import GpuMedia
 from .march.march import March
 from .rays import RESOLUTIONS, RayParams, Rays
 from .settings import MediaSettings
-from .shafts.jitter import Jitter
-from .shafts.shadow_volumes import Volumes
-from .shafts.shafts import SITE_SPACING, Shafts
-
-COARSE_TEXEL = 1.0 / 80.0
-"""The side of a reduced texel in units of how far off it is, beyond which shafts fit between
-texels: at fov_y 60 degrees half resolution of less than 185 rows, which have few pixels to draw."""
+from .shafts.image import ShaftImage
 
 
 class MediaImage:
-    """Passes and textures of one picture size; media and lights may move from frame to frame."""
+    """Passes and textures of one image size; media and lights may move from frame to frame."""
 
     def __init__(
         self,
@@ -52,11 +48,11 @@ class MediaImage:
     ) -> None:
         """`sources` textures and perhaps lattices will be marched; see `GpuMedia` for `solved`.
 
-        Raises SettingsError for a scheme of shafts that cannot do the scene's air.
+        Raises SettingsError for a scheme of shafts that cannot draw the scene's media.
         """
         self.gpu, self.settings = gpu, settings or MediaSettings()
         s = self.settings
-        self.air = GpuMedia(
+        self.media = GpuMedia(
             gpu,
             scene,
             light_count=lights.count,
@@ -67,26 +63,28 @@ class MediaImage:
         self.shaft_rays = self.march_rays
         if s.shaft_resolution != s.march_resolution:
             self.shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
-        self.shafts = self._shafts(gpu, lights)
-        self.has_sky = has_sky and bool(self.air.count) and s.shafts != "off"
-        wanted = sources or has_lattice or self.has_sky or self.air.has_grids
-        self.is_marched = bool(self.air.count and wanted)
+        self.shafts: ShaftImage | None = None
+        if s.shafts != "off" and lights.count and self.media.count:
+            self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
+        self.has_sky = has_sky and bool(self.media.count) and s.shafts != "off"
+        wanted = sources or has_lattice or self.has_sky or self.media.has_grids
+        self.is_marched = bool(self.media.count and wanted)
         self.march = March(
-            gpu, self.air, sources=sources, has_lattice=has_lattice, has_sky=self.has_sky
+            gpu, self.media, sources=sources, has_lattice=has_lattice, has_sky=self.has_sky
         )
-        self._exact = Transmittance(gpu, self.air)
+        self._exact = Transmittance(gpu, self.media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
-        self._guided = GuidedUpsample(gpu, self.air) if self.air.has_grids else None
+        self._guided = GuidedUpsample(gpu, self.media) if self.media.has_grids else None
         self._finisher: Finish | None = None
         if self.is_marched and self.march_rays.scale > 1 and not self._guided and can_finish(gpu):
-            self._finisher = Finish(gpu, self.air, has_sky=self.has_sky, lists=self._lists)
-        # Of the last picture, where `compose` finishes.
+            self._finisher = Finish(gpu, self.media, has_sky=self.has_sky, lists=self._lists)
+        # Set between `encode` and `compose` where one pass does both.
         self._unfinished: tuple[RayParams, Lights] | None = None
         self._composed = Compose(gpu, size) if self._finisher is None else None
         self._is_in_view = self._composed is None  # where `compose` left the surfaces
-        self._make_pictures(size)
+        self._make_images(size)
 
-    def _make_pictures(self, size: tuple[int, int]) -> None:
+    def _make_images(self, size: tuple[int, int]) -> None:
         gpu = self.gpu
 
         def made(name: str, size: tuple[int, int], *, written: bool = False) -> Texture:
@@ -96,7 +94,7 @@ class MediaImage:
         self.single_scatter = made("single scatter", size, written=True)
         self.multiple_scatter = made("multiple scatter", size)
         self.transmittance = made("transmittance", size)
-        # Of lamps and suns alone; the sky's is added to it.
+        # Single scattering of lights; that of the sky is added to it.
         self._shafts_alone = self.single_scatter
         if self.has_sky:
             self._shafts_alone = made("shafts", size, written=True)
@@ -104,7 +102,7 @@ class MediaImage:
         wanted = {
             "single": self.shafts is not None and self.shaft_rays.scale > 1,
             "multiple": is_reduced,
-            "transmittance": is_reduced and self.air.has_grids,
+            "transmittance": is_reduced and self.media.has_grids,
             "sky": self.has_sky,
         }
         self._reduced = {
@@ -114,37 +112,21 @@ class MediaImage:
         }
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; media, lights and passes stay."""
+        """Go on with images of `size`, pixels; media, lights and passes stay."""
         for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
             rays.resize(size)
-        if isinstance(self.shafts, (Jitter, Volumes)):
-            self.shafts.resize(self.shaft_rays.reduced)
-        elif self.shafts:
-            self.shafts.resize(self.shaft_rays)
-        for texture in (*self._pictures, *self._reduced.values()):
+        if self.shafts:
+            self.shafts.resize()
+        for texture in (*self._images, *self._reduced.values()):
             texture.release()
-        self._make_pictures(size)
+        self._make_images(size)
         if self._composed:
             self._composed.resize(size)
 
     @property
-    def _pictures(self) -> tuple[Texture, ...]:
+    def _images(self) -> tuple[Texture, ...]:
         alone = (self._shafts_alone,) if self.has_sky else ()
         return (self.single_scatter, self.multiple_scatter, self.transmittance, *alone)
-
-    def _shafts(self, gpu: Gpu, lights: Lights) -> Shafts | Jitter | Volumes | None:
-        scheme, s = self.settings.shafts, self.settings
-        if scheme == "off" or not lights.count or not self.air.count:
-            return None
-        if scheme == "jitter":
-            return Jitter(gpu, self.air, self.shaft_rays.reduced, steps=s.shaft_steps)
-        if scheme == "volumes":
-            return Volumes(
-                gpu, self.air, lights, self.shaft_rays.reduced, tolerance=s.volume_tolerance
-            )
-        return Shafts(
-            gpu, self.air, lights, self.shaft_rays, max_nodes=s.shaft_nodes, steps=s.shaft_steps
-        )
 
     def solve(
         self,
@@ -155,12 +137,12 @@ class MediaImage:
         *,
         shadows_changed: bool = True,
     ) -> None:
-        """Media, depth towards lights, shadow hierarchies: after `lights.encode`.
+        """Bring media, column densities towards lights and shadow hierarchies up to date.
 
         low..high, metres: the scene's bounds, which a medium without its own fills.
         """
         with commands.stage("air"):
-            self.air.update(commands, scene, low, high)
+            self.media.update(commands, scene, low, high)
         if self.shafts and shadows_changed:
             with commands.stage("shadow bounds"):
                 self.shafts.prepare(commands)
@@ -178,9 +160,9 @@ class MediaImage:
         frame: int = 0,
         is_composed: bool = False,
     ) -> None:
-        """Fill the three textures; `view`'s depth is drawn. `frame` turns the jitter.
+        """Fill the three textures, after the depth of `view`. `frame` varies the jitter.
 
-        `is_composed`: `compose` follows and fills them, where one pass can do both.
+        `is_composed`: `compose` follows, and fills them where one pass can do both.
         """
         self._unfinished = None
         is_whole = is_composed and self.has_sky == (sky is not None)
@@ -213,30 +195,14 @@ class MediaImage:
         *,
         is_listed: bool,
     ) -> None:
-        """`is_listed`: what differs is listed, and drawn anew, by `compose`."""
+        """Draw single scattering of lights; `is_listed`: `compose` upsamples and redraws it."""
         assert self.shafts
-        reduced = self._target("single")
-        contrast = self._contrast(view)
-        if isinstance(self.shafts, Shafts):
-            # Nor may they fit between sites: else every texel is drawn.
-            sites = contrast if SITE_SPACING * self._texel_side(view) <= COARSE_TEXEL else 0.0
-            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced, sites)
-        else:
-            self.shafts.encode(commands, params, self.shaft_rays, lights, reduced)
+        reduced, full = self._target("single"), self._full("single")
+        self.shafts.encode(commands, params, view, lights, reduced)
         if is_listed:
             return
-        if self.shaft_rays.scale > 1 and contrast < 1.0 and isinstance(self.shafts, Shafts):
-            self.shafts.refine(
-                commands,
-                params,
-                lights,
-                view.gbuffer.depth,
-                reduced,
-                self._full("single"),
-                contrast,
-            )
-        else:
-            self._finish(commands, params, self.shaft_rays, view, "single")
+        if not self.shafts.refine(commands, params, view, lights, reduced, full):
+            self._upsampled(commands, params, self.shaft_rays, view, "single")
 
     def _march(self, commands: Commands, params: RayParams, view: View, **fields: Any) -> None:
         if self.is_marched:
@@ -252,7 +218,7 @@ class MediaImage:
                 self._shafts_alone,
                 self.single_scatter,
             )
-        if not self.air.has_grids:
+        if not self.media.has_grids:
             self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
 
     def _march_reduced(
@@ -274,18 +240,18 @@ class MediaImage:
             sky=sky,
             far=far if lattice or sky else None,
             scattered=self._target("multiple"),
-            transmittance=self._target("transmittance") if self.air.has_grids else None,
+            transmittance=self._target("transmittance") if self.media.has_grids else None,
             skylit=self._reduced.get("sky"),
             steps_per_cell=self.settings.steps_per_cell,
             max_steps=self.settings.march_steps,
         )
 
     def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
-        """What was marched at full size; its transmittance where no closed form knows it."""
+        """Upsample what was marched; with the transmittance where there are density grids."""
         if self.march_rays.scale == 1:
             return
         if self._guided is None:
-            self._finish(commands, params, self.march_rays, view, "multiple")
+            self._upsampled(commands, params, self.march_rays, view, "multiple")
             return
         self._guided.encode(
             commands,
@@ -299,7 +265,7 @@ class MediaImage:
         )
 
     def compose(self, commands: Commands, view: View) -> None:
-        """The view's layers behind the air: `surfaces`."""
+        """Attenuate the layers of the view by the media; see `surfaces`."""
         with commands.stage("compose"):
             self._is_in_view = self._unfinished is not None
             if self._unfinished is not None:
@@ -314,7 +280,7 @@ class MediaImage:
             )
 
     def surfaces(self, view: View) -> tuple[Texture, Texture]:
-        """Direct and indirect light as `compose` left it: in the view's own layers if it could."""
+        """Direct and indirect light through media: the view's own layers, if `compose` can."""
         if self._is_in_view or self._composed is None:
             return view.layers.targets
         return self._composed.layers
@@ -322,16 +288,16 @@ class MediaImage:
     def _finish_all(
         self, commands: Commands, view: View, params: RayParams, lights: Lights
     ) -> None:
-        finisher, depth = self._finisher, view.gbuffer.depth
+        finisher = self._finisher
         assert finisher
         listing: dict[str, Any] = {}
-        if isinstance(self.shafts, Shafts) and self._lists:
-            redrawn = self.shafts.redrawn(self._contrast(view))
-            listing = {"redrawn": redrawn, "listed": self.shafts.listed}
+        if self.shafts and self._lists:
+            redrawn, listed = self.shafts.listing(view)
+            listing = {"redrawn": redrawn, "listed": listed}
         finisher.encode(
             commands,
             params,
-            depth,
+            view.gbuffer.depth,
             surfaces=view.layers.targets,
             transmittance=self.transmittance,
             single=self.single_scatter,
@@ -341,26 +307,16 @@ class MediaImage:
             shafts=self._reduced["single"] if listing else self._shafts_alone,
             **listing,
         )
-        if isinstance(self.shafts, Shafts) and listing:
+        # The pixels that the pass listed.
+        if self.shafts and listing:
             with commands.stage("shafts"):
-                self.shafts.redraw(commands, params, lights, depth, self.single_scatter)
-
-    def _contrast(self, view: View) -> float:
-        """Of what texels beside each other may differ by; 0 where shafts fit between them."""
-        wanted = self.settings.shaft_contrast
-        return 0.0 if wanted < 1.0 and self._texel_side(view) > COARSE_TEXEL else wanted
-
-    def _texel_side(self, view: View) -> float:
-        """Of a reduced texel, in units of how far off it is."""
-        rays = self.shaft_rays
-        side = 2.0 * float(np.linalg.norm(view.world_from_clip[:3, 1])) / rays.size[1]
-        return side * rays.scale
+                self.shafts.redraw(commands, params, view, lights, self.single_scatter)
 
     @property
     def _lists(self) -> bool:
-        """Whether the pass that finishes air upsamples shafts, too, and lists what differs."""
+        """Whether the finishing pass upsamples shafts, too, and lists pixels to redraw."""
         is_shared = self.march_rays is self.shaft_rays
-        return isinstance(self.shafts, Shafts) and is_shared and self.settings.shaft_contrast < 1.0
+        return self.shafts is not None and self.shafts.can_list and is_shared
 
     def _full(self, name: str) -> Texture:
         return {
@@ -370,13 +326,13 @@ class MediaImage:
         }[name]
 
     def _target(self, name: str) -> Texture:
-        """Where a kernel writes: the reduced texture, or the full one where nothing is reduced."""
+        """The target of a kernel: the reduced texture, or the full one where none is reduced."""
         return self._full(name) if self._rays_of(name).scale == 1 else self._reduced[name]
 
     def _rays_of(self, name: str) -> Rays:
         return self.shaft_rays if name == "single" else self.march_rays
 
-    def _finish(
+    def _upsampled(
         self, commands: Commands, params: RayParams, rays: Rays, view: View, name: str
     ) -> None:
         if rays.scale > 1:

@@ -1,5 +1,5 @@
 // Radiance towards the eye from a lit interval of an eye ray that `media_enter` has entered, through homogeneous
-// media. The including pass adds lit_interval_wgsl (media/shafts/shafts.py), which says what cannot occur: CPU
+// media. The including pass adds lit_interval_wgsl (media/shafts/shadow_rays.py), which says what cannot occur: CPU
 // adapters run both sides of every branch, and bodies of loops once before a test at their head.
 //! use media
 //! use media_light

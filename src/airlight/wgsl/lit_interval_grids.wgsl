@@ -1,7 +1,7 @@
 // Radiance towards the eye from a lit interval of an eye ray through density grids: what lit_interval.wgsl is for
 // homogeneous media. The ray is cut into steps that do not depend on what is lit. Media are homogeneous within a
 // step, so a lit piece of it has its exact share of the step's light.
-// The including pass adds lit_interval_wgsl (media/shafts/shafts.py). Loops are tested at their ends: CPU
+// The including pass adds lit_interval_wgsl (media/shafts/shadow_rays.py). Loops are tested at their ends: CPU
 // adapters run a body once more than a test before it lets through.
 //! use media
 //! use media_light

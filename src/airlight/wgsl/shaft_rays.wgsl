@@ -1,6 +1,6 @@
 // Single scattering along one eye ray, by lit intervals over every shadow map. The including pass binds rays,
 // shafts, the lights, their maps and bounds, and the media.
-// Interface: the including pass takes lit_interval.wgsl or lit_interval_grids.wgsl (media/shafts/shafts.py).
+// Interface: the including pass takes lit_interval.wgsl or lit_interval_grids.wgsl (media/shafts/shadow_rays.py).
 //! use eye_ray
 //! use shadow_walk
 

@@ -31,7 +31,7 @@ from ...surface.light_views import LightViewData
 from ..gpu_media import GpuMedia
 from ..rays import RayParams, Rays
 from .facets import TREE_SLOTS, Draw, FacetTrees
-from .shafts import lit_interval_wgsl
+from .shadow_rays import lit_interval_wgsl
 
 FEATURE = "float32-blendable"
 _ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
