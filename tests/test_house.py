@@ -221,7 +221,6 @@ _READS_ITS_OWN = {
     "gpu/compute.py": "shaders of the package",
     "gpu/raster.py": "shaders of the package",
     "gpu/source.py": "shaders of the package",
-    "lpv/step.py": "shaders of the package",
     "maths/area_light.py": "a table of the package",
     "app/bench/child.py": "what the system says of the process",
     "reference/mitsuba_child.py": "what a child of ours wrote into a folder of ours",

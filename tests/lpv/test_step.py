@@ -1,52 +1,80 @@
-"""Which kernel a lattice gets, and that a step adds what it is given."""
+"""The kernels of one step: their constants, which one a lattice gets, and that they are alike."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from airlight.gpu.lanes import has_row_lanes
 from airlight.gpu.memory import buffer_of
-from airlight.lpv.step import CHANNELS, Step
-from airlight.lpv.storage import FORMATS
+from airlight.lpv import step
+from airlight.lpv.step import CHANNELS, Step, StepKind, hop_constants, takes_rows
+from airlight.lpv.storage import FLOAT, FORMATS
+from airlight.maths import lattice6
 
-pytestmark = pytest.mark.both_paths
 
+@pytest.fixture
+def stepped(gpu, commands, owned):
+    """stepped(kind, count, added=...) -> the state (3, cells, 4) after a step of a random one."""
 
-@pytest.mark.parametrize("count", [(4, 3, 2), (5, 3, 2)])
-@pytest.mark.parametrize("is_blocked", [False, True])
-def test_what_is_added_comes_on_top(gpu, commands, owned, count, is_blocked):
-    rng, cells = np.random.default_rng(2), int(np.prod(count))
-    lattice = rng.normal(size=(CHANNELS, cells, 4)).astype(np.float32)
-    before, more = (owned(buffer_of(gpu, "l", k * lattice)) for k in (1.0, 7.0))
-    faces = owned(buffer_of(gpu, "f", rng.integers(0, 1 << 32, cells * 8, dtype=np.uint32)))
-    found = []
-    for added in (None, more):
-        step = Step(
-            gpu,
-            count,
-            "centroid",
-            FORMATS["float32"],
-            is_blocked=is_blocked,
-            is_reflecting=is_blocked,
-            kept=0.5,
-            is_added=added is not None,
-        )
-        after = owned(buffer_of(gpu, "a", lattice))
-        step.encode(commands, before, after, faces, added=added)
+    def make(kind, count, added=None):
+        rng, cells = np.random.default_rng(5), int(np.prod(count))
+        state = rng.normal(size=(CHANNELS, cells, 4)).astype(np.float32)
+        faces = rng.integers(0, 1 << 32, cells * 8, dtype=np.uint32)
+        before, after = (owned(buffer_of(gpu, "state", state)) for _ in range(2))
+        more = None if added is None else owned(buffer_of(gpu, "added", added))
+        bound = owned(buffer_of(gpu, "faces", faces))
+        Step(gpu, count, kind).encode(commands, before, after, bound, added=more)
         commands.submit()
-        found.append(after.read().reshape(lattice.shape))
-    np.testing.assert_allclose(found[1] - found[0], 7.0 * lattice, atol=2e-5)
-    assert np.abs(found[0]).max() > 0.1
+        return after.read().reshape(state.shape)
+
+    return make
 
 
-def test_other_formats_are_not_read_as_pairs(gpu):
-    step = Step(
-        gpu,
-        (4, 4, 4),
-        "centroid",
-        FORMATS["float16"],
-        is_blocked=False,
-        is_reflecting=False,
-        kept=0.5,
-    )
-    assert step.element == "vec2u"
+@pytest.mark.parametrize("kept", [0.0, 0.25, 0.75])
+def test_five_numbers_are_all_six_matrices(kept):
+    n = hop_constants(kept)
+    for hop in lattice6.hops("centroid", kept):
+        d = np.array(hop.offset)
+        along, across = np.outer(d, d), np.eye(3) - np.outer(d, d)
+        matrix = np.zeros((4, 4))
+        matrix[0, 0] = n["MEAN_TO_MEAN"]
+        matrix[0, 1:], matrix[1:, 0] = n["FLUX_TO_MEAN"] * d, n["MEAN_TO_FLUX"] * d
+        matrix[1:, 1:] = n["FLUX_ALONG"] * along + n["FLUX_ACROSS"] * across
+        np.testing.assert_allclose(matrix, hop.matrix, atol=1e-12)
+
+
+@pytest.mark.parametrize("is_blocked", [False, True])
+@pytest.mark.parametrize("count", [(8, 8, 9), (6, 5, 18), (16, 3, 2), (40, 1, 5), (70, 2, 2)])
+def test_rows_of_lanes_make_the_light_of_single_cells(gpu, stepped, monkeypatch, is_blocked, count):
+    if not has_row_lanes(gpu):
+        pytest.skip("this driver's lanes are not in rows")
+    kind = StepKind(is_blocked=is_blocked, is_reflecting=is_blocked)
+    assert takes_rows(gpu, count, kind.scheme, FLOAT)
+    in_rows = stepped(kind, count)
+    monkeypatch.setattr(step, "takes_rows", lambda *_: False)
+    one_by_one = stepped(kind, count)
+    # The same sums in the same order, but for what compilers fuse.
+    np.testing.assert_allclose(in_rows, one_by_one, atol=2e-6 * np.abs(one_by_one).max())
+
+
+@pytest.mark.both_paths
+@pytest.mark.parametrize("scheme", ["centroid", "paper"])
+@pytest.mark.parametrize("count", [(6, 4, 3), (5, 3, 4)])
+@pytest.mark.parametrize("is_blocked", [False, True])
+def test_what_is_added_comes_on_top(stepped, scheme, count, is_blocked):
+    more = np.random.default_rng(2).normal(size=(CHANNELS, int(np.prod(count)), 4))
+    more = more.astype(np.float32)
+    alone = stepped(StepKind(scheme, is_blocked, is_blocked), count)
+    both = stepped(StepKind(scheme, is_blocked, is_blocked, is_added=True), count, added=more)
+    np.testing.assert_allclose(both - alone, more, atol=2e-5)
+    assert np.abs(alone).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("count", "scheme", "storage"),
+    [((5, 4, 4), "centroid", "float32"), ((4, 4, 4), "paper", "float32")]
+    + [((4, 4, 4), "centroid", name) for name in ("float16", "8bit")],
+)
+def test_odd_rows_the_paper_and_other_storage_take_single_cells(gpu, count, scheme, storage):
+    assert not takes_rows(gpu, count, scheme, FORMATS[storage])

@@ -15,7 +15,7 @@ from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..maths.lattice6 import LOOKUP_SCALE
 
 F64 = NDArray[np.float64]
-_TILE = 2  # the marching kernel works on columns of 2 x 2 cells
+_TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
 
 
 class LatticeParams(Struct):
@@ -136,7 +136,7 @@ def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: 
 
 
 def tiled(cells: NDArray[Any]) -> tuple[int, int, int]:
-    """Numbers of cells (3,) rounded up to what the marching kernel works on."""
+    """Numbers of cells (3,) rounded up to pairs, as propagation works on them."""
     x, y, z = (int(-(-n // _TILE) * _TILE) for n in cells.tolist())
     return (x, y, z)
 

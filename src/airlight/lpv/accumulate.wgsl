@@ -1,8 +1,11 @@
+// Adds a state to the total; or, at the end, the tail: what all later steps would add (lpv.sums).
+
 override IS_SCALED: bool = false;   // the state is in stored units, the total is not
+override PER_LANE: u32 = 1;         // values that an invocation adds
 
 const LARGEST_RATIO = 0.97;
 
-// What all blocks after the last would add, per unit of it: powers of one ratio.
+// What all blocks after the last would add, per unit of it: a geometric series of the ratio of the last two.
 fn tail(channel: u32) -> f32 {
     let ratio = clamp(powers[1][channel] / max(powers[0][channel], 1e-30), 0.0, LARGEST_RATIO);
     return ratio / (1.0 - ratio);

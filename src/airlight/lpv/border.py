@@ -18,7 +18,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import LatticeParams, Placement
-from ..maths.lattice6 import hops
+from .step import hop_constants
 
 
 class BorderParams(Struct):
@@ -47,7 +47,7 @@ class Border(ComputePass):
     workgroup = (8, 8, 1)
 
     def __init__(self, gpu: Gpu) -> None:
-        super().__init__(gpu, generated=_hops_wgsl())
+        super().__init__(gpu, constants=hop_constants())
 
     def encode(
         self,
@@ -77,14 +77,3 @@ class Border(ComputePass):
             faces=faces,
             sums=target.sums,
         )
-
-
-def _hops_wgsl() -> str:
-    """`HOPS`: what a cell gains of the state of its neighbour, by hop (+x -x +y -y +z -z)."""
-    columns = [
-        "vec4f(" + ", ".join(f"{v:.9e}" for v in column) + ")"
-        for hop in hops("centroid")
-        for column in hop.matrix.T
-    ]
-    matrices = [f"mat4x4f({', '.join(columns[4 * k : 4 * k + 4])})" for k in range(6)]
-    return f"const HOPS = array<mat4x4f, 6>({', '.join(matrices)});"

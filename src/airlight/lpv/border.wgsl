@@ -1,3 +1,4 @@
+//! use hops6
 //! use lattice
 
 const DEPTH = 3u;       // cells from the border that are asked whether light could leave
@@ -58,8 +59,7 @@ fn outer_uvw(place: vec3f) -> vec3f {
 }
 
 fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
-    var matrices = HOPS;
-    let units = vec4i(round(matrices[hop] * state * (open * params.units)));
+    let units = vec4i(round(received(state, hop) * (open * params.units)));
     for (var k = 0u; k < 4u; k++) {
         if (units[k] != 0) { atomicAdd(&sums[4u * index + k], units[k]); }
     }

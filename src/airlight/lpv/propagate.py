@@ -23,9 +23,9 @@ from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
 from ..lattice.placement import Placement
 from ..maths.lattice6 import SPREAD_KEPT, Scheme
-from .step import CHANNELS, Step
-from .storage import Pack
-from .sums import FLOAT, Sums
+from .step import CHANNELS, Step, StepKind
+from .storage import FLOAT, Pack
+from .sums import Sums
 
 BLOCK = 8  # states that are summed by doubling
 _TAIL_BLOCKS = 4  # fewer do not know the slowest mode yet
@@ -57,16 +57,8 @@ class Propagate:
         format = self._pack.format
 
         def step(blocked: bool, *, is_added: bool = False) -> Step:
-            return Step(
-                gpu,
-                placement.count,
-                scheme,
-                format,
-                is_blocked=blocked,
-                is_reflecting=blocked and is_reflecting,
-                is_added=is_added,
-                kept=kept,
-            )
+            kind = StepKind(scheme, blocked, blocked and is_reflecting, is_added, kept)
+            return Step(gpu, placement.count, kind, format)
 
         self._later = step(is_blocked)
         # The paper's first step ignores blockers.
@@ -122,7 +114,9 @@ class Propagate:
         (block, ping, pong), total = self._states, self._total
         # Shaped lobes are negative behind their surface, which their power is scaled for: what
         # they would send there is dropped (lattice.inject).
-        self._first.encode(commands, self._stored(commands, injected), block, faces, kept=0.0)
+        self._first.encode(
+            commands, self._stored(commands, injected), block, faces, handed_back=0.0
+        )
         singles = iterations - BLOCK * blocks
         for left in range(singles, 0, -1):
             self._sums.add_to_total(commands, block, total, is_first=left == singles)

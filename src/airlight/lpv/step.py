@@ -1,84 +1,116 @@
-"""One step of light to its six face neighbours: the kernel, and how lattices are cut for it.
+"""One propagation step of all cells to their six face neighbours (Kaplanyan2010 section 3.3).
 
-GPUs take a cell per invocation. Software drivers load lane by lane, so loads are what a step costs
-there: an invocation marches a tile of columns along z (lpv.columns) and, where eight invocations
-see one another as lanes of a row, has half of what is beside it from them, and two cells in a load
-(lpv.rows; of the tiles' processor time .55 among blockers, .6 without).
+propagate        a cell an invocation, on any device and in any storage
+propagate_rows   the same for CPU adapters, whose lanes share rows of cells (gpu.lanes)
+propagate_paper  scheme "paper": the step as it is printed
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.lanes import LANES, Rows, has_row_lanes
+from ..gpu.lanes import LANES, has_row_lanes
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
-from ..maths.lattice6 import SPREAD_KEPT, Hop, Scheme, hops
-from .columns import column_march
-from .rows import row_march
-from .storage import Format
-from .sums import FLOAT
+from ..gpu.slots import Slot, storage, uniform
+from ..maths.lattice6 import SPREAD_KEPT, Scheme, hops
+from .storage import FLOAT, Format
 
 CHANNELS = 3
-_CPU_TILE, _CPU_OPEN_TILE, _CPU_SLAB = (2, 4), (4, 4), 8  # measured best on a software driver
-_ROW_TILE, _ROW_OPEN_TILE = (16, 8), (32, 16)
-"""Cells of a tile and layers of a slab where lanes share rows. Tiles of 32 among blockers are as
-quick but take three times as long to compile."""
+_MARCHED_CELLS = 8192
+"""Cells of the layers that propagate_rows marches: 8 layers of 32 x 32, 2 of 64 x 64 (measured)."""
+_PAIR = "vec4<u64>"
 
 
 class StepParams(Struct):
     """The lattice's size, and what the step does."""
 
     count = vec3u("cells")
-    kept = f32("share of negative power into closed faces that is handed back")
+    handed_back = f32("share of negative power into closed faces that is handed back")
+
+
+def _slots(element: str, face: str) -> tuple[Slot, ...]:
+    return (
+        uniform("params", StepParams),
+        storage("before", element),
+        storage("after", element, "read_write"),
+        storage("faces", face),
+        storage("added", element),
+    )
+
+
+@dataclass(frozen=True)
+class StepKind:
+    """What a step does beside handing light on.
+
+    `is_blocked`: faces stop their share; `is_reflecting`: it bounces into its own cell; `is_added`:
+    a lattice is added to what the step makes; `kept`: of the spread of directions in a hop
+    (`maths.lattice6.spread_kept`).
+    """
+
+    scheme: Scheme = "centroid"
+    is_blocked: bool = False
+    is_reflecting: bool = False
+    is_added: bool = False
+    kept: float = SPREAD_KEPT
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The shader's overrides."""
+        is_centroid = self.scheme == "centroid"
+        return (hop_constants(self.kept) if is_centroid else {}) | {
+            "IS_BLOCKED": float(self.is_blocked),
+            "IS_REFLECTING": float(self.is_reflecting),
+            "IS_ADDED": float(self.is_added),
+        }
+
+
+class _PropagateCells(ComputePass):
+    """A cell an invocation."""
+
+    file = "propagate.wgsl"
+
+    def __init__(self, gpu: Gpu, kind: StepKind, format: Format) -> None:
+        self.slots = _slots(format.element, "vec4u")  # type: ignore[misc]
+        # One run of lanes: a CPU adapter runs groups without work, too.
+        self.workgroup = (LANES, 1, 1) if gpu.takes_cpu_paths else (32, 8, 1)  # type: ignore[misc]
+        super().__init__(gpu, constants=kind.constants, generated=format.wgsl)
+
+
+class _PropagatePaper(_PropagateCells):
+    file = "propagate_paper.wgsl"
+
+
+class _PropagateRows(ComputePass):
+    """A pair of cells a lane, marched over some layers."""
+
+    slots = _slots(_PAIR, _PAIR)
+    workgroup = (LANES, 1, 1)
+    file = "propagate_rows.wgsl"
+
+    def __init__(self, gpu: Gpu, kind: StepKind, layers: int) -> None:
+        super().__init__(gpu, constants={**kind.constants, "LAYERS": float(layers)})
 
 
 class Step:
-    """One step, in columns marched along z (lpv.columns), or in lanes that share rows (lpv.rows).
-
-    Where faces block, an invocation has all channels, which share them; else one. With `is_added` a
-    lattice is added to what the step makes.
-    """
+    """after = M before + added, for a lattice of `count` (x, y, z) cells kept in a format."""
 
     def __init__(
-        self,
-        gpu: Gpu,
-        count: tuple[int, int, int],
-        scheme: Scheme,
-        format: Format,
-        *,
-        is_blocked: bool,
-        is_reflecting: bool,
-        kept: float,
-        is_added: bool = False,
+        self, gpu: Gpu, count: tuple[int, int, int], kind: StepKind, format: Format = FLOAT
     ) -> None:
         self._count = count
-        kind = "light" if is_blocked else "open"
-        channels = 1 if is_blocked else CHANNELS
-        has_rows = format is FLOAT and count[0] % 2 == 0 and has_row_lanes(gpu)
-        cut = _rows if has_rows else _tiles
-        march, self._columns = cut(gpu, count, channels, is_blocked=is_blocked)
-        text = format.wgsl + pair_functions(scheme, kept)
-        text += _shader(f"{kind}_{'pairs' if has_rows else 'cells'}")
-        if is_blocked:
-            text += _shader(f"propagate_{scheme}")
-        self.element = "vec4<u64>" if has_rows else format.element
-        self._pass = _step_pass(
-            gpu,
-            self.element,
-            "vec4<u64>" if has_rows else "vec4u",
-            text + march,
-            "propagate.wgsl" if is_blocked else "propagate_open.wgsl",
-            {
-                "IS_ADDED": float(is_added),
-                **({"IS_REFLECTING": float(is_reflecting)} if is_blocked else {}),
-            },
-        )
+        if takes_rows(gpu, count, kind.scheme, format):
+            x, y, z = count
+            layers = max(2, _MARCHED_CELLS // (x * y))
+            self._invocations = (x // 2, y, -(-z // layers))
+            self._pass: ComputePass = _PropagateRows(gpu, kind, layers)
+        else:
+            self._invocations = count
+            is_paper = kind.scheme == "paper"
+            self._pass = (_PropagatePaper if is_paper else _PropagateCells)(gpu, kind, format)
 
     def encode(
         self,
@@ -86,14 +118,14 @@ class Step:
         before: Buffer,
         after: Buffer,
         faces: Buffer,
-        kept: float = 1.0,
+        handed_back: float = 1.0,
         added: Buffer | None = None,
     ) -> None:
-        """after = M before + added. `kept`: what closed faces hand back of wrong-signed power."""
+        """`handed_back`: what closed faces hand back of wrong-signed power."""
         self._pass.dispatch(
             commands,
-            self._columns,
-            params=StepParams.of(count=self._count, kept=kept),
+            self._invocations,
+            params=StepParams.of(count=self._count, handed_back=handed_back),
             before=before,
             after=after,
             faces=faces,
@@ -101,118 +133,19 @@ class Step:
         )
 
 
-def _shader(name: str) -> str:
-    return Path(__file__).with_name(f"{name}.wgsl").read_text()
+def takes_rows(gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format) -> bool:
+    """Whether a lattice of `count` cells is propagated in rows of lanes."""
+    is_paired = count[0] % 2 == 0 and format is FLOAT
+    return is_paired and scheme == "centroid" and has_row_lanes(gpu)
 
 
-def _tiles(
-    gpu: Gpu, count: tuple[int, int, int], channels: int, *, is_blocked: bool
-) -> tuple[str, tuple[int, int, int]]:
-    """`main` of columns a lane, and how many there are."""
-    width, height, slab = 1, 1, 1  # an invocation a cell
-    if gpu.takes_cpu_paths:
-        tile = _CPU_TILE if is_blocked else _CPU_OPEN_TILE
-        width, height = (min(t, n) for t, n in zip(tile, count, strict=False))
-        slab = _CPU_SLAB
-    columns = (-(-count[0] // width), -(-count[1] // height), channels * -(-count[2] // slab))
-    return column_march(width, height, slab, channels), columns
-
-
-def _rows(
-    gpu: Gpu, count: tuple[int, int, int], channels: int, *, is_blocked: bool
-) -> tuple[str, tuple[int, int, int]]:
-    """As _tiles, where lanes share a row."""
-    cells, slab = _ROW_TILE if is_blocked else _ROW_OPEN_TILE
-    rows = Rows.of(count[0], min(cells // Rows.of(count[0], 1).width, count[1]))
-    columns = (
-        -(-count[0] // rows.width),
-        -(-count[1] // rows.height),
-        channels * -(-count[2] // slab),
-    )
-    return row_march(rows, slab, channels), columns
-
-
-def _step_pass(
-    gpu: Gpu, element: str, face: str, text: str, wgsl: str, constants: dict[str, float]
-) -> ComputePass:
-    class PropagateStep(ComputePass):
-        slots = (
-            uniform("params", StepParams),
-            storage("before", element),
-            storage("after", element, "read_write"),
-            storage("faces", face),
-            storage("added", element),
-        )
-        # One run of lanes: a software driver runs groups without work, too.
-        workgroup = (LANES, 1, 1) if gpu.takes_cpu_paths else (32, 8, 1)
-        file = wgsl
-
-    return PropagateStep(gpu, generated=text, constants=constants)
-
-
-def pair_functions(scheme: Scheme, kept: float = SPREAD_KEPT) -> str:
-    """WGSL of `along_x`, `along_y`, `along_z`: what two opposite neighbours' light adds.
-
-    `kept`: of the spread of directions (`maths.lattice6.spread_kept`).
-
-    Their first argument travels up the axis, the second down. Weights are literals: the software
-    driver reads a table ten times slower.
-    """
-    matrix = hops(scheme)[0].matrix
-    shares = "".join(
-        f"const {name} = {_literal(value)};\n"
-        for name, value in (("HOP_EVEN", matrix[0, 0]), ("HOP_DIRECT", matrix[0, 1]))
-    )
-    if scheme == "paper":
-        pairs = [
-            f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{ "
-            f"return hop_{2 * k}(up) + hop_{2 * k + 1}(down); }}"
-            for k, axis in enumerate("xyz")
-        ]
-        return shares + hop_functions(scheme) + "\n" + "\n".join(pairs) + "\n"
-    return shares + "\n".join(_linear_pair(k, axis, kept) for k, axis in enumerate("xyz")) + "\n"
-
-
-def _linear_pair(index: int, axis: str, kept: float) -> str:
-    """Opposite hops differ in the sign of what couples a with b along the axis."""
-    matrix, b = hops("centroid", kept)[2 * index].matrix, index + 1
-    same = ", ".join(_literal(matrix[k, k]) for k in range(4))
-    crossed = ["0.0"] * 4
-    crossed[0] = f"odd.{'xyzw'[b]} * {_literal(matrix[0, b])}"
-    crossed[b] = f"odd.x * {_literal(matrix[b, 0])}"
-    return (
-        f"fn along_{axis}(up: vec4f, down: vec4f) -> vec4f {{\n    let odd = up - down;\n"
-        f"    return (up + down) * vec4f({same}) + vec4f({', '.join(crossed)});\n}}"
-    )
-
-
-def hop_functions(scheme: Scheme) -> str:
-    """WGSL of `hop_0` .. `hop_5` (+x -x +y -y +z -z): what a neighbour's light adds."""
-    text = _clamped_hop if scheme == "paper" else _linear_hop
-    return "\n".join(text(index, hop) for index, hop in enumerate(hops(scheme)))
-
-
-def _linear_hop(index: int, hop: Hop) -> str:
-    rows = [_weighted(row) for row in hop.matrix]
-    return f"fn hop_{index}(v: vec4f) -> vec4f {{ return vec4f({', '.join(rows)}); }}"
-
-
-def _clamped_hop(index: int, hop: Hop) -> str:
-    lines = [f"fn hop_{index}(v: vec4f) -> vec4f {{", "    var gained = vec4f(0.0);"]
-    for face in hop.faces:
-        along = _weighted([1.0, *face.receive])
-        gain = ", ".join(_literal(g) for g in (1.0 / (4.0 * 3.141592653589793), *face.emit))
-        power = f"{_literal(face.solid_angle_sr)} * max(0.0, {along})"
-        lines.append(f"    gained += {power} * vec4f({gain});")
-    return "\n".join([*lines, "    return gained;", "}"])
-
-
-def _weighted(weights: Any) -> str:
-    terms = [
-        f"{_literal(w)} * v.{c}" for w, c in zip(weights, "xyzw", strict=True) if abs(w) > 1e-12
-    ]
-    return " + ".join(terms) or "0.0"
-
-
-def _literal(value: float) -> str:
-    return f"{value:.9e}".replace("e+00", "")
+def hop_constants(kept: float = SPREAD_KEPT) -> dict[str, float]:
+    """The overrides of wgsl/hops6.wgsl; `kept` as in `maths.lattice6.spread_kept`."""
+    matrix = hops("centroid", kept)[0].matrix
+    return {
+        "MEAN_TO_MEAN": float(matrix[0, 0]),
+        "FLUX_TO_MEAN": float(matrix[0, 1]),
+        "MEAN_TO_FLUX": float(matrix[1, 0]),
+        "FLUX_ALONG": float(matrix[1, 1]),
+        "FLUX_ACROSS": float(matrix[2, 2]),
+    }

@@ -8,10 +8,9 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
-from .storage import FORMATS, Format
+from .storage import FLOAT, Format
 
-FLOAT = FORMATS["float32"]
-_CPU_PER_LANE = 16  # values: a software driver takes 7 ns to begin an invocation
+_CPU_PER_LANE = 16  # values: a CPU adapter takes 7 ns to begin an invocation
 
 
 class AccumulateParams(Struct):
@@ -30,7 +29,7 @@ class PowerParams(Struct):
 
 
 class Sums:
-    """Sums of states kept in a format; `range` as `storage.Pack` finds it."""
+    """Sums of states stored in a format; `range` as `storage.Pack` finds it."""
 
     def __init__(self, gpu: Gpu, cells: int, format: Format, range: Buffer) -> None:
         self._cells, self._range = cells, range
@@ -103,6 +102,8 @@ def _accumulate_pass(gpu: Gpu, format: Format) -> ComputePass:
         workgroup = (256, 1, 1)
         file = "accumulate.wgsl"
 
-    per_lane = f"const PER_LANE = {_CPU_PER_LANE if gpu.takes_cpu_paths else 1}u;\n"
-    constants = {"IS_SCALED": float(format is not FLOAT)}
-    return Accumulate(gpu, constants=constants, generated=per_lane + format.wgsl)
+    constants = {
+        "IS_SCALED": float(format is not FLOAT),
+        "PER_LANE": float(_CPU_PER_LANE if gpu.takes_cpu_paths else 1),
+    }
+    return Accumulate(gpu, constants=constants, generated=format.wgsl)
