@@ -138,7 +138,7 @@ _SUMMARY = ("direct", "lpv", "lpv-scatter", "auto")
 
 
 def summary_table() -> str:
-    """Of accuracy.md: the whole picture's errors by scene and technique."""
+    """Of accuracy.md: the whole image's errors by scene and technique."""
     names, measured = _accuracy()
     whole = names.index("whole")
     held = {(cells[0], cells[1]): cells[whole] for cells in measured}

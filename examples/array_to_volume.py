@@ -1,4 +1,4 @@
-"""A NumPy array from a simulation, straight into a picture: the last five lines.
+"""A NumPy array from a simulation, straight into an image: the last five lines.
 
     python examples/array_to_volume.py
 

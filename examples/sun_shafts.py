@@ -4,7 +4,7 @@
 
 You should see shafts of sunlight slanting from the window across a furnished room, their edges
 sharp where the frame stands, and the whole room glowing faintly from light scattered many times. In
-`sun_shafts_parts.png` the same picture is taken apart: light that met one surface, light that
+`sun_shafts_parts.png` the same image is taken apart: light that met one surface, light that
 bounced, light scattered once in the air (the shafts), light scattered more often (the glow).
 """
 

@@ -1,4 +1,4 @@
-"""A parameter sweep: what the lattice's resolution costs and brings, as a table and a picture.
+"""A parameter sweep: what the lattice's resolution costs and brings, as a table and an image.
 
     python examples/sweep.py
 

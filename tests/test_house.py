@@ -429,7 +429,7 @@ def test_no_file_names_the_machine_it_was_made_on():
     for path in tracked_files():
         try:
             text = path.read_text(encoding="utf-8")
-        except (UnicodeDecodeError, OSError):  # a picture, or deleted in the working tree
+        except (UnicodeDecodeError, OSError):  # an image, or deleted in the working tree
             continue
         found += [f"{relative(path)}: {place}" for place in _MACHINE_PATHS if place in text]
     assert not found, "\n".join(found)

@@ -1,4 +1,4 @@
-"""From a scene to a picture: the same bits each run, refusals, animation, closed rooms."""
+"""From a scene to an image: the same bits each run, refusals, animation, closed rooms."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_the_same_bits_each_run(gpu, corner, lit):
         assert again.layers[name].tobytes() == lit.layers[name].tobytes(), name
 
 
-def test_layers_add_up_to_the_picture(lit):
+def test_layers_add_up_to_the_image(lit):
     assert set(lit.layers) == {"direct", "indirect", "albedo", "normal", "depth"}
     summed = lit.layers["direct"] + lit.layers["indirect"]
     np.testing.assert_array_equal(lit.radiance, summed)
@@ -104,7 +104,7 @@ def test_normals_and_albedo_are_the_surfaces(lit):
 
 
 def test_the_walls_colour_bleeds_onto_the_floor(gpu, corner, lit):
-    # What the red wall adds to a black one's picture has the wall's colour: 8 to 1. Measured 10.2:
+    # What the red wall adds to a black one's image has the wall's colour: 8 to 1. Measured 10.2:
     # surfaces read two-band light by a rule that is not linear, and the floor's own is in it too
     # (9.3); what near surfaces hide of it is taken away by a linear one.
     black = dataclasses.replace(RED, base_color=(0.0, 0.0, 0.0))
@@ -200,7 +200,7 @@ _MADE = (
 
 
 @pytest.mark.parametrize("technique", ["direct", "lpv"])
-def test_a_moving_light_changes_the_picture_and_allocates_nothing(
+def test_a_moving_light_changes_the_image_and_allocates_nothing(
     gpu, corner, technique, monkeypatch
 ):
     made = []
@@ -293,7 +293,7 @@ def test_progress_and_stats(gpu, corner):
     assert {"g-buffer", "lighting", "propagate"} <= set(stats["passes"])
 
 
-def test_exposure_is_the_cameras_or_from_the_picture(gpu, corner, lit):
+def test_exposure_is_the_cameras_or_from_the_image(gpu, corner, lit):
     assert lit.exposure_stops == 0.0
     metered = dataclasses.replace(corner, camera=dataclasses.replace(CAMERA, exposure_stops=None))
     dark = dataclasses.replace(

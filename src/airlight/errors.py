@@ -5,7 +5,7 @@
     ├── SettingsError          a technique, a setting or an option is unknown or impossible
     ├── DeviceError            no graphics driver; too large for the device or for memory
     │   └── ShaderError        our own WGSL does not compile: file and line of the real source
-    ├── OutputError            a picture cannot be written
+    ├── OutputError            an image cannot be written
     └── ReferenceFailure       the reference renderer is missing, crashed or ran past its time
 
 Each message is complete on its own: it names the file, the key and the remedy.

@@ -54,13 +54,13 @@ class Judged:
         fields = {f.name for f in dataclasses.fields(technique_settings(self.name))}
         return "shaft_resolution" in fields
 
-    def picture(
+    def image(
         self, scene: Scene, size: tuple[int, int] = (24, 24), spp: int = 256, **settings: Any
     ) -> Image:
         """The scene in `size` pixels, one sample each: analytic answers are of pixel centres."""
-        return self.pictures(scene, [scene.camera], size, spp, **settings)[0]
+        return self.images(scene, [scene.camera], size, spp, **settings)[0]
 
-    def pictures(
+    def images(
         self,
         scene: Scene,
         cameras: Sequence[Camera],
@@ -76,7 +76,7 @@ class Judged:
         with Renderer(scene, self.name, size, settings=own) as renderer:
             return [renderer.frame(camera=camera) for camera in cameras]
 
-    def air_picture(
+    def air_image(
         self,
         scene: Scene,
         size: tuple[int, int] = (24, 24),
@@ -89,7 +89,7 @@ class Judged:
         """
         if self.name in BASELINES:
             pytest.skip(f"{self.name} is a baseline: {BASELINES[self.name]}")
-        image = self.picture(scene, size, **settings)
+        image = self.image(scene, size, **settings)
         for layer in ("transmittance", *needs):
             if layer not in image.layers:
                 pytest.skip(f"{self.name} draws no layer '{layer}'")
@@ -97,15 +97,15 @@ class Judged:
 
 
 def _reference(scene: Scene, size: tuple[int, int], spp: int) -> Image:
-    """Mitsuba's picture, its layers named as a technique names them."""
+    """Mitsuba's image, its layers named as a technique names them."""
     from airlight.reference.mitsuba import render_layers
 
     has_air = scene.medium is not None or bool(scene.volumes)
     air = ("single_scatter", "multiple_scatter", "transmittance") if has_air else ()
-    pictures = render_layers(scene, ("all", "direct", "indirect", *air), size=size, spp=spp)
-    whole = pictures.pop("all")
-    layers = {name: image.radiance for name, image in pictures.items()}
-    noise = {f"{name}_variance": image.layers["variance"] for name, image in pictures.items()}
+    images = render_layers(scene, ("all", "direct", "indirect", *air), size=size, spp=spp)
+    whole = images.pop("all")
+    layers = {name: image.radiance for name, image in images.items()}
+    noise = {f"{name}_variance": image.layers["variance"] for name, image in images.items()}
     return Image(whole.radiance, {**layers, **noise, "variance": whole.layers["variance"]})
 
 
@@ -123,7 +123,7 @@ def judged(request: pytest.FixtureRequest) -> Judged:
 
 
 def _error(image: Image, truth: np.ndarray, layer: str = "") -> float:
-    """Relative L2 beyond three times the picture's own noise (a technique has none)."""
+    """Relative L2 beyond three times the image's own noise (a technique has none)."""
     pixels = (image.layers[layer] if layer else image.radiance).astype(np.float64)
     true = np.broadcast_to(np.asarray(truth, np.float64), pixels.shape)
     norm = max(float(np.sqrt(np.sum(true**2))), 1e-12)
@@ -133,7 +133,7 @@ def _error(image: Image, truth: np.ndarray, layer: str = "") -> float:
 
 
 def _unlike(image: Image, truth: Image, layer: str, *, is_mirrored: bool = False) -> float:
-    """Relative L2 of a layer of two pictures beyond what the noise of both explains.
+    """Relative L2 of a layer of two images beyond what the noise of both explains.
 
     A technique has none. Mitsuba's is known from batches; three deviations of it are let pass in
     the pixels, and none of that in the sum over all of them, where it averages out: what the two

@@ -34,7 +34,7 @@ def test_a_slab_lets_through_what_beer_and_lambert_say(judged, square, camera_ra
     lamp = square((0, 0, -1.5), (3, 0, 0), (0, 3, 0), glow)
     slab = Medium(tuple(SIGMA), (0, 0, 0), bounds=((-4, -4, -0.5), (4, 4, 0.7)))
     camera = Camera((0.2, 0.1, 3.0), (0.0, 0.0, 0.0), fov_y_deg=50.0)
-    image = judged.air_picture(Scene(meshes=(lamp,), camera=camera, medium=slab))
+    image = judged.air_image(Scene(meshes=(lamp,), camera=camera, medium=slab))
     cosine = np.abs(camera_rays(camera, SIZE)[..., 2:])
     through = np.exp(-SIGMA * 1.2 / cosine)
     # Measured 2e-4; pop, which marches, .0063.
@@ -51,7 +51,7 @@ def test_black_air_only_takes_away(judged, square, camera_rays, error):
     camera = Camera((0.3, 3.0, 0.2), (0.3, -0.5, 0.2), (0.0, 0.0, -1.0), 50.0)
     sun = DirectionalLight((0.36, -0.8, 0.48), (3.0, 2.0, 1.0))
     scene = Scene(meshes=(floor,), lights=(sun,), camera=camera, medium=air)
-    image = judged.air_picture(scene)
+    image = judged.air_image(scene)
     cosine = np.abs(camera_rays(camera, SIZE)[..., 1:2])
     through = np.exp(-SIGMA * 1.2 * (1.0 / cosine + 1.0 / 0.8))
     truth = albedo / math.pi * 0.8 * np.array([3.0, 2.0, 1.0]) * through
@@ -81,7 +81,7 @@ def test_light_scattered_once_is_the_quadrature(judged, camera_rays, error, kind
     air = Medium(tuple(SIGMA), (albedo,) * 3, (g,) * 3, CUBE)
     camera = Camera((0.3, 0.2, 0.9), (0.0, 0.1, -1.0), fov_y_deg=60.0)
     scene = Scene(lights=(light,), camera=camera, medium=air)
-    image = judged.air_picture(scene, needs=["single_scatter"])
+    image = judged.air_image(scene, needs=["single_scatter"])
     rays = camera_rays(camera, SIZE)
     eye = np.asarray(camera.position)
     _, length = quadrature.box_path(eye, rays, CUBE)
@@ -114,9 +114,9 @@ def test_even_air_is_a_grid_of_one_density(judged, error):
     shared = {"sigma_t": tuple(SIGMA), "albedo": (0.9,) * 3, "g": (0.3,) * 3, "bounds": CUBE}
     grid = Volume(density=np.ones((5, 6, 7), np.float32), **shared)
     scene = Scene(lights=(sun,), camera=OUTSIDE, medium=Medium(**shared))
-    even = judged.air_picture(scene, bounds=AROUND)
+    even = judged.air_image(scene, bounds=AROUND)
     scene = Scene(lights=(sun,), camera=OUTSIDE, volumes=(grid,))
-    varied = judged.air_picture(scene, bounds=AROUND)
+    varied = judged.air_image(scene, bounds=AROUND)
     # Measured 1e-6, single scattering below .01 (jittered .18), multiple .067 (lpv-scatter takes
     # half hops in varying air).
     limits = {
@@ -141,7 +141,7 @@ is too bright in thin air. Measured 2026-11-21: pop .999, lpv-scatter 1.13 for g
 def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
     air = Medium((1.0,) * 3, WHITE, (g,) * 3, CUBE)
     scene = Scene(environment=Environment(), camera=OUTSIDE, medium=air)
-    image = judged.air_picture(scene, bounds=AROUND)
+    image = judged.air_image(scene, bounds=AROUND)
     centre = image.radiance[8:16, 8:16].mean()
     assert centre < GROWS.get(judged.name, 1.05)
     if scatters_often(image):
@@ -158,7 +158,7 @@ def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
     air = Medium((1.5,) * 3, WHITE, (g,) * 3, ((-half,) * 3, (half,) * 3))
     scene = Scene(lights=(DirectionalLight((0.0, 0.0, 1.0), WHITE),), medium=air)
     around = (-half, -half, -half, half, half, half)
-    image = judged.air_picture(replace(scene, camera=OUTSIDE), (4, 4), bounds=around)
+    image = judged.air_image(replace(scene, camera=OUTSIDE), (4, 4), bounds=around)
     assert image.radiance.any()
     sent = power_out(judged, scene, 0.9, bounds=around) / (1.0 - math.exp(-1.5))
     assert sent < 1.1
@@ -169,7 +169,7 @@ def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
 def test_the_lattice_holds_air_without_surfaces(judged):
     sun = DirectionalLight((0.0, 0.0, 1.0), WHITE)
     air = Medium((1.5,) * 3, WHITE, bounds=CUBE)
-    image = judged.air_picture(
+    image = judged.air_image(
         Scene(lights=(sun,), camera=OUTSIDE, medium=air), needs=["multiple_scatter"]
     )
     if judged.name in ("lpv-scatter", "auto") and not scatters_often(image):
@@ -186,6 +186,6 @@ def power_out(judged, scene, radius_m, views=12, **settings):
     away_m = 50.0 * radius_m
     fov = 2.0 * math.degrees(math.atan(1.0 / 50.0))
     cameras = [Camera(tuple(away_m * w), (0.0, 0.0, 0.0), fov_y_deg=fov) for w in ways]
-    images = judged.pictures(scene, cameras, (PX, PX), 32, **settings)
+    images = judged.images(scene, cameras, (PX, PX), 32, **settings)
     pixel_m2 = (2.0 * radius_m / PX) ** 2
     return 4.0 * math.pi * np.mean([i.radiance[..., 0].sum() * pixel_m2 for i in images])

@@ -1,4 +1,4 @@
-"""The same scene turned, swapped or written in other units is the same picture."""
+"""The same scene turned, swapped or written in other units is the same image."""
 
 from __future__ import annotations
 
@@ -115,13 +115,13 @@ WAYS = {"about x": turn(0), "about y": turn(1), "about z": turn(2), "x for z": S
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_turned_scene_is_the_same_picture(judged, square, unlike, way):
+def test_a_turned_scene_is_the_same_image(judged, square, unlike, way):
     scene = corner(square)
     mirrored = np.linalg.det(WAYS[way]) < 0.0
     # The pattern that near surfaces are sampled in is not mirrored: .075 at 48 x 32 (indirect).
     size = (144, 96) if mirrored and judged.name != MITSUBA else SIZE
-    image = judged.picture(moved(scene, WAYS[way]), size)
-    truth = judged.picture(scene, size)
+    image = judged.image(moved(scene, WAYS[way]), size)
+    truth = judged.image(scene, size)
     for layer in ("direct", "indirect"):
         # Shadow maps and surfels lie otherwise: measured .006 (direct), .025 (indirect, lpv).
         # Mitsuba's mirrored pixels have other random numbers: .09 and .21, its noise 1.02 times.
@@ -129,10 +129,10 @@ def test_a_turned_scene_is_the_same_picture(judged, square, unlike, way):
         assert unlike(image, truth, layer, is_mirrored=mirrored) < limit
 
 
-def test_centimetres_are_the_same_picture(judged, square):
+def test_centimetres_are_the_same_image(judged, square):
     scene = corner(square)
-    image = judged.picture(moved(scene, np.eye(3), 100.0), SIZE)
-    truth = judged.picture(scene, SIZE)
+    image = judged.image(moved(scene, np.eye(3), 100.0), SIZE)
+    truth = judged.image(scene, SIZE)
     for layer in ("direct", "indirect"):
         # Fixed-point sums round otherwise: measured 6e-5 (direct), .001 (indirect).
         assert relative(image.layers[layer], truth.layers[layer]) < 3e-3
@@ -148,20 +148,20 @@ def test_a_mirrored_mesh_faces_as_before(judged, square):
         dataclasses.replace(mesh, world_from_object=mesh.world_from_object @ mirror)
         for mesh in scene.meshes  # each is its own mirror image
     )
-    image = judged.picture(dataclasses.replace(scene, meshes=mirrored), SIZE)
-    truth = judged.picture(scene, SIZE)
+    image = judged.image(dataclasses.replace(scene, meshes=mirrored), SIZE)
+    truth = judged.image(scene, SIZE)
     limit = 0.1 if judged.name == MITSUBA else 1e-3  # the reference is noisy
     assert relative(image.layers["direct"], truth.layers["direct"]) < limit
 
 
 @pytest.mark.parametrize(("way", "scale"), [("about x", 100.0), ("x for z", 1.0)])
-def test_air_turned_and_in_centimetres_is_the_same_picture(judged, square, unlike, way, scale):
+def test_air_turned_and_in_centimetres_is_the_same_image(judged, square, unlike, way, scale):
     """Also that extinction is per metre: a hundred times the size, a hundredth of the sigma."""
     if way == "x for z" and not judged.is_sharp:
         pytest.skip(f"{judged.name} draws air at half resolution, which a mirror does not keep")
     scene = dataclasses.replace(corner(square), medium=AIR)
-    truth = judged.air_picture(scene, SIZE, needs=("single_scatter",))
-    image = judged.air_picture(moved(scene, WAYS[way], scale), SIZE)
+    truth = judged.air_image(scene, SIZE, needs=("single_scatter",))
+    image = judged.air_image(moved(scene, WAYS[way], scale), SIZE)
     for layer in ("single_scatter", "multiple_scatter"):
         # Measured 8e-5 (single), .0023 (multiple); Mitsuba's noise explains .94 and .51.
         assert unlike(image, truth, layer, is_mirrored=way == "x for z") < 5e-3

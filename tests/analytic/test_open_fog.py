@@ -1,4 +1,4 @@
-"""An open plain in endless fog beside the path tracer: the whole picture and its layers."""
+"""An open plain in endless fog beside the path tracer: the whole image and its layers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A builtin scene written for Mitsuba and read back gives the picture that it gave."""
+"""A builtin scene written for Mitsuba and read back gives the image that it gave."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ that bounces meets them again and again; an area light's surfels lie otherwise. 
 @pytest.mark.parametrize(
     "name", [*SCENES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
 )
-def test_a_scene_read_back_is_the_same_picture(name, judged, tmp_path):
+def test_a_scene_read_back_is_the_same_image(name, judged, tmp_path):
     if judged.name != AIR.get(name, "lpv"):
         pytest.skip("the scene is what is tested: one technique that shows all of it is enough")
     scene = builtin_scene(name.removesuffix("-area"), **SCENES.get(name, {}))
     write_mitsuba(scene, tmp_path / "scene.xml")
     size = (48, 27)
     # Virtual lights are texels of maps: one that flips is a larger step than what is asked here.
-    before = judged.picture(scene, size, virtual_lights=0)
-    after = judged.picture(load(tmp_path / "scene.xml"), size, virtual_lights=0)
+    before = judged.image(scene, size, virtual_lights=0)
+    after = judged.image(load(tmp_path / "scene.xml"), size, virtual_lights=0)
     for layer, truth in before.layers.items():
         a, b = (
             np.nan_to_num(x.astype(np.float64), posinf=0.0) for x in (after.layers[layer], truth)

@@ -54,7 +54,7 @@ def test_a_lambert_floor_under_each_light(judged, square, camera_rays, error, ki
     light = LIGHTS[kind]
     floor = square((0, 0, 0), (2.5, 0, 0), (0, 0, -2.5), LAMBERT)
     scene = Scene(meshes=(floor,), lights=(light,), camera=ABOVE)
-    image = judged.picture(scene)
+    image = judged.image(scene)
     color = np.array(getattr(light, "intensity", None) or light.irradiance)
     p = points_on_floor(camera_rays(ABOVE, (24, 24)))
     truth = ALBEDO / math.pi * color * irradiance_on_floor(light, p)
@@ -80,7 +80,7 @@ def lights_itself(image, direct):
 def test_a_floor_under_a_uniform_sky(judged, square, error):
     floor = square((0, 0, 0), (2.5, 0, 0), (0, 0, -2.5), LAMBERT)
     sky = Environment(radiance=(0.5, 1.0, 2.0))
-    image = judged.picture(Scene(meshes=(floor,), environment=sky, camera=ABOVE))
+    image = judged.image(Scene(meshes=(floor,), environment=sky, camera=ABOVE))
     truth = np.broadcast_to(ALBEDO * sky.radiance, image.radiance.shape)
     assert error(image, truth, "direct") < 5e-4  # measured 1.1e-4
     print(judged.name, "lights itself", lights_itself(image, truth))
@@ -95,7 +95,7 @@ def test_what_stands_in_the_light_casts_a_shadow(judged, square, camera_rays):
         square((1.5, 1, 0), (1.3, 0, 0), (0, 0, -2.5), black),  # hides x > 0.2
     )
     camera = Camera((-0.5, 0.6, 0.0), (0.1, 0.0, 0.0), fov_y_deg=60.0)
-    image = judged.picture(Scene(meshes=meshes, lights=(light,), camera=camera))
+    image = judged.image(Scene(meshes=meshes, lights=(light,), camera=camera))
     rays = camera_rays(camera, (24, 24))
     with np.errstate(divide="ignore"):
         t = -0.6 / rays[..., 1]
@@ -112,7 +112,7 @@ def test_a_white_ball_cannot_be_seen_in_a_white_world(judged):
     ball = Mesh(sphere(32, 16), Material(base_color=(1, 1, 1), specular=0.0))
     camera = Camera((0.0, 0.3, 1.6), (0.0, 0.0, 0.0), fov_y_deg=45.0)
     scene = Scene(meshes=(ball,), environment=Environment(), camera=camera)
-    image = judged.picture(scene)
+    image = judged.image(scene)
     # Sky light is known per cell, not per point, and the ball fills a lattice of 16 cells.
     # Measured 2026-11-21: direct mean .965, least .84; lpv 1.02, .95 to 1.17; lpv-scatter 1.07,
     # 1.0 to 1.49.
@@ -146,7 +146,7 @@ def test_a_closed_glowing_room(judged, square):
     """Radiance L = e + albedo L, whatever the shape: e = 1/4, albedo 3/4 give 1 everywhere."""
     paint = Material(base_color=(0.75,) * 3, specular=0.0, emission=(0.25,) * 3)
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
-    image = judged.picture(Scene(meshes=tuple(closed_room(square, paint)), camera=camera))
+    image = judged.image(Scene(meshes=tuple(closed_room(square, paint)), camera=camera))
     np.testing.assert_allclose(glow(image, 0.25), 0.25, rtol=1e-3)
     print(judged.name, "glowing room", image.radiance.mean())
     if image.layers["indirect"].any():
@@ -167,7 +167,7 @@ def test_a_lamp_in_the_middle_of_a_round_room(judged, error):
     room = Mesh(sphere(64, 32), paint, np.diag([2 * radius_m] * 3 + [1.0]))
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
     lamp = PointLight((0.0, 0.0, 0.0), (5.0, 5.0, 5.0))
-    image = judged.picture(Scene(meshes=(room,), lights=(lamp,), camera=camera))
+    image = judged.image(Scene(meshes=(room,), lights=(lamp,), camera=camera))
     direct = albedo / math.pi * 5.0 / radius_m**2
     # The ball's facets lie up to half a per cent inside it.
     assert error(image, direct, "direct") < 0.01
@@ -186,6 +186,6 @@ def test_black_surfaces_do_not_bounce(judged, square):
         square((0, 2, -2), (2.5, 0, 0), (0, 2, 0), grey),
     )
     scene = Scene(meshes=meshes, lights=tuple(LIGHTS.values()), camera=ABOVE)
-    image = judged.picture(scene)
+    image = judged.image(scene)
     assert not image.layers["indirect"].any()
     np.testing.assert_allclose(image.radiance, image.layers["direct"])

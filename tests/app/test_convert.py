@@ -1,4 +1,4 @@
-"""`airlight convert`: scenes to Mitsuba and back, pictures between formats, plain refusals."""
+"""`airlight convert`: scenes to Mitsuba and back, images between formats, plain refusals."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_scene_to_mitsuba_reads_back_the_same(tmp_path, capsys):
     assert len(back.lights) == len(own.lights)
 
 
-def test_a_linear_picture_keeps_its_layers_and_its_values(tmp_path):
+def test_a_linear_image_keeps_its_layers_and_its_values(tmp_path):
     Image(RAMP, {"direct": RAMP * 0.5}).save(tmp_path / "a.exr")
     assert cli.run(["convert", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]) == 0
     back = load_image(tmp_path / "b.exr")
@@ -47,7 +47,7 @@ def test_exposure_and_curve_shape_the_display(tmp_path):
     np.testing.assert_allclose(shown, expected, atol=1.0 / 255.0)
 
 
-def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
+def test_an_eight_bit_image_comes_back_as_it_was(tmp_path):
     pixels = np.random.default_rng(2).integers(0, 256, (5, 7, 3), dtype=np.uint8)
     PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
     assert cli.run(["convert", str(tmp_path / "a.png"), str(tmp_path / "a.exr")]) == 0
@@ -60,7 +60,7 @@ def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
     [
         (
             ["{in}.exr", "{in}.tga"],
-            "error: {in}.tga: cannot write a picture that ends in '.tga'. "
+            "error: {in}.tga: cannot write an image that ends in '.tga'. "
             "End its name in one of .exr, .hdr, .png, .jpg, .jpeg.",
         ),
         (
@@ -71,7 +71,7 @@ def test_an_eight_bit_picture_comes_back_as_it_was(tmp_path):
         (["nowhere.toml", "{in}.xml"], "error: nowhere.toml: file not found. Check the path."),
         (
             ["builtin:cornell", "{in}.xml", "--exposure", "1"],
-            "error: builtin:cornell: --exposure and --tone-map are for pictures",
+            "error: builtin:cornell: --exposure and --tone-map are for images",
         ),
         (["{in}.blend", "{in}.xml"], "error: {in}.blend: a scene file cannot end in '.blend'."),
     ],

@@ -1,4 +1,4 @@
-"""`airlight info`: scenes, pictures and density grids, for people and machines."""
+"""`airlight info`: scenes, images and density grids, for people and machines."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_a_scene_for_people(tmp_path, capsys):
     assert "environment: none" in lines
 
 
-def test_a_picture(tmp_path, capsys):
+def test_an_image(tmp_path, capsys):
     pixels = np.full((2, 3, 3), 0.5, np.float32)
     Image(pixels, layers={"depth": pixels[..., 0]}).save(tmp_path / "a.exr")
     told = facts(capsys, str(tmp_path / "a.exr"))

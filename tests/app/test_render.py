@@ -27,7 +27,7 @@ def scene_file(tmp_path):
 
 @pytest.fixture
 def calls(monkeypatch):
-    """What the command asked the renderer for; the picture is grey."""
+    """What the command asked the renderer for; the image is grey."""
     asked: list[dict] = []
 
     def grey(scene: Scene, **options) -> Image:
@@ -120,7 +120,7 @@ def test_exposure_brightens_the_display_and_layers_stay_out_unasked(scene_file, 
 MISTAKES = [
     (
         ["-o", "{out}/a.bmp"],
-        "error: {out}/a.bmp: cannot write a picture that ends in '.bmp'. "
+        "error: {out}/a.bmp: cannot write an image that ends in '.bmp'. "
         "End its name in one of .exr, .hdr, .png, .jpg, .jpeg.",
     ),
     (
@@ -130,7 +130,7 @@ MISTAKES = [
     (["-o", "{out}/folder.png"], "error: {out}/folder.png: this is a folder, not a file"),
     (
         ["-o", "{out}/a.png", "--layers"],
-        "error: {out}/a.png: --layers needs an .exr, .png holds one picture",
+        "error: {out}/a.png: --layers needs an .exr, .png holds one image",
     ),
     (
         ["-o", "{out}/a.exr", "--stats", "{out}/a.exr"],
@@ -201,7 +201,7 @@ def test_warnings_of_the_scene_are_shown(tmp_path, calls, capsys):
     assert "warning: smoke.npy does not say where it is" in capsys.readouterr().err
 
 
-def test_a_picture_of_what_is_no_number_is_doubted(tmp_path, capsys, monkeypatch):
+def test_an_image_of_what_is_no_number_is_doubted(tmp_path, capsys, monkeypatch):
     empty = Image(np.full((4, 4, 3), np.nan, np.float32))
     monkeypatch.setattr(airlight.rendering, "render", lambda scene, **options: empty)
     arguments = ["render", "builtin:cornell", "-o", str(tmp_path / "a.png"), "--size", "4x4"]
@@ -239,7 +239,7 @@ def test_a_time_is_that_of_the_scenes_animation(scene_file, tmp_path, calls, cap
     assert calls[-1]["time"] == 1.5
 
 
-def test_a_picture_at_a_time_is_that_frame_of_a_sequence(tmp_path):
+def test_an_image_at_a_time_is_that_frame_of_a_sequence(tmp_path):
     small = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
     moving = tmp_path / "moving.toml"
     moving.write_text(

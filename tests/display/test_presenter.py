@@ -35,8 +35,8 @@ class Screen:
         self.surface = Texture(gpu, "surface", size, format, target=True)
 
     def shown(self, samples: list[dict[str, Texture]], look: Look) -> np.ndarray:
-        for index, pictures in enumerate(samples):
-            self.presenter.take(self.commands, pictures, self.view, look, index)
+        for index, images in enumerate(samples):
+            self.presenter.take(self.commands, images, self.view, look, index)
         self.presenter.tone(self.commands, look)
         self.presenter.show(self.commands, self.surface)
         self.commands.submit()
@@ -46,10 +46,10 @@ class Screen:
 
 
 @pytest.mark.parametrize("curve", list(TONE_CURVES))
-def test_the_picture_is_the_hosts(gpu, curve):
+def test_the_image_is_the_hosts(gpu, curve):
     a, b = radiance(1), radiance(2)
-    pictures = {"direct": layer(gpu, a), "indirect": layer(gpu, b), "transmittance": layer(gpu, a)}
-    shown = Screen(gpu).shown([pictures], Look(exposure_stops=-1.0, curve=curve))
+    images = {"direct": layer(gpu, a), "indirect": layer(gpu, b), "transmittance": layer(gpu, a)}
+    shown = Screen(gpu).shown([images], Look(exposure_stops=-1.0, curve=curve))
     wanted = display_srgb8((a + b).astype(np.float32), -1.0, curve, dither=True)
     off = np.abs(shown - wanted.astype(int))
     assert off.max() <= 1
@@ -58,9 +58,9 @@ def test_the_picture_is_the_hosts(gpu, curve):
 
 def test_one_layer_and_the_raw_ones(gpu):
     a, b = radiance(3), radiance(4, stops=0.0) * 0.25
-    pictures = {"direct": layer(gpu, a), "transmittance": layer(gpu, b)}
-    assert layer_names(pictures) == (
-        "picture",
+    images = {"direct": layer(gpu, a), "transmittance": layer(gpu, b)}
+    assert layer_names(images) == (
+        "image",
         "direct",
         "transmittance",
         "albedo",
@@ -68,12 +68,12 @@ def test_one_layer_and_the_raw_ones(gpu):
         "depth",
     )
     screen = Screen(gpu)
-    direct = screen.shown([pictures], Look("direct", curve="none"))
+    direct = screen.shown([images], Look("direct", curve="none"))
     assert np.abs(direct - display_srgb8(a, 0.0, "none", dither=True).astype(int)).max() <= 1
     # Transmittance is no radiance: neither exposure nor curve touch it.
-    raw = screen.shown([pictures], Look("transmittance", exposure_stops=5.0))
+    raw = screen.shown([images], Look("transmittance", exposure_stops=5.0))
     assert np.abs(raw - display_srgb8(b, 0.0, "none").astype(int)).max() <= 1
-    assert np.all(screen.shown([pictures], Look("depth")) == 0)  # nothing drawn: infinitely far
+    assert np.all(screen.shown([images], Look("depth")) == 0)  # nothing drawn: infinitely far
 
 
 def test_samples_are_averaged_and_index_0_starts_anew(gpu):
@@ -95,7 +95,7 @@ def test_metered_exposure_is_the_hosts(gpu):
     assert metered == pytest.approx(auto_exposure(bright), abs=0.1)
 
 
-def test_a_black_picture_is_metered_as_is(gpu):
+def test_a_black_image_is_metered_as_is(gpu):
     screen = Screen(gpu)
     black = {"direct": layer(gpu, np.zeros((SIZE[1], SIZE[0], 3)))}
     shown = screen.shown([black], Look(exposure_stops=None))

@@ -116,7 +116,7 @@ COMMON = {
     ],
     "a scene file cannot end in '.fbx'": ["render", "a.fbx", "-o", "a.png"],
     "room.obj: file not found. Check the path.": ["render", "room.obj", "-o", "a.png"],
-    "--layers needs an .exr, .png holds one picture": [
+    "--layers needs an .exr, .png holds one image": [
         "render",
         "builtin:cornell",
         "-o",

@@ -96,10 +96,10 @@ def image():
     return Image(colour(), layers)
 
 
-def test_compositing_programs_find_the_picture_and_its_layers_by_name(image, tmp_path):
+def test_compositing_programs_find_the_image_and_its_layers_by_name(image, tmp_path):
     image.save(tmp_path / "a.exr")
     planes = read_exr(tmp_path / "a.exr")
-    for index, channel in enumerate("RGB"):  # the main picture has no prefix
+    for index, channel in enumerate("RGB"):  # the main image has no prefix
         np.testing.assert_array_equal(planes.pop(channel), image.radiance[..., index])
     for name, layer in image.layers.items():
         if name == "depth":

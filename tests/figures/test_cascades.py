@@ -19,12 +19,12 @@ def test_points_of_pixels_lie_where_the_camera_sees_them(camera_rays):
 def test_every_surface_is_lit_by_some_cascade(gpu):
     request = Request((32, 18), quick=True, adapter=gpu.info.name)
     panels, numbers = cascades.cascades_coloured(request, room(), 2)
-    assert next(label for label, _ in panels) == "the picture"
+    assert next(label for label, _ in panels) == "the image"
     assert len(numbers) == 2 and numbers[0]["cell_m"] < numbers[1]["cell_m"]
     assert sum(n["share_of_pixels"] for n in numbers) > 0.95  # but for the window
     assert numbers[0]["share_of_pixels"] > 0.0
-    picture = panels[2][1]
-    assert picture is not None and picture.shape == (18, 32, 3)
+    image = panels[2][1]
+    assert image is not None and image.shape == (18, 32, 3)
 
 
 def test_a_cascade_alone_has_its_colour():

@@ -17,8 +17,8 @@ from airlight.figures.registry import FIGURES
 
 
 def drawn(folder, name, numbers):
-    picture = np.zeros((9, 16, 3), np.uint8)
-    PIL.Image.fromarray(picture).save(folder / f"{name}.png")
+    image = np.zeros((9, 16, 3), np.uint8)
+    PIL.Image.fromarray(image).save(folder / f"{name}.png")
     told = {"figure": name, "command": f"airlight figure {name} -o x", "numbers": numbers}
     (folder / f"{name}.json").write_text(json.dumps(told))
 
@@ -57,7 +57,7 @@ def test_figures_of_the_folder_with_their_numbers(tmp_path):
     assert "clpv-5 " in text.partition("Not drawn here yet")[2]
 
 
-def test_it_holds_its_pictures_and_leads_only_beside_itself(tmp_path):
+def test_it_holds_its_images_and_leads_only_beside_itself(tmp_path):
     drawn(tmp_path, "clpv-7", {"a": 1})
     tags = Tags()
     tags.feed(page(tmp_path))

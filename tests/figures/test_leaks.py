@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.figures.leaks import dark_places, leak_picture, leaked, leaked_share
+from airlight.figures.leaks import dark_places, leak_image, leaked, leaked_share
 
 
 @pytest.fixture
@@ -36,8 +36,8 @@ def test_light_behind_the_wall_leaked_and_errors_elsewhere_did_not(truth):
 def test_it_is_drawn_in_red_over_grey(truth):
     indirect = truth.copy()
     indirect[2, 1] = 0.5
-    picture = leak_picture(indirect, truth, 0.0).astype(int)
-    red, green, blue = picture[2, 1]
+    image = leak_image(indirect, truth, 0.0).astype(int)
+    red, green, blue = image[2, 1]
     assert red > 100
     assert green == blue == 0
-    assert (np.ptp(picture[:, 2:], axis=-1) == 0).all()
+    assert (np.ptp(image[:, 2:], axis=-1) == 0).all()

@@ -1,6 +1,6 @@
 """The second paper's figures: a hop's parts add up, and stages stand under the paper's names.
 
-Drawn from pretended pictures in test_registry: airlight.figures.lpvms_1, airlight.figures.lpvms_2,
+Drawn from pretended images in test_registry: airlight.figures.lpvms_1, airlight.figures.lpvms_2,
 airlight.figures.lpvms_5, airlight.figures.lpvms_6, airlight.figures.lpvms_7.
 """
 

@@ -50,7 +50,7 @@ def test_the_haze_is_that_of_the_foggy_atrium():
     assert (own.sigma_t, own.albedo, own.g) == (known.sigma_t, known.albedo, known.g)
 
 
-def test_scores_of_a_picture_twice_too_bright():
+def test_scores_of_an_image_twice_too_bright():
     truth = np.full((4, 4, 3), 0.5, np.float32)
     told = clpv_6.scores(2.0 * truth, truth)
     assert told["energy_ratio"] == pytest.approx(2.0)
@@ -118,4 +118,4 @@ def test_polar_plots_reach_towards_the_light_they_hold():
     rows = (weights * np.arange(32)[:, None]).sum() / weights.sum()
     assert columns > 18.0
     assert rows == pytest.approx(15.5)
-    assert clpv_5.polar_picture(coefficients, 10).shape == (20, 30, 3)
+    assert clpv_5.polar_image(coefficients, 10).shape == (20, 30, 3)

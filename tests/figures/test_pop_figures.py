@@ -1,4 +1,4 @@
-"""Elek2014's figures from pretended pictures, and the two that need none."""
+"""Elek2014's figures from pretended images, and the two that need none."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ QUICK = ("pop-1", "pop-6", "pop-7", "pop-8", "pop-11", "pop-14", "pop-15", "pop-
 
 
 class Renderer:
-    """A picture that is brighter with every frame."""
+    """An image that is brighter with every frame."""
 
     def __init__(self, scene, technique, size, *, settings, adapter):
         assert technique in ("pop", "auto")
@@ -83,10 +83,10 @@ def pretended(monkeypatch):
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_a_figure_is_a_picture_and_its_numbers(pretended, tmp_path, monkeypatch, name):
+def test_a_figure_is_an_image_and_its_numbers(pretended, tmp_path, monkeypatch, name):
     monkeypatch.setattr(pop_11, "by_shdom", lambda *_, **__: np.zeros((27, 48, 3), np.float32))
     drawn = FIGURES[name].draw(Request((48, 27), quick=True))
-    assert drawn.picture.dtype == np.uint8
+    assert drawn.image.dtype == np.uint8
     registry.keep(name, drawn, {"command": "c"}, tmp_path)
     told = json.loads((tmp_path / f"{name}.json").read_text("utf-8"))
     assert told["beside"].startswith("Elek2014 Fig. ")
@@ -161,11 +161,11 @@ def test_scenes_and_scores():
     assert away(one, one) == 0.0
 
 
-def test_a_picture_is_averaged_to_a_truth_of_half_its_size():
-    picture = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+def test_an_image_is_averaged_to_a_truth_of_half_its_size():
+    image = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
     half = Image(np.zeros((2, 3, 3), np.float32), {"variance": np.zeros((2, 3, 3), np.float32)})
-    np.testing.assert_allclose(as_large_as(picture, half)[0, 0], picture[:2, :2].mean(axis=(0, 1)))
-    assert as_large_as(picture, Image(picture, {})) is picture
+    np.testing.assert_allclose(as_large_as(image, half)[0, 0], image[:2, :2].mean(axis=(0, 1)))
+    assert as_large_as(image, Image(image, {})) is image
 
 
 def test_light_that_changes_evenly_is_steady():

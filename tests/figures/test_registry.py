@@ -1,4 +1,4 @@
-"""Every figure, drawn from pretended pictures: that it is drawn, kept, and told in numbers."""
+"""Every figure, drawn from pretended images: that it is drawn, kept, and told in numbers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PASSES = {
 
 
 class Renderer:
-    """A picture that is brighter downwards, and brighter with every frame."""
+    """An image that is brighter downwards, and brighter with every frame."""
 
     def __init__(self, scene, technique, size, *, settings, adapter):
         self.scene, self.size, self.settings = scene, size, settings
@@ -101,13 +101,13 @@ def test_without_a_libllvm_figures_of_fog_have_a_truth_without_layers(
 
     monkeypatch.setattr(mitsuba, "render_layers", whole_alone)
     assert cli.run(["figure", "lpvms-7", "--quick", "-o", str(tmp_path), "-q"]) == 0
-    note = "only the whole picture has a reference: no libLLVM 16 is found. Install it"
+    note = "only the whole image has a reference: no libLLVM 16 is found. Install it"
     assert capsys.readouterr().err == f"warning: lpvms-7: {note}\n"
     (told,) = json.loads((tmp_path / "lpvms-7.json").read_text("utf-8"))["numbers"].values()
     assert (told["notes"], told["layers"]) == ([note], {})
     assert told["energy_ratio"] > 0.0
 
-    # Failures of a lattice are scored by layers alone: what is left is the picture.
+    # Failures of a lattice are scored by layers alone: what is left is the image.
     monkeypatch.setattr(lpvms_6, "CASES", dict(list(lpvms_6.CASES.items())[:1]))
     lacks: list[str] = []
     (told,) = lpvms_6.draw(Request((48, 28), warn=lacks.append)).numbers.values()
@@ -117,10 +117,10 @@ def test_without_a_libllvm_figures_of_fog_have_a_truth_without_layers(
 
 
 @pytest.mark.parametrize("name", PRETENDED)
-def test_a_figure_is_a_picture_and_its_numbers(pretended, tmp_path, name):
+def test_a_figure_is_an_image_and_its_numbers(pretended, tmp_path, name):
     drawn = FIGURES[name].draw(Request((48, 27), quick=True))
-    assert drawn.picture.dtype == np.uint8
-    assert drawn.picture.shape[2] == 3
+    assert drawn.image.dtype == np.uint8
+    assert drawn.image.shape[2] == 3
     registry.keep(name, drawn, {"command": "c"}, tmp_path)
     told = json.loads((tmp_path / f"{name}.json").read_text("utf-8"))
     assert told["beside"].startswith(("Kaplanyan2010 ", "Billeter2012 ", "Elek2014 "))

@@ -7,7 +7,7 @@ import pytest
 
 from airlight.figures import clpv_debug, slices
 from airlight.figures.panels import Request
-from airlight.figures.slices import SolvedLattice, cut, from_texels, slice_picture
+from airlight.figures.slices import SolvedLattice, cut, from_texels, slice_image
 from airlight.maths.lattice6 import LOOKUP_SCALE
 
 SHAPE = (3, 4, 5)  # z, y, x
@@ -72,8 +72,8 @@ def test_texels_come_back_in_watts():
 def test_a_wall_is_drawn_where_the_hop_would_come_in(across, hop, side):
     openness = np.ones((*SHAPE, 6))
     openness[1, 1, 1, hop] = 0.0
-    picture = slice_picture(empty(openness=openness), across, 1, brightest=1.0, cell_px=16)
-    is_wall = (np.abs(picture.astype(int) - slices.WALL) <= 1).all(axis=-1)
+    image = slice_image(empty(openness=openness), across, 1, brightest=1.0, cell_px=16)
+    is_wall = (np.abs(image.astype(int) - slices.WALL) <= 1).all(axis=-1)
     rows, columns = np.nonzero(is_wall)
     assert len(rows) == 2 * 16
     row = {"z": SHAPE[1] - 2, "y": 1, "x": SHAPE[1] - 2}[across]  # of cell (1, 1, 1)
@@ -88,8 +88,8 @@ def test_colour_is_stops_below_the_brightest():
     intensity[1, 1, :, :, 0] = np.array([1.0, 0.5, 2.0**-4, 2.0**-8, 0.0])[:, None]
     lattice = empty(intensity=intensity)
     brightest = float(lattice.fluence.max())
-    picture = slice_picture(lattice, "z", 1, brightest=brightest, cell_px=16)
-    corners = picture[2 * 16 + 1, 1::16].astype(int)  # away from the arrow's dot
+    image = slice_image(lattice, "z", 1, brightest=brightest, cell_px=16)
+    corners = image[2 * 16 + 1, 1::16].astype(int)  # away from the arrow's dot
     assert (np.diff(corners.sum(axis=-1)) <= 0).all()
     assert corners[0].sum() > 600
     assert (corners[3] == corners[4]).all()
@@ -115,5 +115,5 @@ def test_the_room_s_lattice_is_lit_inside_and_closed_by_walls(gpu):
     assert np.isfinite(lattice.intensity).all()
     assert lattice.fluence.max() > 0.0
     assert 0.02 < float(np.mean(1.0 - lattice.openness)) < 0.6
-    drawn = slice_picture(lattice, "y", 3, brightest=1.0, cell_px=8)
+    drawn = slice_image(lattice, "y", 3, brightest=1.0, cell_px=8)
     assert drawn.shape == (8 * lattice.openness.shape[0], 8 * lattice.openness.shape[2], 3)

@@ -38,13 +38,13 @@ def test_a_spark_leaves_no_mark_and_keeps_its_light():
     assert smooth.sum() == pytest.approx(light.sum(), rel=1e-4)
 
 
-def test_a_picture_is_averaged_over_a_truth_s_pixels():
-    picture = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+def test_an_image_is_averaged_over_a_truth_s_pixels():
+    image = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
     small = np.zeros((2, 3, 3), np.float32)
-    np.testing.assert_allclose(truths.averaged(picture, small)[1, 2], picture[2:, 4:].mean((0, 1)))
-    assert truths.averaged(picture[..., 0], small).shape == (2, 3)
-    assert truths.averaged(picture, picture) is picture
-    image = truths.as_large_as(Image(picture, {"depth": picture[..., 0]}), small)
+    np.testing.assert_allclose(truths.averaged(image, small)[1, 2], image[2:, 4:].mean((0, 1)))
+    assert truths.averaged(image[..., 0], small).shape == (2, 3)
+    assert truths.averaged(image, image) is image
+    image = truths.as_large_as(Image(image, {"depth": image[..., 0]}), small)
     assert (image.radiance.shape, image.layers["depth"].shape) == ((2, 3, 3), (2, 3))
 
 
@@ -69,7 +69,7 @@ def test_a_truth_has_half_the_size_where_that_is_whole(monkeypatch):
     assert truths.truth_of(Request((64, 36), quick=True), None) is None
 
 
-def test_noise_is_the_error_of_a_perfect_picture():
+def test_noise_is_the_error_of_a_perfect_image():
     truth = layered(variance=0.01)
     assert truths.noise_l2(truth, "indirect") == pytest.approx(0.2)
     assert truths.told_of(truth) == "path traced, 4x4, 16 samples, smoothed"

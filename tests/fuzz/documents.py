@@ -21,7 +21,7 @@ SCENE_FILES: seeds.Files = {
     "smoke.npy": seeds.npy(seeds.smoke()),
     "frames/f_1.npy": seeds.npy(seeds.smoke()),
     "frames/f_2.npy": seeds.npy(seeds.smoke() * 0.5),
-    "t.png": seeds.picture("PNG"),
+    "t.png": seeds.image("PNG"),
     "lights.npz": seeds.npz(positions=np.ones((3, 3)), intensities=np.ones((3, 3))),
 }
 
@@ -141,7 +141,7 @@ def gltf() -> tuple[dict[str, Any], bytes]:
     }
     binary.accessors[morph]["sparse"] = sparse
     inverse = binary.array(np.tile(np.eye(4), (2, 1, 1)).reshape(2, 16), "f4", "MAT4")
-    image = binary.view(seeds.picture("PNG"))
+    image = binary.view(seeds.image("PNG"))
     animations = _animations(binary)
     document = {
         "asset": {"version": "2.0", "generator": "seeds"},

@@ -116,7 +116,7 @@ def light_field() -> bytes:
     return _saved("light.npz", lambda path: save_light_field(field, path))
 
 
-# ---- Pictures ----------------------------------------------------------------------------------
+# ---- Images ----------------------------------------------------------------------------------
 
 
 def pixels(height: int = 6, width: int = 8) -> np.ndarray:
@@ -124,7 +124,7 @@ def pixels(height: int = 6, width: int = 8) -> np.ndarray:
     return (np.arange(height * width * 4) * 5 % 256).astype(np.uint8).reshape(height, width, 4)
 
 
-def picture(kind: str, mode: str = "RGBA") -> bytes:
+def image(kind: str, mode: str = "RGBA") -> bytes:
     """PNG or JPEG, by Pillow."""
     import PIL.Image
 
@@ -154,7 +154,7 @@ def png_of(chunks: list[tuple[bytes, bytes]]) -> bytes:
 
 
 def exr(*, layers: bool = True, half: bool = False) -> bytes:
-    """A picture of airlight's, with layers."""
+    """An image of airlight's, with layers."""
     from airlight.scene.image import Image
     from airlight.scene.io.images import save_image
 
@@ -165,7 +165,7 @@ def exr(*, layers: bool = True, half: bool = False) -> bytes:
 
 
 def hdr(*, packed: bool = False) -> bytes:
-    """A Radiance picture; packed by scanlines where asked for."""
+    """A Radiance image; packed by scanlines where asked for."""
     from airlight.scene.io.rgbe import encode
 
     rgb = (pixels(4, 8)[..., :3] / 50.0).astype(np.float32)

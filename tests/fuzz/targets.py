@@ -127,7 +127,7 @@ def _toml(random: Random) -> Case:
 
 def _gltf(random: Random) -> Case:
     binary = _good_gltf()[1]
-    name, files = "thing.bin", {"t.png": seeds.picture("PNG")}
+    name, files = "thing.bin", {"t.png": seeds.image("PNG")}
     if random.random() < 0.1:
         binary = _bytes(binary, random)
     is_embedded = random.random() < 0.3
@@ -161,13 +161,13 @@ def _glb(random: Random) -> Case:
     raw = documents.glb_of(texts.json_text(document), binary)
     if roll > 0.7:
         raw = _bytes(raw, random)
-    files = {"t.png": seeds.picture("PNG"), "a.glb": raw}
+    files = {"t.png": seeds.image("PNG"), "a.glb": raw}
     return Case(files, "a.glb", random.choice(HOW))
 
 
 def _xml(random: Random) -> Case:
     files = {
-        "t.png": seeds.picture("PNG"),
+        "t.png": seeds.image("PNG"),
         "thing.obj": seeds.OBJ,
         "thing.mtl": seeds.MTL,
         "thing.ply": seeds.PLY,
@@ -189,7 +189,7 @@ def _xml(random: Random) -> Case:
 
 
 def _obj(random: Random) -> Case:
-    files = {"t.png": seeds.picture("PNG"), "thing.mtl": seeds.MTL, "thing.obj": seeds.OBJ}
+    files = {"t.png": seeds.image("PNG"), "thing.mtl": seeds.MTL, "thing.obj": seeds.OBJ}
     name = random.choice(("thing.obj", "thing.obj", "thing.mtl"))
     files[name] = _bytes(files[name], random, seeds.OBJ)
     return Case(files, "thing.obj", random.choice(HOW))
@@ -306,11 +306,11 @@ def _field_parts(raw: bytes, random: Random) -> seeds.Files:
     return {**parts, name: seeds.npy(np.array(text))}
 
 
-# ---- Pictures ----------------------------------------------------------------------------------
+# ---- Images ----------------------------------------------------------------------------------
 
 
-def _picture(kind: str, raws: Callable[[], Sequence[bytes]]) -> Maker:
-    """A damaged picture on its own (`info`), as an environment, or as a texture."""
+def _image(kind: str, raws: Callable[[], Sequence[bytes]]) -> Maker:
+    """A damaged image on its own (`info`), as an environment, or as a texture."""
 
     def make(random: Random) -> Case:
         good = raws()
@@ -350,12 +350,12 @@ def _png_damaged(raw: bytes, random: Random) -> bytes:
 
 @cache
 def _pngs() -> tuple[bytes, ...]:
-    return tuple(seeds.picture("PNG", mode) for mode in ("RGBA", "RGB", "L", "P", "1", "I;16"))
+    return tuple(seeds.image("PNG", mode) for mode in ("RGBA", "RGB", "L", "P", "1", "I;16"))
 
 
 @cache
 def _jpegs() -> tuple[bytes, ...]:
-    return tuple(seeds.picture("JPEG", mode) for mode in ("RGB", "L", "CMYK"))
+    return tuple(seeds.image("JPEG", mode) for mode in ("RGB", "L", "CMYK"))
 
 
 @cache
@@ -382,10 +382,10 @@ LOADERS: dict[str, Maker] = {
     "nvdb": _nvdb,
     "lights": _lights,
     "field": _field,
-    "exr": _picture("exr", _exrs),
-    "hdr": _picture("hdr", lambda: (seeds.hdr(), seeds.hdr(packed=True))),
-    "png": _picture("png", _pngs),
-    "jpg": _picture("jpg", _jpegs),
+    "exr": _image("exr", _exrs),
+    "hdr": _image("hdr", lambda: (seeds.hdr(), seeds.hdr(packed=True))),
+    "png": _image("png", _pngs),
+    "jpg": _image("jpg", _jpegs),
 }
 if importlib.util.find_spec("tinyvdb"):  # the extra `vdb`
     LOADERS["vdb"] = _grid("a.vdb", _vdbs)

@@ -162,7 +162,7 @@ FINDS: dict[str, tuple[Case, str]] = {
                     (kind, content[:4] + (0xFE0006).to_bytes(4, "big") + content[8:])
                     if kind == b"IHDR"
                     else (kind, content)
-                    for kind, content in seeds.png_chunks(seeds.picture("PNG"))
+                    for kind, content in seeds.png_chunks(seeds.image("PNG"))
                 ]
             ),
             "info",

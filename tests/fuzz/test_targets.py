@@ -69,12 +69,12 @@ def test_the_good_documents_use_much_of_their_format(folder):
         ("b.exr", seeds.exr(layers=False, half=True)),
         ("a.hdr", seeds.hdr()),
         ("b.hdr", seeds.hdr(packed=True)),
-        ("a.png", seeds.picture("PNG", "I;16")),
-        ("a.jpg", seeds.picture("JPEG", "CMYK")),
-        ("b.png", seeds.png_of(seeds.png_chunks(seeds.picture("PNG")))),
+        ("a.png", seeds.image("PNG", "I;16")),
+        ("a.jpg", seeds.image("JPEG", "CMYK")),
+        ("b.png", seeds.png_of(seeds.png_chunks(seeds.image("PNG")))),
     ],
 )
-def test_the_fuzzer_starts_from_good_pictures(tmp_path, name, raw):
+def test_the_fuzzer_starts_from_good_images(tmp_path, name, raw):
     (tmp_path / name).write_bytes(raw)
     assert load_image(tmp_path / name).radiance.shape[1:] == (8, 3)
 

@@ -1,6 +1,6 @@
 """One input tried in this process: what it did, and whether that is a failure.
 
-Every input must give a scene, a picture or a light field, or one AirlightError whose message is
+Every input must give a scene, an image or a light field, or one AirlightError whose message is
 one line. Failures are anything else: another exception, more processor time or memory than so
 small a file can justify, a message of several lines or with control characters, a storm of
 warnings, a written file, or a file read that the input had no right to name.
@@ -87,7 +87,7 @@ class Ground:
         self.outside.mkdir(parents=True)
         for name, raw in SECRETS.items():
             (self.outside / name).write_bytes(raw)
-        (self.outside / "secret.png").write_bytes(seeds.picture("PNG"))
+        (self.outside / "secret.png").write_bytes(seeds.image("PNG"))
         self.folder.mkdir()
         os.mkfifo(self.folder / "fifo")
         (self.folder / "link").symlink_to("/dev/zero")

@@ -20,7 +20,7 @@ def canvas():
     made.close()
 
 
-def test_a_surface_takes_encoded_pictures_as_they_are(gpu, canvas):
+def test_a_surface_takes_encoded_images_as_they_are(gpu, canvas):
     surface = CanvasSurface(gpu, canvas)
     assert surface.format == "rgba8unorm"
     assert surface.size == (80, 60)

@@ -34,9 +34,9 @@ def texels(format: str, shape: tuple[int, ...], seed: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("format", FORMATS)
-def test_a_picture_comes_back(gpu, owned, format):
+def test_an_image_comes_back(gpu, owned, format):
     given = texels(format, (3, 5))
-    made = owned(Texture(gpu, "picture", (5, 3), format))
+    made = owned(Texture(gpu, "image", (5, 3), format))
     made.write(given)
     np.testing.assert_array_equal(made.read(), given)
 
@@ -71,7 +71,7 @@ def test_what_no_buffer_holds_comes_back_in_parts(gpu, owned, monkeypatch, rows)
 
 def test_what_nobody_released_is_not_counted_when_it_is_gone(gpu):
     before = gpu.allocated_bytes
-    kept = [Texture(gpu, "picture", (5, 3), "r8unorm"), Buffer(gpu, "numbers", 64)]
+    kept = [Texture(gpu, "image", (5, 3), "r8unorm"), Buffer(gpu, "numbers", 64)]
     assert gpu.allocated_bytes > before
     kept[0].release()
     kept.clear()

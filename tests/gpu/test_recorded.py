@@ -292,20 +292,20 @@ def test_renderers_beside_each_other_draw_what_fresh_ones_do(gpu, technique):
         scene = replace(scene, medium=Medium((0.1, 0.1, 0.1), (0.9, 0.9, 0.9)))
     steps = [(1.0, (24, 18)), (2.0, (24, 18)), (0.5, (30, 20))]
 
-    def picture(renderer: Renderer, share: float, size: tuple[int, int]) -> np.ndarray:
+    def image(renderer: Renderer, share: float, size: tuple[int, int]) -> np.ndarray:
         renderer.resize(size)
         return renderer.frame(lights=lit(scene, share)).radiance
 
     def fresh(share: float, size: tuple[int, int]) -> np.ndarray:
         with Renderer(scene, technique, size, settings=SMALL) as renderer:
-            return picture(renderer, share, size)
+            return image(renderer, share, size)
 
     with (
         Renderer(scene, technique, (24, 18), settings=SMALL) as a,
         Renderer(scene, technique, (24, 18), settings=SMALL) as b,
     ):
         for share, size in steps:
-            of_a, of_b = picture(a, share, size), picture(b, 3.0 * share, (24, 18))
+            of_a, of_b = image(a, share, size), image(b, 3.0 * share, (24, 18))
     np.testing.assert_array_equal(of_a, fresh(share, size))
     np.testing.assert_array_equal(of_b, fresh(3.0 * share, (24, 18)))
     assert of_a.max() > 0.0

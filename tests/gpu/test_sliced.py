@@ -31,7 +31,7 @@ def drawn(commands: Commands) -> np.ndarray:
         return np.stack([t.read() for t in r.technique.layers(r.view).values()])
 
 
-def test_a_picture_made_pass_by_pass_is_the_same_bits(gpu):
+def test_an_image_made_pass_by_pass_is_the_same_bits(gpu):
     turns = []
 
     @contextmanager

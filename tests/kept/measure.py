@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from airlight.app.compare.cli import picture
+from airlight.app.compare.cli import render_technique
 from airlight.errors import AirlightError
 from airlight.reference.kept import KEPT, load_kept
 from airlight.reference.metrics import Metrics, compare
@@ -28,7 +28,7 @@ from airlight.techniques import TECHNIQUES
 
 FOLDER = Path(__file__).parent
 CEILINGS = FOLDER / "ceilings.toml"
-SHRINK = 2  # pictures of 96 x 54: quick, and a quarter of the references' noise
+SHRINK = 2  # images of 96 x 54: quick, and a quarter of the references' noise
 SAMPLES = 8
 ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lpv", "auto": "lpv"}
 """Techniques that are another one where there is no air."""
@@ -60,7 +60,7 @@ def measure(name: str, technique: str, *, perceptual: bool = False) -> dict[str,
     scene = KEPT[name].load()
     reference = load_kept(FOLDER / f"{name}.exr", shrink=SHRINK)
     size = (reference.radiance.shape[1], reference.radiance.shape[0])
-    image, _ = picture(scene, technique, size, SAMPLES)
+    image, _ = render_technique(scene, technique, size, SAMPLES)
     whole = compare(image, reference, perceptual=perceptual)
     scores = {"whole": whole, **whole.layers}
     return {layer: _score(m) for layer, m in scores.items() if _is_lit(reference, layer)}

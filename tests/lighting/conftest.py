@@ -1,4 +1,4 @@
-"""Pictures of small scenes, and the world points that their pixels see."""
+"""Images of small scenes, and the world points that their pixels see."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ SMALL = {
 
 
 @pytest.fixture
-def picture(gpu: Any) -> Callable[..., Image]:
-    """picture(scene, technique) -> Image of 64 x 48, one sample, small maps."""
+def rendered(gpu: Any) -> Callable[..., Image]:
+    """image(scene, technique) -> Image of 64 x 48, one sample, small maps."""
 
     def make(scene: Any, technique: str = "direct", **settings: Any) -> Image:
         return render(scene, technique, SIZE, settings={**SMALL, **settings}, samples=1)

@@ -1,4 +1,4 @@
-"""The mean of several pictures."""
+"""The mean of several images."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ RNG = np.random.default_rng(1)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
-def test_the_mean_of_all_pictures_and_of_no_older_ones(gpu, commands, owned, count):
+def test_the_mean_of_all_images_and_of_no_older_ones(gpu, commands, owned, count):
     mean = owned(Accumulator(gpu, (7, 5), ("direct", "indirect")))
-    pictures = RNG.random((2, count, 5, 7, 4)).astype(np.float32)
+    images = RNG.random((2, count, 5, 7, 4)).astype(np.float32)
     for _ in range(2):  # index 0 starts anew
         for index in range(count):
             textures = {}
-            for name, picture in zip(("direct", "indirect"), pictures[:, index], strict=True):
+            for name, image in zip(("direct", "indirect"), images[:, index], strict=True):
                 textures[name] = owned(Texture(gpu, name, (7, 5), "rgba32float"))
-                textures[name].write(picture)
+                textures[name].write(image)
             mean.encode(commands, textures, index)
             commands.submit()
-    for name, expected in zip(("direct", "indirect"), pictures.mean(axis=1), strict=True):
+    for name, expected in zip(("direct", "indirect"), images.mean(axis=1), strict=True):
         np.testing.assert_allclose(mean.read(name), expected, rtol=1e-5, atol=1e-6)

@@ -170,7 +170,7 @@ def test_a_rough_surface_takes_the_light_before_it(followed):
 
 
 def test_no_edges_as_the_ray_turns(followed):
-    """Partly open cells here and there, and light that varies slowly: a picture without steps."""
+    """Partly open cells here and there, and light that varies slowly: an image without steps."""
     rng = np.random.default_rng(5)
     cells = Cells()
     coarse = rng.random((4, 4, 4))

@@ -56,7 +56,7 @@ def test_apart_or_with_the_rest(
     assert np.abs(plain - seen[True]["indirect"]).max() > 0.05 * plain.max()
 
 
-def test_pictures_may_be_too_large_for_a_list(gpu: Gpu) -> None:
+def test_images_may_be_too_large_for_a_list(gpu: Gpu) -> None:
     assert can_list(gpu, (1920, 1080))
     assert not can_list(gpu, (1 << 16, 1 << 16))
 

@@ -1,4 +1,4 @@
-"""Places that are kept light a picture as those looked up with the light do."""
+"""Places that are kept light an image as those looked up with the light do."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_what_they_depend_on_makes_them_anew(
     np.testing.assert_array_equal(seen.layers["direct"], fresh.layers["direct"])
 
 
-def test_a_picture_that_was_not_drawn_is_not_kept(
+def test_an_image_that_was_not_drawn_is_not_kept(
     gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not gpu.takes_cpu_paths:
@@ -144,18 +144,18 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
 
     def drawn(*, before: int) -> list[Any]:
         with Renderer(foggy, "lpv-march", SIZE, settings=SETTINGS) as renderer:
-            pictures = [renderer.frame() for _ in range(before)]
+            images = [renderer.frame() for _ in range(before)]
             renderer.scene = dataclasses.replace(renderer.scene, **after)
-            pictures += [renderer.frame() for _ in range(3)]
+            images += [renderer.frame() for _ in range(3)]
             places = renderer.technique.surfaces._coordinates
             assert (places is not None and places._cached is not None) == gpu.takes_cpu_paths
-        return pictures
+        return images
 
     used, fresh = drawn(before=2), drawn(before=0)[0]
     assert not np.array_equal(used[1].radiance, used[2].radiance)
-    for picture in used[2:]:
+    for image in used[2:]:
         for name in ("direct", "indirect"):
-            np.testing.assert_array_equal(picture.layers[name], fresh.layers[name])
+            np.testing.assert_array_equal(image.layers[name], fresh.layers[name])
 
 
 def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> None:
@@ -168,12 +168,12 @@ def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> Non
     }
     away = {"lights": (PointLight((-2.5, 0.1, -2.9), (4, 8, 8)),)}
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
-        pictures = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
+        images = [*(renderer.frame() for _ in "12"), *(renderer.frame(**away) for _ in "123")]
         assert (renderer.technique.surfaces._coordinates is not None) == gpu.takes_cpu_paths
     with Renderer(corner, "lpv", SIZE, settings=settings) as renderer:
         fresh = renderer.frame(**away)
-    for picture in pictures[2:]:
-        np.testing.assert_array_equal(picture.radiance, fresh.radiance)
+    for image in images[2:]:
+        np.testing.assert_array_equal(image.radiance, fresh.radiance)
 
 
 def test_another_size_and_back(corner: Scene) -> None:
@@ -184,8 +184,8 @@ def test_another_size_and_back(corner: Scene) -> None:
             renderer.frame()
         renderer.resize(SIZE)
         got = [renderer.frame() for _ in range(3)]
-    for picture in got:
-        np.testing.assert_array_equal(picture.radiance, expected.radiance)
+    for image in got:
+        np.testing.assert_array_equal(image.radiance, expected.radiance)
 
 
 def test_two_views_by_turns(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]) -> None:

@@ -239,7 +239,7 @@ def test_the_blur_takes_the_sampling_pattern_out(looked_at, square):
     assert along[True] < 0.25 * along[False]
 
 
-def test_pictures_repeat_exactly(looked_at, square):
+def test_images_repeat_exactly(looked_at, square):
     floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
     wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
     camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0))
@@ -315,7 +315,7 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
 
 
 def test_backs_are_not_taken_for_black(seen_around, square):
-    # A low board across the picture, looked down on: behind it the floor sees what we do not.
+    # A low board across the image, looked down on: behind it the floor sees what we do not.
     meshes = [square((0, 0, 0), (0, 0, 3), (6, 0, 0)), square((0, 0.1, 0), (6, 0, 0), (0, 0.1, 0))]
     camera = Camera((0.0, 1.2, 1.0), (0.0, 0.0, 0.0), fov_y_deg=50)
     light, direction = seen_around(
@@ -342,7 +342,7 @@ def strip_scene(square):
 def test_light_from_nearer_than_a_cell_against_form_factors(gpu, square):
     settings = {"resolution": 8, "surfels": 20_000}
     with Renderer(strip_scene(square), "lpv", (96, 192), settings=settings) as renderer:
-        picture = renderer.frame().layers["indirect"]
+        image = renderer.frame().layers["indirect"]
     lattice = {**settings, "ambient_occlusion": False}
     with Renderer(strip_scene(square), "lpv", (96, 192), settings=lattice) as renderer:
         without = renderer.frame().layers["indirect"]
@@ -352,7 +352,7 @@ def test_light_from_nearer_than_a_cell_against_form_factors(gpu, square):
     y = 0.12 + 0.5 * np.tan(np.arctan(slope) - down)
     rows = (y > 0.02) & (y < 0.06)
     expected = 0.5 * 0.5 * (1.0 - y[rows] / np.hypot(y[rows], 0.1))  # albedo / pi, M = pi
-    found = picture[rows][:, 40:56, 1].mean(axis=1)
+    found = image[rows][:, 40:56, 1].mean(axis=1)
     blurred = without[rows][:, 40:56, 1].mean(axis=1)
     # Measured .96 and .50: four steps a side miss much of so narrow a strip.
     assert np.abs(blurred / expected - 1.0).mean() > 0.9

@@ -57,11 +57,11 @@ def occluder_reach(to_light, points):
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP, NARROW, WIDE])
-def test_a_floor_under_an_occluder(picture, square, seen_points, light):
+def test_a_floor_under_an_occluder(rendered, square, seen_points, light):
     centre, half = OCCLUDER
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), MATT)
     shade = square(centre, (half, 0, 0), (0, 0, -half), MATT)
-    image = picture(Scene(meshes=(floor, shade), lights=(light,), camera=CAMERA))
+    image = rendered(Scene(meshes=(floor, shade), lights=(light,), camera=CAMERA))
     points = seen_points(image, CAMERA)
     on_floor = np.isfinite(points).all(axis=-1) & (np.abs(points[..., 1]) < 1e-3)
     points, seen = points[on_floor], image.layers["direct"][on_floor].astype(np.float64)
@@ -78,7 +78,7 @@ def test_a_floor_under_an_occluder(picture, square, seen_points, light):
 
 
 @pytest.mark.parametrize("lamp", [LAMP, WIDE])
-def test_nothing_leaks_out_of_a_closed_box_around_a_lamp(picture, lamp):
+def test_nothing_leaks_out_of_a_closed_box_around_a_lamp(rendered, lamp):
     # All edges between the six maps of a lamp fall on walls that are wholly dark.
     at = np.eye(4)
     at[:3, :3] *= 0.4
@@ -89,37 +89,37 @@ def test_nothing_leaks_out_of_a_closed_box_around_a_lamp(picture, lamp):
     walls = Mesh(box(), Material(base_color=(0.8, 0.8, 0.8), specular=0.0, two_sided=True), room)
     for target in ((0.0, 2.0, -1.0), (1.0, 2.0, 0.0), (-1.0, 2.0, 1.0), (0.3, 0.0, -0.2)):
         eye = Camera(position=(0.0, 2.0, 3.9), target=target, fov_y_deg=80.0)
-        image = picture(Scene(meshes=(shell, walls), lights=(lamp,), camera=eye))
+        image = rendered(Scene(meshes=(shell, walls), lights=(lamp,), camera=eye))
         assert image.layers["direct"].max() == 0.0
 
 
-def test_lights_add_up(picture, square):
+def test_lights_add_up(rendered, square):
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), MATT)
 
     def direct(*lights):
         scene = Scene(meshes=(floor,), lights=lights, camera=CAMERA)
-        return picture(scene).layers["direct"].astype(np.float64)
+        return rendered(scene).layers["direct"].astype(np.float64)
 
     lights = (LAMP, SUN, NARROW, WIDE)
     apart = sum(direct(light) for light in lights)
     np.testing.assert_allclose(direct(*lights), apart, rtol=1e-4, atol=1e-5)
 
 
-def test_a_surface_turned_away_is_dark(picture, square):
+def test_a_surface_turned_away_is_dark(rendered, square):
     from_below = DirectionalLight((0, 1, 0), (5, 5, 5))
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), MATT)
-    image = picture(Scene(meshes=(floor,), lights=(from_below,), camera=CAMERA))
+    image = rendered(Scene(meshes=(floor,), lights=(from_below,), camera=CAMERA))
     assert image.radiance.max() < 1e-4
 
 
-def test_emission_is_its_radiance_on_both_sides_where_two_sided(picture, square):
+def test_emission_is_its_radiance_on_both_sides_where_two_sided(rendered, square):
     for normal, two_sided, is_seen in ((1, True, True), (-1, True, True), (-1, False, False)):
         glow = Material(
             base_color=(0, 0, 0), emission=(8.0, 4.0, 2.0), specular=0.0, two_sided=two_sided
         )
         panel = square((0, 0, 0), (normal, 0, 0), (0, 1, 0), glow)
         camera = Camera(position=(0, 0, 2), target=(0, 0, 0), fov_y_deg=30.0)
-        image = picture(Scene(meshes=(panel,), camera=camera))
+        image = rendered(Scene(meshes=(panel,), camera=camera))
         expected = [8.0, 4.0, 2.0] if is_seen else [0.0, 0.0, 0.0]
         np.testing.assert_allclose(image.layers["direct"][24, 32], expected, rtol=1e-6)
 
@@ -155,10 +155,10 @@ def test_the_background_is_the_map_the_right_way_round(gpu, camera_rays):
             assert np.isinf(image.layers["depth"]).all()
 
 
-def test_an_invisible_sky_lights_but_is_not_seen(picture, square):
+def test_an_invisible_sky_lights_but_is_not_seen(rendered, square):
     floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2), MATT)
     sky = Environment(radiance=(1, 1, 1), visible=False)
-    image = picture(Scene(meshes=(floor,), environment=sky, camera=CAMERA))
+    image = rendered(Scene(meshes=(floor,), environment=sky, camera=CAMERA))
     is_floor = np.isfinite(image.layers["depth"])
     assert not image.radiance[~is_floor].any()
     middle = image.radiance[24, 32].astype(np.float64)
@@ -166,11 +166,11 @@ def test_an_invisible_sky_lights_but_is_not_seen(picture, square):
     np.testing.assert_allclose(middle, ALBEDO, rtol=0.06)
 
 
-def test_gloss_mirrors_the_sun_where_the_mirror_would(picture, square, seen_points):
+def test_gloss_mirrors_the_sun_where_the_mirror_would(rendered, square, seen_points):
     mirror_like = Material(base_color=(0, 0, 0), roughness=0.2)
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), mirror_like)
     sun = DirectionalLight((0, -1, 2.0), (3, 3, 3))
-    image = picture(Scene(meshes=(floor,), lights=(sun,), camera=CAMERA))
+    image = rendered(Scene(meshes=(floor,), lights=(sun,), camera=CAMERA))
     brightness = image.layers["direct"].sum(axis=-1)
     where = np.unravel_index(np.argmax(brightness), brightness.shape)
     # the mirrored way from the eye to the sun: down by the sun's slope, at the floor
@@ -179,10 +179,10 @@ def test_gloss_mirrors_the_sun_where_the_mirror_would(picture, square, seen_poin
     assert np.linalg.norm(hit - expected) < 0.8  # the Fresnel term draws it a little farther
 
 
-def test_a_metal_has_no_matt_part(picture, square):
+def test_a_metal_has_no_matt_part(rendered, square):
     metal = Material(base_color=(1, 1, 1), metallic=1.0, roughness=0.05)
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), metal)
-    image = picture(
+    image = rendered(
         Scene(meshes=(floor,), lights=(DirectionalLight((0, -1, 0), (9, 9, 9)),), camera=CAMERA)
     )
     # the mirrored sun is straight above, nowhere near the camera

@@ -21,7 +21,7 @@ def test_pixels_see_what_the_camera_says(gpu, owned, camera_rays):
     assert view.eye == camera.position
 
 
-def test_jitter_moves_the_picture(gpu, owned):
+def test_jitter_moves_the_image(gpu, owned):
     view = owned(View(gpu, (8, 6)))
     view.aim(Camera())
     still = view.clip_from_world

@@ -48,7 +48,7 @@ def moved(camera, offset):
 
 
 class Still:
-    """Pictures from where the scene's camera is, while lattices follow another."""
+    """Images from where the scene's camera is, while lattices follow another."""
 
     def __init__(self, scene, **settings):
         self.scene = scene
@@ -57,7 +57,7 @@ class Still:
         self.lattices = self.technique.kit.lattices
         self.cascades = self.technique.find(LpvSolver).cascades
 
-    def picture(self, camera=None, lights=None):
+    def image(self, camera=None, lights=None):
         scene = dataclasses.replace(
             self.scene, camera=camera or self.scene.camera, lights=lights or self.scene.lights
         )
@@ -103,7 +103,7 @@ def test_a_moving_camera_changes_still_surfaces_by_little(gpu):
         before, origins, changes = None, set(), []
         for step in range(16):
             offset = -0.3 * fine * step * np.array([0.5, 0.2, 0.8])
-            now = still.picture(camera=moved(scene.camera, offset))
+            now = still.image(camera=moved(scene.camera, offset))
             origins.add(still.lattices.placements[0].origin)
             if before is not None:
                 changes.append(np.abs(now - before).mean() / before.mean())
@@ -120,7 +120,7 @@ def test_a_moving_lamp_changes_light_by_little(gpu):
         fine, changes, before = still.lattices.placements[0].cell, [], None
         for step in range(8):
             place = tuple(np.add(lamp.position, (0.25 * fine * step, 0.0, 0.0)))
-            now = still.picture(lights=(dataclasses.replace(lamp, position=place),))
+            now = still.image(lights=(dataclasses.replace(lamp, position=place),))
             if before is not None:
                 changes.append(np.abs(now - before).mean() / before.mean())
             before = now
@@ -161,9 +161,9 @@ def test_a_teleport_leaves_nothing_of_where_it_was(gpu):
     scene = inside()
     away = moved(scene.camera, (-1.0, 0.0, -4.5))
     with Still(scene, cascades=3) as still:
-        first = still.picture()
-        still.picture(camera=away)
-        back = still.picture(camera=scene.camera)
+        first = still.image()
+        still.image(camera=away)
+        back = still.image(camera=scene.camera)
     # hysteresis may leave a lattice a cell beside where it began
     assert np.abs(back - first).mean() < 0.01 * first.mean()
 
@@ -179,16 +179,16 @@ def test_lattices_go_on_to_where_a_camera_that_stands_still_wants_them(gpu, monk
     monkeypatch.setattr(lattices, "follow", counted)
     settings = {"cascades": 4, "cascade_ratio": 1.5, "iterations": 1, "resolution": 8}
     with Still(scene, **settings) as still:
-        still.picture()
+        still.image()
         assert len(asked) == 1
-        still.picture()
+        still.image()
         assert len(asked) == 1
         # Far enough for two lattices, not so far that one of them is lost: one after the other.
         cells = [part.placement.cell for part in still.cascades]
         aside = moved(scene.camera, (0.0, 0.0, -1.2 * cells[1]))
         places = []
         for _ in range(5):
-            still.picture(camera=aside)
+            still.image(camera=aside)
             places.append(tuple(place.origin for place in still.lattices.placements))
         assert len(set(places)) == len(asked) - 1 > 1
         assert places[-1] == places[-2] == places[-3]
@@ -219,7 +219,7 @@ def test_the_light_of_a_small_object_that_moved_is_missing_in_larger_lattices(gp
     with Still(scene, cascades=2, bounds=bounds) as still:
         for transform, has_light in ((place, True), (aside, False)):
             still.renderer.meshes.move((Mesh(body.geometry, white, transform),))
-            still.picture()
+            still.image()
             fine, coarse = (
                 part.injected.read().reshape(-1, 4)[:, 0].max() for part in still.cascades
             )

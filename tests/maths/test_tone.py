@@ -99,8 +99,8 @@ def test_dither_hides_the_bands_of_a_smooth_sky() -> None:
 def test_dither_leaves_whole_codes_alone() -> None:
     ramp = np.arange(256) / 255.0
     linear = np.where(ramp <= 0.04045, ramp / 12.92, ((ramp + 0.055) / 1.055) ** 2.4)
-    picture = np.broadcast_to(linear[None, :, None], (64, 256, 3))
-    shown = tone.display_srgb8(picture, 0.0, "none", dither=True)
+    image = np.broadcast_to(linear[None, :, None], (64, 256, 3))
+    shown = tone.display_srgb8(image, 0.0, "none", dither=True)
     np.testing.assert_array_equal(
         shown, np.broadcast_to(np.arange(256)[None, :, None], shown.shape)
     )
@@ -120,6 +120,6 @@ def test_auto_exposure() -> None:
     assert tone.auto_exposure(np.full((4, 4, 3), 0.18 / 8.0)) == pytest.approx(3.0)
     assert tone.auto_exposure(np.zeros((4, 4, 3))) == 0.0
     # a lamp of a few pixels, black sky and a NaN do not decide
-    picture = np.full((100, 100, 3), 0.36)
-    picture[:1], picture[1:40], picture[50, 50] = 1e6, 0.0, np.nan
-    assert tone.auto_exposure(picture) == pytest.approx(-1.0, abs=0.1)
+    image = np.full((100, 100, 3), 0.36)
+    image[:1], image[1:40], image[50, 50] = 1e6, 0.0, np.nan
+    assert tone.auto_exposure(image) == pytest.approx(-1.0, abs=0.1)

@@ -41,7 +41,7 @@ def test_infinite_perspective_reverses_depth():
     z = np.array([0.25, 1.0, 10.0, 1e6])
     points = np.stack([np.zeros(4), np.zeros(4), -z], axis=1)
     np.testing.assert_allclose(t.transformed(points, m)[:, 2], near / z)
-    # the picture's corner is where the field of view ends
+    # the image's corner is where the field of view ends
     y = np.tan(fov / 2.0) * 3.0
     corner = t.transformed(np.array([[aspect * y, y, -3.0]]), m)
     np.testing.assert_allclose(corner[0, :2], [1.0, 1.0])
@@ -61,7 +61,7 @@ def test_orthographic_maps_the_box_to_the_clip_box():
     np.testing.assert_allclose(ndc, [[-1, -1, 1], [1, 1, 0]], atol=1e-12)
 
 
-def test_jitter_moves_the_picture_by_pixels():
+def test_jitter_moves_the_image_by_pixels():
     clip = t.clip_from_view_infinite(1.0, 2.0, 0.1)
     points = np.stack([*RNG.normal(size=(2, 20)), -RNG.uniform(1, 9, 20)], axis=1)
     size = (64, 32)

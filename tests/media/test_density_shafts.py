@@ -124,7 +124,7 @@ def test_smoke_in_fog_under_a_sheet(look: Any, scattered_once: Any, light: Light
 
 
 def test_nothing_is_jittered(look: Any, scattered_once: Any) -> None:
-    """Pictures of one thing are the same; those of an eye a little on differ by as little."""
+    """Images of one thing are the same; those of an eye a little on differ by as little."""
     seen = look(smoky(LIGHTS["directional"], EYES["outside"], puff()), SIZE)
     first = scattered_once(seen, maps=MAPS)
     np.testing.assert_array_equal(scattered_once(seen, maps=MAPS, frame=3), first)

@@ -1,4 +1,4 @@
-"""Noise finer than the voxels: the mean stays, the picture is finer, nothing else changes."""
+"""Noise finer than the voxels: the mean stays, the image is finer, nothing else changes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_the_mean_factor_is_one(amplitude):
 
 
 def depth(gpu: Gpu, look: Any, volume: Volume) -> NDArray[Any]:
-    """Optical depth of a picture inside the box's silhouette."""
+    """Optical depth of an image inside the box's silhouette."""
     seen = look(Scene(volumes=(volume,), camera=CAMERA))
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)

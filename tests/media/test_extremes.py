@@ -69,6 +69,6 @@ def test_everything_is_finite(
     drawn.solve(seen.commands, scene, low, high)
     drawn.encode(seen.commands, seen.view, lights)
     for layer in (drawn.single_scatter, drawn.transmittance):
-        picture = seen.read(layer)
-        assert np.isfinite(picture).all()
-        assert picture.min() >= 0.0
+        image = seen.read(layer)
+        assert np.isfinite(image).all()
+        assert image.min() >= 0.0

@@ -74,7 +74,7 @@ def test_it_is_what_the_passes_make(
         **at_once,
         surfaces=(direct, indirect),
     )
-    # Along the picture, rays are interpolated between vertices: a few units in the last place.
+    # Along the image, rays are interpolated between vertices: a few units in the last place.
     pairs = [(apart[n], at_once[n]) for n in LAYERS]
     pairs += list(zip(one.layers, (direct, indirect), strict=True))
     for expected, got in pairs:

@@ -72,11 +72,11 @@ def l2(a: np.ndarray, b: np.ndarray) -> float:
 
 @pytest.fixture
 def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Small pictures are reduced as large ones are."""
+    """Small images are reduced as large ones are."""
     monkeypatch.setattr(shaft_image, "COARSE_TEXEL", np.inf)
 
 
-def test_small_pictures_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
+def test_small_images_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: Scene) -> None:
     seen = look(foggy, SIZE)
     exact = full(gpu, seen, owned)
     small = seen.read(drawn(gpu, seen, owned).single_scatter)
@@ -86,7 +86,7 @@ def test_small_pictures_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: 
 
 
 @pytest.mark.usefixtures("as_if_large")
-def test_reduced_pictures_are_near_the_full_one(
+def test_reduced_images_are_near_the_full_one(
     gpu: Gpu, look: Any, owned: Any, foggy: Scene
 ) -> None:
     seen = look(foggy, SIZE)
@@ -196,7 +196,7 @@ def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any
         assert (air.shafts.scheme._sparse is not None) == is_used
 
 
-def test_surfaces_are_where_the_last_picture_left_them(
+def test_surfaces_are_where_the_last_image_left_them(
     gpu: Gpu, foggy: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In the view's layers where one pass finished, else apart: by turns."""
@@ -229,7 +229,7 @@ def test_surfaces_are_where_the_last_picture_left_them(
     np.testing.assert_array_equal(after, expected[1])
 
 
-def test_reduced_pictures_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: Scene) -> None:
+def test_reduced_images_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: Scene) -> None:
     lights = owned(Lights(gpu, foggy.lights, None, 64, 64))
     cases = (
         ({"has_lattice": True}, {"single", "multiple"}),

@@ -1,4 +1,4 @@
-"""Pixels that a reduced picture cannot tell are listed as the finishing pass goes."""
+"""Pixels that a reduced image cannot tell are listed as the finishing pass goes."""
 
 from __future__ import annotations
 

@@ -147,12 +147,12 @@ def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> Non
     assert isinstance(shafts, Shafts)
     params = rays.encode(seen.commands, seen.view)
     target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)
-    pictures = []
+    images = []
     for contrast in (0.0, 1e-6, 0.2):
         shafts.encode(seen.commands, params, rays, lights, target, contrast)
         seen.commands.submit()
-        pictures.append(target.read().copy())
-    drawn, differing, sparse = pictures
+        images.append(target.read().copy())
+    drawn, differing, sparse = images
     # Nothing is alike but what has no light at all.
     np.testing.assert_allclose(differing, drawn, rtol=1e-5)
     np.testing.assert_array_equal(sparse[..., 3], drawn[..., 3])

@@ -19,7 +19,7 @@ CAMERA = Camera((0, 0, 0), (0.03, 0, -1), fov_y_deg=70)
 
 
 def upsampled(gpu: Gpu, seen: Any, scale: int, values: Callable[..., np.ndarray]) -> np.ndarray:
-    """`values` (picked distance, reduced x) -> the picture at full size, one channel."""
+    """`values` (picked distance, reduced x) -> the image at full size, one channel."""
     rays = Rays(gpu, SIZE, scale)
     params = rays.encode(seen.commands, seen.view)
     distance = seen.read(rays.picked)[..., 0]

@@ -1,4 +1,4 @@
-"""Media at the edge of sense: a message or a picture, never a black or exploding one."""
+"""Media at the edge of sense: a message or an image, never a black or exploding one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of media: a white furnace, several media, turned ones."""
+"""Images of media: a white furnace, several media, turned ones."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WHITE = Environment((1.0, 1.0, 1.0))
 CAMERA = Camera((0.4, 0.8, 3.0), (0.0, 0.0, 0.0), fov_y_deg=50)
 
 
-def pictures(gpu: Gpu, scene: Scene, settings: PopTechniqueSettings = SETTINGS) -> tuple[F64, F64]:
+def images(gpu: Gpu, scene: Scene, settings: PopTechniqueSettings = SETTINGS) -> tuple[F64, F64]:
     """(scattered, transmittance), (H, W, 3)."""
     given = dataclasses.asdict(settings)
     image = render(scene, "pop", SIZE, settings=given, samples=1)
@@ -36,7 +36,7 @@ def pictures(gpu: Gpu, scene: Scene, settings: PopTechniqueSettings = SETTINGS) 
 def test_a_white_furnace_hides_the_medium(gpu):
     """Radiance 1 all around and no absorption: every pixel is 1, within 5%."""
     scene = Scene(volumes=(BALL,), environment=WHITE, camera=CAMERA)
-    scattered, through = pictures(gpu, scene)
+    scattered, through = images(gpu, scene)
     assert through.min() < 0.02
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.05)
 
@@ -44,17 +44,17 @@ def test_a_white_furnace_hides_the_medium(gpu):
 def test_absorption_darkens_and_no_light_is_black(gpu):
     sooty = dataclasses.replace(BALL, albedo=(0.8, 0.8, 0.8))
     scene = Scene(volumes=(sooty,), environment=WHITE, camera=CAMERA)
-    scattered, through = pictures(gpu, scene)
+    scattered, through = images(gpu, scene)
     middle = (scattered + through)[12, 16]
     assert np.all((middle > 0.05) & (middle < 0.7))
-    dark, _ = pictures(gpu, dataclasses.replace(scene, environment=None))
+    dark, _ = images(gpu, dataclasses.replace(scene, environment=None))
     assert dark.max() == 0.0
 
 
 def test_where_a_volume_stands_does_not_matter(gpu):
-    """The same ball, its box turned and moved with the camera: the same picture."""
+    """The same ball, its box turned and moved with the camera: the same image."""
     scene = Scene(volumes=(BALL,), environment=WHITE, camera=CAMERA)
-    straight, _ = pictures(gpu, scene)
+    straight, _ = images(gpu, scene)
     turn = np.array([[0.0, 0, 1, 5], [0, 1, 0, -2], [-1, 0, 0, 7], [0, 0, 0, 1.0]])
 
     def moved(p: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -63,7 +63,7 @@ def test_where_a_volume_stands_does_not_matter(gpu):
 
     camera = Camera(moved(CAMERA.position), moved(CAMERA.target), fov_y_deg=50)
     ball = dataclasses.replace(BALL, world_from_volume=turn)
-    turned, _ = pictures(gpu, Scene(volumes=(ball,), environment=WHITE, camera=camera))
+    turned, _ = images(gpu, Scene(volumes=(ball,), environment=WHITE, camera=camera))
     np.testing.assert_allclose(turned, straight, atol=0.03)
 
 
@@ -71,7 +71,7 @@ def test_fog_and_a_volume_are_solved_apart(gpu):
     small = dataclasses.replace(BALL, bounds=((-0.5,) * 3, (0.5,) * 3))
     fog = Medium((0.3,) * 3, bounds=((-1.0,) * 3, (1.0,) * 3))
     scene = Scene(medium=fog, volumes=(small,), environment=WHITE, camera=CAMERA)
-    scattered, through = pictures(gpu, scene)
+    scattered, through = images(gpu, scene)
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)
     with pytest.raises(SceneError, match="the scene has 5 media, at most 4 can be drawn"):
-        pictures(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE))
+        images(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE))

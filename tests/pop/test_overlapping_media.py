@@ -12,7 +12,7 @@ from airlight.scene import Camera, Environment, Scene, Volume
 from airlight.scene.lights import DirectionalLight
 from airlight.techniques.settings import PopTechniqueSettings
 
-from .test_media import pictures
+from .test_media import images
 
 CAMERA = Camera((0.6, 1.2, 4.5), (0.0, 0.0, 0.0), fov_y_deg=36.0)
 LEFT = ((-1.25, -0.5, -0.5), (0.25, 0.5, 0.5))
@@ -30,7 +30,7 @@ def test_an_even_sky_hides_two_that_overlap(gpu: Gpu) -> None:
     )
     scene = Scene(volumes=media, environment=WHITE, camera=CAMERA)
     settings = PopTechniqueSettings(ordinates=32, grid=8, solver_steps=24, march="full")
-    scattered, through = pictures(gpu, scene, settings)
+    scattered, through = images(gpu, scene, settings)
     assert through.min() < 0.1
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)
 
@@ -52,7 +52,7 @@ def summed(depth: float) -> Volume:
 @pytest.mark.parametrize("lit", ["sky", "sun"])
 @pytest.mark.needs("mitsuba")
 def test_two_that_overlap_scatter_as_one_of_their_sum(lit: str) -> None:
-    """Beside a path tracer's picture of one grid. Energy measured: sun .98."""
+    """Beside a path tracer's image of one grid. Energy measured: sun .98."""
     from airlight.reference import mitsuba
 
     light = {"environment": WHITE} if lit == "sky" else {"lights": (SUN,), "environment": None}

@@ -147,7 +147,7 @@ def test_hops_around_a_lamp_are_their_twins(gpu):
     assert_close(deposits[0], truth.power, 5e-3)
 
 
-def test_the_picture_is_beams_lobes_and_residuum(gpu):
+def test_the_image_is_beams_lobes_and_residuum(gpu):
     solver = solved(gpu, "split", exact_sky=False)
     truth = twin(solver, (SUN,), SKY)
     rows = solver._scene_ordinates.of((SUN,), SKY)

@@ -14,7 +14,7 @@ from airlight.scene import Camera, Scene, Volume
 from airlight.scene.lights import DirectionalLight, Light, PointLight
 from airlight.techniques.settings import PopTechniqueSettings
 
-from .test_media import pictures
+from .test_media import images
 
 CAMERA = Camera((0.6, 1.2, 4.5), (0.0, 0.0, 0.0), fov_y_deg=36.0)
 SETTINGS = PopTechniqueSettings(ordinates=1, grid=8, solver_steps=24, march="full")
@@ -40,7 +40,7 @@ def box(bounds: Bounds, sigma: float, g: float, albedo: float = 1.0) -> Volume:
 def scattered(gpu: Gpu, volumes: tuple[Volume, ...], light: Light) -> F64:
     """(H, W, 3), W m^-2 sr^-1."""
     scene = Scene(volumes=volumes, lights=(light,), environment=None, camera=CAMERA)
-    return pictures(gpu, scene, SETTINGS)[0]
+    return images(gpu, scene, SETTINGS)[0]
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
@@ -69,7 +69,7 @@ def test_a_box_cut_in_two_is_the_box(gpu: Gpu, g: float) -> None:
 def test_one_behind_another_is_in_its_shadow_and_in_its_light(
     gpu: Gpu, g: float, traced: tuple[float, float]
 ) -> None:
-    """Two boxes of 1 m with .5 m between them, the sun along both: light of each half picture.
+    """Two boxes of 1 m with .5 m between them, the sun along both: light of each half image.
 
     Mitsuba 3, 192 samples of 48 x 32 pixels. Without shadow the second is 3 to 6 times too bright.
     """
@@ -81,7 +81,7 @@ def test_one_behind_another_is_in_its_shadow_and_in_its_light(
         environment=None,
         camera=CAMERA,
     )
-    got = pictures(gpu, scene, dataclasses.replace(SETTINGS, grid=12))[0].mean(axis=-1)
+    got = images(gpu, scene, dataclasses.replace(SETTINGS, grid=12))[0].mean(axis=-1)
     height, width = got.shape
     share = np.array([got[:, : width // 2].sum(), got[:, width // 2 :].sum()]) / height**2
     np.testing.assert_allclose(share, traced, rtol=0.15)

@@ -73,7 +73,7 @@ def over_floor(gap: float = 0.5, turn: F64 = TURNS[0], sigma: float = 4.0, g: fl
 
 
 def solved(scene: Scene, **settings: object) -> tuple[F64, dict[str, F64]]:
-    """The picture of scattered light, and what the solver has: rows of grids, first power."""
+    """The image of scattered light, and what the solver has: rows of grids, first power."""
     with Renderer(scene, "pop", (12, 12), settings={**SETTINGS, **settings}) as made:
         image = made.frame(samples=1)
         hopping = made.technique.find(PopMedia).solvers[0].transport.propagation
@@ -166,9 +166,9 @@ def test_turned_scenes_scatter_as_much(gpu: Gpu) -> None:
     """
     found = []
     for turn in (TURNS[0], TURNS[2], -TURNS[1]):
-        picture = solved(over_floor(g=0.5, turn=turn))[0]
+        image = solved(over_floor(g=0.5, turn=turn))[0]
         # A mirrored scene is seen mirrored.
-        found.append(picture if np.linalg.det(turn) > 0.0 else picture[:, ::-1])
+        found.append(image if np.linalg.det(turn) > 0.0 else image[:, ::-1])
     for other, limit in zip(found[1:], (0.03, 0.1), strict=True):
         assert other.sum() == pytest.approx(found[0].sum(), rel=limit)
         assert np.linalg.norm(other - found[0]) < 0.1 * np.linalg.norm(found[0])

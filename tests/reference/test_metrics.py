@@ -24,7 +24,7 @@ def grey(value, shape=(24, 32, 3)):
     return np.full(shape, value, np.float32)
 
 
-def test_relmse_and_energy_of_flat_pictures_have_closed_forms():
+def test_relmse_and_energy_of_flat_images_have_closed_forms():
     m = metrics.compare(Image(grey(0.6)), Image(grey(0.5)), perceptual=False)
     epsilon = 1e-4 * 0.25
     assert m.epsilon == pytest.approx(epsilon)
@@ -38,7 +38,7 @@ def test_relmse_and_energy_of_flat_pictures_have_closed_forms():
     assert m.black.signed_error == pytest.approx(-0.5)
 
 
-def test_a_small_epsilon_does_not_flatter_a_black_picture_as_a_large_one_does():
+def test_a_small_epsilon_does_not_flatter_a_black_image_as_a_large_one_does():
     dark = Image(0.02 * TEXTURE)
     black = metrics.compare(Image(np.zeros_like(TEXTURE)), dark, perceptual=False)
     assert black.relmse > 0.8
@@ -49,7 +49,7 @@ def test_the_noise_floor_is_the_relmse_of_an_independent_noisy_estimate():
     variance = (0.02 * TEXTURE**2 + 1e-5).astype(np.float32)
     noise = RNG.normal(size=(40, *TEXTURE.shape)) * np.sqrt(variance)
     epsilon = metrics.scene_epsilon(TEXTURE)
-    # A perfect picture against noisy references, seen from the other side.
+    # A perfect image against noisy references, seen from the other side.
     measured = np.mean([metrics.relmse(TEXTURE + n, TEXTURE, epsilon) for n in noise])
     assert metrics.noise_floor(variance, TEXTURE, epsilon) == pytest.approx(measured, rel=0.05)
     noisy = Image(TEXTURE, {"variance": variance})
@@ -67,7 +67,7 @@ def test_psnr_is_twenty_decibels_for_a_tenth():
     assert metrics_display.psnr_db(low, tenth, 0.0) == pytest.approx(20.0, abs=1e-4)
 
 
-def test_ssim_of_flat_pictures_is_its_luminance_term():
+def test_ssim_of_flat_images_is_its_luminance_term():
     a, b = 0.3, 0.5
     x, y = (grey(((v + 0.055) / 1.055) ** 2.4) for v in (a, b))
     want = (2 * a * b + 1e-4) / (a * a + b * b + 1e-4)
@@ -92,7 +92,7 @@ def test_ssim_equals_scipys_gaussian_windows(stops):
 
 
 @pytest.mark.needs("flip_evaluator")
-def test_flip_is_zero_for_equal_pictures_and_near_one_for_opposites():
+def test_flip_is_zero_for_equal_images_and_near_one_for_opposites():
     white, black = grey(1.0, (64, 64, 3)), grey(0.0, (64, 64, 3))
     assert metrics_display.flip_map(TEXTURE, TEXTURE, 0.0).max() == 0.0
     assert metrics_display.flip_map(black, white, 0.0)[32, 32] > 0.9
@@ -109,9 +109,9 @@ def test_flip_exposures_agree_with_flips_own_choice():
     import flip_evaluator
 
     smooth = np.linspace(0.01, 4.0, 20 * 3000).reshape(200, 300)[..., None] * np.ones(3)
-    picture = smooth.astype(np.float32)
-    _, _, own = flip_evaluator.evaluate(picture, picture, "HDR", inputsRGB=False, applyMagma=False)
-    start, stop = metrics_display.flip_exposures(picture)
+    image = smooth.astype(np.float32)
+    _, _, own = flip_evaluator.evaluate(image, image, "HDR", inputsRGB=False, applyMagma=False)
+    start, stop = metrics_display.flip_exposures(image)
     assert start == pytest.approx(own["startExposure"], abs=0.01)
     assert stop == pytest.approx(own["stopExposure"], abs=0.05)
 
@@ -156,12 +156,12 @@ def test_equal_time_follows_one_over_n():
     assert lost.to_json()["seconds_to_match"] is None
 
 
-def test_bad_pictures_are_refused_by_name():
-    with pytest.raises(ReferenceFailure, match="the picture is 64x48, the reference 32x24"):
+def test_bad_images_are_refused_by_name():
+    with pytest.raises(ReferenceFailure, match="the image is 64x48, the reference 32x24"):
         metrics.compare(Image(TEXTURE), Image(grey(1.0)))
     broken = TEXTURE.copy()
     broken[3, 4] = np.nan
-    with pytest.raises(ReferenceFailure, match="1 pixels of the picture are NaN or infinite"):
+    with pytest.raises(ReferenceFailure, match="1 pixels of the image are NaN or infinite"):
         metrics.compare(Image(broken), Image(TEXTURE))
     with pytest.raises(ReferenceFailure, match="1 pixels of the reference are NaN"):
         metrics.compare(Image(TEXTURE), Image(broken))

@@ -83,7 +83,7 @@ def test_silhouettes_are_pixel_exact() -> None:
     glowing = dataclasses.replace(BLACK, emission=(1, 2, 3))
     triangle = Mesh(Geometry(corners, np.array([[0, 1, 2]], np.uint32)), glowing)
     size = (40, 28)
-    picture = quick(Scene(meshes=(triangle,), camera=camera), size, 64, max_depth=1).radiance
+    image = quick(Scene(meshes=(triangle,), camera=camera), size, 64, max_depth=1).radiance
 
     rays = pixel_centres(camera, size)
     sides = [
@@ -96,8 +96,8 @@ def test_silhouettes_are_pixel_exact() -> None:
     pixel = np.linalg.norm(rays[0, 1] - rays[0, 0])
     clear = distance > pixel
     assert inside[clear].sum() > 100
-    np.testing.assert_allclose(picture[inside & clear], [[1, 2, 3]] * (inside & clear).sum())
-    assert picture[~inside & clear].max() == 0.0
+    np.testing.assert_allclose(image[inside & clear], [[1, 2, 3]] * (inside & clear).sum())
+    assert image[~inside & clear].max() == 0.0
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_silhouettes_are_pixel_exact() -> None:
 def test_direct_light_on_a_floor(light) -> None:
     camera, size = from_above(), (32, 32)
     scene = Scene(meshes=(floor(LAMBERT),), lights=(light,), camera=camera)
-    picture = quick(scene, size, 256, max_depth=2).radiance
+    image = quick(scene, size, 256, max_depth=2).radiance
     fine = 4  # averaged over the pixel, as the renderer does
     points = floor_points(camera, (fine * size[0], fine * size[1]))
     if isinstance(light, DirectionalLight):
@@ -127,8 +127,8 @@ def test_direct_light_on_a_floor(light) -> None:
             arriving = arriving * (t * t * (3 - 2 * t))[..., None]
     arriving = arriving.reshape(size[1], fine, size[0], fine, -1).mean((1, 3))
     expected = arriving * np.array(LAMBERT.base_color) / math.pi
-    np.testing.assert_allclose(picture, expected, rtol=0.02, atol=0.015 * expected.max())
-    np.testing.assert_allclose(picture.mean(), expected.mean(), rtol=2e-3)
+    np.testing.assert_allclose(image, expected, rtol=0.02, atol=0.015 * expected.max())
+    np.testing.assert_allclose(image.mean(), expected.mean(), rtol=2e-3)
 
 
 def test_environment_orientation_and_rotation() -> None:
@@ -141,7 +141,7 @@ def test_environment_orientation_and_rotation() -> None:
         for target in targets:
             camera = Camera(position=(0, 0, 0), target=target, fov_y_deg=70)
             scene = Scene(environment=environment, camera=camera)
-            picture = quick(scene, size, 4, max_depth=1).radiance
+            image = quick(scene, size, 4, max_depth=1).radiance
             x, y, z = np.moveaxis(pixel_centres(camera, size), -1, 0)
             c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
             x, z = c * x - s * z, s * x + c * z  # into the map: the inverse turn
@@ -151,7 +151,7 @@ def test_environment_orientation_and_rotation() -> None:
             border = np.minimum.reduce([abs(u - 0.25), abs(u - 0.5), abs(v - 0.5) / 2, v, 1 - v])
             clear = border > 0.04
             expected = np.where(bright[..., None], [2, 4, 6], 0.2)
-            np.testing.assert_allclose(picture[clear], expected[clear], rtol=1e-3)
+            np.testing.assert_allclose(image[clear], expected[clear], rtol=1e-3)
 
 
 @pytest.mark.parametrize("variant", ["scalar_rgb", pytest.param("auto", marks=needs_llvm)])
@@ -162,18 +162,18 @@ def test_hidden_environment_keeps_its_light_and_lamps(variant: str) -> None:
     seen = Environment(radiance=(0.5, 0.5, 0.5))
     hidden = dataclasses.replace(seen, visible=False)
     size = (16, 16)
-    pictures = [
+    images = [
         mitsuba.render(
             Scene(meshes=meshes, environment=e, camera=camera), size=size, spp=64, variant=variant
         ).radiance
         for e in (seen, hidden)
     ]
     corner, centre = (0, 0), (8, 8)
-    np.testing.assert_allclose(pictures[0][corner], 0.5, rtol=1e-5)
-    np.testing.assert_allclose(pictures[1][corner], 0.0, atol=1e-5)
-    np.testing.assert_allclose(pictures[1][centre], 5.0, rtol=1e-5)
+    np.testing.assert_allclose(images[0][corner], 0.5, rtol=1e-5)
+    np.testing.assert_allclose(images[1][corner], 0.0, atol=1e-5)
+    np.testing.assert_allclose(images[1][centre], 5.0, rtol=1e-5)
     on_floor = (8, 5)
-    np.testing.assert_allclose(pictures[1][on_floor], pictures[0][on_floor], rtol=0.2)
+    np.testing.assert_allclose(images[1][on_floor], images[0][on_floor], rtol=0.2)
 
 
 def test_furnace_and_its_layers() -> None:
@@ -182,7 +182,7 @@ def test_furnace_and_its_layers() -> None:
     room = Mesh(box(), Material(base_color=(a, a, a), specular=0.0, emission=(e, e, e)))
     camera = Camera(position=(0.1, 0.2, 0.3), target=(0, 0, -0.4), fov_y_deg=60)
     names = ("all", "direct", "one_bounce", "indirect", "single_scatter", "transmittance")
-    pictures = mitsuba.render_layers(
+    images = mitsuba.render_layers(
         Scene(meshes=(room,), camera=camera), names, size=(8, 8), spp=256, variant="scalar_rgb"
     )
     expected = {
@@ -194,9 +194,9 @@ def test_furnace_and_its_layers() -> None:
         "transmittance": 1.0,
     }
     for name, value in expected.items():
-        picture = pictures[name]
-        noise = math.sqrt(picture.layers["variance"].mean() / picture.radiance[..., 0].size)
-        assert abs(picture.radiance.mean() - value) <= 4 * noise + 2e-3 * value, name
+        image = images[name]
+        noise = math.sqrt(image.layers["variance"].mean() / image.radiance[..., 0].size)
+        assert abs(image.radiance.mean() - value) <= 4 * noise + 2e-3 * value, name
 
 
 def air_scene(**medium) -> Scene:
@@ -211,14 +211,14 @@ def test_single_scattering_in_a_box_of_air(g) -> None:
     """Seen from the front, lit from the side: a quadrature along the middle ray."""
     sigma_t, albedo = np.array([0.2, 0.5, 1.0]), np.array([0.9, 0.8, 0.7])
     scene = air_scene(sigma_t=tuple(sigma_t), albedo=tuple(albedo), g=g)
-    picture = quick(scene, (6, 6), 4096, max_depth=2)
+    image = quick(scene, (6, 6), 4096, max_depth=2)
     z = (np.arange(400) + 0.5) / 400 * 2.0
     g_ = np.array(g)
     phase = (1 - g_**2) / (4 * math.pi * (1 + g_**2) ** 1.5)  # at right angles
     depth = np.exp(-sigma_t[None] * (z[:, None] + 1.0))
     expected = (albedo * sigma_t * phase * 2.0 * depth).mean(0) * 2.0
-    measured = picture.radiance.mean((0, 1))
-    noise = np.sqrt(picture.layers["variance"].mean((0, 1)) / 36)
+    measured = image.radiance.mean((0, 1))
+    noise = np.sqrt(image.layers["variance"].mean((0, 1)) / 36)
     assert (np.abs(measured - expected) < 4 * noise + 0.01 * expected).all()
 
 
@@ -240,7 +240,7 @@ def test_a_density_grid_lies_where_it_should() -> None:
     sky = Environment(radiance=(1, 1, 1))
     size = (8, 8)
     scene = Scene(volumes=(volume,), environment=sky, camera=camera)
-    picture = quick(scene, size, 2048, max_depth=1)
+    image = quick(scene, size, 2048, max_depth=1)
 
     from scipy.ndimage import map_coordinates
 
@@ -253,9 +253,9 @@ def test_a_density_grid_lies_where_it_should() -> None:
     values = map_coordinates(density, np.moveaxis(grid, -1, 0)[::-1], order=1, mode="nearest")
     tau = (values * inside).sum(-1) * (depth[1] - depth[0])
     expected = np.exp(-tau[..., None] * np.array(volume.sigma_t))
-    noise = np.sqrt(picture.layers["variance"])
+    noise = np.sqrt(image.layers["variance"])
     assert np.ptp(expected) > 0.5
-    assert (np.abs(picture.radiance - expected) < 6 * noise + 0.01).mean() > 0.97
+    assert (np.abs(image.radiance - expected) < 6 * noise + 0.01).mean() > 0.97
 
 
 @pytest.mark.parametrize("sigma_t", [(1.0, 1.0, 1.0), (0.5, 1.0, 2.0)])
@@ -265,9 +265,9 @@ def test_a_constant_grid_equals_homogeneous_air(sigma_t) -> None:
     ones = np.ones((2, 3, 4), np.float32)
     grid = Volume(sigma_t=sigma_t, albedo=(0.9,) * 3, g=(0.4,) * 3, density=ones, bounds=bounds)
     as_grid = dataclasses.replace(scene, medium=None, volumes=(grid,))
-    pictures = [quick(s, (6, 6), 1024) for s in (scene, as_grid)]
-    means = [p.radiance.mean((0, 1)) for p in pictures]
-    noise = np.sqrt(sum(p.layers["variance"].mean((0, 1)) for p in pictures) / 36)
+    images = [quick(s, (6, 6), 1024) for s in (scene, as_grid)]
+    means = [p.radiance.mean((0, 1)) for p in images]
+    noise = np.sqrt(sum(p.layers["variance"].mean((0, 1)) for p in images) / 36)
     assert (np.abs(means[0] - means[1]) < 4 * noise + 1e-3 * means[0]).all()
 
 
@@ -278,9 +278,9 @@ def test_a_volume_inside_air_adds_its_extinction() -> None:
     )
     camera = Camera(position=(0, 0, 3), target=(0, 0, 0), fov_y_deg=5)
     scene = Scene(medium=air, volumes=(inner,), environment=Environment(), camera=camera)
-    picture = quick(scene, (4, 4), 4096, max_depth=1)
+    image = quick(scene, (4, 4), 4096, max_depth=1)
     expected = math.exp(-0.3 * 2.0 - 1.0 * 1.0)
-    assert abs(picture.radiance.mean() - expected) < 0.01
+    assert abs(image.radiance.mean() - expected) < 0.01
 
 
 def test_textures_wrap_scale_and_colours_face_the_right_way() -> None:
@@ -292,7 +292,7 @@ def test_textures_wrap_scale_and_colours_face_the_right_way() -> None:
     texture = Texture(pixels, scale=(2.0, 1.0), offset=(0.0, 0.25), wrap=("repeat", "mirror"))
     material = Material(base_color_texture=texture, base_color=(0.5, 1, 1), specular=0.0)
     scene = Scene(meshes=(floor(material, half=1.0),), environment=sky, camera=camera)
-    picture = quick(scene, (16, 16), 64, max_depth=2).radiance
+    image = quick(scene, (16, 16), 64, max_depth=2).radiance
     # Near texel centres, where filtering does little: u = x + 1, v = (z + 1) / 2 + 1/4, and v is
     # mirrored beyond 1, where it would repeat red and green.
     red, green, blue, black = (0.5, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)
@@ -300,14 +300,14 @@ def test_textures_wrap_scale_and_colours_face_the_right_way() -> None:
     seen |= {(1.25, 0.3): red, (1.25, 0.75): blue, (0.25, 1.2): blue}
     for (u, v), color in seen.items():
         column, row = int(u / 2 * 16), int((v - 0.25) * 16)
-        np.testing.assert_allclose(picture[row, column], color, atol=0.3)
+        np.testing.assert_allclose(image[row, column], color, atol=0.3)
 
     colors = np.ones((4, 4), np.float32)
     colors[:, :3] = [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]  # red at -Z, blue at +Z
     painted = floor(dataclasses.replace(LAMBERT, base_color=(0.8,) * 3), half=1.0, colors=colors)
-    picture = quick(dataclasses.replace(scene, meshes=(painted,)), (8, 8), 64).radiance
+    image = quick(dataclasses.replace(scene, meshes=(painted,)), (8, 8), 64).radiance
     expected = 0.8 * (1 - (np.arange(8) + 0.5) / 8)
-    np.testing.assert_allclose(picture[..., 0].mean(1), expected, atol=0.02)
+    np.testing.assert_allclose(image[..., 0].mean(1), expected, atol=0.02)
 
 
 def test_alpha_masks_cut_the_surface_and_its_shadow() -> None:
@@ -322,13 +322,13 @@ def test_alpha_masks_cut_the_surface_and_its_shadow() -> None:
     meshes = (floor(leaf, half=1.0, y=1.0), floor(LAMBERT, half=3.0))
     sun = DirectionalLight((0, -1, 0), (math.pi,) * 3)
     camera = Camera(position=(0, 0.5, 0.01), target=(0, 0, 0), up=(0, 0, -1), fov_y_deg=60)
-    picture = quick(Scene(meshes=meshes, lights=(sun,), camera=camera), (16, 8), 16, max_depth=2)
-    np.testing.assert_allclose(picture.radiance[:, 1], [LAMBERT.base_color] * 8, rtol=1e-3)
-    assert picture.radiance[:, -2].max() == 0.0
+    image = quick(Scene(meshes=meshes, lights=(sun,), camera=camera), (16, 8), 16, max_depth=2)
+    np.testing.assert_allclose(image.radiance[:, 1], [LAMBERT.base_color] * 8, rtol=1e-3)
+    assert image.radiance[:, -2].max() == 0.0
 
 
 def test_normal_maps_tilt_the_normal() -> None:
-    """Tangent-space +X is the way u grows, +Y the way v falls (up in the picture)."""
+    """Tangent-space +X is the way u grows, +Y the way v falls (up in the image)."""
     camera = from_above()
     for axis, light in ((0, (0.6, 0.8, 0.0)), (1, (0.0, 0.8, -0.6))):
         n = np.array([0.0, 0.0, 0.8])
@@ -339,8 +339,8 @@ def test_normal_maps_tilt_the_normal() -> None:
         )
         sun = DirectionalLight(tuple(-c for c in light), (math.pi,) * 3)
         scene = Scene(meshes=(floor(bumped),), lights=(sun,), camera=camera)
-        picture = quick(scene, (4, 4), 4, max_depth=2).radiance
-        np.testing.assert_allclose(picture[1, 1], LAMBERT.base_color, rtol=0.02)
+        image = quick(scene, (4, 4), 4, max_depth=2).radiance
+        np.testing.assert_allclose(image[1, 1], LAMBERT.base_color, rtol=0.02)
 
 
 def gltf_reflection(base, roughness, metallic, specular, n_l, n_v, n_h, v_h) -> np.ndarray:
@@ -369,16 +369,16 @@ def test_glossy_reflection_is_our_own_model(roughness, metallic, specular) -> No
     half = (light + view) / np.linalg.norm(light + view)
     sun = DirectionalLight(tuple(-light), (2.0, 2.0, 2.0))
     scene = Scene(meshes=(floor(material),), lights=(sun,), camera=camera)
-    picture = mitsuba.render(scene, size=(2, 2), spp=4, max_depth=2)
+    image = mitsuba.render(scene, size=(2, 2), spp=4, max_depth=2)
     f = gltf_reflection(
         material.base_color, roughness, metallic, specular, 0.8, 0.6, half[1], view @ half
     )
-    np.testing.assert_allclose(picture.radiance[0, 0], f * 0.8 * 2.0, rtol=0.01)
-    assert picture.stats["variant"] == "llvm_ad_rgb" and not picture.stats["approximations"]
+    np.testing.assert_allclose(image.radiance[0, 0], f * 0.8 * 2.0, rtol=0.01)
+    assert image.stats["variant"] == "llvm_ad_rgb" and not image.stats["approximations"]
 
 
 @needs_llvm
-def test_layers_of_a_foggy_scene_add_up_to_mitsubas_own_picture() -> None:
+def test_layers_of_a_foggy_scene_add_up_to_mitsubas_own_image() -> None:
     floor_ = floor(LAMBERT)
     wall = dataclasses.replace(
         floor(Material(base_color=(0.2, 0.6, 0.8), roughness=0.4)),
@@ -427,17 +427,17 @@ def test_layers_of_air_alone() -> None:
 
 
 def test_the_variance_is_that_of_the_mean() -> None:
-    """The spread between independent seeds is what the picture says of itself."""
+    """The spread between independent seeds is what the image says of itself."""
     sky = Environment(radiance=(1, 1, 1), map=np.random.default_rng(0).random((8, 16, 3), "f4"))
     scene = Scene(meshes=(floor(LAMBERT),), environment=sky, camera=from_above())
-    pictures = [quick(scene, (16, 16), 64, seed=seed) for seed in range(3)]
-    said = np.mean([p.layers["variance"].mean() for p in pictures])
-    spread = np.var([p.radiance for p in pictures], axis=0, ddof=1).mean()
+    images = [quick(scene, (16, 16), 64, seed=seed) for seed in range(3)]
+    said = np.mean([p.layers["variance"].mean() for p in images])
+    spread = np.var([p.radiance for p in images], axis=0, ddof=1).mean()
     assert 0.6 < said / spread < 1.6
-    assert pictures[0].stats["spp"] == 64
-    assert 0.0 < pictures[0].stats["noise_floor"] < 0.2
+    assert images[0].stats["spp"] == 64
+    assert 0.0 < images[0].stats["noise_floor"] < 0.2
     again = quick(scene, (16, 16), 64, seed=1)
-    np.testing.assert_array_equal(again.radiance, pictures[1].radiance)
+    np.testing.assert_array_equal(again.radiance, images[1].radiance)
 
 
 def test_progress_reaches_one() -> None:

@@ -86,7 +86,7 @@ def test_a_broken_llvm_falls_back_to_the_scalar_variant(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(mitsuba, "run_job", run)
     monkeypatch.setattr(mitsuba, "choose_variant", lambda said: "llvm_ad_rgb")
-    picture = mitsuba.render(Scene(environment=Environment()), size=(4, 4), spp=4)
+    image = mitsuba.render(Scene(environment=Environment()), size=(4, 4), spp=4)
     assert tried == ["llvm_ad_rgb", "scalar_rgb"]
-    assert picture.stats["variant"] == "scalar_rgb"
-    assert picture.radiance.mean() == pytest.approx(1.0)
+    assert image.stats["variant"] == "scalar_rgb"
+    assert image.radiance.mean() == pytest.approx(1.0)

@@ -42,7 +42,7 @@ def test_ply(tmp_path: Path) -> None:
     np.testing.assert_array_equal(ours.colors[:, :3], colors)
 
 
-def test_pictures(tmp_path: Path) -> None:
+def test_images(tmp_path: Path) -> None:
     pixels = np.random.default_rng(0).random((3, 5, 3), np.float32) * 7
     write_exr(tmp_path / "a.exr", pixels)
     np.testing.assert_array_equal(read_radiance(tmp_path / "a.exr"), pixels)

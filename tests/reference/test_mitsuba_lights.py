@@ -18,7 +18,7 @@ def test_the_fall_off_is_the_smoothstep_of_the_cosine() -> None:
     np.testing.assert_allclose(values, [1, 1, 3 * t**2 - 2 * t**3, 0, 0], atol=1e-12)
 
 
-def test_the_projected_picture_is_round_and_centred() -> None:
+def test_the_projected_image_is_round_and_centred() -> None:
     pixels = spot_falloff_pixels(10, 40)[..., 0]
     np.testing.assert_array_equal(pixels, pixels.T)
     np.testing.assert_array_equal(pixels, pixels[::-1])
@@ -26,7 +26,7 @@ def test_the_projected_picture_is_round_and_centred() -> None:
 
 
 @pytest.mark.parametrize(("inner", "outer"), [(20, 30), (0, 60), (1, 89), (88, 89), (30, 31)])
-def test_the_picture_filtered_is_the_fall_off(inner: float, outer: float) -> None:
+def test_the_image_filtered_is_the_fall_off(inner: float, outer: float) -> None:
     pixels = spot_falloff_pixels(inner, outer)
     side = len(pixels)
     angle = np.linspace(0.0, math.radians(outer), 4001)[:-1]

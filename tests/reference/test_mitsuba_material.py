@@ -44,9 +44,9 @@ def test_principled_differs_by_as_much_as_said(roughness, cosine, low, high) -> 
     position = (0.0, cosine * 5, math.sqrt(1 - cosine**2) * 5)
     camera = Camera(position=position, target=(0, 0, 0), up=(0, 0.1, -1), fov_y_deg=0.5)
     scene = Scene(meshes=(Mesh(plane, material),), environment=Environment(), camera=camera)
-    picture = mitsuba.render(scene, size=(8, 8), spp=512, max_depth=2, variant="scalar_rgb")
-    assert low < picture.radiance.mean() / reflectance(roughness, 0.5, cosine) < high
-    assert picture.stats["approximations"] == [
+    image = mitsuba.render(scene, size=(8, 8), spp=512, max_depth=2, variant="scalar_rgb")
+    assert low < image.radiance.mean() / reflectance(roughness, 0.5, cosine) < high
+    assert image.stats["approximations"] == [
         "glossy materials are Mitsuba's principled: their diffuse part is Burley's"
     ]
 

@@ -27,7 +27,7 @@ PIXELS[:, :2, :3], PIXELS[..., 3] = 255, 255  # the left half glows
 GLOW = Material(emission=(2, 4, 6), emission_texture=Texture(PIXELS), base_color=(0, 0, 0))
 
 
-def test_a_screen_keeps_its_picture() -> None:
+def test_a_screen_keeps_its_image() -> None:
     (part,) = _emission_parts(GLOW, screen(), notes := [])
     assert part.texture is GLOW.emission_texture and part.radiance == (2, 4, 6) and not notes
 

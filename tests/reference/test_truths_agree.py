@@ -28,10 +28,10 @@ TRAVEL = (0.0, 0.0, 1.0)
 DISTANCE_M, HALF_WIDTH_M = 200.0, 1.0
 
 
-def intensity(picture, variance):
-    """W sr^-1 and its standard error from a small, distant picture of the cube."""
-    pixel_area = (2.0 * HALF_WIDTH_M / picture.shape[0]) ** 2
-    total = picture[..., 0].sum(dtype=np.float64) * pixel_area
+def intensity(image, variance):
+    """W sr^-1 and its standard error from a small, distant image of the cube."""
+    pixel_area = (2.0 * HALF_WIDTH_M / image.shape[0]) ** 2
+    total = image[..., 0].sum(dtype=np.float64) * pixel_area
     return total, math.sqrt(variance[..., 0].sum(dtype=np.float64)) * pixel_area
 
 
@@ -57,16 +57,16 @@ def test_a_cube_of_air_is_as_bright_in_all_of_them(sigma_s, g, view):
     is_compiled = choose_variant() != SCALAR_VARIANT
     names = ("all", "single_scatter", "multiple_scatter") if is_compiled else ("all",)
     scene = cube_seen_along(view, sigma_s, g)
-    pictures = mitsuba.render_layers(scene, names, size=(64, 64), spp=64)
+    images = mitsuba.render_layers(scene, names, size=(64, 64), spp=64)
     total = light.brightness.sum(axis=0)[0]
     error = math.hypot(*light.brightness_error[:, 0])
-    seen, noise = intensity(pictures["all"].radiance, pictures["all"].layers["variance"])
+    seen, noise = intensity(images["all"].radiance, images["all"].layers["variance"])
     # The eye is near enough to add up to a thousandth of its own.
     assert abs(seen - total) < 4.0 * math.hypot(error, noise) + 2e-3 * total
     once = quadrature.box_single_scatter_intensity(TRAVEL, view, 1.0, sigma_s, 1.0, g, CUBE)
     assert abs(light.brightness[0, 0] - once) < 4.0 * light.brightness_error[0, 0]
     if is_compiled:
-        single = pictures["single_scatter"]
+        single = images["single_scatter"]
         seen, noise = intensity(single.radiance, single.layers["variance"])
         assert abs(seen - once) < 4.0 * noise + 2e-3 * once
 
@@ -89,7 +89,7 @@ def test_a_floor_lit_by_a_wall_is_the_form_factor():
         environment=Environment(radiance=(0.0, 0.0, 0.0)),
         camera=Camera(tuple(eye), (1.0, 0.0, 1.6), (0.0, 0.0, -1.0), fov_y_deg),
     )
-    picture = mitsuba.render(scene, size=(size, size), spp=256)
+    image = mitsuba.render(scene, size=(size, size), spp=256)
     half = 6.0 * math.tan(math.radians(0.5 * fov_y_deg))
     assert half < 1.6, "the wall must be out of sight"
     across = half * ((np.arange(size) + 0.5) / size * 2.0 - 1.0)
@@ -97,8 +97,8 @@ def test_a_floor_lit_by_a_wall_is_the_form_factor():
     points = np.stack([x, 0.0 * x, z], axis=-1)
     up = np.broadcast_to([0.0, 1.0, 0.0], points.shape)
     want = 0.5 / math.pi * quadrature.polygon_irradiance(points, up, wall, 2.0)
-    deviation = in_blocks(picture.radiance[..., 0] - want)
-    noise = np.sqrt(in_blocks(picture.layers["variance"][..., 0]))
+    deviation = in_blocks(image.radiance[..., 0] - want)
+    noise = np.sqrt(in_blocks(image.layers["variance"][..., 0]))
     # Blocks, since a pixel's variance comes from four batches; a pixel is an average and `want`
     # its middle, hence the half per cent.
     assert np.all(np.abs(deviation) < 4.0 * noise + 5e-3 * in_blocks(want))

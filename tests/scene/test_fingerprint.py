@@ -1,4 +1,4 @@
-"""Fingerprints: equal for equal scenes, another for every change that a picture could show."""
+"""Fingerprints: equal for equal scenes, another for every change that an image could show."""
 
 from __future__ import annotations
 

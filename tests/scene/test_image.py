@@ -1,4 +1,4 @@
-"""A picture and what it carries."""
+"""An image and what it carries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from airlight.scene.image import Image
 BLACK = np.zeros((4, 6, 3), np.float32)
 
 
-def test_a_picture_without_layers_is_enough():
+def test_an_image_without_layers_is_enough():
     image = Image(BLACK)
     assert (dict(image.layers), image.exposure_stops, dict(image.stats)) == ({}, 0.0, {})
 
@@ -66,4 +66,4 @@ def test_what_is_no_colour_is_not_shown(layer, remedy):
     image = Image(BLACK, {"direct": BLACK, "depth": BLACK[..., 0]})
     with pytest.raises(SettingsError) as caught:
         image.display(layer)
-    assert str(caught.value) == f"the picture has no colour layer '{layer}'. {remedy}"
+    assert str(caught.value) == f"the image has no colour layer '{layer}'. {remedy}"

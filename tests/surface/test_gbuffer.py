@@ -185,10 +185,8 @@ def test_a_placed_image_is_one_on_other_texture_coordinates(
         np.testing.assert_allclose(one, other, atol=0.03 * max(1.0, other.max()))
 
 
-def test_pictures_stay_the_same_as_their_draws_are_recorded(
-    gpu, commands, owned, on_device, square
-):
-    """The second and third picture of a view are replayed; a mesh that moves is where it is."""
+def test_images_stay_the_same_as_their_draws_are_recorded(gpu, commands, owned, on_device, square):
+    """The second and third image of a view are replayed; a mesh that moves is where it is."""
     image = Texture(np.full((2, 2, 4), 200, np.uint8), is_srgb=False)
     meshes = [
         square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(base_color=(0, 0, 1))),
@@ -205,24 +203,24 @@ def test_pictures_stay_the_same_as_their_draws_are_recorded(
     clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
     clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
 
-    def pictures():
+    def images():
         for _ in range(4):
             made.encode(commands, scene, clip @ np.diag([0.5, 0.5, 0.5, 1.0]))  # looked away
             made.encode(commands, scene, clip)
             commands.submit()
             yield np.concatenate([made.albedo.read(), made.depth.read()[..., None]], axis=-1)
 
-    first, *later = pictures()
+    first, *later = images()
     assert len(np.unique(first.reshape(-1, 5), axis=0)) == 4  # three squares and nothing
-    for picture in later:
-        np.testing.assert_array_equal(picture, first)
+    for image in later:
+        np.testing.assert_array_equal(image, first)
     up = np.eye(4)
     up[1, 3] = 0.5
     moved = [dataclasses.replace(m, world_from_object=up @ m.world_from_object) for m in meshes]
     scene.move(tuple(moved))
     fresh = looked_at(gpu, commands, owned, on_device(*moved))
-    for picture in pictures():
-        np.testing.assert_array_equal(picture[..., :4], fresh.albedo.read())
+    for image in images():
+        np.testing.assert_array_equal(image[..., :4], fresh.albedo.read())
 
 
 def test_what_is_seen_is_kept_until_something_moves(

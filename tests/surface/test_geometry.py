@@ -25,8 +25,8 @@ def camera_clip(eye, forward):
     return clip_from_view_infinite(0.8, 1.5, 0.05) @ view_from_world(eye, forward, (0, 1, 0))
 
 
-def in_picture(clip_from_world, points):
-    """Whether any of the world points (n, 3) falls into the picture."""
+def in_image(clip_from_world, points):
+    """Whether any of the world points (n, 3) falls into the image."""
     clip = np.concatenate([points, np.ones((len(points), 1))], axis=1) @ clip_from_world.T
     w = clip[:, 3]
     return bool(((w > 0) & (np.abs(clip[:, 0]) <= w) & (np.abs(clip[:, 1]) <= w)).any())
@@ -43,7 +43,7 @@ def test_culling_never_drops_what_can_be_seen(gpu, owned):
         clip = camera_clip(RNG.uniform(-8, 8, 3), RNG.normal(size=3))
         drawn = [d.first_instance for d in scene.visible(clip)]
         for place, index in enumerate(scene.order):
-            if in_picture(clip, centres[index] + inside * sizes[index]):
+            if in_image(clip, centres[index] + inside * sizes[index]):
                 assert place in drawn
             else:
                 dropped += place not in drawn

@@ -82,7 +82,7 @@ def test_a_spot_sees_its_cone_by_the_tangent_of_the_angle():
     angles = np.radians([0.0, 10.0, 20.0, 29.9])
     rays = np.cos(angles)[:, None] * axis + np.sin(angles)[:, None] * side
     uvd, w = seen(view, np.array(spot.position) + 1.7 * rays)
-    # half the picture is what the spot's half angle, and a little more, reaches
+    # half the image is what the spot's half angle, and a little more, reaches
     radius = np.linalg.norm(uvd[:, :2] - 0.5, axis=1)
     half_width_m = view.texel[0] * 64 / 2.0
     np.testing.assert_allclose(radius, 0.5 * np.tan(angles) / half_width_m, atol=1e-9)

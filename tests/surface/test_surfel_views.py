@@ -57,7 +57,7 @@ def test_what_did_not_change_is_not_drawn_again(gpu, commands, owned, two_floors
 
 
 @pytest.mark.parametrize("aspect", [16 / 9, 0.5])
-def test_a_cameras_square_view_holds_its_picture(aspect):
+def test_a_cameras_square_view_holds_its_image(aspect):
     camera = Camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), fov_y_deg=50.0)
     low, high = np.full(3, -10.0), np.full(3, 10.0)
     view = camera_view(camera, aspect, low, high, SIDE)

@@ -1,4 +1,4 @@
-"""Mip chains keep the mean of the light, and uploads keep the picture."""
+"""Mip chains keep the mean of the light, and uploads keep the image."""
 
 from __future__ import annotations
 

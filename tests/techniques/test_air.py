@@ -12,13 +12,13 @@ from .conftest import SIZE, SMALL
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
 
 
-def picture(scene, technique, **settings):
+def rendered(scene, technique, **settings):
     return render(scene, technique, SIZE, settings={**SMALL, **settings}, samples=1)
 
 
 @pytest.mark.parametrize("technique", ["single", "lpv-march", "lpv-sum", "lpv-scatter"])
 def test_layers_add_up_and_are_finite(foggy_box, technique):
-    image = picture(foggy_box, technique)
+    image = rendered(foggy_box, technique)
     total = sum(image.layers[name] for name in LAYERS)
     np.testing.assert_allclose(image.radiance, total, rtol=1e-5, atol=1e-6)
     assert np.isfinite(image.radiance).all()
@@ -30,7 +30,7 @@ def test_each_technique_brings_its_own_light(foggy_box):
     means = {
         name: {layer: float(image.layers[layer].mean()) for layer in LAYERS}
         for name in ("single", "lpv-march", "lpv-sum", "lpv-scatter")
-        for image in [picture(foggy_box, name)]
+        for image in [rendered(foggy_box, name)]
     }
     assert means["single"]["single_scatter"] > 0.0
     assert means["single"]["multiple_scatter"] == means["single"]["indirect"] == 0.0
@@ -44,15 +44,15 @@ def test_each_technique_brings_its_own_light(foggy_box):
 
 
 def test_transmittance_is_beer_lambert(foggy_box):
-    image = picture(foggy_box, "single")
+    image = rendered(foggy_box, "single")
     expected = np.exp(-0.2 * image.layers["depth"])
     np.testing.assert_allclose(image.layers["transmittance"][..., 0], expected, rtol=2e-3)
 
 
 def test_direct_light_is_attenuated_both_ways(foggy_box):
     """Lamp to surface and surface to eye: the far wall's middle, in closed form."""
-    clear = picture(replace(foggy_box, medium=None), "direct").layers["direct"]
-    fog = picture(foggy_box, "single").layers["direct"]
+    clear = rendered(replace(foggy_box, medium=None), "direct").layers["direct"]
+    fog = rendered(foggy_box, "single").layers["direct"]
     row, column = SIZE[1] // 2, SIZE[0] // 2
     to_lamp, to_eye = np.sqrt(2.0**2 + 1.0**2), 3.8
     ratio = fog[row, column, 0] / clear[row, column, 0]
@@ -60,7 +60,7 @@ def test_direct_light_is_attenuated_both_ways(foggy_box):
 
 
 def test_without_air_nothing_scatters(foggy_box):
-    image = picture(replace(foggy_box, medium=None), "lpv-scatter")
+    image = rendered(replace(foggy_box, medium=None), "lpv-scatter")
     assert float(np.abs(image.layers["single_scatter"]).max()) == 0.0
     assert float(np.abs(image.layers["multiple_scatter"]).max()) == 0.0
     np.testing.assert_allclose(image.layers["transmittance"], 1.0)
@@ -68,7 +68,7 @@ def test_without_air_nothing_scatters(foggy_box):
 
 def test_black_air_scatters_nothing(foggy_box):
     black = replace(foggy_box, medium=Medium(sigma_t=(0.2, 0.2, 0.2), albedo=(0.0, 0.0, 0.0)))
-    image = picture(black, "lpv-scatter")
+    image = rendered(black, "lpv-scatter")
     assert float(image.layers["single_scatter"].max()) == 0.0
     assert float(image.layers["multiple_scatter"].max()) <= 1e-6
 

@@ -114,36 +114,36 @@ def frames(
     order: tuple[int, ...],
     counted: Callable[[], int],
 ) -> tuple[dict[int, Image], list[int]]:
-    """The last picture in each air of those in this order, and recordings made for each."""
+    """The last image in each air of those in this order, and recordings made for each."""
     moving = replace(scene, animation=Animation((Thickens(air),)))
-    pictures, counts = {}, []
+    images, counts = {}, []
     with Renderer(moving, technique, SIZE, settings={**SETTINGS, **settings}) as renderer:
         for which in order:
-            pictures[which] = renderer.frame(time=float(which))
+            images[which] = renderer.frame(time=float(which))
             counts.append(counted())
-    return pictures, counts
+    return images, counts
 
 
 def assert_as_fresh(
-    pictures: dict[int, Image], scenes: list[Scene], technique: str, settings: dict[str, object]
+    images: dict[int, Image], scenes: list[Scene], technique: str, settings: dict[str, object]
 ) -> None:
     for which, scene in enumerate(scenes):
         with Renderer(scene, technique, SIZE, settings={**SETTINGS, **settings}) as fresh:
             want = fresh.frame()
         for name, layer in want.layers.items():
-            np.testing.assert_array_equal(pictures[which].layers[name], layer, err_msg=name)
-    first, second = (pictures[which].radiance for which in range(2))
+            np.testing.assert_array_equal(images[which].layers[name], layer, err_msg=name)
+    first, second = (images[which].radiance for which in range(2))
     assert np.linalg.norm(first - second) > 0.02 * np.linalg.norm(first)
 
 
 @pytest.mark.parametrize("occlusion", [True, False])
 def test_other_air_is_recorded_once_and_drawn_as_from_the_start(gpu, recordings, occlusion):
     settings = {"occlusion": occlusion, "iterations": 8}
-    pictures, counts = frames(
+    images, counts = frames(
         foggy(), "lpv-scatter", settings, (THIN, THICK), (0, 0, 1, 1, 0), recordings
     )
     assert counts == [1, 0, 1, 0, 0]
-    assert_as_fresh(pictures, [foggy(THIN), foggy(THICK)], "lpv-scatter", settings)
+    assert_as_fresh(images, [foggy(THIN), foggy(THICK)], "lpv-scatter", settings)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,7 @@ def test_smoke_of_other_density_is_drawn_by_the_same_recording(
     (one,) = smoky().volumes
     rising = np.linspace(0.0, 3.0, 64, dtype=np.float32).reshape(4, 4, 4)
     smokes = (one, replace(one, density=rising))
-    pictures, counts = frames(smoky(), technique, settings, smokes, (0, 1, 1, 0), recordings)
+    images, counts = frames(smoky(), technique, settings, smokes, (0, 1, 1, 0), recordings)
     assert counts == [expected, 0, 0, 0]
     scenes = [replace(smoky(), volumes=(smoke,)) for smoke in smokes]
-    assert_as_fresh(pictures, scenes, technique, settings)
+    assert_as_fresh(images, scenes, technique, settings)

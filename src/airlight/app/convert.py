@@ -1,4 +1,4 @@
-"""`airlight convert`: a scene to Mitsuba XML or a scene file, or a picture to another format."""
+"""`airlight convert`: a scene to Mitsuba XML or a scene file, or an image to another format."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 LINEAR_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe")
 DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
-PICTURES_OUT = (".exr", ".hdr", *DISPLAY_SUFFIXES)
+IMAGES_OUT = (".exr", ".hdr", *DISPLAY_SUFFIXES)
 SCENES_OUT = (".xml", ".toml")
 
 
@@ -30,39 +30,39 @@ SCENES_OUT = (".xml", ".toml")
     "--exposure",
     type=Number(-64, 64),
     metavar="STOPS",
-    help="For .png and .jpg of a linear picture.  [default: 0]",
+    help="For .png and .jpg of a linear image.  [default: 0]",
 )
 @click.option(
     "--tone-map",
     type=click.Choice(["agx", "aces", "neutral", "none"]),
-    help="Display curve.  [default: agx of a linear picture, none of an 8-bit one]",
+    help="Display curve.  [default: agx of a linear image, none of an 8-bit one]",
 )
 def command(source: str, target: Path, exposure: float | None, tone_map: str | None) -> None:
-    """Convert a scene or a picture.
+    """Convert a scene or an image.
 
     \b
     airlight convert room.toml room.xml     any scene to Mitsuba 3
     airlight convert room.glb room.toml     a scene file that names its meshes and grids
-    airlight convert room.exr room.png      pictures: .exr .hdr .png .jpg
+    airlight convert room.exr room.png      images: .exr .hdr .png .jpg
     """
     reads(source)
     suffix = Path(source).suffix.lower()
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
-        check_writable(target, PICTURES_OUT)
-        convert_picture(Path(source), target, exposure, tone_map)
+        check_writable(target, IMAGES_OUT)
+        convert_image(Path(source), target, exposure, tone_map)
     elif exposure is not None or tone_map is not None:
-        raise SettingsError("--exposure and --tone-map are for pictures", where=source)
+        raise SettingsError("--exposure and --tone-map are for images", where=source)
     else:
         convert_scene(source, target)
     click.echo(str(target))
 
 
-def convert_picture(
+def convert_image(
     source: Path, target: Path, exposure: float | None = None, tone_map: str | None = None
 ) -> None:
-    """Write the picture at `source` in the format of `target`'s ending.
+    """Write the image at `source` in the format of `target`'s ending.
 
-    EXR keeps its layers in EXR. An 8-bit picture is decoded from sRGB, nothing more: it is shown
+    EXR keeps its layers in EXR. An 8-bit image is decoded from sRGB, nothing more: it is shown
     without a curve unless `tone_map` names one. Raises SceneError, OutputError.
     """
     from ..scene.io.images import load_image, save_image

@@ -39,7 +39,7 @@ QUICK_SIZE = (96, 54)
     help="Folder for NAME.png and NAME.json.",
 )
 @size_option("640x360")
-@click.option("--quick", is_flag=True, help="Tiny lattices and pictures: does it work?")
+@click.option("--quick", is_flag=True, help="Tiny lattices and images: does it work?")
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(
@@ -50,7 +50,7 @@ def command(
     output: Path | None,
     **options: Any,
 ) -> None:
-    """Draw figures of the papers: a picture and the JSON of its numbers each.
+    """Draw figures of the papers: an image and the JSON of its numbers each.
 
     \b
     airlight figure --list

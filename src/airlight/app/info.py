@@ -1,4 +1,4 @@
-"""`airlight info`: what a scene, a picture or a density grid holds."""
+"""`airlight info`: what a scene, an image or a density grid holds."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _GRID_ENDINGS = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
 def command(file: str, as_json: bool) -> None:
     """Say what a FILE holds.
 
-    A scene (or builtin:NAME), a picture or a density grid.
+    A scene (or builtin:NAME), an image or a density grid.
     """
-    from ..scene.io.images import PICTURE_SUFFIXES
+    from ..scene.io.images import IMAGE_SUFFIXES
 
     ending = Path(file).suffix.lower()
     if ending in _GRID_ENDINGS:
         facts = grid_facts(Path(file))
-    elif ending in PICTURE_SUFFIXES:
-        facts = picture_facts(Path(file))
+    elif ending in IMAGE_SUFFIXES:
+        facts = image_facts(Path(file))
     else:
         scene = load_scene(file)
         facts = scene_facts(scene)
@@ -91,8 +91,8 @@ def grid_facts(path: Path) -> dict[str, Any]:
     }
 
 
-def picture_facts(path: Path) -> dict[str, Any]:
-    """Size, layers and mean radiance of a picture. Raises SceneError."""
+def image_facts(path: Path) -> dict[str, Any]:
+    """Size, layers and mean radiance of an image. Raises SceneError."""
     from ..scene.io.images import load_image
 
     image = load_image(path)

@@ -23,7 +23,7 @@ def check_writable(path: Path, endings: Sequence[str] = ()) -> None:
 
     if endings and path.suffix.lower() not in endings:
         raise OutputError(
-            f"cannot write a picture that ends in '{path.suffix}'",
+            f"cannot write an image that ends in '{path.suffix}'",
             where=path,
             remedy=f"End its name in one of {', '.join(endings)}.",
         )

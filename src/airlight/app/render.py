@@ -1,4 +1,4 @@
-"""`airlight render`: a scene in, a picture out."""
+"""`airlight render`: a scene in, an image out."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _STARTED_S = time.perf_counter()
     required=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Picture to write: .exr and .hdr are linear, .png and .jpg tone mapped.",
+    help="Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.",
 )
 @click.option(
     "-t",
@@ -65,7 +65,7 @@ _STARTED_S = time.perf_counter()
 )
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
-    """Render SCENE into a picture.
+    """Render SCENE into an image.
 
     \b
     airlight render builtin:atrium -o atrium.png
@@ -96,12 +96,12 @@ def command(scene: str, output: Path, **options: Any) -> None:
 
 def _check_outputs(output: Path, stats_path: Path | None, layers: bool) -> None:
     """Refuse, before any work, what could not be written after it."""
-    from ..scene.io.images import PICTURE_SUFFIXES
+    from ..scene.io.images import IMAGE_SUFFIXES
 
-    check_writable(output, PICTURE_SUFFIXES)
+    check_writable(output, IMAGE_SUFFIXES)
     if layers and output.suffix.lower() != ".exr":
         raise SettingsError(
-            f"--layers needs an .exr, {output.suffix} holds one picture", where=output
+            f"--layers needs an .exr, {output.suffix} holds one image", where=output
         )
     check_outputs(output, stats_path)
 

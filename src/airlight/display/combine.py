@@ -1,4 +1,4 @@
-"""One picture of a technique's layers: their sum, one of them, or a debug view; a running mean."""
+"""One image of a technique's layers: their sum, one of them, or a debug view; a running mean."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
 
 
 class CombineParams(Struct):
-    """What is shown, and the new picture's weight in the mean."""
+    """What is shown, and the new image's weight in the mean."""
 
     weights = vec4f("of the layers")
-    weight = f32("of the new picture; 1 starts anew")
+    weight = f32("of the new image; 1 starts anew")
     kind = u32("0 radiance, 1 raw, 2 normal, 3 depth")
     near = f32("m")
     reach = f32("m, shown half as bright")
@@ -39,7 +39,7 @@ class _Combine(FullscreenPass):
 
 
 class Combine:
-    """The mean so far is `picture`: radiance W m^-2 sr^-1, or a debug view's values in [0, 1]."""
+    """The mean so far is `image`: radiance W m^-2 sr^-1, or a debug view's values in [0, 1]."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], near_m: float = 0.01) -> None:
         self.gpu, self._near, self._pass = gpu, near_m, _Combine(gpu)
@@ -51,12 +51,12 @@ class Combine:
         ]
 
     @property
-    def picture(self) -> Texture:
-        """The mean of all pictures since index 0."""
+    def image(self) -> Texture:
+        """The mean of all images since index 0."""
         return self._means[0]
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; the mean is lost."""
+        """Go on with images of `size`, pixels; the mean is lost."""
         for mean in self._means:
             mean.release()
         self._make_means(size)
@@ -71,7 +71,7 @@ class Combine:
         kind: int = RADIANCE,
         reach_m: float = 1.0,
     ) -> None:
-        """Fold the sum of `layers` in as picture number `index` (0 starts anew).
+        """Fold the sum of `layers` in as image number `index` (0 starts anew).
 
         Raises SettingsError for more than MOST_LAYERS layers.
         """

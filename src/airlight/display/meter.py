@@ -1,4 +1,4 @@
-"""Exposure from the picture itself, without reading it back: `maths.tone.auto_exposure`."""
+"""Exposure from the image itself, without reading it back: `maths.tone.auto_exposure`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ..gpu.layout import Struct, f32, vec2u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 
-"""The picture is looked at in at most this many columns and rows."""
+"""The image is looked at in at most this many columns and rows."""
 
 
 class MeterParams(Struct):
-    """The picture's size, and how fast the exposure follows."""
+    """The image's size, and how fast the exposure follows."""
 
     size = vec2u("px")
     speed = f32("share of the way to the new exposure; 1 at once")
@@ -22,7 +22,7 @@ class MeterParams(Struct):
 class _Meter(ComputePass):
     slots = (
         uniform("params", MeterParams),
-        texture("picture", "2d", "unfilterable-float"),
+        texture("image", "2d", "unfilterable-float"),
         storage("metered", "f32", "read_write"),
     )
     workgroup = (256, 1, 1)
@@ -30,7 +30,7 @@ class _Meter(ComputePass):
 
 
 class Meter:
-    """`stops` holds one float: the exposure that brings the picture to middle grey.
+    """`stops` holds one float: the exposure that brings the image to middle grey.
 
     differs: a histogram of sixteenths of a stop, over a grid of pixels, instead of a sort.
     """
@@ -39,7 +39,7 @@ class Meter:
         self._pass = _Meter(gpu)
         self.stops = Buffer(gpu, "metered exposure", 16)
 
-    def encode(self, commands: Commands, picture: Texture, speed: float = 1.0) -> None:
-        """Meter `picture`, radiance."""
-        params = MeterParams(size=picture.size[:2], speed=speed)
-        self._pass.dispatch(commands, (256,), params=params, picture=picture, metered=self.stops)
+    def encode(self, commands: Commands, image: Texture, speed: float = 1.0) -> None:
+        """Meter `image`, radiance."""
+        params = MeterParams(size=image.size[:2], speed=speed)
+        self._pass.dispatch(commands, (256,), params=params, image=image, metered=self.stops)

@@ -18,7 +18,7 @@ fn main(@builtin(local_invocation_index) self_index: u32) {
     for (var i = self_index; i < grid.x * grid.y; i += WX) {
         let place = vec2u(i % grid.x, i / grid.x);
         let pixel = (place * 2u + 1u) * params.size / (2u * grid);
-        let y = luminance(finite_or_zero(textureLoad(picture, vec2i(pixel), 0).rgb));
+        let y = luminance(finite_or_zero(textureLoad(image, vec2i(pixel), 0).rgb));
         if (y > 0.0) {
             let bin = clamp((log2(y) - LOWEST) * PER_STOP, 0.0, f32(BINS - 1u));
             atomicAdd(&counts[u32(bin)], 1u);

@@ -14,7 +14,7 @@ from .meter import Meter
 from .show import Show
 from .tone import Tone
 
-PICTURE = "picture"
+IMAGE = "image"
 _RAW_LAYERS = {"transmittance": RAW, "albedo": RAW, "normal": NORMAL, "depth": DEPTH}
 
 
@@ -22,26 +22,26 @@ _RAW_LAYERS = {"transmittance": RAW, "albedo": RAW, "normal": NORMAL, "depth": D
 class Look:
     """What is shown, and how.
 
-    `layer`: "picture" (the sum), a radiance layer, transmittance, albedo, normal or depth.
-    `exposure_stops` None: from the picture itself. `reach_m`: the distance that the depth view
+    `layer`: "image" (the sum), a radiance layer, transmittance, albedo, normal or depth.
+    `exposure_stops` None: from the image itself. `reach_m`: the distance that the depth view
     shows half bright; nearer is brighter.
     """
 
-    layer: str = PICTURE
+    layer: str = IMAGE
     exposure_stops: float | None = 0.0
     curve: str = "agx"
     reach_m: float = 1.0
 
 
-def layer_names(pictures: dict[str, Texture]) -> tuple[str, ...]:
-    """What a technique that draws `pictures` can be looked at by."""
-    radiance = [name for name in pictures if name not in _RAW_LAYERS]
-    raw = [name for name in pictures if name in _RAW_LAYERS]
-    return (PICTURE, *radiance, *raw, "albedo", "normal", "depth")
+def layer_names(images: dict[str, Texture]) -> tuple[str, ...]:
+    """What a technique that draws `images` can be looked at by."""
+    radiance = [name for name in images if name not in _RAW_LAYERS]
+    raw = [name for name in images if name in _RAW_LAYERS]
+    return (IMAGE, *radiance, *raw, "albedo", "normal", "depth")
 
 
 class Presenter:
-    """Pictures of one size at a time, onto surfaces of one format and any size."""
+    """Images of one size at a time, onto surfaces of one format and any size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
         self.size, self.gpu = size, gpu.scope()
@@ -50,21 +50,21 @@ class Presenter:
         self._is_metered_before = False
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels; the mean is lost."""
+        """Go on with images of `size`, pixels; the mean is lost."""
         if size != self.size:
             self.size = size
             self._combine.resize(size)
             self._tone.resize(size)
 
     def take(
-        self, commands: Commands, pictures: dict[str, Texture], view: View, look: Look, index: int
+        self, commands: Commands, images: dict[str, Texture], view: View, look: Look, index: int
     ) -> None:
         """Fold sample number `index` (0 starts anew) of a drawn view into the mean."""
         kind = _RAW_LAYERS.get(look.layer, RADIANCE)
         with commands.stage("combine"):
             self._combine.encode(
                 commands,
-                _chosen(pictures, view, look.layer),
+                _chosen(images, view, look.layer),
                 view.gbuffer.depth,
                 index,
                 kind=kind,
@@ -77,11 +77,11 @@ class Presenter:
         with commands.stage("tone"):
             if is_metered and not is_raw:
                 speed = 1.0 if settled or not self._is_metered_before else 0.3
-                self._meter.encode(commands, self._combine.picture, speed)
+                self._meter.encode(commands, self._combine.image, speed)
                 self._is_metered_before = True
             self._tone.encode(
                 commands,
-                self._combine.picture,
+                self._combine.image,
                 self._meter.stops,
                 is_metered=is_metered,
                 exposure_stops=look.exposure_stops or 0.0,
@@ -98,12 +98,12 @@ class Presenter:
         self.gpu.release()
 
 
-def _chosen(pictures: dict[str, Texture], view: View, layer: str) -> list[Texture]:
-    """The textures whose sum is shown; the picture where a technique has no such layer."""
+def _chosen(images: dict[str, Texture], view: View, layer: str) -> list[Texture]:
+    """The textures whose sum is shown; the image where a technique has no such layer."""
     g = view.gbuffer
     own = {"albedo": g.albedo, "normal": g.normal}
     if layer == "depth":
         return []
-    if layer in own or layer in pictures:
-        return [own.get(layer) or pictures[layer]]
-    return [texture for name, texture in pictures.items() if name not in _RAW_LAYERS]
+    if layer in own or layer in images:
+        return [own.get(layer) or images[layer]]
+    return [texture for name, texture in images.items() if name not in _RAW_LAYERS]

@@ -1,4 +1,4 @@
-"""The toned picture on a surface: stretched to it, encoded as its format wants."""
+"""The toned image on a surface: stretched to it, encoded as its format wants."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class ToneParams(Struct):
 class _Tone(FullscreenPass):
     slots = (
         uniform("params", ToneParams),
-        texture("picture", "2d", "unfilterable-float"),
+        texture("image", "2d", "unfilterable-float"),
         storage("metered", "f32"),
     )
     targets = ("rgba8unorm",)
@@ -32,21 +32,21 @@ class _Tone(FullscreenPass):
 
 
 class Tone:
-    """`shown` is the picture as a display takes it: rgba8unorm, sRGB-encoded."""
+    """`shown` is the image as a display takes it: rgba8unorm, sRGB-encoded."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.gpu, self._pass = gpu, _Tone(gpu)
         self.shown = Texture(gpu, "shown", size, "rgba8unorm", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self.shown.release()
         self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True)
 
     def encode(
         self,
         commands: Commands,
-        picture: Texture,
+        image: Texture,
         metered: Buffer,
         *,
         exposure_stops: float = 0.0,
@@ -63,4 +63,4 @@ class Tone:
             curve=list(TONE_CURVES).index(curve),
             is_raw=int(is_raw),
         )
-        self._pass.draw(commands, (self.shown,), params=params, picture=picture, metered=metered)
+        self._pass.draw(commands, (self.shown,), params=params, image=image, metered=metered)

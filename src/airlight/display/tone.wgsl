@@ -5,7 +5,7 @@
 const DITHER_CODES = 0.98;
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let c = textureLoad(picture, vec2i(position.xy), 0).rgb;
+    let c = textureLoad(image, vec2i(position.xy), 0).rgb;
     if (params.is_raw == 1u) {
         return vec4f(srgb_encode(finite_or_zero(c)), 1.0);
     }

@@ -1,4 +1,4 @@
-"""Which of the nested lattices lights what: a picture in their colours, mixed where they fade."""
+"""Which of the nested lattices lights what: an image in their colours, mixed where they fade."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8, shown
+from ..app.compare.images import U8, shown
 from ..lattice.nested import shares
 from ..scene.builtin import atrium
 from ..scene.camera import Camera
@@ -32,7 +32,7 @@ COUNT = 3
 def cascades_coloured(
     request: Request, scene: Scene | None = None, count: int = COUNT
 ) -> tuple[list[tuple[str, U8 | None]], list[dict[str, Any]]]:
-    """Panels (the picture, its bounced light, the cascades in colours), and what each lights."""
+    """Panels (the image, its bounced light, the cascades in colours), and what each lights."""
     seen = scene or atrium()
     with renderer(request, seen, {"cascades": count}) as made:
         image = made.frame(samples=1)
@@ -42,7 +42,7 @@ def cascades_coloured(
     stops = exposure_of(seen, image.radiance)
     bounced = image.layers["indirect"]
     panels: list[tuple[str, U8 | None]] = [
-        ("the picture", shown(image.radiance, stops)),
+        ("the image", shown(image.radiance, stops)),
         ("bounced light", shown(bounced, stops)),
         ("cascades: red, green, blue from the finest", shown(coloured(image, given), stops)),
     ]
@@ -54,7 +54,7 @@ def cascades_coloured(
 
 
 def coloured(image: Image, given: F64) -> F32:
-    """The picture's light in the colours of the cascades; `given` (L, H, W) their shares."""
+    """The image's light in the colours of the cascades; `given` (L, H, W) their shares."""
     grey = image.radiance.mean(axis=-1, keepdims=True)
     tint = np.tensordot(given, COLOURS[: len(given)], axes=(0, 0))
     return np.asarray(1.5 * grey * tint, np.float32)

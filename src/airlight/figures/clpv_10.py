@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..app.bench.frames import TURN_DEG, moved
-from ..app.compare.pictures import U8, heat, shown
+from ..app.compare.images import U8, heat, shown
 from ..maths.colour import luminance
 from ..scene.builtin import atrium
 from ..scene.checks import F32
@@ -17,7 +17,7 @@ from .panels import Drawn, Request, exposure_of, from_here, renderer, sheet
 
 Row = tuple[str, list[tuple[str, U8 | None]]]
 
-STEPS = 5  # pictures, the sun turned a quarter of a degree between them
+STEPS = 5  # images, the sun turned a quarter of a degree between them
 FULL_CHANGE = 0.05  # relative change that gets the brightest colour
 
 
@@ -60,14 +60,14 @@ def _told(light: Any, jumps: F32) -> dict[str, float]:
 
 
 def turning(request: Request, scene: Scene, settings: dict[str, Any]) -> list[Image]:
-    """Pictures while the sun turns; the same pixels see the same surfaces in each."""
+    """Images while the sun turns; the same pixels see the same surfaces in each."""
     with renderer(request, scene, settings) as made:
         images = [made.frame(lights=moved(scene.lights, step)) for step in range(STEPS)]
     return [image for image in images if image is not None]
 
 
 def flicker(light: Any) -> F32:
-    """What changes from picture to picture beyond a steady drift, over the mean light.
+    """What changes from image to image beyond a steady drift, over the mean light.
 
     `light` (steps, H, W); the mean over steps of |L[k-1] - 2 L[k] + L[k+1]| / 2, relative.
     """

@@ -1,6 +1,6 @@
 """Light that bleeds through thin things (Kaplanyan2010 Fig. 11).
 
-The paper's second picture, a shadow lost because nothing saw its caster, is not drawn: by default
+The paper's second image, a shadow lost because nothing saw its caster, is not drawn: by default
 blockers come from samples of all surfaces; scheme paper takes them from views, and loses shadows.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.pictures import shown
+from ..app.compare.images import shown
 from ..scene.builtin import room
 from ..scene.builtin.patch import Finish, placed_at
 from ..scene.builtin.solids import box

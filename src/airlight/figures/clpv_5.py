@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..app.compare.pictures import U8, heat
+from ..app.compare.images import U8, heat
 from ..reference import flatland
 from ..reference.flatland import ONE_LIGHT, TWO_LIGHTS, Segment
 from ..scene.checks import F32, F64
@@ -46,16 +46,16 @@ def _row(
     lights: Sequence[Segment], bands: int
 ) -> tuple[dict[str, float], list[tuple[str, U8 | None]]]:
     truth = flatland.analytic(lights, bands=bands)
-    cells: list[tuple[str, U8 | None]] = [("analytic", polar_picture(truth))]
+    cells: list[tuple[str, U8 | None]] = [("analytic", polar_image(truth))]
     errors = {}
     for scheme, name in NAMES.items():
         found = flatland.solve(scheme, lights, bands=bands)
         errors[scheme], scale = flatland.relative_l2(found, truth)
-        cells.append((f"{name}: {errors[scheme]:.3f}", polar_picture(scale * found)))
+        cells.append((f"{name}: {errors[scheme]:.3f}", polar_image(scale * found)))
     return errors, cells
 
 
-def polar_picture(coefficients: F64, cell_px: int = CELL_PX, brightest: float | None = None) -> U8:
+def polar_image(coefficients: F64, cell_px: int = CELL_PX, brightest: float | None = None) -> U8:
     """Fluence in false colour, 8 stops below pi, and each cell's intensity as a polar plot.
 
     Plots are as large as the root of what they plot over `brightest`; all alike without it.

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8, shown, signed_map
+from ..app.compare.images import U8, shown, signed_map
 from ..app.compare.reference import Reference
 from ..reference.metrics import noise_floor, relmse, scene_epsilon
 from ..scene.builtin import atrium, cornell
@@ -20,7 +20,7 @@ Row = tuple[str, list[tuple[str, U8 | None]]]
 
 
 def draw(request: Request) -> Drawn:
-    """Whole pictures, indirect light alone, and where it is too bright (green) or dark (red)."""
+    """Whole images, indirect light alone, and where it is too bright (green) or dark (red)."""
     scene = cornell() if request.quick else in_clay(atrium())
     request.report("path tracing one bounce", 0.0)
     truth = traced(request, scene)

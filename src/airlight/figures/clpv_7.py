@@ -16,7 +16,7 @@ MODES: dict[str, dict[str, bool]] = {
 
 
 def draw(request: Request) -> Drawn:
-    """Whole pictures above, indirect light alone below."""
+    """Whole images above, indirect light alone below."""
     scene = cornell() if request.quick else atrium()
     images: dict[str, Image] = {}
     numbers: dict[str, Any] = {"scene": scene.name, "modes": {}}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from ..app.compare.pictures import shown
+from ..app.compare.images import shown
 from ..scene.builtin import cornell
 from ..scene.builtin.patch import Finish, placed_at
 from ..scene.builtin.solids import rectangle

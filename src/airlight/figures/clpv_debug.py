@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8
+from ..app.compare.images import U8
 from ..lpv.solver import LpvSolver
 from ..maths.colour import luminance
 from ..scene.builtin import room
 from ..techniques.technique import Technique
 from .cascades import cascades_coloured
 from .panels import Drawn, Request, renderer, sheet
-from .slices import SolvedLattice, from_texels, slice_picture
+from .slices import SolvedLattice, from_texels, slice_image
 
 CELL_PX = 16
 
@@ -75,10 +75,10 @@ def read_lattice(technique: Technique) -> SolvedLattice:
 
 def _square(lattice: SolvedLattice, across: str, index: int, brightest: float) -> U8:
     """A slice in the middle of a square ground, so that all three are drawn to one scale."""
-    picture = slice_picture(lattice, across, index, brightest=brightest, cell_px=CELL_PX)
+    image = slice_image(lattice, across, index, brightest=brightest, cell_px=CELL_PX)
     side = max(lattice.openness.shape[:3]) * CELL_PX
     square = np.full((side, side, 3), 22, dtype=np.uint8)
-    height, width = picture.shape[:2]
+    height, width = image.shape[:2]
     top, left = (side - height) // 2, (side - width) // 2
-    square[top : top + height, left : left + width] = picture
+    square[top : top + height, left : left + width] = image
     return square

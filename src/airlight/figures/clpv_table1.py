@@ -12,7 +12,7 @@ import PIL.ImageDraw
 import PIL.ImageFont
 
 from ..app.bench.frames import PAPER_LATTICE, Case, measure
-from ..app.compare.pictures import FAINT, INK, PAPER, U8
+from ..app.compare.images import FAINT, INK, PAPER, U8
 from ..scene.builtin import atrium, cornell
 from ..scene.scene import Scene
 from .clpv_7 import MODES
@@ -39,7 +39,7 @@ STAGES: dict[str, tuple[str, ...]] = {
     "Propagation": ("propagate", "pack"),
     "LPV Lookup": ("lighting",),
 }
-"""Our stages under the paper's names. Its lookup pass adds indirect light to a picture; ours
+"""Our stages under the paper's names. Its lookup pass adds indirect light to an image; ours
 computes all of a pixel's light, direct light and its shadows too."""
 KEPT = "GV Injection here: all meshes moving. Blockers of what stands still are kept and cost none."
 COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
@@ -97,7 +97,7 @@ def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, t
 
 
 def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
-    """The table as a picture."""
+    """The table as an image."""
     machines = ("GTX285", "Xbox 360", "PS3")
     lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:38], *machines)]
     for name, times in ours.items():
@@ -107,13 +107,13 @@ def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
     lines.append((KEPT, *[""] * 4))
     starts = np.cumsum([MARGIN_PX, COLUMN_PX, 2 * COLUMN_PX, COLUMN_PX, COLUMN_PX])
     height = 2 * MARGIN_PX + LINE_PX * len(lines)
-    picture = PIL.Image.new("RGB", (int(starts[-1]) + COLUMN_PX, height), PAPER)
-    pen, font = PIL.ImageDraw.Draw(picture), PIL.ImageFont.load_default(18)
+    image = PIL.Image.new("RGB", (int(starts[-1]) + COLUMN_PX, height), PAPER)
+    pen, font = PIL.ImageDraw.Draw(image), PIL.ImageFont.load_default(18)
     for row, cells in enumerate(lines):
         for start, text in zip(starts, cells, strict=True):
             place = (float(start), float(MARGIN_PX + LINE_PX * row))
             pen.text(place, text, FAINT if row in (0, len(lines) - 1) else INK, font=font)
-    return np.asarray(picture, dtype=np.uint8)
+    return np.asarray(image, dtype=np.uint8)
 
 
 def _times(values: Sequence[float]) -> str:

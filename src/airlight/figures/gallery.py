@@ -1,6 +1,6 @@
 """The gallery: one HTML file with every figure that a folder holds, its numbers and its command.
 
-Pictures are in the page itself, so that it can be sent to someone; each leads to its full size.
+Images are in the page itself, so that it can be sent to someone; each leads to its full size.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..scene.io.writing import whole_file
 from .registry import FIGURES, Figure
 
 PAGE = "index.html"
-_WIDEST_PX = 1600  # of a picture in the page
+_WIDEST_PX = 1600  # of an image in the page
 _MOST_VALUES = 12  # of a list in a table
 _STYLE = """
 article { margin: 2.5rem 0; } article img { width: 100%; height: auto; display: block; }
@@ -92,7 +92,7 @@ def _section(paper: str, title: str, drawn: Mapping[str, Any], folder: Path) -> 
 
 
 def _article(name: str, known: Figure, told: Mapping[str, Any], folder: Path) -> str:
-    picture = folder / f"{name}.png"
+    image = folder / f"{name}.png"
     beside = f"Beside {escape(known.source)}. " if known.source else ""
     rows = "".join(
         f'<tr><th scope="row">{escape(key)}</th><td>{escape(value)}</td></tr>'
@@ -101,7 +101,7 @@ def _article(name: str, known: Figure, told: Mapping[str, Any], folder: Path) ->
     shows = escape(known.shows)
     return (
         f'<article id="{name}"><h3>{escape(name)}: {shows}</h3>'
-        f'<a href="{picture.name}"><img src="{_data_url(picture)}" alt="{shows}"></a>'
+        f'<a href="{image.name}"><img src="{_data_url(image)}" alt="{shows}"></a>'
         f'<p class="faint">{beside}Drawn by <code>{escape(str(told.get("command", "")))}</code>; '
         f'numbers in <a href="{name}.json">{name}.json</a>.</p>'
         f'<details><summary>Numbers</summary><div class="scroll" tabindex="0"><table><tbody>{rows}'
@@ -138,13 +138,13 @@ def _missing(names: list[str]) -> str:
 
 
 def _data_url(path: Path) -> str:
-    """The picture as JPEG, no wider than _WIDEST_PX. Raises SceneError."""
+    """The image as JPEG, no wider than _WIDEST_PX. Raises SceneError."""
     try:
         with PIL.Image.open(io.BytesIO(read_bytes(path))) as opened:
-            picture = opened.convert("RGB")
+            image = opened.convert("RGB")
     except OSError as error:
-        raise SceneError(f"not a readable picture ({error})", where=path) from None
-    picture.thumbnail((_WIDEST_PX, 100 * _WIDEST_PX))
+        raise SceneError(f"not a readable image ({error})", where=path) from None
+    image.thumbnail((_WIDEST_PX, 100 * _WIDEST_PX))
     held = io.BytesIO()
-    picture.save(held, "JPEG", quality=90, subsampling=0)
+    image.save(held, "JPEG", quality=90, subsampling=0)
     return f"data:image/jpeg;base64,{base64.b64encode(held.getvalue()).decode('ascii')}"

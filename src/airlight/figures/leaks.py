@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8, shown
+from ..app.compare.images import U8, shown
 from ..maths.colour import luminance, srgb_encode
 from ..reference.metrics_display import displayed
 from ..scene.builtin import cornell, room
@@ -40,7 +40,7 @@ def draw(request: Request) -> Drawn:
         coarse = averaged(indirect, light)
         share = leaked_share(coarse, light)
         numbers[label] = {"leaked_over_all_indirect": share}
-        leak = leak_picture(coarse, light, stops)
+        leak = leak_image(coarse, light, stops)
         rows.append(
             (label, [("indirect light", shown(indirect, stops)), (f"leaked: {share:.1%}", leak)])
         )
@@ -70,7 +70,7 @@ def leaked_share(indirect: F32, truth: F32) -> float:
     return float(leaked(indirect, truth).sum() / max(luminance(truth).sum(), 1e-30))
 
 
-def leak_picture(indirect: F32, truth: F32, stops: float) -> U8:
+def leak_image(indirect: F32, truth: F32, stops: float) -> U8:
     """The reference dimmed to grey, what leaked in red over it; (H, W, 3)."""
     grey = 0.25 * luminance(displayed(truth, stops))
     leak = leaked(indirect, truth)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8
+from ..app.compare.images import U8
 from ..maths import lattice26
 from ..scene.checks import F64
-from .clpv_5 import peaks, polar_picture
+from .clpv_5 import peaks, polar_image
 from .panels import Drawn, Request, sheet
 
 DEPTH = 0.4  # optical depth of a hop of one cell
@@ -39,11 +39,11 @@ def draw(request: Request) -> Drawn:
     }
     brightest = float(peaks(flat(state)).max())
     cells: list[tuple[str, U8 | None]] = [
-        ("transfer functions", polar_picture(flat(_transfer()), CELL_PX))
+        ("transfer functions", polar_image(flat(_transfer()), CELL_PX))
     ]
     for label, step in steps.items():
         name = f"{label}: {float(step[..., 0].sum()):.2f}"
-        cells.append((name, polar_picture(flat(step), CELL_PX, brightest)))
+        cells.append((name, polar_image(flat(step), CELL_PX, brightest)))
     table = lattice26.hops()
     numbers: dict[str, Any] = {
         "optical_depth_of_a_cell": DEPTH,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.pictures import shown
+from ..app.compare.images import shown
 from ..reference.metrics import compare
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.image import Image

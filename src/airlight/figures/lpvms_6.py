@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..app.compare.pictures import shown
+from ..app.compare.images import shown
 from ..scene.builtin import bleeding, one_iteration, pinpoint
 from ..scene.scene import Scene
 from .clpv_6 import scores
@@ -44,7 +44,7 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
         name: rendered(request, scene, mode, technique="lpv-scatter")
         for name, mode in modes.items()
     }
-    # Light that has hardly moved leaves most of a picture black: the best one sets the exposure.
+    # Light that has hardly moved leaves most of an image black: the best one sets the exposure.
     best = list(images.values())[-1] if truth is None else truth.image
     stops = exposure_of(scene, best.radiance) + more_stops
     cells: list[Any] = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.pictures import U8, shown, signed_map
+from ..app.compare.images import U8, shown, signed_map
 from ..reference.metrics import Metrics, compare
 from ..scene.builtin import atrium_fog, foggy_room, haze_box
 from ..scene.scene import Scene

@@ -13,7 +13,7 @@ import PIL.ImageDraw
 import PIL.ImageFont
 
 from ..app.bench.frames import moved
-from ..app.compare.pictures import FAINT, INK, PAPER, U8
+from ..app.compare.images import FAINT, INK, PAPER, U8
 from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh
@@ -98,7 +98,7 @@ def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
 
 
 def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ...]]) -> U8:
-    """The table as a picture."""
+    """The table as an image."""
     head = [f"{side}^3" for side in sides]
     lines: list[tuple[str, ...]] = [
         ("Stage, ms", *(f"here {h}" for h in head), *(f"GTX480 {side}^3" for side in SIDES))
@@ -108,10 +108,10 @@ def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ..
     lines.append((device[:60], "", "", "", ""))
     starts = [MARGIN_PX + COLUMN_PX * k for k in range(5)]
     size = (MARGIN_PX + COLUMN_PX * 5, 2 * MARGIN_PX + LINE_PX * len(lines))
-    picture = PIL.Image.new("RGB", size, PAPER)
-    pen, font = PIL.ImageDraw.Draw(picture), PIL.ImageFont.load_default(18)
+    image = PIL.Image.new("RGB", size, PAPER)
+    pen, font = PIL.ImageDraw.Draw(image), PIL.ImageFont.load_default(18)
     for row, cells in enumerate(lines):
         for start, text in zip(starts, cells, strict=True):
             place = (float(start), float(MARGIN_PX + LINE_PX * row))
             pen.text(place, text, FAINT if row in (0, len(lines) - 1) else INK, font=font)
-    return np.asarray(picture, dtype=np.uint8)
+    return np.asarray(image, dtype=np.uint8)

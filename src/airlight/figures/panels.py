@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8, contact_sheet, shown
+from ..app.compare.images import U8, contact_sheet, shown
 from ..maths.colour import luminance
 from ..maths.tone import auto_exposure
 from ..scene.camera import Camera
@@ -68,9 +68,9 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A figure: its picture (H, W, 3) and what it says in numbers."""
+    """A figure: its image (H, W, 3) and what it says in numbers."""
 
-    picture: U8
+    image: U8
     numbers: dict[str, Any]
 
 
@@ -130,7 +130,7 @@ def mean_light(radiance: F32) -> float:
 
 
 def exposure_of(scene: Scene, radiance: F32) -> float:
-    """The camera's stops; where it has none, what suits the picture."""
+    """The camera's stops; where it has none, what suits the image."""
     stops = scene.camera.exposure_stops
     return float(auto_exposure(radiance)) if stops is None else stops
 
@@ -147,7 +147,7 @@ def sheet(
 
 
 def exposed(request: Request, images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
-    """Captioned radiance as captioned pictures."""
+    """Captioned radiance as captioned images."""
     return [(label, shown(radiance, stops)) for label, radiance in images]
 
 

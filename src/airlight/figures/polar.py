@@ -9,7 +9,7 @@ import PIL.Image
 import PIL.ImageDraw
 from numpy.typing import NDArray
 
-from ..app.compare.pictures import PAPER, U8
+from ..app.compare.images import PAPER, U8
 from ..scene.checks import F64
 
 TRUTH = (232, 84, 72)
@@ -19,15 +19,15 @@ _OVERSAMPLED = 2
 
 
 def polar_plots(curves: Sequence[tuple[tuple[int, int, int], F64]], side_px: int) -> U8:
-    """A square picture (side, side, 3) of plots (rows, columns, angles), rows upwards.
+    """A square image (side, side, 3) of plots (rows, columns, angles), rows upwards.
 
-    `curves`: colours, and values at equally spaced azimuths from +x towards +y of the picture. One
+    `curves`: colours, and values at equally spaced azimuths from +x towards +y of the image. One
     scale per plot, the root of the value: weak light stays visible.
     """
     rows, columns = curves[0][1].shape[:2]
     side = _OVERSAMPLED * side_px
-    picture = PIL.Image.new("RGB", (side, side), PAPER)
-    pen = PIL.ImageDraw.Draw(picture)
+    image = PIL.Image.new("RGB", (side, side), PAPER)
+    pen = PIL.ImageDraw.Draw(image)
     step = side / max(rows, columns)
     largest = np.max([np.max(values, axis=-1) for _, values in curves], axis=0)
     for row in range(rows):
@@ -43,7 +43,7 @@ def polar_plots(curves: Sequence[tuple[tuple[int, int, int], F64]], side_px: int
                     width=_OVERSAMPLED,
                     joint="curve",
                 )
-    small = picture.resize((side_px, side_px), PIL.Image.Resampling.LANCZOS)
+    small = image.resize((side_px, side_px), PIL.Image.Resampling.LANCZOS)
     return np.asarray(small, dtype=np.uint8)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.pictures import U8, contact_sheet, shown
+from ..app.compare.images import U8, contact_sheet, shown
 from ..scene.camera import Camera
 from ..scene.checks import F32, F64
 from ..scene.image import Image
@@ -35,7 +35,7 @@ def ball(g: float) -> Scene:
 
 
 def draw(request: Request) -> Drawn:
-    """Pictures and what leaves the ball towards the eye, W/sr; the 32^3 grids of the paper."""
+    """Images and what leaves the ball towards the eye, W/sr; the 32^3 grids of the paper."""
     small = Request((request.size[1], request.size[1]), request.quick, request.adapter)
     rows: list[Any] = []
     numbers: dict[str, Any] = {"radius_m": RADIUS_M, "sigma_s": SIGMA_S}
@@ -62,13 +62,13 @@ def draw(request: Request) -> Drawn:
 
 
 def seen(scene: Scene, light: F32) -> F64:
-    """Intensity (3,), W/sr, of a square picture from far away: radiance times its pixels' area."""
+    """Intensity (3,), W/sr, of a square image from far away: radiance times its pixels' area."""
     side = 2.0 * _VIEW_M * np.tan(0.5 * np.radians(scene.camera.fov_y_deg))
     return np.asarray(light.mean(axis=(0, 1), dtype=np.float64) * side**2)
 
 
 def by_monte_carlo(scene: Scene, side_px: int, g: float, photons: int) -> Image:
-    """The square picture of the ball, and its variance."""
+    """The square image of the ball, and its variance."""
     at = 2.0 * (np.arange(side_px) + 0.5) / side_px - 1.0
     away = np.hypot(at[:, None], at[None, :]) * np.tan(0.5 * np.radians(scene.camera.fov_y_deg))
     impact_m = _VIEW_M * away / np.sqrt(1.0 + away**2)

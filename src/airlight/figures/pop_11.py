@@ -30,14 +30,14 @@ def draw(request: Request) -> Drawn:
     """The plume of Fig. 11: ours, the baseline with its prefilter and without, and the truth."""
     scene = plume()
     truth = traced(request, scene)
-    pictures: dict[str, Image] = {}
+    images: dict[str, Image] = {}
     for index, (name, settings) in enumerate(POP.items()):
         if request.quick and index:
             continue
         request.report(name, index / len(POP))
-        pictures[name] = drawn(request, scene, settings)
-    first = next(iter(pictures.values()))
-    shown = {name: image.radiance for name, image in pictures.items()}
+        images[name] = drawn(request, scene, settings)
+    first = next(iter(images.values()))
+    shown = {name: image.radiance for name, image in images.items()}
     behind = first.radiance - first.layers["scattered"]
     for bands in BANDS[: 1 if request.quick else 2]:
         for prefilter in (True, False):
@@ -55,10 +55,10 @@ def draw(request: Request) -> Drawn:
     }
     stops = exposure_of(scene, first.radiance)
     captions = {k: f"{k}{off(numbers[k])}" for k in shown}
-    ours = [(captions[k], v) for k, v in shown.items() if k in pictures]
+    ours = [(captions[k], v) for k, v in shown.items() if k in images]
     if truth is not None:
         ours.append(("Monte Carlo", truth.radiance))
-    theirs = [(captions[k], v) for k, v in shown.items() if k not in pictures]
+    theirs = [(captions[k], v) for k, v in shown.items() if k not in images]
     rows = [("", exposed(request, ours, stops)), ("", exposed(request, theirs, stops))]
     return Drawn(sheet(request, "A plume beside SHDOM and Monte Carlo", rows), numbers)
 

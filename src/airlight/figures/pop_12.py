@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.pictures import contact_sheet
+from ..app.compare.images import contact_sheet
 from .panels import Drawn, Request
 from .polar import OURS, TRUTH, polar_plots
 from .pop_cube import SIGMA_S, Angular, by_beams, by_hops, truth
@@ -36,9 +36,9 @@ def draw(request: Request) -> Drawn:
             rows[name].append((f"g = {g}: off by {error:.2f}", plot))
             told[name] = mine.scores(true)
         numbers[f"g {g}"] = told
-    picture = contact_sheet(
+    image = contact_sheet(
         "Directions of scattered light in a cube; Monte Carlo red, ours blue",
         list(rows.items()),
         cell_width_px=side,
     )
-    return Drawn(picture, numbers)
+    return Drawn(image, numbers)

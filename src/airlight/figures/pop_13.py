@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.pictures import contact_sheet
+from ..app.compare.images import contact_sheet
 from .panels import Drawn, Request
 from .polar import OURS, TRUTH, polar_plots
 from .pop_cube import Angular, by_beams, by_hops, truth
@@ -42,5 +42,5 @@ def draw(request: Request) -> Drawn:
         rows.append((f"{name}, {unit}", cells))
         numbers[name] = {unit: told}
     numbers["paper"]["scaled_by"] = scale
-    picture = contact_sheet("Convergence at g = 0.7", rows, cell_width_px=side)
-    return Drawn(picture, numbers)
+    image = contact_sheet("Convergence at g = 0.7", rows, cell_width_px=side)
+    return Drawn(image, numbers)

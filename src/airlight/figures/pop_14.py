@@ -27,7 +27,7 @@ def draw(request: Request) -> Drawn:
     numbers: dict[str, Any] = {"g": 0.9}
     stops = 0.0
     for row, (way, settings) in enumerate(WAYS.items()):
-        pictures: list[Any] = []
+        images: list[Any] = []
         told: dict[str, dict[str, Any]] = {}
         for index, count in enumerate(ORDINATES[: 2 if request.quick else None]):
             done = row / len(WAYS) + index / len(WAYS) / len(ORDINATES)
@@ -38,8 +38,8 @@ def draw(request: Request) -> Drawn:
             told[str(count)] = dict(found)
             if row == 0:
                 told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
-            pictures.append((f"{count}{off(found)}", image.radiance))
-        rows.append((way, exposed(request, pictures, stops)))
+            images.append((f"{count}{off(found)}", image.radiance))
+        rows.append((way, exposed(request, images, stops)))
         numbers[way] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))

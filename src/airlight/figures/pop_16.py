@@ -32,18 +32,18 @@ def puff(time_s: float) -> Scene:
 
 def draw(request: Request) -> Drawn:
     """Frames half a second apart, and how unsteady the light is between frames 40 ms apart."""
-    pictures: list[tuple[str, F32]] = []
+    images: list[tuple[str, F32]] = []
     quick = QUICK_POP if request.quick else {}
     with renderer(request, puff(0.0), quick, technique="pop") as made:
         for time_s in SHOWN_S[: 1 if request.quick else None]:
-            pictures.append((f"{time_s} s", _frame(made, puff(time_s))))
+            images.append((f"{time_s} s", _frame(made, puff(time_s))))
         series = [
             luminance(_frame(made, puff(STEP_S * k))) for k in range(3 if request.quick else STEPS)
         ]
         spent = made.frame_ms[1:]
-    stops = exposure_of(puff(0.0), pictures[0][1])
+    stops = exposure_of(puff(0.0), images[0][1])
     numbers = {"frame_ms": float(np.median(spent)), "step_s": STEP_S, **steadiness(series)}
-    row = [("plume", exposed(request, pictures, stops))]
+    row = [("plume", exposed(request, images, stops))]
     return Drawn(sheet(request, "A plume in motion", row), numbers)
 
 
@@ -55,7 +55,7 @@ def _frame(made: Any, scene: Scene) -> F32:
 
 
 def steadiness(series: list[F64]) -> dict[str, float]:
-    """Of pictures at equal times: mean change from one to the next, and jerk, what is not even.
+    """Of images at equal times: mean change from one to the next, and jerk, what is not even.
 
     Both relative to the mean light. Jerk is the second difference: 0 for light that changes evenly.
     """

@@ -21,23 +21,23 @@ def draw(request: Request) -> Drawn:
     """The builtin smoke in its court: ours, without surfaces' light, with bounces, and alone."""
     scene = smoke()
     truth = traced(request, scene)
-    pictures = {}
+    images = {}
     for index, (name, (technique, settings)) in enumerate(WAYS.items()):
         request.report(name, index / len(WAYS))
         quick = known(technique, {**QUICK, **QUICK_POP}) if request.quick else {}
-        pictures[name] = rendered(request, scene, {**quick, **settings}, technique=technique)
+        images[name] = rendered(request, scene, {**quick, **settings}, technique=technique)
     alone = dataclasses.replace(scene, meshes=())
     quick = dict(QUICK_POP) if request.quick else {}
-    pictures["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
-    stops = exposure_of(scene, pictures["pop"].radiance)
-    numbers: dict[str, Any] = {name: errors(pictures[name].radiance, truth) for name in WAYS}
+    images["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
+    stops = exposure_of(scene, images["pop"].radiance)
+    numbers: dict[str, Any] = {name: errors(images[name].radiance, truth) for name in WAYS}
     told = {
         name: float(i.layers["scattered"].mean())
-        for name, i in pictures.items()
+        for name, i in images.items()
         if "scattered" in i.layers
     }
     numbers["mean_scattered"] = told
-    cells: list[Any] = [(name, image.radiance) for name, image in pictures.items()]
+    cells: list[Any] = [(name, image.radiance) for name, image in images.items()]
     if truth is not None:
         cells.insert(3, ("Monte Carlo", truth.radiance))
     rows = [("smoke", exposed(request, part, stops)) for part in (cells[:2], cells[2:4], cells[4:])]

@@ -20,14 +20,14 @@ def draw(request: Request) -> Drawn:
         request.report(f"g = {g}", index / len(chosen))
         scene = slab(g)
         truth = traced(request, scene)
-        pictures = {
+        images = {
             "points": drawn(request, scene, {"prefilter": False}),
             "prefiltered": drawn(request, scene),
         }
         if index == 0:
-            stops = exposure_of(scene, pictures["prefiltered"].radiance)
-        told = {name: scores(image, truth) for name, image in pictures.items()}
-        for name, image in pictures.items():
+            stops = exposure_of(scene, images["prefiltered"].radiance)
+        told = {name: scores(image, truth) for name, image in images.items()}
+        for name, image in images.items():
             caption = f"g = {g}{off(told[name])}"
             rows[name] += exposed(request, [(caption, image.radiance)], stops)
         if truth is not None:

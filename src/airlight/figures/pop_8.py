@@ -1,4 +1,4 @@
-"""What the isotropic residuum saves at an unchanged picture (Elek2014 Fig. 8)."""
+"""What the isotropic residuum saves at an unchanged image (Elek2014 Fig. 8)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _SOLVING = (
     "pop diffuse",
 )
 _QUICK: Mapping[str, Any] = {"grid": 6, "ordinates": 4, "iterations": 4}
-_TIMED_SIZE_PX = (64, 36)  # what solves does not depend on the picture
+_TIMED_SIZE_PX = (64, 36)  # what solves does not depend on the image
 _ROUNDS = 2
 
 

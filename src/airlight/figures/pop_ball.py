@@ -2,7 +2,7 @@
 
 What leaves a ball depends on one number: how far from the middle its line passes, the impact
 parameter b, which a photon's last straight way already has. All photons that leave are counted
-into rings of b, so that few of them make a picture without visible noise.
+into rings of b, so that few of them make an image without visible noise.
 """
 
 from __future__ import annotations

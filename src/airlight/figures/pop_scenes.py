@@ -151,12 +151,12 @@ def traced(request: Request, scene: Scene) -> Image | None:
     return layers["all"]
 
 
-def as_large_as(picture: F32, truth: Image) -> F32:
-    """The picture, averaged over the pixels of a truth of half its size."""
+def as_large_as(image: F32, truth: Image) -> F32:
+    """The image, averaged over the pixels of a truth of half its size."""
     height, width = truth.radiance.shape[:2]
-    if picture.shape[:2] == (height, width):
-        return picture
-    return np.asarray(picture.reshape(height, 2, width, 2, 3).mean(axis=(1, 3)))
+    if image.shape[:2] == (height, width):
+        return image
+    return np.asarray(image.reshape(height, 2, width, 2, 3).mean(axis=(1, 3)))
 
 
 def errors(image: F32, truth: Image | None) -> dict[str, float]:
@@ -172,7 +172,7 @@ def errors(image: F32, truth: Image | None) -> dict[str, float]:
 
 
 def scores(image: Image, truth: Image | None) -> dict[str, dict[str, float]]:
-    """`errors` of the whole picture, and of the light that media scatter: `scattered_errors`."""
+    """`errors` of the whole image, and of the light that media scatter: `scattered_errors`."""
     light = image.layers["scattered"]
     through = image.layers["transmittance"]
     return {
@@ -187,7 +187,7 @@ def scattered_errors(
     """`errors` of scattered `light` over blocks of pixels, where less than all comes `through`.
 
     Blocks, because single pixels of Monte Carlo in air are noise. What surfaces and map show
-    through the media, `behind`, is taken from our own picture; blocks where that is a sun, four
+    through the media, `behind`, is taken from our own image; blocks where that is a sun, four
     times brighter than what most of the air scatters, are left out: its noise would decide.
     """
     if truth is None:
@@ -216,17 +216,17 @@ def off(found: Mapping[str, Mapping[str, float]]) -> str:
     return f": off by {light['relative_l2']:.2f} (noise {light['noise_floor_l2']:.2f})"
 
 
-def _in_blocks(picture: F32) -> F32:
+def _in_blocks(image: F32) -> F32:
     """Means (rows, columns, 3) of squares of pixels; what is left over at the edges is cut off."""
     n = _BLOCK_PX
-    height, width = (length // n for length in picture.shape[:2])
-    cut = picture[: height * n, : width * n]
+    height, width = (length // n for length in image.shape[:2])
+    cut = image[: height * n, : width * n]
     means = cut.reshape(height, n, width, n, -1).mean(axis=(1, 3))
     return np.asarray(means, dtype=np.float32)
 
 
 def away(image: F32, other: F32) -> float:
-    """Relative L2 of a picture from another."""
+    """Relative L2 of an image from another."""
     return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))
 
 

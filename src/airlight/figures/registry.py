@@ -109,17 +109,17 @@ def figure(name: str) -> Figure:
 
 
 def keep(name: str, drawn: Drawn, about: dict[str, Any], folder: Path) -> Path:
-    """Write NAME.png and NAME.json into `folder`, each whole or not at all; returns the picture.
+    """Write NAME.png and NAME.json into `folder`, each whole or not at all; returns the image.
 
     Raises OutputError.
     """
-    from ..app.compare.pictures import png_bytes
+    from ..app.compare.images import png_bytes
     from ..app.outputs import write_json
     from ..scene.io.writing import whole_file
 
     path = folder / f"{name}.png"
     with whole_file(path) as part:
-        part.write_bytes(png_bytes(drawn.picture))
+        part.write_bytes(png_bytes(drawn.image))
     known = FIGURES[name]
     told = {"figure": name, "shows": known.shows, "beside": known.source, "picture": path.name}
     write_json({**told, **about, "numbers": drawn.numbers}, folder / f"{name}.json")

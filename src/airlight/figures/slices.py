@@ -1,6 +1,6 @@
 """A solved lattice cut open: fluence in false colour, its direction, and the walls between cells.
 
-Arrays of lattices are (Z, Y, X, ...). A slice is across one axis; its rows go up the picture:
+Arrays of lattices are (Z, Y, X, ...). A slice is across one axis; its rows go up the image:
 
 across "x"   right +z, up +y        across "y"   right +x, up -z (a plan)
 across "z"   right +x, up +y
@@ -14,7 +14,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..app.compare.pictures import U8, heat
+from ..app.compare.images import U8, heat
 from ..maths.colour import luminance
 from ..maths.lattice6 import LOOKUP_SCALE
 from ..scene.checks import F32, F64
@@ -78,7 +78,7 @@ def cut(volume: F64, across: str, index: int) -> F64:
     return volume[index, ::-1]
 
 
-def slice_picture(
+def slice_image(
     lattice: SolvedLattice, across: str, index: int, *, brightest: float, cell_px: int = 16
 ) -> U8:
     """Luminance of the fluence on a scale of stops below `brightest` (W m^-2), walls, arrows.
@@ -107,7 +107,7 @@ def _in_slice(vectors: F64, across: str, index: int) -> tuple[F64, F64]:
     """Components (right, up) of world vectors (Z, Y, X, 3)."""
     right, up = AXES[across]
     plane = cut(vectors, across, index)
-    # The plan's picture has -z at its top.
+    # The plan's image has -z at its top.
     sign = -1.0 if across == "y" else 1.0
     return plane[..., 0 if across == "y" else right], sign * plane[..., 2 if across == "y" else up]
 
@@ -153,6 +153,6 @@ def arrows(vectors: F64, cell_px: int) -> F64:
 
 
 def _joined(cells: F64) -> F64:
-    """(rows, columns, h, w) as one picture (rows h, columns w)."""
+    """(rows, columns, h, w) as one image (rows h, columns w)."""
     rows, columns, h, w = cells.shape
     return cast(F64, cells.swapaxes(1, 2).reshape(rows * h, columns * w))

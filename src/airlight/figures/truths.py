@@ -1,4 +1,4 @@
-"""Path-traced panels: half a panel's size, without grain in pictures, scored as they are."""
+"""Path-traced panels: half a panel's size, without grain in images, scored as they are."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def truth_of(request: Request, scene: Scene) -> Reference | None:
 
 
 def noise_l2(truth: Reference, layer: str) -> float:
-    """The relative L2 that a perfect picture of a layer would score because the truth is noisy."""
+    """The relative L2 that a perfect image of a layer would score because the truth is noisy."""
     light, variance = (truth.image.layers[layer + end] for end in ("", "_variance"))
     each = variance if variance.ndim == light.ndim else variance[..., None]
     noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))
@@ -68,7 +68,7 @@ def averaged(pixels: F32, truth: F32) -> F32:
 
 
 def as_large_as(image: Image, truth: F32) -> Image:
-    """The picture and its layers, averaged alike."""
+    """The image and its layers, averaged alike."""
     layers = {name: averaged(pixels, truth) for name, pixels in image.layers.items()}
     return dataclasses.replace(image, radiance=averaged(image.radiance, truth), layers=layers)
 
@@ -86,7 +86,7 @@ def without_grain(truth: Reference, guide: Image) -> F32:
 
 
 def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
-    """A path tracer's light without its grain, for pictures alone: scores take it as it is.
+    """A path tracer's light without its grain, for images alone: scores take it as it is.
 
     The mean (H, W, 3) over pixels near by that show the same surface in `guide`, by its normals
     and depths. What sparks have beyond `SPARK` is spread so wide that they leave no mark.

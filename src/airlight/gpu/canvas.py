@@ -1,4 +1,4 @@
-"""The texture of a window, a browser's picture or a notebook's, to draw into; and imgui on it."""
+"""The texture of a window, a browser's image or a notebook's, to draw into; and imgui on it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class CanvasSurface:
         self.format = self._configured(gpu, preferred)
 
     def _configured(self, gpu: Gpu, preferred: str) -> str:
-        # Our pictures are encoded already; a plain format takes them as they are.
+        # Our images are encoded already; a plain format takes them as they are.
         plain = preferred.removesuffix("-srgb")
         for format in dict.fromkeys((plain, preferred)):
             try:

@@ -1,4 +1,4 @@
-"""Render passes: over meshes with vertex buffers, or over the whole picture."""
+"""Render passes: over meshes with vertex buffers, or over the whole image."""
 
 from __future__ import annotations
 

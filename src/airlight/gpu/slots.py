@@ -54,7 +54,7 @@ def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
     """The same slots for a software driver, their uniforms read-only storage.
 
     Mesa's lavapipe clones a shader that branches on uniforms at every dispatch, to inline their
-    values, and keeps the clones (4 MB a picture): storage buffers it leaves alone.
+    values, and keeps the clones (4 MB an image): storage buffers it leaves alone.
     """
     return tuple(_from_storage(slot) if slot.is_dynamic else slot for slot in slots)
 

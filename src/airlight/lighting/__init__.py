@@ -2,5 +2,5 @@
 
 lights      shadow maps, the light table, the environment      sky       skylight and its bounce
 lighting    the pass that adds it all up                       view      a camera's textures
-accumulate  the mean of jittered pictures                       places    lookups that are kept
+accumulate  the mean of jittered images                       places    lookups that are kept
 """

@@ -1,4 +1,4 @@
-"""The mean of jittered pictures: anti-aliased stills."""
+"""The mean of jittered images: anti-aliased stills."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ..gpu.slots import storage, texture, uniform
 
 
 class AccumulateParams(Struct):
-    """The picture's size and the new picture's weight."""
+    """The image's size and the new image's weight."""
 
     size = vec2u("px")
-    weight = f32("of the new picture; 1 starts anew")
+    weight = f32("of the new image; 1 starts anew")
 
 
 class _Add(ComputePass):
     slots = (
         uniform("params", AccumulateParams),
-        texture("picture", "2d", "unfilterable-float"),
+        texture("image", "2d", "unfilterable-float"),
         storage("mean", "vec4f", "read_write"),
     )
     workgroup = (32, 8, 1)
@@ -38,13 +38,11 @@ class Accumulator:
         self._add = _Add(gpu)
         self._means = {name: Buffer(gpu, f"mean {name}", size[0] * size[1] * 16) for name in names}
 
-    def encode(self, commands: Commands, pictures: dict[str, Texture], index: int) -> None:
-        """Fold in the picture number `index` (0 starts anew) of every name."""
+    def encode(self, commands: Commands, images: dict[str, Texture], index: int) -> None:
+        """Fold in the image number `index` (0 starts anew) of every name."""
         params = AccumulateParams(size=self.size, weight=1.0 / (index + 1))
         for name, mean in self._means.items():
-            self._add.dispatch(
-                commands, self.size, params=params, picture=pictures[name], mean=mean
-            )
+            self._add.dispatch(commands, self.size, params=params, image=images[name], mean=mean)
 
     def read(self, name: str) -> NDArray[np.float32]:
         """(H, W, 4): the mean so far."""

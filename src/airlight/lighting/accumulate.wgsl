@@ -3,7 +3,7 @@
         return;
     }
     let index = id.y * params.size.x + id.x;
-    let value = textureLoad(picture, vec2i(id.xy), 0);
+    let value = textureLoad(image, vec2i(id.xy), 0);
     if (params.weight >= 1.0) {
         mean[index] = value;
     } else {

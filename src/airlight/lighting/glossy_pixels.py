@@ -1,7 +1,7 @@
 """What glossy pixels mirror, on software drivers: listed by lighting, followed by themselves.
 
 Such drivers run both sides of every branch, so that a walk along mirrored rays within lighting
-costs every pixel of the picture what it costs the glossy ones.
+costs every pixel of the image what it costs the glossy ones.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
-    """Whether a device lets a list hold all pixels of a picture."""
+    """Whether a device lets a list hold all pixels of an image."""
     limits = ("max-buffer-size", "max-storage-buffer-binding-size")
     return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
 
@@ -39,7 +39,7 @@ class _Mirrored(ComputePass):
 
 
 class GlossyPixels:
-    """The list of a picture's glossy pixels, and their mirrored light."""
+    """The list of an image's glossy pixels, and their mirrored light."""
 
     def __init__(self, gpu: Gpu, lattices: LatticeLight) -> None:
         """As for `Lighting`."""
@@ -52,7 +52,7 @@ class GlossyPixels:
         self._listed: Buffer | None = None
 
     def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
-        """The empty list for a picture of `size`, pixels, by the slot names of `Lighting`."""
+        """The empty list for an image of `size`, pixels, by the slot names of `Lighting`."""
         nbytes = _ENTRY_BYTES * size[0] * size[1]
         if self._listed is None or self._listed.nbytes != nbytes:
             if self._listed is not None:

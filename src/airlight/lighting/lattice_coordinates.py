@@ -1,7 +1,7 @@
 """Where surfaces look a lattice up, and the sky's light on them: kept on software drivers.
 
-Both follow from the picture's surfaces, the lattice's walls and the sky alone, and are a third of
-the time of the lattice's light. A second picture with the same of them keeps them; a picture like
+Both follow from the image's surfaces, the lattice's walls and the sky alone, and are a third of
+the time of the lattice's light. A second image with the same of them keeps them; an image like
 none before looks up as it goes, to the same bits.
 """
 
@@ -45,7 +45,7 @@ class _CoordinatesPass(FullscreenPass):
 
 
 class LatticeCoordinates:
-    """Of one picture and one lattice."""
+    """Of one image and one lattice."""
 
     def __init__(self, gpu: Gpu, lattices: LatticeLight, gloss: Gloss) -> None:
         """As for `Lighting`."""
@@ -63,7 +63,7 @@ class LatticeCoordinates:
     def encode(
         self, commands: Commands, size: tuple[int, int], key: Hashable, values: dict[str, Any]
     ) -> dict[str, Texture] | None:
-        """What "cached" `Lighting` binds; None for a first picture of that `size` (pixels) and
+        """What "cached" `Lighting` binds; None for a first image of that `size` (pixels) and
         `key`. `values` as `Lighting` draws them.
         """
         before, self._last = self._last, (size, key)

@@ -1,4 +1,4 @@
-"""Occlusion by what stands nearer than a lattice resolves, and its light, from the picture itself.
+"""Occlusion by what stands nearer than a lattice resolves, and its light, from the image itself.
 
 Lattices smooth light over a cell, so surfaces beside a sunlit strip would stay dark: what a lattice
 has coming from the hidden directions is taken away, and what the occluders show of their light is
@@ -7,7 +7,7 @@ put in its place. Each rise of a horizon has the light of the sample that raised
 Horizons are searched in slices through the direction to the eye, and the cosine-weighted
 openness between them is exact (GTAO, Jimenez2016). Rotation and offset of the samples follow the
 paper's 4 x 4 pattern, and the mean over 4 x 4 texels of about the same depth takes it out.
-differs: Jimenez2016 adds a temporal pattern; here a picture depends on nothing but the scene.
+differs: Jimenez2016 adds a temporal pattern; here an image depends on nothing but the scene.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _CPU_SCALE, _GPU_SCALE = 2, 1
 class OcclusionParams(Struct):
     """Rays through pixels, from the eye and one metre deep, and how far to look."""
 
-    corner = vec3f("m, through the picture's upper left corner")
+    corner = vec3f("m, through the image's upper left corner")
     depth_scale = f32("m^-1, inverse distance along the view axis per unit of depth")
     right = vec3f("m px^-1")
     radius = f32("m")
@@ -72,7 +72,7 @@ class OcclusionLayers:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
-        """For a picture of `size`; `scale`: pixels along one side of a texel, if not the usual."""
+        """For an image of `size`; `scale`: pixels along one side of a texel, if not the usual."""
         self.size, self.scale = size, scale or (_CPU_SCALE if gpu.takes_cpu_paths else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
@@ -143,7 +143,7 @@ def occlusion_params(
     growth: float = 0.0,
     largest: float = 0.0,
 ) -> OcclusionParams:
-    """The picture's rays from its matrix (reversed infinite depth), and `radius` in metres."""
+    """The image's rays from its matrix (reversed infinite depth), and `radius` in metres."""
     width, height = layers.size
     corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
     return OcclusionParams(

@@ -1,4 +1,4 @@
-// Horizons around each texel of the picture as `occlusion_surfaces` hands it on.
+// Horizons around each texel of the image as `occlusion_surfaces` hands it on.
 //! use occlusion
 //! use near_field_texel
 //! use image_texel
@@ -16,7 +16,7 @@ const REACH = 1.35;
 // More samples near the point than far from it, where detail matters less.
 const SPREAD = 2.0;
 const NEAREST_PX = 1.3;         // nearer samples show the surface itself
-const LARGEST_RADIUS = 0.25;    // of the picture's height: neighbours in memory stay near
+const LARGEST_RADIUS = 0.25;    // of the image's height: neighbours in memory stay near
 const LEAST_FACING = 0.05;      // cosine between a normal and the direction to the eye
 const OFFSET = 1e-4;           // of the distance to the eye, towards it: depths are not exact
 
@@ -46,7 +46,7 @@ struct Sample {
     light: vec3f,       // W m^-2 sr^-1
 }
 
-// Beyond the picture's border, the pixel at it.
+// Beyond the image's border, the pixel at it.
 fn at_pixel(pixel: vec2i) -> Sample {
     let inside = vec2u(clamp(pixel, vec2i(0), vec2i(params.size) - 1));
     let inverse = params.depth_scale * depth_texel(depth, inside);
@@ -120,7 +120,7 @@ fn searched(s: Slice, before: Horizons, right: Sample, left: Sample) -> Horizons
     return Horizons(all, vec2f(plus.y, minus.y), now);
 }
 
-// The slice that looks along `across` (unit) in the picture.
+// The slice that looks along `across` (unit) in the image.
 fn slice_along(across: vec2f, p: vec3f, v: vec3f, n: vec3f) -> Slice {
     let along = normalize(across.x * params.right + across.y * params.down);
     let tangent = along - dot(along, v) * v;

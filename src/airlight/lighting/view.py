@@ -1,4 +1,4 @@
-"""One camera's picture: its matrices and the textures that passes write."""
+"""One camera's image: its matrices and the textures that passes write."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NEAR_M = 0.01
 
 
 class View:
-    """G-buffer and radiance of one picture; `aim` sets the camera before each."""
+    """G-buffer and radiance of one image; `aim` sets the camera before each."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.size = size
@@ -41,7 +41,7 @@ class View:
     def aim(
         self, camera: Camera, jitter_px: tuple[float, float] = (0.0, 0.0), sample: int = 0
     ) -> None:
-        """Look through `camera`, the picture moved by `jitter_px`; it is the still's `sample`."""
+        """Look through `camera`, the image moved by `jitter_px`; it is the still's `sample`."""
         self.sample, self.camera = sample, camera
         aim = (camera, jitter_px, self.size)
         if aim == self._aimed:
@@ -56,7 +56,7 @@ class View:
         self.eye = camera.position
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self.size = size
         self.gbuffer.resize(size)
         self._sized.release()

@@ -38,7 +38,7 @@ def r2_sequence(count: int, start: int = 0) -> F64:
 def pixel_jitter(count: int) -> F64:
     """Offsets (count, 2), pixels from the centre, for anti-aliasing; a single one is (0, 0).
 
-    The first `count` R2 points with their mean taken off, so that the picture does not shift;
+    The first `count` R2 points with their mean taken off, so that the image does not shift;
     that moves a few points out of [-1/2, 1/2) by less than 2/count.
     """
     points = r2_sequence(count)

@@ -160,7 +160,7 @@ def display_srgb8(
     """8-bit sRGB (H, W, 3) of linear radiance (H, W, 3) W m^-2 sr^-1.
 
     `tone_map` names the curve. With `dither` a fixed pattern of at most half a code value hides
-    the bands of smooth skies; the same for every picture, and for all colours, so that grey stays
+    the bands of smooth skies; the same for every image, and for all colours, so that grey stays
     grey. Non-finite pixels become 0. Raises ValueError for an unknown curve.
     """
     pixels = np.asarray(radiance)
@@ -182,7 +182,7 @@ def auto_exposure(radiance: ArrayLike, key: float = MIDDLE_GREY) -> float:
     """Stops that bring the log-average luminance of radiance (..., 3) to `key`.
 
     Black and non-finite pixels are left out, as are the darkest 5% and the brightest 2% of the
-    rest: the sky's black or a lamp must not decide. A black picture gets 0.
+    rest: the sky's black or a lamp must not decide. A black image gets 0.
     Source: Reinhard et al. 2002, eq. 1, with percentile clipping.
     """
     y = luminance(radiance).ravel()

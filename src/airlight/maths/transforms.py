@@ -71,7 +71,7 @@ def clip_from_view_orthographic(low: Vector, high: Vector) -> F64:
 
 
 def jittered(clip_from_view: F64, offset_px: Vector, size_px: tuple[int, int]) -> F64:
-    """The projection with the picture moved by `offset_px` (x right, y down)."""
+    """The projection with the image moved by `offset_px` (x right, y down)."""
     shift = np.eye(4)
     shift[0, 3] = 2.0 * offset_px[0] / size_px[0]
     shift[1, 3] = -2.0 * offset_px[1] / size_px[1]

@@ -1,7 +1,7 @@
 """What a camera sees of light from everywhere: importance, light that the eye sends out.
 
 Elek2014 section 5.2. Importance enters the air along the eye's rays, scatters as light does and
-leaves towards the sky; where it leaves says which parts of the sky matter to the picture. It hops
+leaves towards the sky; where it leaves says which parts of the sky matter to the image. It hops
 in a grid that is warped into the view, as light does in `ordinate_hops`. Everything follows
 smoothly from the camera and the air: nothing is remembered between frames.
 """
@@ -57,7 +57,7 @@ class ViewGrid:
 
 
 def view_grid(view: Frustum, extent: F64) -> ViewGrid | None:
-    """None where the box is not in the picture."""
+    """None where the box is not in the image."""
     window = _window(view, extent)
     if window is None:
         return None
@@ -106,7 +106,7 @@ class Lobes:
 
 
 def scattered_importance(grid: ViewGrid, air: MediumGrid) -> Lobes:
-    """Of a picture whose pixels all matter alike. `air` has one channel."""
+    """Of an image whose pixels all matter alike. `air` has one channel."""
     inside = np.all((grid.centres >= 0.0) & (grid.centres <= air.extent), axis=-1)
     density = np.where(inside, trilinear(air.density, grid.centres / air.cell), 0.0)
     here = MediumGrid(air.extent, density, density, air.sigma_t, air.albedo, air.g)

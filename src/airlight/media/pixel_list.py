@@ -16,7 +16,7 @@ _ENTRY_BYTES = 16
 
 
 class RedrawParams(Struct):
-    """Which pixels of a picture from reduced texels are drawn anew."""
+    """Which pixels of an image from reduced texels are drawn anew."""
 
     contrast = f32("(most - least)/most among a pixel's texels, beyond which they are")
     group = u32("pixels that a group of the drawing pass takes")
@@ -38,7 +38,7 @@ class PixelList:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        """`size` of the picture, pixels: all of them may be listed."""
+        """`size` of the image, pixels: all of them may be listed."""
         self.gpu = gpu
         self.found = Buffer(gpu, "differing pixels", 16)
         self.groups = Buffer(gpu, "groups of them", 16, indirect=True)
@@ -50,7 +50,7 @@ class PixelList:
         self.chosen = Buffer(self.gpu, "list of them", _ENTRY_BYTES * size[0] * size[1])
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self.chosen.release()
         self._make(size)
 

@@ -1,6 +1,6 @@
-"""Which eye ray each texel of a full or reduced picture stands for, and how far it goes.
+"""Which eye ray each texel of a full or reduced image stands for, and how far it goes.
 
-A texel of a reduced picture takes one pixel of its block as it is. Where the block's depths
+A texel of a reduced image takes one pixel of its block as it is. Where the block's depths
 differ, texels take the nearest and the farthest in turn (as on a chessboard), so that both sides
 of an edge are there for the upsampling.
 """
@@ -19,14 +19,14 @@ RESOLUTIONS = {"full": 1, "half": 2, "quarter": 4}
 
 
 class RayParams(Struct):
-    """The camera, and the sizes of the picture and of the reduced one."""
+    """The camera, and the sizes of the image and of the reduced one."""
 
     world_from_clip = mat4x4f()
     eye = vec3f("m")
     scale = u32("pixels along one side of a texel")
     size = vec2u("px")
     reduced = vec2u("px")
-    frame = u32("number of the picture, for noise")
+    frame = u32("number of the image, for noise")
 
 
 class _Rays(FullscreenPass):
@@ -53,7 +53,7 @@ class Rays:
         self.picked = Texture(self.gpu, "picked rays", self.reduced, "rg32float", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self.picked.release()
         self._set_size(size)
 

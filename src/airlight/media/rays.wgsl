@@ -18,7 +18,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     let size = vec2f(rays.size);
     let first = id * rays.scale;
     let middle = rays.scale / 2u;
-    // Directions are linear over the picture; see pixel_direction.
+    // Directions are linear over the image; see pixel_direction.
     let corner = pixel_direction(rays.world_from_clip, vec2f(first) + 0.5, size);
     let right = rays.world_from_clip[0].xyz * (2.0 / size.x);
     let down = rays.world_from_clip[1].xyz * (-2.0 / size.y);
@@ -26,7 +26,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     let per_pixel = 1.0 / size;
     var nearest = vec2f(2.0 * EYE_RAY_FAR, 0.0);
     var farthest = vec2f(-1.0, 0.0);
-    var chosen = vec2f(-1.0, 0.0);      // the middle one, where the picture has it
+    var chosen = vec2f(-1.0, 0.0);      // the middle one, where the image has it
     // Tested at its end: software drivers run a body once more than a test before it lets through.
     var index = 0u;
     loop {

@@ -30,7 +30,7 @@ class MediaSettings:
         0.1,
         "between the texels of reduced single scattering that a pixel is made of, beyond which "
         "it is drawn anew; 0: everywhere, 1: nowhere; below 1 also everywhere where texels are so "
-        "coarse, in small pictures, that shafts fit between them",
+        "coarse, in small images, that shafts fit between them",
         low=0.0,
         high=1.0,
     )

@@ -1,7 +1,7 @@
 """The truth, by ways that share no code with the techniques they judge.
 
 mitsuba      any scene, path traced          tracer    fluence, exits, directions in a box of air
-quadrature   exact and numerical answers     metrics   how far a picture is from the truth
+quadrature   exact and numerical answers     metrics   how far an image is from the truth
 
 Imports scene and maths only. Mitsuba, Numba and FLIP come with the `reference` extra and are
 imported when they are used; without them a ReferenceFailure says what to install.
@@ -20,7 +20,7 @@ __all__ = ["compare", "render"]
 
 
 def render(scene: Scene, **options: Any) -> Image:
-    """The unbiased picture of a scene by Mitsuba, with its variance in layers["variance"].
+    """The unbiased image of a scene by Mitsuba, with its variance in layers["variance"].
 
     Options are those of `airlight.reference.mitsuba.render`: spp, size, ...
     Raises ReferenceFailure where Mitsuba is missing, refuses the scene, or fails.
@@ -31,10 +31,10 @@ def render(scene: Scene, **options: Any) -> Image:
 
 
 def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metrics:
-    """Score a picture and its layers against a reference: see `metrics.Metrics`.
+    """Score an image and its layers against a reference: see `metrics.Metrics`.
 
-    Raises ReferenceFailure for pictures of different sizes or with NaN.
+    Raises ReferenceFailure for images of different sizes or with NaN.
     """
-    from .metrics import compare as compare_pictures
+    from .metrics import compare as compare_images
 
-    return compare_pictures(image, reference, perceptual=perceptual)
+    return compare_images(image, reference, perceptual=perceptual)

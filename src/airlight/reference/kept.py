@@ -1,6 +1,6 @@
-"""References small enough to keep: half-float pictures with their noise.
+"""References small enough to keep: half-float images with their noise.
 
-A file holds the whole picture, the layers `direct`, `one_bounce` and `indirect` (all bounces),
+A file holds the whole image, the layers `direct`, `one_bounce` and `indirect` (all bounces),
 and of each its standard error, averaged over colours, as `NAME_error` (`error` of the whole):
 variances are too small for half floats, their roots are not.
 """

@@ -1,4 +1,4 @@
-"""How far a picture is from the truth, in numbers, and how far the truth itself can be trusted.
+"""How far an image is from the truth, in numbers, and how far the truth itself can be trusted.
 
 >>> metrics = compare(image, reference)
 >>> metrics.relmse, metrics.black.relmse, metrics.noise_floor, metrics.layers["indirect"].relmse
@@ -30,19 +30,19 @@ FIXED_EPSILON = 1e-2  # W^2 m^-4 sr^-2, as much of the literature has it
 
 @dataclass(frozen=True, eq=False)
 class Metrics(Mapping[str, Any]):
-    """Scores of one picture, or of one layer of it, against the reference.
+    """Scores of one image, or of one layer of it, against the reference.
 
     `relmse`: mean of (I - R)^2/(R^2 + epsilon) over pixels and channels, with `epsilon` = 1e-4
-    of the squared mean luminance of the whole reference picture, for its layers too;
+    of the squared mean luminance of the whole reference image, for its layers too;
     `relmse_fixed` with `epsilon_fixed` = 1e-2. A few pixels that are black in the reference and
-    lit in the picture can rule it; `relative_l2`, the root of sum (I - R)^2 over sum R^2, has the
+    lit in the image can rule it; `relative_l2`, the root of sum (I - R)^2 over sum R^2, has the
     bright ones rule. `signed_error`: mean of I - R, W m^-2 sr^-1.
     `energy_ratio`: sum of I over sum of R. `psnr_db`, `ssim`, `flip`, `hdr_flip`: of the
-    picture on a display at `exposure_stops`, see metrics_display. `noise_floor`, `noise_floor_l2`:
-    the relmse and relative_l2 that a perfect picture would score because the reference is noisy;
+    image on a display at `exposure_stops`, see metrics_display. `noise_floor`, `noise_floor_l2`:
+    the relmse and relative_l2 that a perfect image would score because the reference is noisy;
     what is `within_noise` says nothing about the technique. None is a score that could not be
     taken: `omitted` says why.
-    `black` and `direct_only` are the scores of a black picture and of direct light alone.
+    `black` and `direct_only` are the scores of a black image and of direct light alone.
     """
 
     relmse: float
@@ -114,10 +114,10 @@ def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metri
 
     The reference's variance of the mean is its layer "variance" (of a layer NAME,
     "NAME_variance"); without it there is no noise floor. `perceptual = False` leaves FLIP out.
-    Raises ReferenceFailure for pictures of different sizes or with NaN.
+    Raises ReferenceFailure for images of different sizes or with NaN.
     """
     judge = _Judge.of(reference, perceptual)
-    judge.check(image.radiance, "picture")
+    judge.check(image.radiance, "image")
     layers = {
         name: judge.score_beside_black(
             image.layers[name], reference.layers[name], reference.layers.get(f"{name}_variance")
@@ -142,7 +142,7 @@ def relmse(image: F32, reference: F32, epsilon: float) -> float:
 
 
 def noise_floor(variance: F32, reference: F32, epsilon: float) -> float:
-    """The relmse that the reference's own variance of the mean would give a perfect picture."""
+    """The relmse that the reference's own variance of the mean would give a perfect image."""
     R = np.asarray(reference, dtype=np.float64)
     v = np.asarray(variance, dtype=np.float64)
     v = v if v.ndim == R.ndim else v[..., None]

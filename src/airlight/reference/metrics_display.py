@@ -1,4 +1,4 @@
-"""How different two pictures look: PSNR, SSIM and FLIP on what a display would show.
+"""How different two images look: PSNR, SSIM and FLIP on what a display would show.
 
 All take linear radiance (H, W, 3), the reference first. PSNR, SSIM and FLIP see it exposed by
 `stops`, clamped and sRGB-encoded: a tone curve would hide differences in the highlights.
@@ -26,7 +26,7 @@ def displayed(radiance: F32, stops: float) -> F64:
 
 
 def psnr_db(reference: F32, image: F32, stops: float) -> float:
-    """Peak signal-to-noise ratio, dB, of displayed pictures with peak 1; inf for equal ones."""
+    """Peak signal-to-noise ratio, dB, of displayed images with peak 1; inf for equal ones."""
     error = float(np.mean((displayed(reference, stops) - displayed(image, stops)) ** 2))
     return -10.0 * math.log10(error) if error > 0.0 else math.inf
 
@@ -34,7 +34,7 @@ def psnr_db(reference: F32, image: F32, stops: float) -> float:
 def ssim(reference: F32, image: F32, stops: float) -> float:
     """Mean structural similarity of displayed luminance, in [-1, 1] (Wang et al. 2004, eq. 13).
 
-    Gaussian window of 11 pixels, deviation 1.5, K = (.01, .03), borders left out. A picture
+    Gaussian window of 11 pixels, deviation 1.5, K = (.01, .03), borders left out. An image
     smaller than the window is one window of equal weights.
     """
     x, y = (luminance(displayed(a, stops)) for a in (reference, image))
@@ -60,7 +60,7 @@ def _windowed(a: F64) -> F64:
 
 
 def flip_map(reference: F32, image: F32, stops: float) -> F32:
-    """FLIP's error map (H, W) in [0, 1] of displayed pictures (Andersson et al. 2020).
+    """FLIP's error map (H, W) in [0, 1] of displayed images (Andersson et al. 2020).
 
     67 pixels per degree. Raises ImportError without flip-evaluator.
     """
@@ -75,7 +75,7 @@ def hdr_flip_map(reference: F32, image: F32, exposures: tuple[float, float]) -> 
     """HDR-FLIP's error map (H, W) in [0, 1] over a range of exposures, stops.
 
     The range is given, never left to flip-evaluator: it ends the whole process when it is asked
-    to expose for a black picture. Raises ImportError without flip-evaluator.
+    to expose for a black image. Raises ImportError without flip-evaluator.
     """
     import flip_evaluator
 

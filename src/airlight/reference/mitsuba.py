@@ -1,8 +1,8 @@
 """The reference: any airlight scene rendered without bias by Mitsuba 3, whole or by layers.
 
-    render          a picture with a variance per pixel
+    render          an image with a variance per pixel
     render_layers   direct, one_bounce, indirect, single_scatter, multiple_scatter,
-                    transmittance, all: a picture each
+                    transmittance, all: an image each
     write_mitsuba   the scene as Mitsuba XML
 
 Layers are told apart by scattering events, the way mitsuba_paths says. With a libLLVM our own
@@ -63,9 +63,9 @@ def render(
     progress: Progress | None = None,
     variant: str = "auto",
 ) -> Image:
-    """The scene's picture, unbiased, `size` (width, height) pixels, `spp` samples a pixel.
+    """The scene's image, unbiased, `size` (width, height) pixels, `spp` samples a pixel.
 
-    `radiance` is the whole picture. layers["variance"] (H, W, 3) is the variance of its mean,
+    `radiance` is the whole image. layers["variance"] (H, W, 3) is the variance of its mean,
     from at least 4 independent batches; other `layers` (of LAYERS) are added by name.
     `max_depth` limits a path's edges from emitter to eye: 1 emission, 2 one scattering event;
     None has no limit. `progress` is called with the share done. `variant`: a Mitsuba variant,
@@ -74,7 +74,7 @@ def render(
     mean square of the standard error over the mean), approximations (a list of sentences).
     Raises ReferenceFailure: no Mitsuba, a scene it refuses, a crash, more than `timeout_s`.
     """
-    pictures = render_layers(
+    images = render_layers(
         scene,
         tuple(dict.fromkeys(("all", *layers))),
         size=size,
@@ -85,8 +85,8 @@ def render(
         progress=progress,
         variant=variant,
     )
-    whole = pictures.pop("all")
-    added = {name: picture.radiance for name, picture in pictures.items()}
+    whole = images.pop("all")
+    added = {name: image.radiance for name, image in images.items()}
     return replace(whole, layers={**whole.layers, **added})
 
 
@@ -102,7 +102,7 @@ def render_layers(
     progress: Progress | None = None,
     variant: str = "auto",
 ) -> dict[str, Image]:
-    """A picture for each of `names` (of LAYERS), each with its own layers["variance"].
+    """An image for each of `names` (of LAYERS), each with its own layers["variance"].
 
     Parameters and errors as in `render`; `NoLayers` of a scene with media without a libLLVM.
     Scattering events are reflections (glossy ones too)
@@ -119,7 +119,7 @@ def render_layers(
         if variant != "auto":
             raise
         parts = _render_channels(scene, replace(request, variant=SCALAR_VARIANT), progress)
-    return {name: _picture(name, parts, scene) for name in names}
+    return {name: _image(name, parts, scene) for name in names}
 
 
 @dataclass(frozen=True)
@@ -237,7 +237,7 @@ def _exposure(radiance: F32, scene: Scene) -> float:
     return float(auto_exposure(radiance)) if stops is None else stops
 
 
-def _picture(name: str, parts: list[_Part], scene: Scene) -> Image:
+def _image(name: str, parts: list[_Part], scene: Scene) -> Image:
     """One layer, its channels from the parts that rendered them."""
 
     def gathered(key: str) -> F32:

@@ -1,4 +1,4 @@
-"""The files beside a Mitsuba scene: meshes, pictures and density grids.
+"""The files beside a Mitsuba scene: meshes, images and density grids.
 
 Nothing here needs Mitsuba itself: binary PLY, PNG, OpenEXR and Mitsuba's .vol are written
 directly.

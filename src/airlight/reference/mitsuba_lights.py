@@ -107,7 +107,7 @@ def _point(position: Vec3, intensity: Vec3) -> Element:
 def _spot(light: SpotLight, files: FileStore) -> Element:
     """A hard cone that projects our fall-off: Mitsuba's own is linear in the angle.
 
-    The picture is within 0.5% of the peak at any pair of angles (tested).
+    The image is within 0.5% of the peak at any pair of angles (tested).
     """
     emitter = plugin("emitter", "spot")
     d = np.array(light.direction)

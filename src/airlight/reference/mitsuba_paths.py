@@ -11,7 +11,7 @@ ones too) between the emitter and the eye, and a first event as seen from the ey
     n > 1, first at a surface  all further light               -> indirect
     n = 1, in the air          single scattering               -> single_scatter
     n > 1, first in the air    multiple scattering             -> multiple_scatter
-direct + indirect + single_scatter + multiple_scatter is the whole picture.
+direct + indirect + single_scatter + multiple_scatter is the whole image.
 transmittance is exp(-optical depth) from the eye to the first surface, or to infinity.
 
 Free paths are sampled by delta tracking with a channel drawn per step, weighted by the mean

@@ -86,7 +86,7 @@ def main(job_file: str) -> None:
 
 
 def _end_with_parent(folder: Path) -> None:
-    """Nobody waits for the picture any more: leave, and leave nothing behind."""
+    """Nobody waits for the image any more: leave, and leave nothing behind."""
     while os.read(0, 64):  # not sys.stdin: its lock would outlive the interpreter
         pass
     shutil.rmtree(folder, ignore_errors=True)
@@ -123,8 +123,8 @@ class _Batches:
         renderer = _layered if self.job.integrator == "airlight_layers" else _Stock(self.job)
         for index in range(self.count):
             seed = (self.job.seed * 1_000_003 + index) % 2**32
-            for name, picture in renderer(self.job, seed, self.batch_spp).items():
-                self._add(name, picture.astype(np.float64), index + 1)
+            for name, image in renderer(self.job, seed, self.batch_spp).items():
+                self._add(name, image.astype(np.float64), index + 1)
             _say(f"progress {(index + 1) / self.count:.4f}")
 
     def _add(self, name: str, x: NDArray[np.float64], n: int) -> None:
@@ -170,14 +170,14 @@ def _layered(job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
         }
         _SCENES["layered"] = (_load(job, job.xml), mi.load_dict(description))
     scene, integrator = _SCENES["layered"]
-    picture = np.array(mi.render(scene, integrator=integrator, seed=seed, spp=spp))
-    parts = {"all": picture[..., :3]}
+    image = np.array(mi.render(scene, integrator=integrator, seed=seed, spp=spp))
+    parts = {"all": image[..., :3]}
     for index, name in enumerate(mitsuba_paths.PATH_LAYERS):
-        parts[name] = picture[..., 3 + 3 * index : 6 + 3 * index]
+        parts[name] = image[..., 3 + 3 * index : 6 + 3 * index]
     return {name: parts[name] for name in job.layers}
 
 
-# A layer is the picture of the first length limit minus that of the second.
+# A layer is the image of the first length limit minus that of the second.
 _LIMITS = {"all": (-1,), "direct": (2,), "one_bounce": (3, 2), "indirect": (-1, 2)}
 
 
@@ -223,8 +223,8 @@ class _Stock:
             description = {"type": kind, "max_depth": limit, "hide_emitters": self._hide}
             self._integrators[limit] = self._mi.load_dict(description)
         integrator = self._integrators[limit]
-        picture = self._mi.render(scene, integrator=integrator, seed=seed, spp=spp)
-        return np.array(picture, dtype=np.float32)[..., :3]
+        image = self._mi.render(scene, integrator=integrator, seed=seed, spp=spp)
+        return np.array(image, dtype=np.float32)[..., :3]
 
 
 def _environment_only(xml: str) -> str:

@@ -51,7 +51,7 @@ class Exported:
 
 
 def write_mitsuba(scene: Scene, path: Path) -> list[str]:
-    """Write `scene` as Mitsuba XML to `path`, its meshes and pictures into NAME_files beside it.
+    """Write `scene` as Mitsuba XML to `path`, its meshes and images into NAME_files beside it.
 
     Both appear whole or not at all. Returns what was approximated, a sentence each.
     Raises OutputError, and ReferenceFailure for media that Mitsuba cannot hold.
@@ -70,7 +70,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
         if not _has_grey_g(scene):
             notes.append("g differs between the channels, written as its mean")
         if scene.camera.exposure_stops != 0.0:
-            notes.append("the camera's exposure is left out: Mitsuba's pictures have none")
+            notes.append("the camera's exposure is left out: Mitsuba's images have none")
         exported = export(scene, staged, path.stem, prefix, notes=notes)
         _replace_folder(staged, path.parent / prefix)
         made = path.parent / prefix / f"{path.stem}.xml"

@@ -4,7 +4,7 @@ scene        everything in one value        camera, lights, environment   what s
 mesh         triangles and their places     material                      how they reflect
 point_lights thousands of lights in arrays
 medium       homogeneous air                volume                        smoke, clouds, any density
-image        a rendered picture             settings                      a technique's knobs
+image        a rendered image             settings                      a technique's knobs
 io/          files <-> these                builtin/                      scenes that ship
 """
 

@@ -16,7 +16,7 @@ class Camera:
     """A pinhole camera in a right-handed world, +Y up, metres.
 
     `position` looks at `target`; `fov_y_deg` is the full vertical field of view.
-    `exposure_stops` scales the displayed picture by 2**stops (None: from the picture itself);
+    `exposure_stops` scales the displayed image by 2**stops (None: from the image itself);
     radiance is not touched.
     Raises SceneError for a camera that looks nowhere.
     """

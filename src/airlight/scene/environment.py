@@ -18,7 +18,7 @@ class Environment:
     `map` is (H, W, 3) float32, linear; a direction (x, y, z) towards the environment has
     u = atan2(x, -z)/2pi (mod 1) and v = acos(y)/pi from the top row, as in Mitsuba.
     `rotation_deg` turns the map about +Y, counter-clockwise seen from above.
-    `visible = False` keeps the light but not the picture.
+    `visible = False` keeps the light but not the image.
     """
 
     radiance: Rgb = (1.0, 1.0, 1.0)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 _CHUNK_BYTES = 1 << 20
-_UNTOLD = ("warnings", "source")  # what no picture depends on
+_UNTOLD = ("warnings", "source")  # what no image depends on
 
 
 def fingerprint(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""A rendered picture: scene-referred radiance and its layers."""
+"""A rendered image: scene-referred radiance and its layers."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Image:
         save_image(self, Path(path), layers=layers)
 
     def display(self, layer: str = "") -> NDArray[np.uint8]:
-        """As on a screen, 8-bit sRGB (H, W, 3): the picture, or a colour layer exposed as it is.
+        """As on a screen, 8-bit sRGB (H, W, 3): the image, or a colour layer exposed as it is.
 
         Dithered by half a code value, as files are.
         Raises SettingsError for a layer that it does not have or that is no colour.
@@ -64,7 +64,7 @@ class Image:
         if pixels is None or pixels.ndim != 3:
             colours = [name for name, values in self.layers.items() if values.ndim == 3]
             raise SettingsError(
-                f"the picture has no colour layer '{layer}'", remedy=nearest(layer, colours)
+                f"the image has no colour layer '{layer}'", remedy=nearest(layer, colours)
             )
         return display_srgb8(pixels, self.exposure_stops, self.tone_map, dither=True)
 

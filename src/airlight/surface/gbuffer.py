@@ -47,7 +47,7 @@ class _Opaque(_Cutout):
 
 
 class GBuffer:
-    """Textures of the size of the picture: reversed infinite depth, 0 where nothing is.
+    """Textures of the size of the image: reversed infinite depth, 0 where nothing is.
 
     albedo   rgb base colour, a metallic
     normal   xyz world, facing the camera; w roughness
@@ -72,7 +72,7 @@ class GBuffer:
         self.emission = Texture(gpu, "emission", size, "rgba16float", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self._sized.release()
         self._parts, self._key = DrawParts(self._split), None
         self._make_textures(size)

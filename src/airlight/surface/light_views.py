@@ -49,7 +49,7 @@ class LightViewData(Struct):
 
 @dataclass(frozen=True, eq=False)
 class LightView:
-    """A square picture of `resolution`^2 texels as a light sees it."""
+    """A square image of `resolution`^2 texels as a light sees it."""
 
     clip_from_world: F64
     texel: tuple[float, float]

@@ -111,7 +111,7 @@ class SurfelViews:
 
 
 def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: int) -> LightView:
-    """What the camera sees, in a square picture; `aspect` is its width over its height."""
+    """What the camera sees, in a square image; `aspect` is its width over its height."""
     half = np.tan(np.radians(camera.fov_y_deg) / 2.0) * max(1.0, aspect)
     fov = float(min(2.0 * np.arctan(half), np.radians(_WIDEST_DEG)))
     eye = np.asarray(camera.position, np.float64)

@@ -1,6 +1,6 @@
 """Surfaces drawn in two steps: which triangle each pixel sees, then each pixel's surface once.
 
-Burns2013 call the picture of the first step a visibility buffer. Software drivers shade whole
+Burns2013 call the image of the first step a visibility buffer. Software drivers shade whole
 blocks of pixels for every triangle that touches them, three to four times as many pixels as there
 are where triangles are small; which triangle it is costs them next to nothing.
 """
@@ -40,7 +40,7 @@ class VisibilityParams(Struct):
     """Where the camera is, and how wide pixels are."""
 
     clip_from_world = mat4x4f()
-    inv_size = vec2f("of the picture, px^-1")
+    inv_size = vec2f("of the image, px^-1")
 
 
 _WHAT: dict[str, Any] = {
@@ -120,7 +120,7 @@ class GBufferFromIds(FullscreenPass):
 
 
 class VisibilityBuffer:
-    """The two steps for pictures of one size, of a camera (depth reversed) or of lights."""
+    """The two steps for images of one size, of a camera (depth reversed) or of lights."""
 
     def __init__(
         self,
@@ -145,7 +145,7 @@ class VisibilityBuffer:
         self.triangle_ids = Texture(self.gpu, "triangle ids", size, "rg32uint", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         self.triangle_ids.release()
         self._take(size)
 

@@ -27,7 +27,7 @@ fn texel_pixel(index: u32, scale: u32) -> vec2u {
     return vec2u(index & (scale - 1u), index >> (scale >> 1u));
 }
 
-// The ray of a texel of a reduced picture; `picked` as from media/rays.wgsl.
+// The ray of a texel of a reduced image; `picked` as from media/rays.wgsl.
 fn picked_ray(rays: RayParams, texel: vec2u, picked: vec2f) -> EyeRay {
     let inside = texel_pixel(u32(picked.y), rays.scale);
     let pixel = vec2f(min(texel * rays.scale + inside, rays.size - 1u)) + 0.5;

@@ -32,7 +32,7 @@ struct GlossyRay {
 }
 
 // The open share of the low face of `cell` across axis 0, 1 or 2, where a ray crosses it at `coordinates`.
-// Interpolated in the face's plane, so that pictures of partly open cells have no edges.
+// Interpolated in the face's plane, so that images of partly open cells have no edges.
 fn glossy_open(lattice: LatticeParams, cell: f32, coordinates: vec3f, axis: u32) -> f32 {
     var at = coordinates;
     at[axis] = cell + 0.5;

@@ -1,21 +1,21 @@
-// Texels of a picture of `params.size` pixels. The including pass binds `image_sampler`, which takes the
+// Texels of an image of `params.size` pixels. The including pass binds `image_sampler`, which takes the
 // nearest one.
 
 // Software drivers sample the nearest texel in two thirds of the time of a load.
 override IS_SAMPLED: bool = false;
 
-fn image_texel(picture: texture_2d<f32>, pixel: vec2u) -> vec4f {
+fn image_texel(image: texture_2d<f32>, pixel: vec2u) -> vec4f {
     if (IS_SAMPLED) {
         let uv = (vec2f(vec2i(pixel)) + 0.5) / vec2f(params.size);
-        return textureSampleLevel(picture, image_sampler, uv, 0.0);
+        return textureSampleLevel(image, image_sampler, uv, 0.0);
     }
-    return textureLoad(picture, pixel, 0);
+    return textureLoad(image, pixel, 0);
 }
 
-fn depth_texel(picture: texture_depth_2d, pixel: vec2u) -> f32 {
+fn depth_texel(image: texture_depth_2d, pixel: vec2u) -> f32 {
     if (IS_SAMPLED) {
         let uv = (vec2f(vec2i(pixel)) + 0.5) / vec2f(params.size);
-        return textureSampleLevel(picture, image_sampler, uv, 0);
+        return textureSampleLevel(image, image_sampler, uv, 0);
     }
-    return textureLoad(picture, pixel, 0);
+    return textureLoad(image, pixel, 0);
 }

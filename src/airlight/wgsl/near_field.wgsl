@@ -3,7 +3,7 @@
 //! use near_field_texel
 
 // What stands nearer than cells resolve, read at full size. The including pass binds `near_field` and
-// `params` with the picture's `size`, and sets the override HAS_OCCLUSION.
+// `params` with the image's `size`, and sets the override HAS_OCCLUSION.
 
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;

@@ -1,7 +1,7 @@
 //! use octahedron
 //! use occlusion
 
-// Texels of two reduced pictures, 16 bytes each: reading them is what their passes wait for. Numbers turn
+// Texels of two reduced images, 16 bytes each: reading them is what their passes wait for. Numbers turn
 // into floats as signed ones, for which processors have an instruction.
 
 // Light to a part in 2^bits of its largest channel: rgb, and in w the exponent that they share, 8 bits.
@@ -18,7 +18,7 @@ fn with_exponent(shared_light: vec4u, bits: u32) -> vec3f {
     return vec3f(bitcast<vec3i>(shared_light.xyz)) * bitcast<f32>((shared_light.w + 1u - bits) << 23u);
 }
 
-// What is seen in a texel of the picture, and which of its pixels stands for it.
+// What is seen in a texel of the image, and which of its pixels stands for it.
 struct SurfaceTexel {
     inverse: f32,       // m^-1, of the distance along the view axis; 0 where nothing is
     pixel: vec2u,       // 0 or 1, from the texel's first one

@@ -16,8 +16,8 @@ import pytest
 
 from airlight.app import cli
 from airlight.app.compare import cli as compare
+from airlight.app.compare import images as compare_images
 from airlight.app.compare import page as compare_page
-from airlight.app.compare import pictures as compare_pictures
 from airlight.app.compare import result as compare_result
 from airlight.app.compare import style as compare_style
 from airlight.app.compare.reference import reference_for, scene_hash
@@ -43,16 +43,16 @@ class FakeMitsuba:
     def render_layers(self, scene, names, *, size, spp, seed, timeout_s, progress):
         self.asked.append((spp, seed))
         rng = np.random.default_rng(seed)
-        pictures = {}
+        images = {}
         for name in names:
             mean = RAMP * SHARES.get(name, 0.0)
             variance = (self.noise * mean) ** 2 / spp
             noisy = mean + rng.normal(size=mean.shape) * np.sqrt(variance)
             stats = {"spp": spp, "seconds": 0.5 * spp, "approximations": ["a note"]}
             layers = {"variance": variance.astype(np.float32)}
-            pictures[name] = Image(noisy.astype(np.float32), layers, stats=stats)
+            images[name] = Image(noisy.astype(np.float32), layers, stats=stats)
         progress(1.0)
-        return pictures
+        return images
 
 
 @pytest.fixture
@@ -194,7 +194,7 @@ def test_a_failed_technique_is_told_on_the_page_and_the_others_stand(truth, tech
         "unknown technique '<none>'",
     ]
     page = compare_page.page(comparison)
-    assert "<b>&lt;none&gt;</b> made no picture" in page
+    assert "<b>&lt;none&gt;</b> made no image" in page
     assert "dim" in page
     assert comparison.to_json()["techniques"]["broken"]["metrics"] is None
 
@@ -258,7 +258,7 @@ def test_without_a_libllvm_the_whole_has_a_reference_and_layers_come_with_one(tr
         first.notes
         == again.notes
         == (
-            "only the whole picture has a reference: no libLLVM 16 is found. Install it",
+            "only the whole image has a reference: no libLLVM 16 is found. Install it",
             "a note",
         )
     )
@@ -332,10 +332,10 @@ def test_the_command_line_says_the_numbers(truth, techniques, tmp_path, capsys):
     said = capsys.readouterr()
     assert code == 0, said.err
     assert re.search(r"dim: relmse 0\.00\d+, energy 0\.9\d+, flip", said.out)
-    assert "warning: nope made no picture: unknown technique 'nope'" in said.err
+    assert "warning: nope made no image: unknown technique 'nope'" in said.err
     assert (out / "index.html").is_file()
     assert cli.run(["compare", str(scene), "-t", "nope", "-o", str(out), "--size", "32x20"]) == 2
-    assert "no technique made a picture" in capsys.readouterr().err
+    assert "no technique made an image" in capsys.readouterr().err
 
 
 def test_settings_go_to_the_techniques_that_have_them(truth, techniques, tmp_path, monkeypatch):
@@ -403,11 +403,11 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path, capsys):
 
 def test_differences_are_green_where_too_bright_and_red_where_too_dark():
     grey = np.full((4, 4, 3), 0.2, np.float32)
-    bright = compare_pictures.signed_map(grey * 1.5, grey, 0.0)[0, 0].astype(int)
-    dark = compare_pictures.signed_map(grey * 0.5, grey, 0.0)[0, 0].astype(int)
+    bright = compare_images.signed_map(grey * 1.5, grey, 0.0)[0, 0].astype(int)
+    dark = compare_images.signed_map(grey * 0.5, grey, 0.0)[0, 0].astype(int)
     assert bright[1] > 1.5 * bright[0] > 0
     assert dark[0] > 2 * dark[1] > 0
-    assert compare_pictures.signed_map(grey, grey, 0.0).max() == 0
+    assert compare_images.signed_map(grey, grey, 0.0).max() == 0
 
 
 def test_numbers_are_written_with_three_digits():

@@ -299,7 +299,7 @@ def test_progress_can_be_quiet_and_has_a_bar_on_terminals(capsys, monkeypatch):
 
 
 def write_frames(folder, count, size=(31, 18)):
-    """Pictures of one grey each, with a red corner."""
+    """Images of one grey each, with a red corner."""
     files = []
     for k in range(count):
         pixels = np.full((size[1], size[0], 3), 40 * k + 30, np.uint8)
@@ -340,7 +340,7 @@ def test_a_video_of_broken_frames_is_refused_whole(tmp_path):
 
     files = write_frames(tmp_path, 3)
     files[1].write_bytes(files[1].read_bytes()[:60])
-    with pytest.raises(OutputError, match=r"1\.png: is not a whole picture .* by --resume"):
+    with pytest.raises(OutputError, match=r"1\.png: is not a whole image .* by --resume"):
         write_video(files, 24.0, tmp_path / "out.mp4", "")
     assert not (tmp_path / "out.mp4").exists() and not list(tmp_path.glob(".*"))
     assert video_comment(tmp_path / "out.mp4") == "" == video_comment(files[0])

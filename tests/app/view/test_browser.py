@@ -130,8 +130,8 @@ class Browser:
         await self.say("pointer_move", **{**at, "x": 400 + dx}, button=0)
         await self.say("pointer_up", **{**at, "x": 400 + dx, "buttons": []}, button=1)
 
-    async def picture(self, timeout_s: float = 60.0) -> np.ndarray:
-        """The next picture, confirmed."""
+    async def image(self, timeout_s: float = 60.0) -> np.ndarray:
+        """The next image, confirmed."""
         from PIL import Image
 
         async with asyncio.timeout(timeout_s):
@@ -146,20 +146,20 @@ class Browser:
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
     async def settled(self, shape: tuple[int, int]) -> np.ndarray:
-        """A picture of (height, width) that shows the scene, right of the panel."""
+        """An image of (height, width) that shows the scene, right of the panel."""
         for _ in range(200):
-            shown = await self.picture()
+            shown = await self.image()
             if shown.shape[:2] == shape and shown[:, 340:].std() > 5.0:
                 return shown[:, 340:]
-        raise AssertionError("no such picture came")
+        raise AssertionError("no such image came")
 
 
 async def wait_for_change(browser: Browser, before: np.ndarray) -> np.ndarray:
     for _ in range(200):
-        shown = (await browser.picture())[:, 340:]
+        shown = (await browser.image())[:, 340:]
         if shown.shape == before.shape and np.abs(shown - before).mean() > 2.0:
             return shown
-    raise AssertionError("the picture did not change")
+    raise AssertionError("the image did not change")
 
 
 @pytest.mark.needs("uvicorn", "websockets")
@@ -183,7 +183,7 @@ def test_a_wrong_token_is_refused_by_the_real_server(server):
 
 @pytest.mark.needs("uvicorn", "websockets")
 @pytest.mark.slow
-def test_a_drag_changes_the_streamed_picture(server):
+def test_a_drag_changes_the_streamed_image(server):
     async def look() -> None:
         async with Browser(server[0]) as browser:
             await browser.resize(640, 300)
@@ -203,7 +203,7 @@ def test_a_browser_gone_mid_stream_and_nonsense_leave_the_server_well(server):
     async def vanish() -> None:
         async with Browser(link) as browser:
             await browser.resize(600, 280)
-            await browser.picture()
+            await browser.image()
             await browser.drag(30)
             browser.socket.transport.abort()  # no goodbye
         async with Browser(link) as browser:

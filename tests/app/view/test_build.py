@@ -20,7 +20,7 @@ class Toning:
 
     def __init__(self, gpu) -> None:
         self.gpu, self.done = gpu, 0
-        self.picture = Texture(gpu, "picture", (8, 8), "rgba32float", target=True)
+        self.image = Texture(gpu, "image", (8, 8), "rgba32float", target=True)
 
     def __call__(self, commands) -> int:
         tone = Tone(self.gpu, (8, 8))
@@ -28,7 +28,7 @@ class Toning:
         for _ in range(1000):
             tone.encode(
                 commands,
-                self.picture,
+                self.image,
                 metered,
                 is_metered=False,
                 exposure_stops=0.0,

@@ -47,9 +47,9 @@ def view():
 
 def shown(view: CanvasView, frames: int = 4) -> np.ndarray:
     for _ in range(frames):
-        picture = view.canvas.draw()
+        image = view.canvas.draw()
         view.session.wait()
-    return np.asarray(picture)[..., :3].astype(int)
+    return np.asarray(image)[..., :3].astype(int)
 
 
 def event(view: CanvasView, kind: str, **fields: object) -> None:
@@ -66,7 +66,7 @@ def drag(view: CanvasView, x: float, y: float, dx: float) -> None:
 
 def test_the_first_frame_says_that_it_is_preparing(view):
     first = shown(view, 1)
-    assert first[:, PANEL_PX:].max() == 0  # no picture yet, only the panel
+    assert first[:, PANEL_PX:].max() == 0  # no image yet, only the panel
     assert first[:, :PANEL_PX].std() > 5.0
     assert shown(view)[:, PANEL_PX:].std() > 10.0
 
@@ -117,7 +117,7 @@ def test_a_canvas_of_nothing_is_not_drawn(view):
     view.canvas.set_physical_size(0, 0)
     view.draw()
     view.canvas.set_physical_size(30, 20)
-    shown(view, 2)  # too small for a panel, not for a picture
+    shown(view, 2)  # too small for a panel, not for an image
     assert not view.panel.covers(5.0, 5.0)
     view.canvas.set_physical_size(480, 300)
     assert shown(view).shape == (300, 480, 3)

@@ -78,8 +78,8 @@ def shown(page) -> np.ndarray:
     """What stands right of the panel."""
     from PIL import Image
 
-    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    return np.asarray(picture).astype(int)[:, PANEL_PX:]
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    return np.asarray(image).astype(int)[:, PANEL_PX:]
 
 
 def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
@@ -93,7 +93,7 @@ def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_drag_in_the_browser_changes_the_picture(page):
+def test_a_drag_in_the_browser_changes_the_image(page):
     opened, _ = page
     before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
     assert opened.title().startswith("view_box")
@@ -117,14 +117,14 @@ def test_keys_fly(page):
 
 
 @pytest.mark.slow
-def test_the_picture_follows_the_tab(page):
+def test_the_image_follows_the_tab(page):
     opened, _ = page
     opened.set_viewport_size({"width": 700, "height": 260})
-    picture = opened.locator("img.renderview-view")
+    image = opened.locator("img.renderview-view")
     until(
         opened,
-        lambda p: picture.evaluate("i => [i.naturalWidth, i.naturalHeight]") == [700, 260],
-        "a picture of the new size",
+        lambda p: image.evaluate("i => [i.naturalWidth, i.naturalHeight]") == [700, 260],
+        "an image of the new size",
     )
     assert shown(opened).shape == (260, 700 - PANEL_PX, 3)
 

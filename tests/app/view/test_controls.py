@@ -53,7 +53,7 @@ def test_flying_turns_the_head_and_keeps_the_feet(controls):
 
 @pytest.mark.parametrize("how", [{"button": RIGHT}, {"modifiers": ("Shift",)}])
 def test_panning_moves_what_is_under_the_hand_with_it(controls, how):
-    drag(controls, 0.0, 200.0, **how)  # by the height of the picture
+    drag(controls, 0.0, 200.0, **how)  # by the height of the image
     span = 2.0 * 5.0 * np.tan(np.radians(25.0))
     assert np.allclose(controls.camera.target, (0.0, span, 0.0))
     assert np.allclose(controls.camera.position, (0.0, span, 5.0))

@@ -1,4 +1,4 @@
-"""The finest picture of a still view: what it is told, and that it is what it says."""
+"""The finest image of a still view: what it is told, and that it is what it says."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_sky_gets_a_larger_lattice_where_nothing_propagates_on_it():
     assert finer_of("direct", sky=False) == {}
 
 
-def test_it_is_the_picture_that_its_settings_make(gpu, fine):
+def test_it_is_the_image_that_its_settings_make(gpu, fine):
     scene = load(BOX)
     settings = {**SMALL, "sky_lights": 8, "resolution": 12}
 
@@ -85,7 +85,7 @@ def test_it_is_the_picture_that_its_settings_make(gpu, fine):
     fine.begin(make, shot)  # all done: nothing more happens
     assert fine.samples == view_fine.SAMPLES
     assert not fine.has_ended
-    mean = fine.presenter._combine.picture.read()[..., :3]
+    mean = fine.presenter._combine.image.read()[..., :3]
     with make() as renderer:
         expected = renderer.frame(samples=view_fine.SAMPLES).radiance
     assert np.abs(mean - expected).max() < 1e-4 * expected.max()
@@ -126,7 +126,7 @@ def test_what_takes_too_much_memory_is_given_up_with_a_reason(gpu, fine, monkeyp
     until(lambda: fine.has_ended)
     for _ in range(3):
         fine.begin(make, shot)
-    assert "no finer picture: it would take" in fine.message
+    assert "no finer image: it would take" in fine.message
     assert not fine.is_shown
     assert len(made) == 1
     assert gpu.allocated_bytes == before

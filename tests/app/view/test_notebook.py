@@ -64,8 +64,8 @@ import asyncio
 def say(type, **fields):
     widget._rfb_handle_msg(widget, {"type": type, "timestamp": 0.0, **fields}, [])
 
-async def pictures(count):
-    # What renderview-afm.js does in a page: it shows itself, then confirms every picture.
+async def images(count):
+    # What renderview-afm.js does in a page: it shows itself, then confirms every image.
     widget._has_visible_views = True
     for _ in range(600):
         if sent:
@@ -75,15 +75,15 @@ async def pictures(count):
             return sent[-1][1][0]
         widget.request_draw()
         await asyncio.sleep(0.05)
-    raise TimeoutError("no pictures")
+    raise TimeoutError("no images")
 
 say("resize", width=720, height=200, pwidth=720, pheight=200, ratio=1.0)
-before = await pictures(6)
+before = await images(6)
 at = dict(x=400.0, y=90.0, buttons=[1], modifiers=[], ntouches=0, touches={})
 say("pointer_down", **at, button=1)
 say("pointer_move", **{**at, "x": 460.0}, button=0)
 say("pointer_up", **{**at, "x": 460.0}, button=1)
-after = await pictures(len(sent) + 8)
+after = await images(len(sent) + 8)
 import base64
 print(base64.b64encode(before).decode())
 print(base64.b64encode(after).decode())
@@ -104,7 +104,7 @@ def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
     ).execute()
     shown = next(o for o in cells[0].outputs if o.output_type == "execute_result").data
     assert "application/vnd.jupyter.widget-view+json" in shown
-    # Without a kernel the page still has a picture.
+    # Without a kernel the page still has an image.
     assert pixels(base64.b64decode(shown["image/png"])).shape == (SIZE[1], SIZE[0], 3)
     text = next(o for o in cells[1].outputs if o.output_type == "stream").text.split()
     before, after = (pixels(base64.b64decode(part)) for part in text)

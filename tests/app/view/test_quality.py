@@ -1,4 +1,4 @@
-"""When pictures are coarse, when they are refined, and how resolution follows the time taken."""
+"""When images are coarse, when they are refined, and how resolution follows the time taken."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_resized_window_starts_anew():
     assert quality.plan(4.0, (640, 480), changed=False).sample == 0
 
 
-def test_a_hand_at_work_holds_fine_pictures_back_and_loses_none():
+def test_a_hand_at_work_holds_fine_images_back_and_loses_none():
     quality = Quality(is_cpu=True, samples=4)
     assert quality.plan(1.0, FULL, changed=False).sample == 0
     assert quality.plan(1.1, FULL, changed=False, is_busy=True).sample is None

@@ -22,7 +22,7 @@ def session():
     image = Image(np.full((4, 6, 3), 0.5, np.float32), {})
     return SimpleNamespace(
         state=state,
-        picture=lambda: image,
+        image=lambda: image,
         scene_now=lambda: scene,
         loaded=scene,
         source="builtin:cornell",
@@ -37,7 +37,7 @@ def test_files_folders_and_links_that_are_there_stay(session, tmp_path, ending):
     there[2].symlink_to(there[0])
     there[3].symlink_to(tmp_path / "nowhere")
     saver = Saver(session, tmp_path)
-    path = saver.save_scene() if ending == ".toml" else saver.save_picture(ending)
+    path = saver.save_scene() if ending == ".toml" else saver.save_image(ending)
     assert path == there[4] and path.stat().st_size > 20
     assert session.state.notice == f"saved {path}" and session.state.message == ""
     assert there[0].read_bytes() == b"mine" and there[1].is_dir()
@@ -46,8 +46,8 @@ def test_files_folders_and_links_that_are_there_stay(session, tmp_path, ending):
     assert sorted(file.name for file in tmp_path.iterdir()) == [file.name for file in there]
 
 
-def test_a_folder_full_of_saved_pictures_is_one_message(session, tmp_path, monkeypatch):
+def test_a_folder_full_of_saved_images_is_one_message(session, tmp_path, monkeypatch):
     monkeypatch.setattr("os.path.lexists", lambda path: True)
-    assert Saver(session, tmp_path).save_picture(".png") is None
-    assert "ten thousand pictures are here already" in session.state.message
+    assert Saver(session, tmp_path).save_image(".png") is None
+    assert "ten thousand images are here already" in session.state.message
     assert not list(tmp_path.iterdir())

@@ -97,7 +97,7 @@ def test_coarse_then_fine_and_then_it_rests(screen):
     assert screen.pixels.max() > 100
 
 
-def test_a_drag_changes_the_picture_and_the_sun_its_shadow(screen):
+def test_a_drag_changes_the_image_and_the_sun_its_shadow(screen):
     before = screen.settle()
     controls = screen.session.controls
     controls.handle({"event_type": "pointer_down", "x": 10, "y": 10, "button": 1})
@@ -138,7 +138,7 @@ def test_exposure_and_curve_only_tone_anew(screen):
     assert screen.pixels.mean() > before.mean() + 10
 
 
-def test_a_broken_edit_says_so_and_keeps_the_picture(screen, scene_file):
+def test_a_broken_edit_says_so_and_keeps_the_image(screen, scene_file):
     before = screen.settle()
     scene_file.write_text(SCENE.replace("irradiance", "iradiance"))
     screen.session.reload()
@@ -207,18 +207,18 @@ def test_times_of_passes_are_measured_when_wanted(screen):
     assert {"g-buffer", "lighting", "combine"} <= screen.session.times_ms.keys()
 
 
-def test_pictures_and_scenes_are_saved_under_new_names(screen, tmp_path):
+def test_images_and_scenes_are_saved_under_new_names(screen, tmp_path):
     screen.settle()
     screen.session.state.look = replace(screen.session.state.look, exposure_stops=1.0)
     screen.session.state.turn_light(Turn(15.0, 0.0))
     copied: list[str] = []
     saver = Saver(screen.session, tmp_path, copied.append)
-    first, second = saver.save_picture(".exr"), saver.save_picture(".exr")
+    first, second = saver.save_image(".exr"), saver.save_image(".exr")
     assert (first.name, second.name) == ("scene-view-0001.exr", "scene-view-0002.exr")
     image = load_image(first)
     assert image.radiance.shape == (SIZE[1], SIZE[0], 3)
     assert "direct" in image.layers
-    assert saver.save_picture(".png").stat().st_size > 100
+    assert saver.save_image(".png").stat().st_size > 100
     again = load(saver.save_scene())
     assert again.camera.exposure_stops == 1.0
     assert again.lights[0].direction == pytest.approx(
@@ -233,7 +233,7 @@ def test_pictures_and_scenes_are_saved_under_new_names(screen, tmp_path):
 def test_a_folder_that_cannot_be_written_is_said(screen, tmp_path):
     saver = Saver(screen.session, tmp_path / "missing")
     screen.settle(1)
-    assert saver.save_picture(".png") is None
+    assert saver.save_image(".png") is None
     assert "missing" in screen.session.state.message
     screen.session.state.message = ""
     assert saver.save_scene() is None
@@ -275,7 +275,7 @@ class Turning:
         return replace(scene, lights=(sun,))
 
 
-def test_the_old_picture_stays_live_while_another_renderer_is_made(screen):
+def test_the_old_image_stays_live_while_another_renderer_is_made(screen):
     before, session = screen.settle(), screen.session
     old = session.renderer
     session.state.settings["direct"] = {**SMALL, "resolution": 10}
@@ -305,7 +305,7 @@ def test_a_wish_taken_back_keeps_the_renderer(screen):
     assert session.state.notice == ""
 
 
-def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, scene_file):
+def test_a_still_view_ends_with_the_finest_image_and_moving_goes_back(gpu, scene_file):
     fog = Medium((0.3, 0.3, 0.3))
     session = Session(replace(load(scene_file), medium=fog), technique="single", settings=SMALL)
     screen = Screen(gpu, session)
@@ -332,7 +332,7 @@ def test_a_still_view_ends_with_the_finest_picture_and_moving_goes_back(gpu, sce
         image = renderer.frame(samples=64)
     expected = display_srgb8(image.radiance, 0.0, "agx", dither=True).astype(int)
     assert np.abs(shown - expected).mean() < 0.5
-    saved = session.picture(samples=64)
+    saved = session.image(samples=64)
     assert np.abs(saved.radiance - image.radiance).max() < 1e-5 * image.radiance.max()
     session.controls.camera = replace(session.controls.camera, fov_y_deg=25.0)
     screen.frame(0.01)
@@ -373,7 +373,7 @@ def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene
     session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
     surface = Texture(session.gpu, "surface", (16, 16), "rgba8unorm", target=True)
     session.attach("rgba8unorm")
-    now_s, pictures, other = 0.0, {{}}, made()
+    now_s, images, other = 0.0, {{}}, made()
     for turn in range(4):
         session.state.technique = ("direct", "lpv")[turn % 2]
         while True:
@@ -382,8 +382,8 @@ def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene
             other.frame()  # beside the viewer's, and the one that it makes
             if not session._making.is_under_way:
                 break
-        pictures.setdefault(session.state.technique, []).append(session.picture(2).radiance)
-    for name, found in pictures.items():
+        images.setdefault(session.state.technique, []).append(session.image(2).radiance)
+    for name, found in images.items():
         print(name, len(found), all(np.array_equal(one, found[0]) for one in found))
     print(session.state.message or "well")
     session.close()

@@ -99,7 +99,7 @@ class Desk:
         return self.until(lambda p: np.abs(p - before).mean() > least, what)
 
     def rested(self) -> np.ndarray:
-        """The picture once it hardly changes."""
+        """The image once it hardly changes."""
         before = self.until(lambda p: p.std() > 15.0, "the scene is shown")
         for _ in range(60):
             time.sleep(0.5)
@@ -128,7 +128,7 @@ def desk(tmp_path_factory):
 
 @needs_a_desk
 @pytest.mark.slow
-def test_a_drag_turns_the_picture(desk):
+def test_a_drag_turns_the_image(desk):
     before = desk.rested()
     desk.do("mousemove", 480, 160, "mousedown", 1, "mousemove", 500, 160, "mousemove", 540, 165)
     desk.do("mouseup", 1)
@@ -194,13 +194,13 @@ def test_a_window_that_becomes_tiny_and_large_again(desk):
     desk.do("windowsize", found[-1], 1, 1)
     time.sleep(2.0)
     desk.do("windowsize", found[-1], *SIZE)
-    desk.until(lambda p: p.std() > 15.0, "the picture is back")
+    desk.until(lambda p: p.std() > 15.0, "the image is back")
     assert desk.viewer.poll() is None
 
 
 @needs_a_desk
 @pytest.mark.slow
-def test_another_renderer_is_made_while_the_old_picture_stays_live(desk):
+def test_another_renderer_is_made_while_the_old_image_stays_live(desk):
     before = desk.rested()
     blank, seen = [], []
 

@@ -25,7 +25,7 @@ def room(x: float, y: float, z: float, *, open_front: bool = False, inward: bool
     return Scene(tuple(quad(*corners[list(f if inward else f[::-1])]) for f in kept))
 
 
-def in_picture(camera: Camera, points: np.ndarray, aspect: float) -> np.ndarray:
+def in_image(camera: Camera, points: np.ndarray, aspect: float) -> np.ndarray:
     forward = np.subtract(camera.target, camera.position)
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, camera.up)
@@ -62,22 +62,22 @@ def test_an_open_box_is_seen_through_its_open_side():
     assert camera.position[2] > 2
     assert camera.position[0] == pytest.approx(1)
     corners = np.concatenate([m.geometry.positions for m in scene.meshes])
-    assert in_picture(camera, corners, 4 / 3).all()
+    assert in_image(camera, corners, 4 / 3).all()
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 500.0])
-def test_a_thing_is_seen_whole_from_outside_and_fills_the_picture(size):
+def test_a_thing_is_seen_whole_from_outside_and_fills_the_image(size):
     scene = room(size, size, 2 * size, inward=False)
     assert find_room(Probe.of(scene)) is None
     camera = framing_camera(Probe.of(scene))
     corners = np.concatenate([m.geometry.positions for m in scene.meshes]).astype(float)
-    assert in_picture(camera, corners, 4 / 3).all()
+    assert in_image(camera, corners, 4 / 3).all()
     closer = Camera(
         position=tuple(np.add(camera.position, camera.target) / 2),
         target=camera.target,
         fov_y_deg=camera.fov_y_deg,
     )
-    assert not in_picture(closer, corners, 4 / 3).all()
+    assert not in_image(closer, corners, 4 / 3).all()
 
 
 def test_the_teapot_is_no_room_and_the_living_room_is_one(shared_data):
@@ -85,7 +85,7 @@ def test_the_teapot_is_no_room_and_the_living_room_is_one(shared_data):
     assert find_room(teapot) is None
     living = Probe.of(load_obj(shared_data / "living_room" / "living_room.obj"))
     camera = framing_camera(living)
-    # From the wall with the back light towards the windows, as in the picture all know.
+    # From the wall with the back light towards the windows, as in the image all know.
     assert camera.position[2] > 6.5
     assert camera.target[2] < 4
     assert -2.4 < camera.position[0] < 3

@@ -1,4 +1,4 @@
-"""Textures of every pixel format, radiance maps, pictures out and back."""
+"""Textures of every pixel format, radiance maps, images out and back."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def encoded(image: PIL.Image.Image, kind: str = "PNG", **options) -> bytes:
     return file.getvalue()
 
 
-def picture() -> Image:
+def small_image() -> Image:
     rng = np.random.default_rng(0)
     shape = (6, 9)
     return Image(
@@ -124,7 +124,7 @@ def test_nan_and_infinite_radiance(tmp_path):
 
 
 def test_a_float_exr_comes_back_bit_for_bit(tmp_path):
-    image = picture()
+    image = small_image()
     save_image(image, tmp_path / "a.exr")
     back = load_image(tmp_path / "a.exr")
     np.testing.assert_array_equal(back.radiance, image.radiance)
@@ -139,7 +139,7 @@ def test_a_float_exr_comes_back_bit_for_bit(tmp_path):
 def test_png_and_jpeg_are_what_the_tone_curve_says(tmp_path):
     from airlight.maths.tone import display_srgb8
 
-    image = picture()
+    image = small_image()
     save_image(image, tmp_path / "a.png")
     written = np.asarray(PIL.Image.open(tmp_path / "a.png"))
     wanted = display_srgb8(image.radiance, 1.5, "neutral", dither=True)
@@ -151,7 +151,7 @@ def test_png_and_jpeg_are_what_the_tone_curve_says(tmp_path):
 
 
 def test_hdr_out_and_back(tmp_path):
-    image = picture()
+    image = small_image()
     save_image(image, tmp_path / "a.hdr")
     back = load_image(tmp_path / "a.hdr")
     peak = image.radiance.max(axis=2, keepdims=True)
@@ -159,14 +159,14 @@ def test_hdr_out_and_back(tmp_path):
 
 
 def test_image_save_ends_here(tmp_path):
-    picture().save(tmp_path / "a.exr", layers=False)
+    small_image().save(tmp_path / "a.exr", layers=False)
     assert load_image(tmp_path / "a.exr").layers == {}
 
 
 @pytest.mark.parametrize("name", ["a.bmp", "a", "a.exr.txt"])
 def test_unknown_endings(tmp_path, name):
     with pytest.raises(OutputError) as error:
-        save_image(picture(), tmp_path / name)
+        save_image(small_image(), tmp_path / name)
     assert str(error.value).endswith("End its name in one of .exr, .hdr, .png, .jpg, .jpeg.")
     assert list(tmp_path.iterdir()) == []
 

@@ -17,7 +17,7 @@ from airlight.errors import SceneError
 from airlight.exports.light_field_file import load_light_field
 from airlight.scene.fingerprint import fingerprint
 from airlight.scene.io import SCENE_SUFFIXES
-from airlight.scene.io.images import PICTURE_SUFFIXES, load_image, read_radiance
+from airlight.scene.io.images import IMAGE_SUFFIXES, load_image, read_radiance
 
 QUAD = '[[mesh]]\nshape = "quad"\n'
 BY_TOML = {
@@ -69,9 +69,9 @@ def test_what_other_files_name_is_left_out_with_a_warning(tmp_path, special):
     assert "b.mtl" in load(tmp_path / "b.obj").warnings[0]
 
 
-def test_pictures_light_fields_and_fingerprints(tmp_path, special):
+def test_images_light_fields_and_fingerprints(tmp_path, special):
     kind, make = special
-    for suffix in PICTURE_SUFFIXES:
+    for suffix in IMAGE_SUFFIXES:
         make(tmp_path / f"a{suffix}")
         for read in (load_image, read_radiance, fingerprint):
             with pytest.raises(SceneError, match=f"this is {kind}, not a file"):

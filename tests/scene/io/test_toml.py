@@ -372,7 +372,7 @@ def test_a_volume_without_a_place_warns(load, tmp_path):
     assert "smoke.npy does not say where it is" in scene.warnings[0]
 
 
-def test_exposure_may_come_from_the_picture(tmp_path):
+def test_exposure_may_come_from_the_image(tmp_path):
     file = tmp_path / "s.toml"
     camera = "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nexposure_stops = {}\n"
     file.write_text(camera.format('"auto"') + '[[mesh]]\nshape = "box"\n')

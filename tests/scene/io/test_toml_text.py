@@ -131,7 +131,7 @@ def test_what_cannot_be_written_is_said(tmp_path):
     pictured = replace(scene, environment=Environment(map=np.ones((2, 4, 3), np.float32)))
     text = scene_text(pictured, scene, "builtin:cornell", tmp_path)
     assert "# The meshes of builtin:cornell are no file" in text
-    assert "# The environment's picture is no file" in text
+    assert "# The environment's image is no file" in text
     assert "radiance = 1.0" in text
 
 

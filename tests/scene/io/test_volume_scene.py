@@ -23,7 +23,7 @@ def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path)
     assert scene.name == "plume"
     assert len(scene.lights) == 1
     assert scene.environment is not None
-    framed = replace(framing_box(*scene.bounds), exposure_stops=None)  # exposed by the picture
+    framed = replace(framing_box(*scene.bounds), exposure_stops=None)  # exposed by the image
     assert scene.camera == framed
     assert scene.warnings[-1] == (
         f"plume.npy says nothing about light: sigma_t = {volume.sigma_t[0]:g} m^-1 and albedo = "

@@ -1,6 +1,6 @@
 """Comparisons with a reference: `reference` renders it, `result` holds what was found.
 
-`pictures` makes images of differences, `page` and `style` the sheet that shows them.
+`images` makes images of differences, `page` and `style` the sheet that shows them.
 """
 
 from __future__ import annotations

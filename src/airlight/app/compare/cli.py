@@ -1,4 +1,4 @@
-"""`airlight compare`: techniques against the unbiased reference, in numbers and pictures."""
+"""`airlight compare`: techniques against the unbiased reference, in numbers and images."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def _outcome(
     words += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples)]
     made = shlex.join([*words, *_settings_words(settings)])
     try:
-        image, taken_s = picture(scene, name, size, samples, adapter, settings)
+        image, taken_s = render_technique(scene, name, size, samples, adapter, settings)
         metrics = compare(image, reference.image)
     except AirlightError as error:
         return Outcome(name, made, error=str(error))
@@ -232,7 +232,7 @@ def _in_equal_time(error: float, floor: float, taken_s: float, reference: Refere
     )
 
 
-def picture(
+def render_technique(
     scene: Scene,
     technique: str,
     size: tuple[int, int],
@@ -240,7 +240,7 @@ def picture(
     adapter: str = "auto",
     settings: Mapping[str, Any] | None = None,
 ) -> tuple[Image, float]:
-    """The picture and the seconds it took once shaders were compiled and textures loaded.
+    """The image and the seconds it took once shaders were compiled and textures loaded.
 
     Its layer one_bounce, where the technique can leave later bounces out, is the indirect light of
     another one.
@@ -273,8 +273,8 @@ def _has_bounces(technique: str, scene: Scene) -> bool:
 def write(comparison: Comparison, folder: Path) -> None:
     """index.html, contact_sheet.png and results.json, each whole or not at all."""
     from ...scene.io.writing import whole_file
+    from .images import png_bytes
     from .page import page, sheet
-    from .pictures import png_bytes
 
     results, contact, index = _files(folder)
     write_json(comparison.to_json(), results)
@@ -326,7 +326,7 @@ def _say(comparison: Comparison, folder: Path) -> None:
                 f"energy {number(m.energy_ratio)}, flip {number(m.flip)}"
             )
         else:
-            click.echo(f"warning: {o.technique} made no picture: {o.error}", err=True)
+            click.echo(f"warning: {o.technique} made no image: {o.error}", err=True)
     click.echo(str(folder / "index.html"))
     if all(o.error for o in comparison.outcomes):
-        raise SettingsError("no technique made a picture", where=folder / "index.html")
+        raise SettingsError("no technique made an image", where=folder / "index.html")

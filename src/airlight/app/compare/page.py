@@ -1,4 +1,4 @@
-"""The comparison as one HTML file that holds everything, and as one sheet of pictures."""
+"""The comparison as one HTML file that holds everything, and as one sheet of images."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Iterable
 from html import escape
 
 from ...reference.metrics import Metrics
-from .pictures import FULL_DIFFERENCE, U8, Row, contact_sheet, data_url
+from .images import FULL_DIFFERENCE, U8, Row, contact_sheet, data_url
 from .result import Comparison, LayerView, Outcome, Panel
 from .style import CSS, SCRIPT
 
 SCORES = (
     ("relMSE", "relmse"),
-    ("black picture", "black"),
+    ("black image", "black"),
     ("noise floor", "noise_floor"),
     ("relative L2", "relative_l2"),
     ("energy ratio", "energy_ratio"),
@@ -47,7 +47,7 @@ def page(comparison: Comparison) -> str:
 
 
 def sheet(comparison: Comparison) -> U8:
-    """Reference, picture, signed difference and FLIP map of each technique and layer."""
+    """Reference, image, signed difference and FLIP map of each technique and layer."""
     rows: list[Row] = []
     for view in comparison.views:
         rows += [(view.title, _sheet_row(view, panel)) for panel in view.panels] or [
@@ -62,7 +62,7 @@ def _sheet_row(view: LayerView, panel: Panel) -> list[tuple[str, U8 | None]]:
     scores = f"relMSE {number(panel.metrics.relmse)}, energy {number(panel.metrics.energy_ratio)}"
     return [
         ("reference", view.reference),
-        (f"{panel.technique}: {scores}", panel.picture),
+        (f"{panel.technique}: {scores}", panel.image),
         ("green too bright, red too dark", panel.signed),
         (f"FLIP {number(panel.metrics.flip)}", panel.flip),
     ]
@@ -107,7 +107,7 @@ def _facts(c: Comparison) -> str:
 
 def _failures(outcomes: Iterable[Outcome]) -> str:
     return "".join(
-        f'<div class="failed"><b>{escape(o.technique)}</b> made no picture: {escape(o.error)}</div>'
+        f'<div class="failed"><b>{escape(o.technique)}</b> made no image: {escape(o.error)}</div>'
         for o in outcomes
         if o.error
     )
@@ -131,7 +131,7 @@ def _summary(c: Comparison) -> str:
     done = [o for o in c.outcomes if o.metrics]
     if not done:
         return ""
-    scores = ("relMSE", "black picture", "direct only", "relative L2", "energy ratio", "FLIP")
+    scores = ("relMSE", "black image", "direct only", "relative L2", "energy ratio", "FLIP")
     return (
         f"<h2>Summary</h2>{_table(('', *scores), [(o.technique, _summary_row(o)) for o in done])}"
         f"<h2>In equal time</h2>{_table(_TIME_HEAD, [(o.technique, _time_row(o)) for o in done])}"
@@ -184,16 +184,16 @@ def _legend(c: Comparison) -> str:
     epsilon = next((o.metrics.epsilon for o in c.outcomes if o.metrics), None)
     return (
         "<h2>How to read it</h2>"
-        "<p>Hold a technique's picture to see the reference in its place. Differences: "
+        "<p>Hold a technique's image to see the reference in its place. Differences: "
         '<span class="swatch" style="background:var(--bright)"></span> too bright, '
         '<span class="swatch" style="background:var(--dark)"></span> too dark; full colour is '
-        f"{FULL_DIFFERENCE:g} of the displayed range. All pictures share one exposure.</p>"
+        f"{FULL_DIFFERENCE:g} of the displayed range. All images share one exposure.</p>"
         '<p class="faint">relMSE is the mean of (I \N{MINUS SIGN} R)\N{SUPERSCRIPT TWO} / '
         f"(R\N{SUPERSCRIPT TWO} + {number(epsilon)}); the constant is 1e-4 of the squared mean "
         "luminance of the whole reference, for layers too. Pixels black in the reference and lit "
-        "in the picture weigh most in it; in relative L2, the root of the mean squared error over "
+        "in the image weigh most in it; in relative L2, the root of the mean squared error over "
         "the mean square of the reference, bright pixels do. An error below twice the noise floor "
-        "says nothing. PSNR, SSIM and FLIP see the exposed, clamped sRGB picture.</p>"
+        "says nothing. PSNR, SSIM and FLIP see the exposed, clamped sRGB image.</p>"
     )
 
 
@@ -218,7 +218,7 @@ def _panel(panel: Panel, truth: str) -> str:
     name = escape(panel.technique)
     hold = f'data-truth="{truth}" tabindex="0" draggable="false"'
     figures = [
-        _figure(panel.picture, f"<b>{name}</b>, hold for the reference", name, hold),
+        _figure(panel.image, f"<b>{name}</b>, hold for the reference", name, hold),
         _figure(panel.signed, f"{name}: too bright, too dark", f"signed difference of {name}"),
     ]
     if panel.flip is not None:

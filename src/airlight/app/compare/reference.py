@@ -32,7 +32,7 @@ SPP_LIMIT = 1 << 16
 SPP_AT_ONCE = 256  # each such part is kept: an interrupted comparison goes on where it was
 NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
 """Fields of a scene that no reference depends on."""
-NO_LAYERS = "only the whole picture has a reference"
+NO_LAYERS = "only the whole image has a reference"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Reference:
     """The truth of a comparison: `image` holds the layers, "variance" and "NAME_variance".
 
     `seconds` is what rendering its `spp` samples per pixel took, when it was rendered;
-    `notes` what Mitsuba's picture leaves out or approximates; `not_kept` warns where the cache
+    `notes` what Mitsuba's image leaves out or approximates; `not_kept` warns where the cache
     could not take it, and is empty elsewhere.
     """
 
@@ -58,7 +58,7 @@ class Reference:
 
     @property
     def floor(self) -> float:
-        """The relmse its own noise would give a perfect picture."""
+        """The relmse its own noise would give a perfect image."""
         R = self.image.radiance
         return noise_floor(self.image.layers["variance"], R, scene_epsilon(R))
 
@@ -76,7 +76,7 @@ def reference_for(
 
     Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
     and else refined with new samples. Where Mitsuba cannot tell layers (`NoLayers`) the reference
-    is of the whole picture alone, and its `notes` say so. Raises ReferenceFailure, and
+    is of the whole image alone, and its `notes` say so. Raises ReferenceFailure, and
     SettingsError where AIRLIGHT_CACHE leads nowhere.
     """
     from ...reference.mitsuba import LAYERS, NoLayers
@@ -130,7 +130,7 @@ def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> i
 def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference:
     from ...reference import mitsuba
 
-    pictures = mitsuba.render_layers(
+    images = mitsuba.render_layers(
         job.scene,
         names,
         size=job.size,
@@ -139,11 +139,11 @@ def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference
         timeout_s=max(job.deadline_s - time.monotonic(), 1.0),
         progress=lambda done: job.report("reference", done),
     )
-    whole = pictures["all"]
+    whole = images["all"]
     layers = {"variance": whole.layers["variance"]}
     for name in names[1:]:
-        layers[name] = pictures[name].radiance
-        layers[f"{name}_variance"] = pictures[name].layers["variance"]
+        layers[name] = images[name].radiance
+        layers[f"{name}_variance"] = images[name].layers["variance"]
     stats = whole.stats
     return Reference(
         image=Image(whole.radiance, layers),

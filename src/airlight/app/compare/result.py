@@ -11,12 +11,12 @@ from ...reference import metrics_display
 from ...reference.metrics import LAYERS, EqualTime, Metrics
 from ...scene.checks import F32
 from ...scene.image import Image
-from .pictures import U8, heat, shown, signed_map
+from .images import U8, heat, shown, signed_map
 from .reference import Reference
 
 WHOLE = "whole"
 TITLES = {
-    WHOLE: "The whole picture",
+    WHOLE: "The whole image",
     "direct": "Direct light",
     "indirect": "Indirect light (all bounces)",
     "one_bounce": "Indirect light (one bounce)",
@@ -27,9 +27,9 @@ TITLES = {
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """One technique: its picture and scores, or the `error` that kept it from making one.
+    """One technique: its image and scores, or the `error` that kept it from making one.
 
-    `seconds` is the rendering of the compared picture, all its samples, on a warm device;
+    `seconds` is the rendering of the compared image, all its samples, on a warm device;
     `equal_time` is by relmse, `equal_time_l2` by the square of relative_l2.
     """
 
@@ -57,11 +57,11 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One technique in one layer: its picture, what is too bright or dark, its FLIP map."""
+    """One technique in one layer: its image, what is too bright or dark, its FLIP map."""
 
     technique: str
     metrics: Metrics
-    picture: U8
+    image: U8
     signed: U8
     flip: U8 | None
 
@@ -119,8 +119,8 @@ class Comparison:
             flip = heat(metrics_display.flip_map(truth, layer, self.stops))
         except ImportError:
             flip = None
-        picture, signed = shown(layer, self.stops), signed_map(layer, truth, self.stops)
-        return Panel(technique, scores, picture, signed, flip)
+        image, signed = shown(layer, self.stops), signed_map(layer, truth, self.stops)
+        return Panel(technique, scores, image, signed, flip)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, without pixels."""

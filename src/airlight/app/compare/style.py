@@ -1,4 +1,4 @@
-"""The look of the comparison page: a neutral dark ground, so that pictures keep their colours."""
+"""The look of the comparison page: a neutral dark ground, so that images keep their colours."""
 
 CSS = """
 :root { color-scheme: dark; --ground: #161618; --raised: #1f1f22; --line: #343438;

@@ -139,7 +139,7 @@ def _raise_ours(future: Any, address: str) -> None:
     if kind == "KilledWorker":
         raise SettingsError(
             f"a frame has killed several workers of the cluster at {address}",
-            remedy="Give them more memory, or make the picture smaller; go on by --resume.",
+            remedy="Give them more memory, or make the image smaller; go on by --resume.",
         )
     if isinstance(error, ImportError):
         raise SettingsError(

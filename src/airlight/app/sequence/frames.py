@@ -1,4 +1,4 @@
-"""Frames of a sequence as pictures: the same bits in any order, alone or among others."""
+"""Frames of a sequence as images: the same bits in any order, alone or among others."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class FrameMaker:
 
     def save(self, frame: int, path: Path) -> None:
         """One frame into a file, whole or not at all. Raises OutputError."""
-        # What a picture says about its making differs from run to run; frames do not.
+        # What an image says about its making differs from run to run; frames do not.
         image = self.image(frame)
         self.doubts += [f"frame {frame}: {text}" for text in image.doubts]
         replace(image, stats={}).save(path, layers=self.plan.layers)
@@ -78,7 +78,7 @@ class FrameMaker:
 
 
 def metered_stops(plan: Plan, scene: Scene) -> float | None:
-    """The first frame's exposure for all frames, where the camera leaves it to the picture.
+    """The first frame's exposure for all frames, where the camera leaves it to the image.
 
     Metered by each frame for itself a sequence would flicker. None where the camera says it.
     """

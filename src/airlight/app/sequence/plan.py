@@ -93,7 +93,7 @@ def frame_span(
     rate = animation.fps if fps is None else fps
     if end <= start:
         raise SettingsError(f"the end at {end:g} s is not after the start at {start:g} s")
-    # A frame at the very end would show a loop's first picture twice.
+    # A frame at the very end would show a loop's first image twice.
     first, last = 0, max(0, int(-(-(end - start) * rate // 1)) - 1)
     exact = (end - start) * rate
     if abs(exact - round(exact)) < 1e-6:

@@ -41,7 +41,7 @@ def write_video(
     comment: str,
     report: Callable[[float], None] = lambda share: None,
 ) -> None:
-    """Write `frames`, pictures of one size, to `path`, whole or not at all.
+    """Write `frames`, images of one size, to `path`, whole or not at all.
 
     `comment` is kept in it; `report(share)` is called as it goes. Raises OutputError.
     """
@@ -99,14 +99,14 @@ def _encode(
 
 
 def _even(file: Path) -> NDArray[np.uint8]:
-    """A picture's pixels (H, W, 3), the last row and column doubled where a side is odd."""
+    """An image's pixels (H, W, 3), the last row and column doubled where a side is odd."""
     try:
         with PIL.Image.open(io.BytesIO(read_bytes(file))) as image:
             pixels = np.asarray(image.convert("RGB"))
     except (OSError, ValueError, SceneError) as error:
         reason = error.problem if isinstance(error, SceneError) else error
         raise OutputError(
-            f"is not a whole picture ({reason})",
+            f"is not a whole image ({reason})",
             where=file,
             remedy="Delete it, and make it again by --resume.",
         ) from None

@@ -1,4 +1,4 @@
-"""The viewer in a browser: pictures over a websocket, from this machine or through a tunnel."""
+"""The viewer in a browser: images over a websocket, from this machine or through a tunnel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A session on a canvas: a window, a browser's picture, a notebook's, or none at all."""
+"""A session on a canvas: a window, a browser's image, a notebook's, or none at all."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _FRAMES_PER_EVENT = 4  # imgui takes a click in over several: moved there, press
 
 
 class CanvasView:
-    """Draws when something changed, and goes on until the picture is refined."""
+    """Draws when something changed, and goes on until the image is refined."""
 
     def __init__(
         self,

@@ -18,7 +18,7 @@ from ...scene.camera import Camera
 from ...scene.checks import Vec3
 
 LEFT, RIGHT, MIDDLE = 1, 2, 3
-_TURN_DEG_PER_SIDE = 180.0  # a drag across the picture's height turns half around
+_TURN_DEG_PER_SIDE = 180.0  # a drag across the image's height turns half around
 _STEEPEST_DEG = 89.0
 _NEARER_PER_NOTCH = 0.88
 _FASTER = 4.0
@@ -173,7 +173,7 @@ class CameraControls:
 
 
 def axes(camera: Camera) -> tuple[F64, F64, F64]:
-    """(right, up, forward) of the picture, unit vectors."""
+    """(right, up, forward) of the image, unit vectors."""
     forward = np.subtract(camera.target, camera.position)
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, camera.up)

@@ -1,4 +1,4 @@
-"""The finest picture of a view that stands still: air at full resolution, a larger sky lattice.
+"""The finest image of a view that stands still: air at full resolution, a larger sky lattice.
 
 A renderer of its own, made, solved and drawn behind the viewer's back, its samples averaged in a
 presenter of its own. It is shown once its mean is good enough, and the other one again as soon as
@@ -27,7 +27,7 @@ from .drawn import Drawn
 
 SAMPLES = 64
 SHOWN_FROM = 8
-"""Samples of the coarser picture are given up for no fewer of the finer one."""
+"""Samples of the coarser image are given up for no fewer of the finer one."""
 MOST_BYTES = 512 << 20
 """Of the device, beside what the coarser renderer has; where it takes more it is given up."""
 _MOST_CELLS = {True: 64**3, False: 96**3}  # by whether the driver is software
@@ -36,7 +36,7 @@ _MARCHED = ("march_resolution", "shaft_resolution", "march")
 
 
 def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
-    """What to change of the technique's settings `now` for the finest picture of `scene`.
+    """What to change of the technique's settings `now` for the finest image of `scene`.
 
     Empty where it can do no better than it does.
     """
@@ -61,7 +61,7 @@ def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What a finest picture is of."""
+    """What a finest image is of."""
 
     scene: Scene
     size: tuple[int, int]
@@ -86,7 +86,7 @@ class Fine:
 
     @property
     def is_shown(self) -> bool:
-        """Whether its mean is better than the coarser picture's."""
+        """Whether its mean is better than the coarser image's."""
         return self._shot is not None and self.samples >= SHOWN_FROM
 
     @property
@@ -116,7 +116,7 @@ class Fine:
             self._task.pause(holds=True)
 
     def begin(self, make: Callable[[], Renderer], shot: Shot) -> None:
-        """Go on towards the finest picture of `shot`; `make` makes the renderer for it."""
+        """Go on towards the finest image of `shot`; `make` makes the renderer for it."""
         if self._task and not self._task.is_done:
             self._task.pause(holds=False)
             return
@@ -160,7 +160,7 @@ class Fine:
             task.result()
         except Exception as error:
             self.drop()
-            self.message = f"no finer picture: {said(error)}"
+            self.message = f"no finer image: {said(error)}"
 
     def _work(self, commands: SlicedCommands, make: Callable[[], Renderer], shot: Shot) -> None:
         """In the task's thread: the renderer, the solution, then samples while `shot` is wanted."""

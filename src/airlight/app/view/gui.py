@@ -1,4 +1,4 @@
-"""The panel beside the picture (imgui): everything that a session can be told."""
+"""The panel beside the image (imgui): everything that a session can be told."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Panel:
             light_controls(state)
         if _header("air"):
             air_controls(state)
-        if _header("picture"):
+        if _header("image"):
             self._look()
         if _header("camera", is_open=False):
             self._camera()
@@ -160,7 +160,7 @@ class Panel:
         if changed:
             state.look = replace(look, layer=layers[index])
         is_metered = look.exposure_stops is None
-        changed, is_metered = imgui.checkbox("exposure from the picture", is_metered)
+        changed, is_metered = imgui.checkbox("exposure from the image", is_metered)
         if changed:
             state.look = replace(state.look, exposure_stops=None if is_metered else 0.0)
         if not is_metered:
@@ -224,10 +224,10 @@ class Panel:
 
     def _save(self) -> None:
         if imgui.button("PNG"):
-            self.saver.save_picture(".png")
+            self.saver.save_image(".png")
         imgui.same_line()
         if imgui.button("EXR with layers"):
-            self.saver.save_picture(".exr")
+            self.saver.save_image(".exr")
         if self.saver.can_copy:
             if imgui.button("copy as scene file"):
                 self.saver.copy_scene()
@@ -243,7 +243,7 @@ def tip(text: str) -> None:
 
 
 def style_like_a_darkroom() -> None:
-    """Dark, neutral grey, so that the picture's colours are judged by themselves."""
+    """Dark, neutral grey, so that the image's colours are judged by themselves."""
     imgui.style_colors_dark()
     style = imgui.get_style()
     style.window_rounding = style.frame_rounding = style.grab_rounding = 3.0

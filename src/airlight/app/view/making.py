@@ -34,7 +34,7 @@ class Making:
         return self._task is not None and self._task.is_done
 
     def begin(self, structure: Structure, make: Callable[[], Renderer]) -> None:
-        """Make a renderer of `structure`, and draw its first picture, if that is not under way."""
+        """Make a renderer of `structure`, and draw its first image, if that is not under way."""
         if self._task and self.wanted == structure:
             return
         self.give_up()
@@ -71,7 +71,7 @@ class Making:
 
 
 def _warm(commands: SlicedCommands, make: Callable[[], Renderer]) -> Drawn:
-    """A renderer with its scene solved and one picture drawn, so that its next one is quick."""
+    """A renderer with its scene solved and one image drawn, so that its next one is quick."""
     drawn = Drawn(make())
     try:
         drawn.solve(commands)

@@ -1,4 +1,4 @@
-"""The viewer in a notebook: a live widget, and a still picture where widgets do not run."""
+"""The viewer in a notebook: a live widget, and a still image where widgets do not run."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def view(
     """Look at `scene` in a notebook: the live widget, to be the last value of a cell.
 
     A path or builtin:NAME is loaded, and read again when the file is saved. Where the widget
-    cannot run (no anywidget, a page without a kernel) a still picture is shown in its place.
+    cannot run (no anywidget, a page without a kernel) a still image is shown in its place.
     Outside notebooks use `airlight view`. Raises SceneError, SettingsError, DeviceError.
     """
     source = "" if isinstance(scene, Scene) else str(scene)
@@ -38,7 +38,7 @@ def view(
         loaded, source=source, technique=technique, settings=settings, adapter=adapter
     )
     session.frame_size(size)
-    still = session.picture(_STILL_SAMPLES)
+    still = session.image(_STILL_SAMPLES)
     try:
         from rendercanvas import anywidget
     except ImportError:
@@ -48,7 +48,7 @@ def view(
 
 
 class Still:
-    """A picture that a notebook shows."""
+    """An image that a notebook shows."""
 
     def __init__(self, image: Image) -> None:
         self.image = image
@@ -69,8 +69,8 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
         def _repr_mimebundle_(self, **kwargs: Any) -> Any:
             bundle = super()._repr_mimebundle_(**kwargs)
             data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})
-            picture = base64.b64encode(png_bytes(still)).decode()
-            return {**data, "image/png": picture}, metadata
+            image = base64.b64encode(png_bytes(still)).decode()
+            return {**data, "image/png": image}, metadata
 
     canvas = LiveView(size=size, max_fps=30, update_mode="ondemand")
     canvas.view = CanvasView(canvas, session)
@@ -81,7 +81,7 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
 
 
 def png_bytes(image: Image) -> bytes:
-    """The tone-mapped picture as a PNG file."""
+    """The tone-mapped image as a PNG file."""
     from PIL import Image as Pillow
 
     out = io.BytesIO()

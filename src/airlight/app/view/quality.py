@@ -1,4 +1,4 @@
-"""How finely the next picture is drawn: coarse while anything moves, finer and finer when still.
+"""How finely the next image is drawn: coarse while anything moves, finer and finer when still.
 
 Resolution follows the time that frames really took, so that a machine without a GPU stays above
 ten frames a second where it can, and answers within a moment while it refines. A view at rest ends
@@ -21,7 +21,7 @@ _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
 @dataclass(frozen=True)
 class Plan:
-    """The next picture: its size in pixels, and its number among those averaged (0 starts anew).
+    """The next image: its size in pixels, and its number among those averaged (0 starts anew).
 
     `sample` None: nothing is left to do.
     """
@@ -59,7 +59,7 @@ class Quality:
         """What to draw at `now_s` on a surface of `full` pixels.
 
         `changed`: since the last. `is_busy`: a hand is at work, and must not wait for a fine
-        picture to be done before the next coarse one.
+        image to be done before the next coarse one.
         """
         if full != self._full:
             self._full, self.still_scale, self._is_last = full, 1.0, False

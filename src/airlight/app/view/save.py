@@ -1,4 +1,4 @@
-"""What is taken home from the viewer: pictures, and the scene as a file."""
+"""What is taken home from the viewer: images, and the scene as a file."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Saver:
         """Whether there is a clipboard."""
         return self._copy is not None
 
-    def save_picture(self, suffix: str) -> Path | None:
-        """The picture as .png or .exr (with its layers); its path, or None and a message."""
+    def save_image(self, suffix: str) -> Path | None:
+        """The image as .png or .exr (with its layers); its path, or None and a message."""
         try:
-            image = self.session.picture()
+            image = self.session.image()
             path = self._free(suffix)
             image.save(path)
         except AirlightError as error:
@@ -78,7 +78,7 @@ class Saver:
             path = self.folder / f"{safe}-view-{number:04d}{suffix}"
             if not os.path.lexists(path):  # what a broken link leads to is not made either
                 return path
-        raise OutputError("ten thousand pictures are here already", where=self.folder)
+        raise OutputError("ten thousand images are here already", where=self.folder)
 
     def _refused(self, error: AirlightError) -> None:
         self.session.state.message, self.session.state.notice = str(error), ""

@@ -1,7 +1,7 @@
-"""A scene being looked at: takes changes, draws the next picture, keeps the last good one.
+"""A scene being looked at: takes changes, draws the next image, keeps the last good one.
 
 It knows no window: `app.view.canvas` puts it on one. Nothing is read back from the device,
-except a picture to be saved.
+except an image to be saved.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from .watch import Watch
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
 COARSER_SAMPLES = 16
-"""Of a still view, before a finer picture is begun."""
+"""Of a still view, before a finer image is begun."""
 PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
 
 
@@ -96,14 +96,14 @@ class Session:
             self._presenter = None
 
     def touch(self, now_s: float) -> None:
-        """A hand is at the mouse or the keys: fine pictures wait a moment."""
+        """A hand is at the mouse or the keys: fine images wait a moment."""
         self._touched_s = now_s
 
     @property
     def layers(self) -> tuple[str, ...]:
         """What can be looked at."""
         if self.renderer is None:
-            return ("picture",)
+            return ("image",)
         return layer_names(self.renderer.technique.layers(self.renderer.view))
 
     def has_edit(self) -> bool:
@@ -139,7 +139,7 @@ class Session:
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
             is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
-            # A picture that is soon another one needs no refinement: the new renderer needs time.
+            # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()
             if changed:
@@ -154,7 +154,7 @@ class Session:
             return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
 
     def _drew(self, plan: Plan) -> bool:
-        """Draw what is planned, or let the finest picture go on; true where more is wanted."""
+        """Draw what is planned, or let the finest image go on; true where more is wanted."""
         if plan.sample is not None:
             self._draw_or_say(plan)
         elif not plan.is_moving and self.quality.share >= 1.0:
@@ -163,7 +163,7 @@ class Session:
 
     @property
     def status(self) -> str:
-        """In a few words: the last frame's time and size, or how far the finest picture is."""
+        """In a few words: the last frame's time and size, or how far the finest image is."""
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
@@ -203,10 +203,10 @@ class Session:
                 self.controls.camera = self._camera
 
     def frame_size(self, size: tuple[int, int]) -> None:
-        """The size of pictures until a frame says another."""
+        """The size of images until a frame says another."""
         self._size = size
 
-    def picture(self, samples: int = _SAVED_SAMPLES) -> Image:
+    def image(self, samples: int = _SAVED_SAMPLES) -> Image:
         """What is seen now, at full size, with its layers. Raises AirlightError."""
         self._make()
         self.wait()
@@ -292,13 +292,13 @@ class Session:
             self.state.notice = ""
 
     def _finer(self) -> dict[str, Any]:
-        """What would make the picture of a still view finer."""
+        """What would make the image of a still view finer."""
         state = self.state
         now = checked_settings(state.technique, state.scene, state.chosen_settings)
         return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
 
     def _refine(self) -> None:
-        """The view stands still, and its coarser picture is done."""
+        """The view stands still, and its coarser image is done."""
         if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
             return
         if self._shot is None:
@@ -325,7 +325,7 @@ class Session:
             self._draw_all(drawn, plan)
 
     def _draw_all(self, drawn: Drawn, plan: Plan) -> None:
-        """The layers of one sample, and the picture that they are part of."""
+        """The layers of one sample, and the image that they are part of."""
         assert plan.sample is not None
         r, commands = drawn.renderer, drawn.renderer.commands
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
@@ -355,7 +355,7 @@ class Session:
         self._toned = (presenter, samples, self.state.look)
 
     def _show(self, target: Any) -> None:
-        """The finest picture that there is, onto the surface."""
+        """The finest image that there is, onto the surface."""
         shown = self.fine.presenter if self.fine.is_shown else self._presenter
         if shown is None or self._drawn is None:
             return

@@ -37,7 +37,7 @@ class Compose:
         return (self.direct, self.indirect)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with pictures of `size`, pixels."""
+        """Go on with images of `size`, pixels."""
         for layer in self.layers:
             layer.release()
         self._make_layers(size)

@@ -1,4 +1,4 @@
-"""Reduced pictures of air at full size, its transmittance and what is behind it, in one pass.
+"""Reduced images of air at full size, its transmittance and what is behind it, in one pass.
 
 The same as `upsample`, `transmittance` and `compose` one after the other, where no density grid
 asks for more: what they read of a pixel is read once, and surfaces are dimmed where they are.
@@ -54,10 +54,10 @@ def can_finish(gpu: Gpu) -> bool:
 
 
 class Finish(FullscreenPass):
-    """Reduced pictures of air -> the layers of surfaces, dimmed, and those of the air.
+    """Reduced images of air -> the layers of surfaces, dimmed, and those of the air.
 
-    Reduced pictures hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
-    scattered once is a reduced picture too, added to the shafts. `lists`: shafts are reduced, too,
+    Reduced images hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
+    scattered once is a reduced image too, added to the shafts. `lists`: shafts are reduced, too,
     and pixels that cannot be made of their texels are listed, to be drawn anew.
     """
 

@@ -1,5 +1,5 @@
-// What is left to do for a pixel once the reduced pictures of air are there: they at full size, the
-// transmittance of even air, and the surfaces behind it. What is linear over the picture, or the same
+// What is left to do for a pixel once the reduced images of air are there: they at full size, the
+// transmittance of even air, and the surfaces behind it. What is linear over the image, or the same
 // everywhere, comes from the vertices: software drivers read buffers in fragments lane by lane.
 //! use media
 //! use upsample_corner
@@ -11,18 +11,18 @@ struct Seen {
     @location(2) @interpolate(flat) eye: vec3f,      // in that space
     @location(3) @interpolate(flat) sigma_t: vec3f,  // of that medium, m^-1
     @location(4) @interpolate(flat) grid: vec4f,     // pixels of a texel's side, last texel, 1/near
-    @location(5) @interpolate(flat) per_texel: vec4f,   // of the reduced pictures, of the picture
+    @location(5) @interpolate(flat) per_texel: vec4f,   // of the reduced images, of the image
 }
 
 // Software drivers sample the nearest texel in half the time of a load.
 override IS_SAMPLED: bool = false;
 var<private> per_texel: vec4f;
 
-fn reduced_texel(picture: texture_2d<f32>, texel: vec2f) -> vec4f {
+fn reduced_texel(image: texture_2d<f32>, texel: vec2f) -> vec4f {
     if (IS_SAMPLED) {
-        return textureSampleLevel(picture, nearest, (texel + 0.5) * per_texel.xy, 0.0);
+        return textureSampleLevel(image, nearest, (texel + 0.5) * per_texel.xy, 0.0);
     }
-    return textureLoad(picture, vec2i(texel), 0);
+    return textureLoad(image, vec2i(texel), 0);
 }
 
 fn depth_shown(position: vec2f) -> f32 {
@@ -63,7 +63,7 @@ fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
         shown <= 0.0);
     let place = seen.position.xy / seen.grid.x - 0.5;
     let last = seen.grid.yz;
-    // Four different texels even at the picture's edge, so that both of a block's sides are there.
+    // Four different texels even at the image's edge, so that both of a block's sides are there.
     let base = clamp(floor(place), vec2f(0.0), max(last - 1.0, vec2f(0.0)));
     let t = saturate(place - base);
     var multiple = vec3f(0.0);

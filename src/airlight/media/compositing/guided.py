@@ -1,10 +1,10 @@
-"""Reduced pictures of air at full size, guided by how much each pixel's own ray sees of it.
+"""Reduced images of air at full size, guided by how much each pixel's own ray sees of it.
 
 Where neighbouring texels let different shares of light through, the pixel's ray is marched through
 the density alone, with the steps of the march itself, and the light is scaled to what it then
 hides: thin wisps and edges are as sharp as at full resolution.
 Source: Elek2014 section 4.4, which guides a joint bilateral upsampling (Kopf et al. 2007) of its
-grids by the density. differs: the same for the marched picture; the grids are marched with the
+grids by the density. differs: the same for the marched image; the grids are marched with the
 full density anyway.
 """
 

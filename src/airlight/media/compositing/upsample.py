@@ -1,4 +1,4 @@
-"""A reduced picture at full size: bilinear among texels of about the pixel's own depth.
+"""A reduced image at full size: bilinear among texels of about the pixel's own depth.
 
 Source: Kopf et al. 2007 (joint bilateral upsampling), with depth as the guide.
 """
@@ -21,7 +21,7 @@ _SLOTS = (
 
 
 class Upsample(FullscreenPass):
-    """Full-size target <- reduced picture, its rays and the picture's depth."""
+    """Full-size target <- reduced image, its rays and the image's depth."""
 
     slots = _SLOTS
     targets = ("rgba32float",)
@@ -45,7 +45,7 @@ class Upsample(FullscreenPass):
 
 
 class UpsampleOnto(FullscreenPass):
-    """The same, added to a full-size picture."""
+    """The same, added to a full-size image."""
 
     slots = (*_SLOTS, texture("base", "2d", "unfilterable-float"))
     targets = ("rgba32float",)

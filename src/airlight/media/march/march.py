@@ -6,7 +6,7 @@ are no longer than the voxels of a grid inside it.
 
 Sources come in two forms: a texture of emission J (W m^-3 sr^-1; or, times the scattering
 coefficient of one or all media, of mean radiance), and a solved lattice of two-band states. What
-arrives from the sky is a lattice of its own, and a picture of its own: light scattered once.
+arrives from the sky is a lattice of its own, and an image of its own: light scattered once.
 """
 
 from __future__ import annotations

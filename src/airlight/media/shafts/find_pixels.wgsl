@@ -1,4 +1,4 @@
-// A reduced picture at full size, and the pixels that cannot be made of its texels listed.
+// A reduced image at full size, and the pixels that cannot be made of its texels listed.
 //! use pixel_list
 //! use upsample_corner
 

@@ -64,7 +64,7 @@ class Jitter:
         self._raw = Texture(gpu, "jittered", reduced, "rgba32float", written=True)
 
     def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced pictures of this size, pixels."""
+        """Go on with reduced images of this size, pixels."""
         self._raw.release()
         self._make_raw(reduced)
 

@@ -1,4 +1,4 @@
-// The texels of the reduced picture that were listed.
+// The texels of the reduced image that were listed.
 //! use shaft_rays
 
 @compute @workgroup_size(WX, WY, WZ) fn main(

@@ -116,7 +116,7 @@ class Volumes:
         self._sum = Texture(self.air.gpu, "light volumes", reduced, "rgba32float", target=True)
 
     def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced pictures of this size, pixels."""
+        """Go on with reduced images of this size, pixels."""
         self._sum.release()
         self._make_sum(reduced)
 
@@ -169,7 +169,7 @@ def _check(gpu: Gpu, air: GpuMedia) -> None:
 
 
 def _clip_from_eye(params: RayParams, rays: Rays) -> F64:
-    """Onto the reduced picture, whose last texels may reach beyond the full one."""
+    """Onto the reduced image, whose last texels may reach beyond the full one."""
     world_from_clip = params.record["world_from_clip"].T.astype(np.float64)
     eye_from_clip = world_from_clip.copy()
     eye_from_clip[:3] -= np.outer(params.record["eye"], world_from_clip[3])

@@ -4,7 +4,7 @@
 //! use eye_ray
 //! use lit_interval
 
-// A map's own space is left-handed, and so is a picture's.
+// A map's own space is left-handed, and so is an image's.
 const FRONT_IS_IN = true;
 const PARALLEL_END = 256.0;   // depth ranges of the map, where a sun's shadows are taken to end
 const NEAR_M = 1e-4;    // from the eye plane; nothing is scattered before it
@@ -99,7 +99,7 @@ fn wall_corner(own: Facet, part: u32, k: u32) -> WallCorner {
 }
 
 // The plane of a triangle, the eye its origin. A face can be a hundredth of a pixel wide and reach
-// far beyond the picture: what is interpolated on it is not good enough.
+// far beyond the image: what is interpolated on it is not good enough.
 fn plane_of(own: Facet, kind: u32) -> vec4f {
     if (kind >= LID && kind < WALL) {
         return vec4f(0.0);

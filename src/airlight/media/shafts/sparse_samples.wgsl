@@ -1,4 +1,4 @@
-// One texel in four of a reduced picture, first: every second one of every second row, by turns the
+// One texel in four of a reduced image, first: every second one of every second row, by turns the
 // even and the odd ones, so that both sides of depth edges (media/rays.py) have theirs.
 //! use shaft_rays
 //! use sparse_texels

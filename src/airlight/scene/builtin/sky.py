@@ -24,7 +24,7 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = 64, scale: float = 1.0) -> E
 
     `sun_travel` is the direction in which sunlight travels. The map is 2 `height_px` wide;
     below the horizon lies pale ground. Luminance: CIE S 011, equations 1 to 4, its glow around
-    the sun rolled off below seven times the zenith: the sun itself is a light, not a picture.
+    the sun rolled off below seven times the zenith: the sun itself is a light, not an image.
     """
     v = (np.arange(height_px) + 0.5) / height_px * np.pi
     u = (np.arange(2 * height_px) + 0.5) / (2 * height_px) * 2.0 * np.pi

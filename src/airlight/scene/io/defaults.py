@@ -23,7 +23,7 @@ a sky of 1 to 4 they would hardly show."""
 def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) -> Scene:
     """The scene with a camera that shows it well; the one it had is replaced.
 
-    It is exposed by the picture: who gave no camera has not said how bright the scene is.
+    It is exposed by the image: who gave no camera has not said how bright the scene is.
     `probe` gives the probe of the scene, for those who have it already.
     """
     check_extent(scene)

@@ -1,6 +1,6 @@
 """OpenEXR with named layers, as compositing programs expect them.
 
-Channel names: R, G, B are the picture; `direct.R`, `direct.G`, `direct.B` a colour layer;
+Channel names: R, G, B are the image; `direct.R`, `direct.G`, `direct.B` a colour layer;
 `normal.X`, `.Y`, `.Z` a vector; `depth.Z` depth; `name.Y` any other scalar. ZIP compression.
 Exposure, tone curve and statistics travel in the attributes `airlight_exposure_stops`,
 `airlight_tone_map` and `airlight_stats` (JSON).
@@ -29,7 +29,7 @@ FLOAT_LAYERS = ("depth", "position")
 
 
 def write(image: Image, path: Path, *, layers: bool, half: bool) -> None:
-    """Write the picture, and with `layers` its layers; colours as half where `half`."""
+    """Write the image, and with `layers` its layers; colours as half where `half`."""
     channels = _named(image.radiance, "", half)
     if layers:
         for name, pixels in image.layers.items():
@@ -59,7 +59,7 @@ def _named(pixels: F32, layer: str, half: bool) -> dict[str, Any]:
 
 
 def read(path: Path) -> Image:
-    """A picture with its layers. Raises SceneError."""
+    """An image with its layers. Raises SceneError."""
     planes, header = _planes(read_bytes(path), path)
     radiance = _stacked(planes, "RGB")
     if radiance is None:

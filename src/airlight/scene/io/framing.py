@@ -225,7 +225,7 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
 
 
 def _around(direction: F64, points: F64) -> Camera:
-    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 picture."""
+    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 image."""
     towards = direction / np.linalg.norm(direction)
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     right = np.cross((0.0, 1.0, 0.0), towards)

@@ -1,6 +1,6 @@
-"""Image files <-> textures, radiance maps and rendered pictures.
+"""Image files <-> textures, radiance maps and rendered images.
 
-Textures are 8-bit and keep their encoding. Radiance is linear float32. A picture is written
+Textures are 8-bit and keep their encoding. Radiance is linear float32. An image is written
 by its ending: EXR (linear, layers; exr.py), HDR (linear; rgbe.py), PNG and JPEG (tone mapped).
 """
 
@@ -31,7 +31,7 @@ from .writing import whole_file
 
 _BAND_ROWS = 256
 _BY_PROGRAMS = ("EPS", "WMF", "STUB", "BUFR", "GRIB", "HDF5")
-PICTURE_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
+IMAGE_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
 
 
 def read_texture(data: Path | bytes, *, is_srgb: bool, source: str = "") -> Texture:
@@ -136,7 +136,7 @@ def _decoded(image: PIL.Image.Image, path: Path) -> F32:
 def save_image(
     image: Image, path: Path, *, layers: bool = True, precision: Literal["float", "half"] = "float"
 ) -> None:
-    """Write a picture; its format is its ending's. It appears whole or not at all.
+    """Write an image; its format is its ending's. It appears whole or not at all.
 
     EXR holds linear radiance and, with `layers`, every layer as named channels; `precision`
     "half" halves its colours (depth stays float). HDR is linear; PNG and JPEG are tone mapped
@@ -144,11 +144,11 @@ def save_image(
     a remedy.
     """
     suffix = path.suffix.lower()
-    if suffix not in PICTURE_SUFFIXES:
+    if suffix not in IMAGE_SUFFIXES:
         raise OutputError(
-            f"cannot write a picture that ends in '{path.suffix}'",
+            f"cannot write an image that ends in '{path.suffix}'",
             where=path,
-            remedy=f"End its name in one of {', '.join(PICTURE_SUFFIXES)}.",
+            remedy=f"End its name in one of {', '.join(IMAGE_SUFFIXES)}.",
         )
     with whole_file(path) as part:
         if suffix == ".exr":
@@ -171,7 +171,7 @@ def _write_display(image: Image, path: Path, suffix: str) -> None:
 
 
 def load_image(path: Path) -> Image:
-    """Read a picture back: EXR with its layers as written by `save_image`, or any image.
+    """Read an image back: EXR with its layers as written by `save_image`, or any image.
 
     Raises SceneError.
     """

@@ -36,7 +36,7 @@ from .mitsuba_xml import Node, read_tree, walk
 DEFAULT_FILM = (768, 576)
 DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
 
-# Values that say how to render, not what: leaving them out changes no picture.
+# Values that say how to render, not what: leaving them out changes no image.
 _HOW = frozenset(
     (
         "main_specular_sampling_rate",
@@ -188,7 +188,7 @@ def _camera(node: Node, source: Source) -> Camera:
     x, y, z = (float(v) for v in matrix[:3, 3])
     target = matrix[:3, 3] + forward
     if np.linalg.det(matrix[:3, :3]) < 0.0:
-        source.note(f"{node}: its transform mirrors the picture, which is left out")
+        source.note(f"{node}: its transform mirrors the image, which is left out")
     up: Vec3 = tuple(float(v) for v in matrix[:3, 1])  # type: ignore[assignment]
     return Camera(
         position=(x, y, z),

@@ -35,11 +35,11 @@ _TRAVEL = "unit vector (normalised for you)"
 CAMERA = Table(
     "camera",
     "The pinhole camera. Without the table, one is chosen that frames the scene and is exposed by "
-    "the picture.",
+    "the image.",
     (
         _POSITION,
         Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
-        Key("up", checks.unit_vec3, "vector", "upwards in the picture", default="[0, 1, 0]"),
+        Key("up", checks.unit_vec3, "vector", "upwards in the image", default="[0, 1, 0]"),
         Key("fov_y_deg", checks.number, "number", "full vertical field of view", "degrees", "50"),
         Key(
             "exposure_stops",
@@ -215,7 +215,7 @@ ENVIRONMENT = Table(
             "visible",
             checks.boolean,
             "boolean",
-            "false keeps its light, not its picture",
+            "false keeps its light, not its image",
             default="true",
         ),
         BETWEEN,
@@ -351,7 +351,7 @@ regular files are read, no pipes, sockets or devices, and a file that claims to 
 more than its size bears out is refused.
 
 Numbers are at most 1e15, positions and sizes 1e9 m, and a scene reaches at most 1e8 m from the \
-origin: beyond, single precision has no picture of it.
+origin: beyond, single precision has no image of it.
 
 This page is printed from the loader's own table by `./run docs`."""
 

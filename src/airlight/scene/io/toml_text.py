@@ -27,7 +27,7 @@ from .light_groups import is_group
 from .toml_text_moving import has_own_camera, moves_light, with_motion
 
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
-_NO_MAP = "# The environment's picture is no file: its mean stands for it.\n"
+_NO_MAP = "# The environment's image is no file: its mean stands for it.\n"
 _NO_GRID = "# A volume's density is no file: it is left out.\n"
 _SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g")
 

@@ -1,4 +1,4 @@
-"""The pictures of a comparison: tone mapped, signed differences, FLIP maps, contact sheet."""
+"""The images of a comparison: tone mapped, signed differences, FLIP maps, contact sheet."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ PAPER, INK, FAINT = (22, 22, 24), (232, 232, 230), (150, 150, 152)
 
 
 def shown(radiance: F32, stops: float) -> U8:
-    """As a picture on a display, AgX; (H, W, 3)."""
+    """As an image on a display, AgX; (H, W, 3)."""
     return display_srgb8(radiance, stops, "agx", dither=True)
 
 
@@ -73,20 +73,20 @@ def png_bytes(pixels: U8) -> bytes:
 
 
 def data_url(pixels: U8) -> str:
-    """The picture as a URL that holds it."""
+    """The image as a URL that holds it."""
     return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
 
 
 Row = tuple[str, Sequence[tuple[str, U8 | None]]]
-"""A row's name, and its captioned pictures; None leaves a gap."""
+"""A row's name, and its captioned images; None leaves a gap."""
 
 
 def contact_sheet(
     title: str, rows: Sequence[Row], *, cell_width_px: int = 400, caption_px: int = 14
 ) -> U8:
-    """All pictures on one sheet, a row each, captions above; (H, W, 3).
+    """All images on one sheet, a row each, captions above; (H, W, 3).
 
-    A row is as high as its first picture, scaled to the cells' width.
+    A row is as high as its first image, scaled to the cells' width.
     """
     heights = [_height_px(cells, cell_width_px) for _, cells in rows]
     margin, caption, head = 16, caption_px + 12, 4 * caption_px
@@ -114,7 +114,7 @@ def contact_sheet(
 
 
 def _height_px(cells: Sequence[tuple[str, U8 | None]], width_px: int) -> int:
-    """Of a row whose pictures are `width_px` wide."""
+    """Of a row whose images are `width_px` wide."""
     first = next((p for _, p in cells if p is not None), None)
     return 1 if first is None else max(1, round(first.shape[0] * width_px / first.shape[1]))
 
