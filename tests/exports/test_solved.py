@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from airlight.lattice.placement import LatticeParams
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Scene, Volume
 from airlight.scene.builtin import builtin_scene
+from airlight.scene.placing import moved_light
 
 SMALL = {"resolution": 12, "surfels": 20_000, "sky_lights": 8}
 SLOTS = (
@@ -35,11 +38,13 @@ MAIN = """
     }
     let p = points[id.x].xyz;
     let n = normals[id.x].xyz;
+    let own = lattice_from_world(lattices[0], n);
     var left = 1.0;
     var sum = vec3f(0.0);
     for (var k = 0u; k < arrayLength(&lattices); k++) {
         let share = left * lattice_weight(lattices[k], p);
-        sum += share * lattice_irradiance(lattices[k], lattice_coordinates(lattices[k], p, n), n);
+        let uvw = lattice_coordinates(lattices[k], p, own);
+        sum += share * lattice_irradiance(lattices[k], uvw, own);
         left -= share;
     }
     results[id.x] = vec4f(sum, 0.0);
@@ -76,9 +81,25 @@ def some_points(lattice, count):
     rng = np.random.default_rng(3)
     low = np.array(lattice.origin)
     high = low + lattice.cell * np.array(lattice.count)
-    points = rng.uniform(low, high, size=(count, 3))
+    points = rng.uniform(low, high, size=(count, 3)) @ lattice.axes
     normals = rng.normal(size=(count, 3))
     return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def scene_of(name):
+    """A builtin scene; "turned": the Cornell box, about two axes."""
+    if name != "turned":
+        return builtin_scene(name)
+    scene, c, s = builtin_scene("cornell"), np.cos(0.4), np.sin(0.4)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]) @ [
+        [1, 0, 0],
+        [0, c, s],
+        [0, -s, c],
+    ]
+    placed = tuple(replace(m, world_from_object=matrix @ m.world_from_object) for m in scene.meshes)
+    lights = tuple(moved_light(light, matrix) for light in scene.lights)
+    return replace(scene, meshes=placed, lights=lights)
 
 
 @pytest.mark.parametrize(
@@ -88,12 +109,13 @@ def some_points(lattice, count):
         ("cornell", "lpv", {"scheme": "paper"}),
         ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
         ("haze-box", "lpv-scatter", {}),
+        ("turned", "lpv", {"cascades": 2}),
     ],
 )
 def test_numpy_reads_the_file_as_the_device_reads_its_textures(
     on_device, tmp_path, name, technique, settings
 ):
-    scene = builtin_scene(name)
+    scene = scene_of(name)
     with Renderer(scene, technique, (16, 16), settings={**SMALL, **settings}) as renderer:
         renderer.frame(read=False)
         light_field(renderer, technique).save(tmp_path / "light.npz")
@@ -101,6 +123,7 @@ def test_numpy_reads_the_file_as_the_device_reads_its_textures(
         points, normals = some_points(field.lattices[-1], 500)
         expected = on_device(renderer.technique, points, normals)
     found = field.irradiance(points, normals)
+    assert (field.lattices[0].axes == np.eye(3)).all() == (name != "turned")
     assert expected.max() > 0.0
     if "bounds" in settings:  # lattices that differ along every axis, in shared textures
         coarse, fine = (np.array(lattice.count) for lattice in reversed(field.lattices))

@@ -9,6 +9,7 @@ from airlight.gpu.memory import Buffer, buffer_of
 from airlight.gpu.slots import storage, texture, uniform
 from airlight.lattice.placement import LatticeParams, Placement
 
+AXES = ((0.6, 0.0, -0.8), (0.0, 1.0, 0.0), (0.8, 0.0, 0.6))
 ROOM = Placement((-1.0, 2.0, 0.5), 0.25, (12, 10, 8))
 RNG = np.random.default_rng(8)
 SLOTS = (

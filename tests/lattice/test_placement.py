@@ -46,6 +46,16 @@ def test_bad_boxes_are_refused(low, high, resolution, message):
     assert str(caught.value) == message
 
 
+def test_a_turned_box_is_told_along_its_axes_and_held_by_a_box_of_the_world():
+    axes = ((0.6, 0.0, -0.8), (0.0, 1.0, 0.0), (0.8, 0.0, 0.6))
+    made = fitted((0.0, 0.0, 0.0), (2.0, 1.0, 4.0), 10, axes)
+    assert made.axes == axes
+    corners = np.array(np.meshgrid(*zip(*made.bounds, strict=True))).reshape(3, 8).T @ axes
+    low, high = made.world_bounds
+    np.testing.assert_allclose([low, high], [corners.min(axis=0), corners.max(axis=0)])
+    assert made.params().record["axis_z"].tolist() == pytest.approx([0.8, 0.0, 0.6])
+
+
 def test_shaders_get_the_same_placement():
     record = Placement((1, 2, 3), 0.5, (4, 6, 8)).params(16.0, is_paper=True).record
     assert record["origin"].tolist() == [1, 2, 3]

@@ -5,7 +5,7 @@ Radiance is kept in two bands, L(w) = a + b.w, W m^-2 sr^-1, with w the way the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -30,6 +30,9 @@ CREVICE_SHARE = 0.5
 class LatticeLight:
     """Cubic cells of side `cell`, m; cell (i, j, k) spans origin + cell * [i, i+1] ...
 
+    axes       (3, 3) unit vectors of the world, in rows, along which the cells lie. All else is
+               along them: `axes @ p` is a point p as origin and fade have it, and bx, by, bz are
+               components along them
     fade       (4, 3) m: where its light begins, over which width, where it ends, over which width
     surfaces   (Z, Y, X, 3, 4) the light that surfaces get: (a, bx, by, bz) for R, G, B
     air        the same for the light that air scatters, or None: J(w) = sigma_s (a + g b.w)
@@ -51,6 +54,7 @@ class LatticeLight:
     air: F32 | None = None
     dead_ends: NDArray[np.uint8] | None = None
     rule: Literal["lobe", "linear"] = "lobe"
+    axes: F64 = field(default_factory=lambda: np.eye(3))
 
     @property
     def count(self) -> tuple[int, int, int]:
@@ -63,7 +67,7 @@ class LatticeLight:
 
         `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
         """
-        p, n = np.asarray(points, np.float64), np.asarray(normals, np.float64)
+        p, n = self._own(points), self._own(normals)
         place = self._bent(p, n)
         uvw = self._eased(self._lookup_place(place, n), _rim_shares(n))
         here = self._facing(uvw, n)
@@ -72,15 +76,21 @@ class LatticeLight:
 
     def weight(self, points: ArrayLike) -> F64:
         """(n,): 1 inside, falling to 0 towards the border. Twin: lattice_weight."""
-        p = np.asarray(points, np.float64)
+        p = self._own(points)
         low, low_width, high, high_width = self.fade
         inside = np.minimum((p - low) / low_width, (high - p) / high_width).min(axis=1)
         return np.asarray(np.clip(inside, 0.0, 1.0))
 
     def ambient_cubes(self) -> F32:
-        """(Z, Y, X, 6, 3), W m^-2: irradiance in every cell on surfaces that face AXES."""
+        """(Z, Y, X, 6, 3), W m^-2: irradiance in every cell on surfaces that face AXES,
+        which are the lattice's own.
+        """
         states = self.surfaces[..., None, :, :]  # (Z, Y, X, 1, 3, 4)
         return self._read(states, AXES[:, None, :]).astype(np.float32)
+
+    def _own(self, vectors: ArrayLike) -> F64:
+        """Points or normals (n, 3) of the world along our axes. Twin: lattice_from_world."""
+        return np.asarray(np.asarray(vectors, np.float64) @ self.axes.T)
 
     def _facing(self, uvw: F64, n: F64) -> F64:
         return self._read(_trilinear(self.surfaces, uvw), n[:, None, :])

@@ -37,6 +37,8 @@ _BAND_ORDER = [0, 2, 3, 1]  # (a, bx, by, bz) -> Y00, Y1-1 (y), Y10 (z), Y11 (x)
 
 _ABOUT = {
     "axes": "arrays are (z, y, x, ...); right-handed, +Y up; metres; linear Rec.709",
+    "axes_xyz": "per lattice: the unit vectors of the world along which its cells lie; its origin, "
+    "its fade and the components of its SH and its six sides are along them",
     "fade_m": "per lattice, finest first: where its light begins, over which width, where it "
     "ends, over which width; beyond, the next lattice has it",
     "sh": {
@@ -127,6 +129,7 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
     header["lattices"] = [
         {
             "arrays": f"lattice{i}_...",
+            "axes_xyz": cells.axes.tolist(),
             "origin_m": list(cells.origin),
             "cell_m": cells.cell,
             "count_xyz": list(cells.count),
@@ -204,6 +207,7 @@ def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:
 def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> LatticeLight:
     air = arrays.get(f"{name}air")
     return LatticeLight(
+        axes=np.array(about.get("axes_xyz", np.eye(3)), np.float64),
         origin=_three(about["origin_m"]),
         cell=about["cell_m"],
         rule=about["rule"],

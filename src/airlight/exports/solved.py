@@ -96,6 +96,7 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
         weights = scale * float(record["lookup_scale"]) * np.ones(4)
     fade = [record[k] for k in ("fade_low", "fade_low_width", "fade_high", "fade_high_width")]
     return LatticeLight(
+        axes=np.array([record[f"axis_{k}"] for k in "xyz"], np.float64),
         origin=_three(record["origin"]),
         cell=cell,
         fade=np.array(fade, np.float64),

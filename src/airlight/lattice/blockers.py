@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.slots import image, storage, uniform
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene, InstanceData
-from .placement import Placement
+from .placement import LatticeParams, Placement
 from .surfels import SurfelData, follow, surfels
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
@@ -32,10 +32,8 @@ UNITS = 2.0**16
 
 
 class BlockerParams(Struct):
-    """Where corners are and how area becomes integers."""
+    """How many corners there are and how area becomes integers."""
 
-    origin = vec3f("m")
-    cell = f32("m")
     count = vec3u("cells")
     surfel_count = u32()
     units = f32("fixed-point units per fully covered face")
@@ -45,6 +43,7 @@ class BlockerParams(Struct):
 class _SumSurfels(ComputePass):
     slots = (
         uniform("params", BlockerParams),
+        uniform("lattice", LatticeParams),
         storage("surfels", SurfelData),
         storage("instances", InstanceData),
         storage("sums", "atomic<i32>", "read_write"),
@@ -160,6 +159,7 @@ class Blockers:
             commands,
             (self.count,),
             params=self._params(),
+            lattice=self.placement.params(),
             surfels=self.surfels,
             instances=self.meshes.instances,
             sums=self.sums,
@@ -186,8 +186,6 @@ class Blockers:
 
     def _params(self) -> BlockerParams:
         return BlockerParams(
-            origin=self.placement.origin,
-            cell=self.placement.cell,
             count=self.placement.count,
             surfel_count=self.count,
             units=UNITS,

@@ -1,4 +1,5 @@
 //! use blocker_side
+//! use lattice_axes
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
@@ -8,17 +9,18 @@
     let instance = instances[surfel.instance];
     let world = (instance.world_from_object * vec4f(surfel.position, 1.0)).xyz;
     // The cofactor matrix takes area vectors to area vectors.
-    let area = (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz;
-    let coordinates = (world - params.origin) / params.cell;
+    let area = lattice_from_world(lattice,
+        (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
+    let coordinates = cells_from_world(lattice, world);
     let corner = vec3i(floor(coordinates + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
+    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return;
     }
     let offset = coordinates - vec3f(corner);
     let c = vec3u(corner);
-    let n = params.count + 1u;
+    let n = lattice.count + 1u;
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
-    let covered = area * (params.units / (params.cell * params.cell));
+    let covered = area * (params.units / (lattice.cell * lattice.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));
         if (units == 0) {

@@ -31,7 +31,7 @@ fn object_share(size: f32, p: vec3f) -> f32 {
     let view = views[id.z];
     let centre = texel_centre(id.xy, params.resolution);
     let facing = textureLoad(normal, texel, id.z, 0);
-    let n = normalize(facing.xyz);
+    let n = lattice_from_world(lattice, normalize(facing.xyz));
     let p = texel_point(view, centre, d);
     let share = object_share(facing.w, p);
     if (share > 0.0) {

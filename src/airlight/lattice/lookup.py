@@ -31,7 +31,7 @@ class PackParams(Struct):
     first_row = u32("where its cells begin along y of the textures")
     origin = vec3f("m")
     cell = f32("m")
-    low = vec3f("m, corner of a box beyond which it is dark")
+    low = vec3f("m along its axes, as the origin: corner of a box beyond which it is dark")
     high = vec3f("m")
 
 

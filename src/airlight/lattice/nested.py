@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .placement import F64, Fade, Placement, Triple, fitted, tiled, triple
+from .placement import F64, STRAIGHT, Axes, Fade, Placement, Triple, fitted, tiled, triple
 
 AHEAD = 0.5
 """How far ahead of the eye a lattice's centre is, in halves of its sides."""
@@ -31,7 +31,7 @@ _NEVER_M = 1e6
 class Nest:
     """Lattices from the finest to the coarsest, as `nested` makes them.
 
-    `low`, `high`: the box that they are for, metres.
+    `low`, `high`: the box that they are for, metres along the axes that all of them have.
     """
 
     low: Triple
@@ -58,15 +58,17 @@ def nested(
     count: int = 1,
     ratio: float = 2.0,
     finest_m: float = 0.0,
+    axes: Axes = STRAIGHT,
 ) -> Nest:
-    """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres).
+    """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres
+    along `axes`).
 
     Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being
     beyond all lattices. With `finest_m` the finest has sides of that many metres, and the coarsest
     is larger than its neighbour by what that leaves; lattices that would be no finer than it are
     left out. Raises SettingsError for an empty box.
     """
-    whole = fitted(low, high, resolution)
+    whole = fitted(low, high, resolution, axes)
     cells = [whole.cell / ratio**k for k in range(count - 1, -1, -1)]
     if finest_m > 0.0:
         finer = [finest_m / resolution * ratio**k for k in range(count - 1)]
@@ -77,18 +79,20 @@ def nested(
         placement = replace(whole, first_row=row)
         if cell < whole.cell:
             needed = np.minimum(np.ceil(box / cell - 1e-9) + 2 * MARGIN, resolution)
-            placement = Placement(whole.origin, cell, tiled(needed), first_row=row)
+            placement = Placement(whole.origin, cell, tiled(needed), row, axes=axes)
         levels.append(placement)
         row += placement.count[1]
     return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels))
 
 
 def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
-    """Where the middle of a lattice should be (3,), metres.
+    """Where the middle of a lattice should be (3,), metres along its axes.
 
-    Ahead of `eye` along `look`, inside the box where it reaches that far: nothing is lit beyond.
+    Ahead of `eye` along `look`, both of the world, inside the box where it reaches that far:
+    nothing is lit beyond.
     """
     placement = nest.levels[level]
+    eye, look = np.array(placement.axes) @ eye, np.array(placement.axes) @ look
     half = 0.5 * placement.cell * np.array(placement.count)
     direction = look / max(float(np.linalg.norm(look)), 1e-30)
     low, high = _room(nest, placement)
@@ -145,16 +149,17 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
 
 
 def shares(levels: Sequence[Placement], points: F64) -> F64:
-    """(L, ...): the share of each lattice, the finest first, in the light at `points` (..., 3) m.
+    """(L, ...): the share of each lattice, the finest first, in the light at `points` (..., 3).
 
-    Twin: the loop over `lattice_weight` in lighting/lighting.wgsl. They add up to 1.
+    Points are metres of the world. They add up to 1. Twin: the loop over `lattice_weight` in
+    lighting/lighting.wgsl.
     """
     left = np.ones(points.shape[:-1])
     found = []
     for level in levels:
-        fade = level.borders
-        low = (points - np.array(fade.low)) / np.array(fade.low_width)
-        high = (np.array(fade.high) - points) / np.array(fade.high_width)
+        fade, own = level.borders, points @ np.array(level.axes).T
+        low = (own - np.array(fade.low)) / np.array(fade.low_width)
+        high = (np.array(fade.high) - own) / np.array(fade.high_width)
         share = left * np.clip(np.minimum(low, high).min(axis=-1), 0.0, 1.0)
         found.append(share)
         left = left - share

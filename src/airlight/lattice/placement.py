@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..errors import SettingsError
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..maths.lattice6 import LOOKUP_SCALE
+from ..maths.transforms import box_along
 
 F64 = NDArray[np.float64]
 _TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
@@ -21,6 +22,9 @@ _TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
 class LatticeParams(Struct):
     """A placement, as shaders see it."""
 
+    axis_x = vec3f("unit vector of the world, as the next two; what follows is along them")
+    axis_y = vec3f()
+    axis_z = vec3f()
     origin = vec3f("m")
     cell = f32("m")
     count = vec3u("cells")
@@ -35,8 +39,14 @@ class LatticeParams(Struct):
 
 
 Triple = tuple[float, float, float]
+Axes = tuple[Triple, Triple, Triple]
+"""Unit vectors of the world, at right angles, along which a lattice's cells lie."""
+STRAIGHT: Axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+"""Those of the world itself."""
 Hull = tuple[Triple, Triple]
-"""Corners, metres, of a box around all surfaces: no light comes back from beyond it."""
+"""Corners, metres along the lattice's axes, of a box around all surfaces: no light comes back from
+beyond it.
+"""
 EVERYWHERE: Hull = ((-1e30,) * 3, (1e30,) * 3)
 
 
@@ -54,8 +64,10 @@ class Fade:
 class Placement:
     """Cubic cells of side `cell` (metres); cell (i, j, k) spans origin + cell * [i, i+1] ...
 
-    `first_row`: nested lattices share their textures, one above the other along y. `fade`: where
-    the next coarser one takes over; over the outermost cell if not given.
+    `origin` and `fade` are metres along `axes`: R p for a point p of the world, where the rows of R
+    are the axes (twin: wgsl/lattice_axes.wgsl). Nested lattices have the same ones. `first_row`:
+    nested lattices share their textures, one above the other along y. `fade`: where the next
+    coarser one takes over; over the outermost cell if not given.
     """
 
     origin: tuple[float, float, float]
@@ -63,6 +75,7 @@ class Placement:
     count: tuple[int, int, int]
     first_row: int = 0
     fade: Fade | None = None
+    axes: Axes = STRAIGHT
 
     @property
     def cells(self) -> int:
@@ -71,9 +84,14 @@ class Placement:
 
     @property
     def bounds(self) -> tuple[F64, F64]:
-        """Lower and upper corner, metres."""
+        """Lower and upper corner, metres along its axes."""
         low = np.array(self.origin)
         return low, low + self.cell * np.array(self.count)
+
+    @property
+    def world_bounds(self) -> tuple[F64, F64]:
+        """Lower and upper corner, metres, of the world's box around it."""
+        return box_along(np.array(self.axes).T, *self.bounds)
 
     def params(
         self,
@@ -101,7 +119,11 @@ def _params(
 ) -> LatticeParams:
     """One struct for all who read the same lattice."""
     fade = placement.borders
+    axis_x, axis_y, axis_z = placement.axes
     return LatticeParams(
+        axis_x=axis_x,
+        axis_y=axis_y,
+        axis_z=axis_z,
         origin=placement.origin,
         cell=placement.cell,
         count=placement.count,
@@ -116,8 +138,15 @@ def _params(
     )
 
 
-def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: int) -> Placement:
+def fitted(
+    low: Sequence[float] | F64,
+    high: Sequence[float] | F64,
+    resolution: int,
+    axes: Axes = STRAIGHT,
+) -> Placement:
     """Cubic cells over the box low..high (metres), `resolution` of them along its longest side.
+
+    The box's corners are along `axes`.
 
     One cell of margin all around keeps surfaces on the box's faces inside. Shorter sides get
     fewer cells. Raises SettingsError for an empty box.
@@ -132,7 +161,7 @@ def fitted(low: Sequence[float] | F64, high: Sequence[float] | F64, resolution: 
     count = tiled(np.minimum(needed, resolution))
     centre = 0.5 * np.add(low, high)
     origin = centre - 0.5 * cell * np.array(count)
-    return Placement(triple(origin), cell, count)
+    return Placement(triple(origin), cell, count, axes=axes)
 
 
 def tiled(cells: NDArray[Any]) -> tuple[int, int, int]:

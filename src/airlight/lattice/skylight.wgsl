@@ -21,9 +21,9 @@ fn turned(turn: vec2f) -> vec2f {
         turn.x * GOLDEN_TURN.y + turn.y * GOLDEN_TURN.x);
 }
 
-// Where a place lies in a view: u, v, depth.
-fn in_view(world: vec3f, view: LightViewData) -> vec3f {
-    let clip = view.clip_from_world * vec4f(world, 1.0);
+// Where a point lies in a view: u, v, depth; m along the lattice's axes, as all points here.
+fn in_view(point: vec3f, view: LightViewData) -> vec3f {
+    let clip = view.clip_from_world * vec4f(world_from_lattice(lattice, point), 1.0);
     return vec3f(clip.xy * vec2f(0.5, -0.5) + 0.5, clip.z);
 }
 
@@ -54,12 +54,16 @@ fn blockers_before(coordinates: vec3f, radius: vec2f, turn: vec2f, layer: u32) -
     return vec2f(found / f32(SEARCHES), sum / max(found, 1.0));
 }
 
+fn unwarped_metres(cell: vec3u, inside: vec3f) -> vec3f {
+    return lattice.origin + lattice.cell * unwarped_coordinates(lattice, cell, inside);
+}
+
 // Where on an axis, m, the first wall from a cell is.
 fn first_wall(id: vec3u, axis: u32, is_up: bool) -> f32 {
     var cell = id;
     for (var k = 0u; k < FREE_CELLS; k++) {
         if (open_face(vec3i(cell), axis, is_up) < 0.5) {
-            return unwarped_point(lattice, cell, select(vec3f(SKIN), vec3f(1.0 - SKIN), is_up))[axis];
+            return unwarped_metres(cell, select(vec3f(SKIN), vec3f(1.0 - SKIN), is_up))[axis];
         }
         let next = i32(cell[axis]) + select(-1, 1, is_up);
         cell[axis] = u32(clamp(next, 0, i32(lattice.count[axis]) - 1));
@@ -85,8 +89,8 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     let centre = in_view((*cell).centre, view);
     let found = blockers_before(centre, widens * centre.z, turn, i);
     let radius = widens * found.y;
-    let right = 2.0 * view.world_from_clip[0].xyz;
-    let down = -2.0 * view.world_from_clip[1].xyz;
+    let right = lattice_from_world(lattice, 2.0 * view.world_from_clip[0].xyz);
+    let down = lattice_from_world(lattice, -2.0 * view.world_from_clip[1].xyz);
     let is_sure = found.x == 0.0 || found.x == 1.0;
     let taps = select(TAPS, SURE_TAPS, is_sure);
     var at = turn;
@@ -132,16 +136,16 @@ fn copy_previous(id: vec3u) {
         return;
     }
     var cell: Cell;
-    cell.centre = unwarped_point(lattice, id, vec3f(0.5));
+    cell.centre = unwarped_metres(id, vec3f(0.5));
     for (var k = 0u; k < 4u; k++) {
-        cell.samples[k] = unwarped_point(lattice, id, 0.5 + SAMPLES[k]);
+        cell.samples[k] = unwarped_metres(id, 0.5 + SAMPLES[k]);
     }
     cell.high = vec3f(first_wall(id, 0u, true), first_wall(id, 1u, true), first_wall(id, 2u, true));
     cell.low = vec3f(first_wall(id, 0u, false), first_wall(id, 1u, false), first_wall(id, 2u, false));
     var faces = array<vec3f, 6>();
     for (var i = 0u; i < params.lights; i++) {
         let e = sky[i].irradiance.rgb * share_of(&cell, i);
-        let towards = -sky[i].direction.xyz;
+        let towards = lattice_from_world(lattice, -sky[i].direction.xyz);
         faces[0] += e * max(0.0, towards.x);
         faces[1] += e * max(0.0, -towards.x);
         faces[2] += e * max(0.0, towards.y);

@@ -14,24 +14,22 @@ from dataclasses import replace
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
 from ..surface.geometry import GpuScene
 from ..surface.light_views import LightView, LightViewData
 from ..surface.surfel_views import SurfelViews
 from .blockers import UNITS, Blockers
-from .placement import Placement
+from .placement import LatticeParams, Placement
 
 _FINER = 16.0
 """A view's areas are summed in units so much finer: texels near the eye show little each."""
 
 
 class ViewSurfelParams(Struct):
-    """Where corners are, and which view's layers are put in."""
+    """How many corners there are, and which view's layers are put in."""
 
-    origin = vec3f("m")
-    cell = f32("m")
     count = vec3u("cells")
     units = f32("fixed-point units per fully covered face, in a buffer's sums")
     resolution = u32("texels")
@@ -48,8 +46,6 @@ class ViewSurfelParams(Struct):
         """Those of the view numbered `view` of `maps`, around the lattice of `blockers`."""
         placement = blockers.placement
         return cls(
-            origin=placement.origin,
-            cell=placement.cell,
             count=placement.count,
             first_row=placement.first_row,
             corners=blockers.corners,
@@ -66,6 +62,7 @@ class SumTexels(ComputePass):
 
     slots = (
         uniform("params", ViewSurfelParams),
+        uniform("lattice", LatticeParams),
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         texture("normal", "2d-array", "unfilterable-float"),
@@ -75,13 +72,19 @@ class SumTexels(ComputePass):
     workgroup = (16, 16, 1)
 
     def encode(
-        self, commands: Commands, maps: SurfelViews, sums: Buffer, params: ViewSurfelParams
+        self,
+        commands: Commands,
+        maps: SurfelViews,
+        placement: Placement,
+        sums: Buffer,
+        params: ViewSurfelParams,
     ) -> None:
-        """Add all layers of the view that `params` names."""
+        """Add all layers of the view that `params` names, in the lattice at `placement`."""
         self.dispatch(
             commands,
             (maps.resolution, maps.resolution, maps.peels),
             params=params,
+            lattice=placement.params(),
             views=maps.views,
             depth=maps.depth,
             normal=maps.normal,
@@ -143,7 +146,7 @@ class ViewSurfels:
         commands.encoder.clear_buffer(self._sums.handle)
         for index, view in enumerate(views):
             params = ViewSurfelParams.of_view(blockers, maps, index, _FINER * UNITS, _FINER)
-            self._sum.encode(commands, maps, self._sums, params)
+            self._sum.encode(commands, maps, blockers.placement, self._sums, params)
             # The faces of one light's cube see what is beside each other: one buffer.
             is_last = index + 1 == len(views) or views[index + 1].light != view.light
             if index == 0 or is_last:

@@ -18,6 +18,8 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
     let r = reflector(base.rgb, base.a, normal_roughness.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
     let gain = mirror_gain(r, n_v, open) / PI;
+    let n_own = lattice_from_world(lattice_of(0u), n);
+    let mirrored = lattice_from_world(lattice_of(0u), reflect(-v, n));
     var direct = rest;
     var bounced = rest_bounced;
     let last = last_lattice();
@@ -26,7 +28,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
     loop {
         k = lattice_from(k, p);
         let weight = left * lattice_weight(lattice_of(k), p);
-        let light = mirrored_light(k, p, r, n_v, n, vec3f(0.0), reflect(-v, n));
+        let light = mirrored_light(k, p, r, n_v, n_own, vec3f(0.0), mirrored);
         direct += weight * gain * light.sky;
         bounced += weight * gain * light.bounced;
         left -= weight;

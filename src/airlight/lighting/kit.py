@@ -19,12 +19,12 @@ from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import Placement
+from ..lattice.placement import STRAIGHT, Hull, Placement, triple
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .lattice_box import lattice_box
+from .lattice_box import lattice_axes, lattice_box
 from .lights import Lights
 from .sky import Sky
 
@@ -36,6 +36,10 @@ class SurfaceSettings:
     resolution: int = setting(32, "cells along the lattice's longest side", low=4, high=256)
     bounds: tuple[float, ...] = setting(
         (), "box of the lattice, x0,y0,z0,x1,y1,z1; else the scene and the medium in it", unit="m"
+    )
+    follow_walls: bool = setting(
+        True,
+        "whether the lattice turns to the directions of the walls, or follows the world's axes",
     )
     shadow_resolution: int = setting(
         2048, "side of a sun's shadow map", unit="px", low=16, high=8192
@@ -141,6 +145,12 @@ class Kit:
         low, high = self.meshes.bounds if self.meshes.draws and not scene.volumes else scene.bounds
         return np.asarray(low, np.float64), np.asarray(high, np.float64)
 
+    def hull(self, low: F64, high: F64) -> Hull:
+        """A box around all surfaces, along the lattices' axes; low..high as `bounds`."""
+        if self.placement.axes != STRAIGHT:
+            low, high = self.meshes.bounds_along(self.placement.axes) or (low, high)
+        return triple(low), triple(high)
+
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Everything that is shared, for `scene` as it is now; low..high as `bounds`."""
         self.box = (low, high)
@@ -189,4 +199,6 @@ class Kit:
 
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = False) -> Nest:
     """One lattice over the scene, with its medium if `in_medium`, or over the settings' box."""
-    return nested(*lattice_box(scene, settings.bounds, in_medium=in_medium), settings.resolution)
+    axes = lattice_axes(scene, follows_walls=settings.follow_walls)
+    low, high = lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes)
+    return nested(low, high, settings.resolution, axes=axes)

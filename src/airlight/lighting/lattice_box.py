@@ -8,6 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import SettingsError
+from ..lattice.facing import wall_axes
+from ..lattice.placement import STRAIGHT, Axes
+from ..maths.transforms import box_along
+from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
@@ -19,17 +23,23 @@ _HAIR = 0.01
 """Of the surfaces' longest side: a medium that ends so close to a wall adds nothing."""
 
 
-def lattice_box(
-    scene: Scene, bounds: Sequence[float] = (), *, in_medium: bool = False
-) -> tuple[Any, Any]:
-    """Lower and upper corner, metres, of what lattices cover.
+def lattice_axes(scene: Scene, *, follows_walls: bool = True) -> Axes:
+    """Unit vectors along which a scene's lattices lie: the walls', or the world's."""
+    return wall_axes(scene.meshes) if follows_walls else STRAIGHT
 
-    `bounds`: the setting of that name, six numbers, which has the last word. `in_medium`: whether
-    the lattice holds light in the medium: then what that fills is covered, too. Raises
-    SettingsError for bounds that are not a box.
+
+def lattice_box(
+    scene: Scene, bounds: Sequence[float] = (), *, in_medium: bool = False, axes: Axes = STRAIGHT
+) -> tuple[Any, Any]:
+    """Lower and upper corner, metres along `axes`, of what lattices cover.
+
+    `bounds`: the setting of that name, six numbers, a box of the world, which has the last word.
+    `in_medium`: whether the lattice holds light in the medium: then what that fills is covered,
+    too. Raises SettingsError for bounds that are not a box.
     """
+    turn = np.array(axes)
     if not bounds:
-        return _with_medium(scene) if in_medium else scene.whole_bounds
+        return _with_medium(scene, turn) if in_medium else whole_bounds_along(scene, turn)
     if len(bounds) != 6:
         raise SettingsError(
             f"setting bounds has {len(bounds)} numbers", remedy="Give x0,y0,z0,x1,y1,z1"
@@ -37,21 +47,23 @@ def lattice_box(
     low, high = bounds[:3], bounds[3:]
     if any(a >= b for a, b in zip(low, high, strict=True)):
         raise SettingsError(f"setting bounds is empty: {list(low)} to {list(high)}")
-    return low, high
+    return (low, high) if axes == STRAIGHT else box_along(turn, low, high)
 
 
-def _with_medium(scene: Scene) -> tuple[F64, F64]:
-    """Surfaces and the medium around them, as far as that is no waste of cells; metres.
+def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
+    """Surfaces and the medium around them, as far as that is no waste of cells; m along `turn`.
 
     Of an endless medium what is far is in a table of its own (`media.half_space`).
     """
-    low, high = scene.whole_bounds
+    low, high = whole_bounds_along(scene, turn)
     medium = scene.medium
     if medium is None or medium.endless:
         return low, high
     # Without bounds it reaches to the camera, wherever that goes.
     eyes = [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
-    boxes = [medium_box(medium, low, high, eye) for eye in eyes]
+    boxes = [medium_box(medium, low, high, turn @ np.asarray(eye)) for eye in eyes]
+    if medium.bounds is not None:
+        boxes = [box_along(turn, *medium.bounds)]
     longest = float(np.subtract(high, low).max())
 
     def reach(beyond: F64) -> F64:

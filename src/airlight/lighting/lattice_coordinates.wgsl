@@ -23,10 +23,12 @@ struct LatticeCoordinates {
     let r = reflector(base.rgb, base.a, normal_roughness.w, image_texel(emission, pixel).a);
     let n_v = max(dot(n, v), 1e-4);
     let lattice = first_lattices();
-    let uvw = lattice_coordinates(lattice, p, n);
+    let n_own = lattice_from_world(lattice, n);
+    let mirrored = lattice_from_world(lattice, reflect(-v, n));
+    let uvw = lattice_coordinates(lattice, p, n_own);
     let open = near_field_at(position.xy, 1.0 / (params.world_from_clip[2].w * d)).open;
     let mirrors = select(mirror_gain(r, n_v, open), vec3f(0.0), is_traced_separately(r, n_v));
-    let sky = sky_reflected(r, n_v, sky_at(uvw, n), sky_at(uvw, reflect(-v, n)), open, mirrors);
+    let sky = sky_reflected(r, n_v, sky_at(uvw, n_own), sky_at(uvw, mirrored), open, mirrors);
     let weight = lattice_weight(lattice, p);
     let shown = weight * sky.shown;
     let returned = weight * sky.returned;

@@ -57,7 +57,7 @@ class Sky:
             return False
         self._drawn_version = meshes.version
         self.version += 1
-        low, high = placement.bounds
+        low, high = placement.world_bounds
         # What stands beyond the lattice still casts its shadow into it.
         if meshes.draws:
             low, high = np.minimum(low, meshes.bounds[0]), np.maximum(high, meshes.bounds[1])

@@ -72,17 +72,18 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (id.z >= 6u || any(cell >= lattice.count)) {
         return;
     }
-    var world = unwarped_point(lattice, cell, vec3f(0.5));
-    world[axis] += select(-lattice.cell, lattice.cell, is_high);
-    let place = (world - outer.origin) / outer.cell;
-    if (any(place < vec3f(0.0)) || any(place > vec3f(outer.count))) {
+    // Both lattices have the same axes.
+    var outside = unwarped_coordinates(lattice, cell, vec3f(0.5));
+    outside[axis] += select(-1.0, 1.0, is_high);
+    let coordinates = (lattice.origin + outside * lattice.cell - outer.origin) / outer.cell;
+    if (any(coordinates < vec3f(0.0)) || any(coordinates > vec3f(outer.count))) {
         return;
     }
     let open = open_share(cell, id.z);
     if (open <= 0.0) {
         return;
     }
-    let uvw = outer_uvw(warped_coordinates(outer, world));
+    let uvw = outer_uvw(warped_in_cells(outer, coordinates));
     let n = lattice.count;
     let first = (cell.z * n.y + cell.y) * n.x + cell.x;
     let cells = n.x * n.y * n.z;

@@ -111,7 +111,7 @@ class GeometryVolume:
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
         params = ViewSurfelParams.of_view(self.blockers, maps, index, _UNITS)
-        self._inject.encode(commands, maps, self._sums, params)
+        self._inject.encode(commands, maps, self.blockers.placement, self._sums, params)
         self._merge.dispatch(
             commands,
             (self.blockers.corners,),

@@ -27,10 +27,10 @@ from ..lattice.lattices import Level
 from ..lattice.lobes import COSINE, SHAPED, InjectionTarget
 from ..lattice.lookup import LatticeTextures, texture_scale
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import EVERYWHERE, Hull, LatticeParams, triple
+from ..lattice.placement import EVERYWHERE, Hull, LatticeParams
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
-from ..lighting.lattice_box import lattice_box
+from ..lighting.lattice_box import lattice_axes, lattice_box
 from ..lighting.view import View
 from ..maths.lattice6 import LOOKUP_SCALE, Scheme, enough_steps, spread_kept
 from ..scene.scene import Scene
@@ -48,9 +48,11 @@ def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = Fals
 
     Raises SettingsError.
     """
+    axes = lattice_axes(scene, follows_walls=settings.follow_walls)
     return nested(
-        *lattice_box(scene, settings.bounds, in_medium=in_medium),
+        *lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes),
         settings.resolution,
+        axes=axes,
         count=settings.cascades,
         ratio=settings.cascade_ratio,
         finest_m=settings.cascade_extent,
@@ -156,7 +158,7 @@ class LpvSolver(Solver):
         if self.media:
             self.media.update(commands, frame)
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
-        self._hull = EVERYWHERE if is_open else (triple(frame.low), triple(frame.high))
+        self._hull = EVERYWHERE if is_open else self.kit.hull(*frame.bounds)
         # Fixed-point sums hold all the flux there can be.
         flux = flux_bound([*scene.lights, *self.kit.sky.lights], *frame.bounds)
         flux += self.points.take(scene.light_groups)

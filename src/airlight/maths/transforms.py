@@ -113,3 +113,13 @@ def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
     matrix[:3, :3] = turned * np.asarray(scale)
     matrix[:3, 3] = translation
     return matrix
+
+
+def box_along(axes: F64, low: Vector, high: Vector) -> tuple[F64, F64]:
+    """The box along `axes` (3, 3), unit vectors in rows, around the box low..high; metres.
+
+    The transpose of the axes leads back to the world.
+    """
+    low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
+    corners = (low + _CORNERS * (high - low)) @ axes.T
+    return corners.min(axis=0), corners.max(axis=0)

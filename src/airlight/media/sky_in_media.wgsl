@@ -38,7 +38,7 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
     var light: SkyLight;
     for (var i = 0u; i < params.light_count; i++) {
         let e = arriving(id, i);
-        let way = lights[i].direction;
+        let way = lattice_from_world(lattice, lights[i].direction);
         light.fluence += e;
         let tensor = vec4f(way.x * way.x - 1.0 / 3.0, way.y * way.y - 1.0 / 3.0, way.x * way.y,
             way.x * way.z);

@@ -1,10 +1,13 @@
 //! use media
+//! use lattice_axes
 
 // Whether a cell touches a medium's box at all; most do not, and sampling costs.
 fn touches(m: u32, centre: vec3f) -> bool {
     let half = 0.5 * lattice.cell;
     let to = media[m].volume_from_world;
-    let reach = half * (abs(to[0].xyz) + abs(to[1].xyz) + abs(to[2].xyz));
+    let across = mat3x3f(to[0].xyz, to[1].xyz, to[2].xyz)
+        * mat3x3f(lattice.axis_x, lattice.axis_y, lattice.axis_z);
+    let reach = half * (abs(across[0]) + abs(across[1]) + abs(across[2]));
     let place = medium_coordinates(m, centre);
     return all(place > -reach) && all(place < 1.0 + reach);
 }
@@ -14,16 +17,15 @@ fn touches(m: u32, centre: vec3f) -> bool {
     if (any(id >= lattice.count)) {
         return;
     }
-    let low = lattice.origin + vec3f(id) * lattice.cell;
     let n = params.places;
     var scattering = vec3f(0.0);
     var extinction = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let count = select(0u, n * n * n, touches(m, low + 0.5 * lattice.cell));
+        let count = select(0u, n * n * n, touches(m, world_from_cells(lattice, vec3f(id) + 0.5)));
         var density = 0.0;
         for (var k = 0u; k < count; k++) {
             let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
-            density += medium_density(m, low + inside * lattice.cell);
+            density += medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
         }
         density /= f32(n * n * n);
         let s = media[m].sigma_t * media[m].albedo;

@@ -31,7 +31,8 @@ fn scattered_radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
     let centre = cell_centre(cell_of(id.x));
     let p = (reflected.world_from_medium * vec4f(centre, 1.0)).xyz;
     let to_eye = normalize(reflected.eye - centre + vec3f(1e-12));
-    let travel = (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz;
+    let travel = lattice_from_world(lattice,
+        (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz);
     let weight = reflected.scale * lattice_weight(lattice, p);
     var light = vec3f(0.0);
     if (weight > 0.0) {

@@ -14,7 +14,8 @@ fn incoming(level: u32, depth: f32) -> vec3f {
 // To where a ray from p leaves the lattice, m.
 fn leaving(p: vec3f, way: vec3f) -> f32 {
     let low = lattice.origin;
-    return ray_box_interval(p, way, low, low + lattice.cell * vec3f(lattice.count)).y;
+    return ray_box_interval(lattice_from_world(lattice, p), lattice_from_world(lattice, way), low,
+        low + lattice.cell * vec3f(lattice.count)).y;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -40,10 +41,11 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         let light = sent
             * open_line(begin, select(begin, warped_coordinates(lattice, end), any(sent > vec3f(0.0))));
         fluence += light;
-        flux -= mat3x3f(light * out.x, light * out.y, light * out.z);
+        let way = lattice_from_world(lattice, out);
+        flux -= mat3x3f(light * way.x, light * way.y, light * way.z);
         for (var axis = 0u; axis < 3u; axis++) {
-            against[2u * axis] += light * max(-out[axis], 0.0);
-            against[2u * axis + 1u] += light * max(out[axis], 0.0);
+            against[2u * axis] += light * max(-way[axis], 0.0);
+            against[2u * axis + 1u] += light * max(way[axis], 0.0);
         }
     }
     let colour = unpack4x8unorm(reflectance[cell_of(id)]).rgb;

@@ -1,4 +1,5 @@
 //! use media
+//! use lattice_axes
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
@@ -9,7 +10,7 @@
     var extinction = vec3f(0.0);
     for (var k = 0u; k < n * n * n; k++) {
         let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
-        let p = lattice.origin + (vec3f(id) + inside) * lattice.cell;
+        let p = world_from_cells(lattice, vec3f(id) + inside);
         scattering += media_scattering(p);
         extinction += media_extinction(p);
     }

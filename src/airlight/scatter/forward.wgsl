@@ -80,10 +80,11 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
             select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
         let turn = (f32(k) + 0.5) * 0.7853981634;
         let ring = min(radius, BLUR_CELLS) * select(0.83, 1.82, (k & 1u) == 1u);
-        let way = ring * (cos(turn) * across + sin(turn) * cross(light.direction, across));
+        let way = lattice_from_world(lattice,
+            ring * (cos(turn) * across + sin(turn) * cross(light.direction, across)));
         let place = moved_freely(vec3f(id) + half, way);
         // Beyond the lattice cells go on.
-        p = lattice.origin + place * lattice.cell;
+        p = world_from_cells(lattice, place);
         depths = depths_towards(light, i, p);
     }
     let in = incoming(light, p);
@@ -126,7 +127,7 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
         }
         sum *= f32(params.stride) / 8.0;
         store_light(id, i, f32(params.stride) / 8.0 * passed);
-        let way = travel_of(light, id);
+        let way = lattice_from_world(lattice, travel_of(light, id));
         fluence += sum;
         flux += mat3x3f(sum * way.x, sum * way.y, sum * way.z);
     }

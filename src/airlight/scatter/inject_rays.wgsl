@@ -27,7 +27,8 @@ fn carried(light: LightData, way: vec3f) -> vec3f {
     let way = (hit - start) / max(reach, 1e-12);
     let power = carried(light, way) * texel_measure(view, centre, params.resolution);
     let low = lattice.origin;
-    let span = ray_box_interval(start, way, low, low + lattice.cell * vec3f(lattice.count));
+    let span = ray_box_interval(lattice_from_world(lattice, start), lattice_from_world(lattice, way),
+        low, low + lattice.cell * vec3f(lattice.count));
     let t0 = max(0.0, span.x);
     let stretch = min(span.y, select(MEDIUM_FAR, reach, textureLoad(depth, vec2i(id.xy), id.z, 0)
         < 1.0)) - t0;

@@ -10,7 +10,7 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
     var sum = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
         let third = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
-        let in = incoming(light, p + third * size / 3.0);
+        let in = incoming(light, p + world_from_lattice(lattice, third * size / 3.0));
         let spread = in.distance * in.distance * mean_inverse_square(in.distance, radius);
         sum += in.irradiance * spread * min(passed * exp(sigma_t * (distance - in.distance)),
             vec3f(1.0));
@@ -19,7 +19,8 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
 }
 
 // The light's mean over a box of sides `size` about p, where it is attenuated by depth x = sigma |d|
-// size per axis: exp(-depth) times the product of sinh(x/2)/(x/2).
+// size per axis, d its direction along the box's axes: exp(-depth) times the product of
+// sinh(x/2)/(x/2).
 fn box_transmittance(depth: vec3f, sigma_t: vec3f, way: vec3f, size: vec3f) -> vec3f {
     let across = abs(way) * size;
     var result = vec3f(1.0);
@@ -48,7 +49,8 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
         if (is_near) {
             sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
         } else {
-            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, in.to_light, size);
+            let way = lattice_from_world(lattice, in.to_light);
+            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, way, size);
         }
     }
     return sum;
@@ -58,8 +60,8 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
-    let low = unwarped_point(lattice, id, vec3f(0.0));
-    let high = unwarped_point(lattice, id, vec3f(1.0));
+    let low = lattice.cell * unwarped_coordinates(lattice, id, vec3f(0.0));
+    let high = lattice.cell * unwarped_coordinates(lattice, id, vec3f(1.0));
     let size = 0.5 * (high - low);
     var power = vec3f(0.0);
     for (var k = 0u; k < 8u; k++) {

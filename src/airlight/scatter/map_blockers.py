@@ -14,10 +14,10 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.blockers import UNITS, Blockers
-from ..lattice.placement import Placement
+from ..lattice.placement import Axes, LatticeParams, Placement, triple
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
@@ -25,20 +25,24 @@ from ..surface.light_views import LightViewData, light_views
 from ..surface.reflective import ReflectiveShadowMaps
 
 _WHITE = (1.0, 1.0, 1.0)
-VIEWS: tuple[Light, ...] = tuple(
-    DirectionalLight(tuple(np.eye(3)[axis] * sign), _WHITE)
-    for axis in range(3)
-    for sign in (-1.0, 1.0)
-)
-"""What the maps look along: -x +x -y +y -z +z. A white light's flux is the reflectance."""
+VIEWS = 6
+"""How many maps there are."""
+
+
+def views_along(axes: Axes) -> tuple[Light, ...]:
+    """What the maps look along: -x +x -y +y -z +z of a lattice. A white light's flux is the
+    reflectance.
+    """
+    return tuple(
+        DirectionalLight(triple(np.array(axis) * sign), _WHITE)
+        for axis in axes
+        for sign in (-1.0, 1.0)
+    )
 
 
 class MapParams(Struct):
-    """Where corners are, and the size of the maps."""
+    """The size of the maps, and how area becomes integers."""
 
-    origin = vec3f("m")
-    cell = f32("m")
-    count = vec3u("cells")
     resolution = u32("texels")
     units = f32("fixed-point units per fully covered face")
 
@@ -46,6 +50,7 @@ class MapParams(Struct):
 class _SumTexels(ComputePass):
     slots = (
         uniform("params", MapParams),
+        uniform("lattice", LatticeParams),
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         texture("flux", "2d-array", "unfilterable-float"),
@@ -71,7 +76,7 @@ class MapBlockers(Blockers):
     ) -> None:
         """`resolution`: texels along a map's side."""
         super().__init__(gpu, scene, meshes, placement, count, size=size)
-        self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, len(VIEWS))
+        self.maps = ReflectiveShadowMaps(gpu, "blockers", resolution, VIEWS)
         self._texels = _SumTexels(gpu)
 
     def sum_meshes(self, commands: Commands) -> None:
@@ -79,19 +84,15 @@ class MapBlockers(Blockers):
         self.follow_vertices()
         if not self.meshes.draws:
             return
-        views = light_views(VIEWS, *self.meshes.bounds, self.maps.resolution)
-        self.maps.encode(commands, self.meshes, VIEWS, views)
+        lights = views_along(self.placement.axes)
+        views = light_views(lights, *self.meshes.bounds, self.maps.resolution)
+        self.maps.encode(commands, self.meshes, lights, views)
         place, side = self.placement, self.maps.resolution
         self._texels.dispatch(
             commands,
-            (side, side, len(VIEWS)),
-            params=MapParams(
-                origin=place.origin,
-                cell=place.cell,
-                count=place.count,
-                resolution=side,
-                units=UNITS,
-            ),
+            (side, side, VIEWS),
+            params=MapParams(resolution=side, units=UNITS),
+            lattice=place.params(),
             views=self.maps.views,
             depth=self.maps.depth,
             flux=self.maps.flux,

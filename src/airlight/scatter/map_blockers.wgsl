@@ -1,5 +1,6 @@
 //! use blocker_side
 //! use light_texel
+//! use lattice_axes
 
 // Layer 2 axis + k sees the sides that face +axis (k = 0) or -axis.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -12,18 +13,18 @@
     }
     let view = views[id.z];
     let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
-    let place = (world - params.origin) / params.cell;
-    let corner = vec3i(floor(place + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
+    let coordinates = cells_from_world(lattice, world);
+    let corner = vec3i(floor(coordinates + 0.5));
+    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return;
     }
     let axis = id.z / 2u;
-    let offset = place[axis] - f32(corner[axis]);
-    let area = view.texel.x * view.texel.y / (params.cell * params.cell);
+    let offset = coordinates[axis] - f32(corner[axis]);
+    let area = view.texel.x * view.texel.y / (lattice.cell * lattice.cell);
     let units = i32(round(area * params.units));
     let reflectance = textureLoad(flux, vec2i(id.xy), id.z, 0).rgb;
     let c = vec3u(corner);
-    let n = params.count + 1u;
+    let n = lattice.count + 1u;
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
     add_side(first, id.z, units, offset, reflectance);
     add_side(first, id.z ^ 1u, units, offset, reflectance);

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.placement import Placement
+from ..maths.transforms import box_along
 from ..scene.checks import Rgb
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
@@ -64,9 +65,9 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
         # A lattice reaches up to two cells further than what it is fitted to (`fitted`); that far
         # inside it a medium may end, as one without bounds does.
         inner = placement.cell * 2.0
-        inside = np.subtract(placement.bounds[0], low) >= -inner
-        above = np.subtract(high, placement.bounds[1]) >= -inner
-        varies = varies or not bool(inside.all() and above.all())
+        first, last = placement.bounds
+        least, most = box_along(np.array(placement.axes).T, first + inner, last - inner)
+        varies = varies or bool((least < low).any() or (most > high).any())
     if varies and settings.scheme not in ("auto", "half-linear"):
         raise SettingsError(
             f"scheme = '{settings.scheme}' knows only one medium that fills the lattice",

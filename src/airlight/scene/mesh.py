@@ -76,14 +76,14 @@ class Mesh:
     @property
     def world_bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner of the axis-aligned box around the placed mesh, metres."""
-        low, high = _geometry_bounds(self.geometry)
+        low, high = geometry_bounds(self.geometry)
         corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
         placed = corners @ self.world_from_object[:3, :3].T + self.world_from_object[:3, 3]
         return placed.min(axis=0), placed.max(axis=0)
 
 
-def _geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
-    """The geometry's own box; kept on the (immutable) geometry after the first call."""
+def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
+    """The geometry's own box, metres in its space; cached on the (immutable) geometry."""
     known = geometry.__dict__.get("_bounds")
     if known is None:
         is_used = np.zeros(len(geometry.positions), dtype=bool)

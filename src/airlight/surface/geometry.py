@@ -13,6 +13,7 @@ from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
+from ..scene.along import meshes_along
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
@@ -138,6 +139,7 @@ class GpuScene:
         counts = [d.instance_count for d in self.draws]
         self._draw_of = np.repeat(np.arange(len(counts)), counts)
         self._visible: dict[bytes, list[Draw]] = {}
+        self._along: tuple[Any, tuple[F64, F64] | None] = (None, None)
         self.move(scene.meshes)
 
     def move(self, meshes: tuple[Mesh, ...]) -> None:
@@ -222,6 +224,12 @@ class GpuScene:
     def bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner, metres, of all instances; raises ValueError without any."""
         return self._low.min(axis=0), self._high.max(axis=0)
+
+    def bounds_along(self, axes: tuple[tuple[float, float, float], ...]) -> tuple[F64, F64] | None:
+        """The same along unit vectors; None without any. Computed once for a placing of meshes."""
+        if self._along[0] != (self.version, axes):
+            self._along = ((self.version, axes), meshes_along(self.current, np.array(axes)))
+        return self._along[1]
 
     def visible(self, clip_from_world: F64) -> list[Draw]:
         """The draws, of those of their instances whose boxes are not wholly outside one plane of

@@ -92,7 +92,7 @@ fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
-// The same for a surface point, metres.
+// The same for a surface point of the world, m, and its normal along the lattice's axes.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
     let coordinates = warped_surface_coordinates(lattice, position, n);
     return lattice_eased(lattice, lookup_coordinates(lattice, coordinates, n), rim_shares(n));

@@ -4,6 +4,7 @@
 // Blockers round walls to cell faces; up to half a cell before or behind a wall would then belong
 // to a cell on its other side. So space is bent: a piecewise linear map per axis takes every wall
 // to the face it was rounded to.
+//! use lattice_axes
 
 // A cell's place in the textures, which nested lattices share.
 fn lattice_texel(lattice: LatticeParams, cell: vec3i) -> vec3i {
@@ -50,10 +51,11 @@ fn cell_before(lattice: LatticeParams, coordinates: vec3f, n: vec3f, axis: u32) 
     return clamp(vec3i(floor(coordinates + beyond)), vec3i(0), vec3i(lattice.count) - 1);
 }
 
-// Cells from the lattice's origin to bent cells, for a point of a surface of normal n. Where walls
-// meet, the cells behind this one hardly know the others: they are looked up in front of it.
+// Warped cells from the lattice's origin to a world point of a surface of normal n, which is along the
+// lattice's axes, as all normals that a lattice is asked with. Where walls meet, the cells behind
+// this one hardly know the others: they are looked up in front of it.
 fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
-    let coordinates = (world - lattice.origin) / lattice.cell;
+    let coordinates = cells_from_world(lattice, world);
     let x = cell_before(lattice, coordinates, n, 0u);
     let y = cell_before(lattice, coordinates, n, 1u);
     let z = cell_before(lattice, coordinates, n, 2u);
@@ -67,7 +69,11 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
 
 // The same for a point in the air.
 fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
-    let coordinates = (world - lattice.origin) / lattice.cell;
+    return warped_in_cells(lattice, cells_from_world(lattice, world));
+}
+
+// The same for coordinates in cells that are not warped.
+fn warped_in_cells(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
     let cell = clamp(vec3i(floor(coordinates)), vec3i(0), vec3i(lattice.count) - 1);
     let low = wall_shifts_low(lattice, cell);
     let high = wall_shifts_high(lattice, cell);
@@ -75,16 +81,21 @@ fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
         warped_axis(coordinates.y, cell.y, low.y, high.y), warped_axis(coordinates.z, cell.z, low.z, high.z));
 }
 
-// The world point of a place inside a cell (0..1 on each axis), the other way round.
-fn unwarped_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
+// The other way round, for a place inside a cell (0..1 on each axis): cells that are not warped.
+fn unwarped_coordinates(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
     let low = wall_shifts_low(lattice, vec3i(cell));
     let high = wall_shifts_high(lattice, vec3i(cell));
-    let coordinates = vec3f(cell) + low + inside * (1.0 + high - low);
-    return lattice.origin + coordinates * lattice.cell;
+    return vec3f(cell) + low + inside * (1.0 + high - low);
 }
 
-// 1 inside, falling to 0 towards the border.
-fn lattice_weight(lattice: LatticeParams, position: vec3f) -> f32 {
+// The world point of that, m.
+fn unwarped_point(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
+    return world_from_cells(lattice, unwarped_coordinates(lattice, cell, inside));
+}
+
+// 1 inside, falling to 0 towards the border, at a world point.
+fn lattice_weight(lattice: LatticeParams, world: vec3f) -> f32 {
+    let position = lattice_from_world(lattice, world);
     let inside = min((position - lattice.fade_low) / lattice.fade_low_width,
         (lattice.fade_high - position) / lattice.fade_high_width);
     return saturate(min(inside.x, min(inside.y, inside.z)));

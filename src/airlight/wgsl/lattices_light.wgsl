@@ -12,7 +12,7 @@ struct LatticeLight {
     bounced: vec3f,     // radiance, W m^-2 sr^-1
 }
 
-// What one lattice gives to a surface.
+// What one lattice gives to a surface at the world point p; n, v and what is near are along its axes.
 fn lattice_light(
     level: u32, uvw: vec3f, p: vec3f, r: Reflector, n: vec3f, v: vec3f, n_v: f32, near: NearField,
     mirrors: vec3f,
@@ -42,7 +42,12 @@ fn lattice_light(
 // What reaches the eye at `position` in the image, at depth d, from p; v leads to the eye.
 fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered {
     let pixel = vec2u(position);
-    let near = near_field_at(position, 1.0 / (params.world_from_clip[2].w * d));
+    var near = near_field_at(position, 1.0 / (params.world_from_clip[2].w * d));
+    // All lattices have the same axes.
+    let axes = lattice_of(0u);
+    let n_own = lattice_from_world(axes, n);
+    let v_own = lattice_from_world(axes, v);
+    near.direction = lattice_from_world(axes, near.direction);
     let n_v = max(dot(n, v), 1e-4);
     let is_listed = is_traced_separately(r, n_v);
     let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
@@ -60,9 +65,9 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
         let weight = left * lattice_weight(lattice_of(k), p);
         var uvw = cached.xyz;
         if (!HAS_CACHED) {
-            uvw = lattice_coordinates(lattice_of(k), p, n);
+            uvw = lattice_coordinates(lattice_of(k), p, n_own);
         }
-        let light = lattice_light(k, uvw, p, r, n, v, n_v, near, mirrors);
+        let light = lattice_light(k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
         out.direct += weight * light.sky.shown;
         out.bounced += weight * light.bounced;
         out.bounced += weight * light.sky.returned;

@@ -12,7 +12,7 @@ var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
 // The only lattice, copied: a software driver reads a buffer lane by lane. Divisions are made once.
 struct LatticeAlone {
-    origin: vec3f,          // m
+    origin: vec3f,          // m, along its axes
     per_metre: f32,         // cells
     count: vec3f,
     last: vec3f,            // its last cell
@@ -24,12 +24,15 @@ struct LatticeAlone {
     fallen: vec3f,
 }
 var<private> alone: LatticeAlone;
+// Rows are the axes that all lattices have.
+var<private> lattice_axes: mat3x3f;
 
 fn lattice_begin() {
+    let lattice = first_lattices();
+    lattice_axes = transpose(mat3x3f(lattice.axis_x, lattice.axis_y, lattice.axis_z));
     if (LATTICES_AT_ONCE > 1u) {
         return;
     }
-    let lattice = first_lattices();
     let count = vec3f(lattice.count);
     let rise = 1.0 / lattice.fade_low_width;
     let fall = 1.0 / lattice.fade_high_width;
@@ -39,7 +42,7 @@ fn lattice_begin() {
         rise, -lattice.fade_low * rise, fall, lattice.fade_high * fall);
 }
 
-// lattice_weight of the only lattice.
+// lattice_weight of the only lattice, at p along its axes.
 fn weight_alone(p: vec3f) -> f32 {
     let inside = min(alone.risen + p * alone.rise, alone.fallen - p * alone.fall);
     return saturate(min(inside.x, min(inside.y, inside.z)));
@@ -56,7 +59,8 @@ fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
         + (t - select(low, 1.0 + high, is_above)) / width;
 }
 
-// lattice_eased(warped_coordinates(p)) of the only lattice, from its packed cells (media/march/cells.py).
+// lattice_eased(warped_coordinates(p)) of the only lattice, p along its axes, from its packed cells
+// (media/march/cells.py).
 fn eased_alone(p: vec3f) -> vec3f {
     let place = (p - alone.origin) * alone.per_metre;
     let cell = clamp(floor(place), vec3f(0.0), alone.last);
@@ -73,8 +77,9 @@ fn eased_alone(p: vec3f) -> vec3f {
 
 fn lattice_enter(p: vec3f) {
     if (LATTICES_AT_ONCE == 1u) {
-        let uvw = eased_alone(p);
-        lattice_at[0] = vec4f(uvw, weight_alone(p));
+        let own_p = lattice_axes * p;
+        let uvw = eased_alone(own_p);
+        lattice_at[0] = vec4f(uvw, weight_alone(own_p));
         lattice_gain[0] = 1.0;
         return;
     }
@@ -133,6 +138,7 @@ fn march_step_share(p: vec3f) -> f32 {
     return lattices[k].cell / lattices[0].cell;
 }
 
+// `travel`: along the lattices' axes.
 fn lattice_radiance(state: vec4f, travel: vec3f, direct: f32) -> f32 {
     return max(0.0, state.x + direct * dot(state.yzw, travel));
 }

@@ -53,7 +53,7 @@ struct Mirrored {
     bounced: vec3f,
 }
 
-// What comes from around the mirrored direction: of the point's own cell (looked up at `own`, which
+// What comes from around the mirrored direction, which is along the lattices' axes as the normal is: of the point's own cell (looked up at `own`, which
 // points that are all glossy need not know), or along a ray, which goes on in the next larger lattice
 // where it leaves one.
 fn mirrored_light(

@@ -19,7 +19,7 @@ fn third_slab(k: f32) -> vec4f {
     return sum;
 }
 
-// Per g^2, rgb; `travel`: unit, of the light that leaves.
+// Per g^2, rgb; `travel`: unit, of the light that leaves, along the lattices' axes.
 fn sky_third_at(travel: vec3f) -> vec3f {
     let v = travel;
     let even = vec4f(

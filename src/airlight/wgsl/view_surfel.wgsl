@@ -1,7 +1,8 @@
 //! use view_texel
+//! use lattice_axes
 
 // The surfel that a texel of a view shows. The including pass binds views, depth, normal and
-// reflectance, and its params say origin, cell, count, resolution, view and first_layer.
+// reflectance and `lattice`, and its params say resolution, view and first_layer.
 
 const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
 const NO_CORNER = 0xffffffffu;
@@ -9,7 +10,7 @@ const NO_CORNER = 0xffffffffu;
 struct ViewSurfel {
     corner: u32,            // around which it counts, half a cell beside the lattice; or NO_CORNER
     offset: vec3f,          // cells from there
-    normal: vec3f,
+    normal: vec3f,          // along the lattice's axes
     area: f32,              // of the surface that the texel shows, over a cell face's
     reflectance: vec3f,
 }
@@ -40,17 +41,18 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
         + vec2f(-1.0, 1.0);
     let clip = view.world_from_clip * vec4f(centre, d, 1.0);
     let world = clip.xyz / clip.w;
-    let coordinates = (world - params.origin) / params.cell;
+    let coordinates = cells_from_world(lattice, world);
     let corner = vec3i(floor(coordinates + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(params.count))) {
+    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return seen;
     }
     let c = vec3u(corner);
-    let size = params.count + 1u;
+    let size = lattice.count + 1u;
     seen.corner = (c.z * size.y + c.y) * size.x + c.x;
     seen.offset = coordinates - vec3f(corner);
-    seen.normal = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
-    seen.area = surfel_area(view, world, seen.normal, centre) / (params.cell * params.cell);
+    let n = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
+    seen.normal = lattice_from_world(lattice, n);
+    seen.area = surfel_area(view, world, n, centre) / (lattice.cell * lattice.cell);
     seen.reflectance = textureLoad(reflectance, vec2i(id.xy), layer, 0).rgb;
     return seen;
 }

@@ -17,7 +17,7 @@ from ...errors import DeviceError
 from ...gpu.device import Gpu
 from ...gpu.sliced import SlicedCommands
 from ...lattice.placement import fitted
-from ...lighting.lattice_box import lattice_box
+from ...lighting.lattice_box import lattice_axes, lattice_box
 from ...maths.sampling import pixel_jitter
 from ...media.settings import MediaSettings
 from ...rendering import Renderer
@@ -51,7 +51,8 @@ def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
 
 def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
     """A lattice of more cells for the sky's light, if that is not too large."""
-    low, high = lattice_box(scene, now.bounds, in_medium=isinstance(now, MediaSettings))
+    axes = lattice_axes(scene, follows_walls=now.follow_walls)
+    low, high = lattice_box(scene, now.bounds, in_medium=isinstance(now, MediaSettings), axes=axes)
     for ratio in _RATIOS:
         cells = int(now.resolution * ratio)
         if fitted(low, high, cells).cells <= most_cells:

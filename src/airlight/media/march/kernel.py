@@ -233,17 +233,18 @@ def _emission_wgsl(name: str) -> str:
     )
     third = "g.{0} * g.{0} * third.{0}, 0.0, 0.0, 0.0" if name == "sky" else "0.0"
     channels = ", ".join(
-        f"lattice_radiance({c} + vec4f({third.format(c[0])}), travel, own.{name}_direct * g.{c[0]})"
+        f"lattice_radiance({c} + vec4f({third.format(c[0])}), along, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
     before = ""
     if name == "sky":
-        samples += "    let third = sky_third_at(travel);\n"
+        samples += "    let third = sky_third_at(along);\n"
         samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
         before = _SKY_REDUCED
     return (
         f"{before}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
-        f"    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}\n{samples}"
+        "    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }\n"
+        f"    let along = lattice_axes * travel;\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
         "        let g = media[m].g;\n"
         f"        sum += media_density_here[m] * media_lit_scattering[m] * vec3f({channels});\n"

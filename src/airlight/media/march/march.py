@@ -52,7 +52,8 @@ _TWO_BANDS = 0.25  # the largest g that two bands are enough for
 def placed(placement: Placement) -> F64:
     """(4, 4): the world to a lattice's texture coordinates."""
     extent = placement.cell * np.array(placement.count, np.float64)
-    matrix = np.diag([*(1.0 / extent), 1.0])
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.array(placement.axes) / extent[:, None]
     matrix[:3, 3] = -np.array(placement.origin) / extent
     return matrix
 

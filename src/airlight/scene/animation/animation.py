@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -86,15 +86,19 @@ class Animation:
         Volumes count with their boxes as they stand. Sampled at 65 times.
         """
         corners: list[Sequence[F64]] = [scene.bounds]
-        moving = [t for t in self.tracks if getattr(t, "moves_meshes", False)]
-        for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
-            for track in moving:
-                scene = track.apply(scene, float(time))
-            corners.append(scene.bounds)
+        corners += [moment.bounds for moment in self.moments(scene)]
         return (
             np.min([low for low, _ in corners], axis=0),
             np.max([high for _, high in corners], axis=0),
         )
+
+    def moments(self, scene: Scene) -> Iterator[Scene]:
+        """`scene` with its meshes at 65 times of the span; none where no mesh moves."""
+        moving = [t for t in self.tracks if getattr(t, "moves_meshes", False)]
+        for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
+            for track in moving:
+                scene = track.apply(scene, float(time))
+            yield scene
 
     def eyes(self, scene: Scene) -> list[tuple[float, float, float]]:
         """Where the scene's camera is in the span, metres; sampled at as many times."""

@@ -1,0 +1,151 @@
+"""Which way a scene's walls face: the axes along which a lattice's cells stand best.
+
+Blockers are counted on faces of cells. A wall along them is one plane of faces; one aslant is a
+staircase, which stops light that runs along it and shows in what surfaces read. So the axes are
+those to which the most area of all surfaces is at right angles, if there are such.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from ..maths.chunks import chunks
+from ..scene.mesh import Geometry, Mesh
+from .placement import F64, STRAIGHT, Axes, triple
+
+_NEAR = np.cos(np.radians(2.0))
+"""Normals so near to an axis face along it."""
+_SAME = 2e-4
+"""Radians: over 256 cells a twentieth of one. Axes so near to the world's are the world's."""
+_GAIN = 0.05
+"""Of all area: what must face along the axes more than along the world's, lest they turn."""
+_MOST = 24
+_NARROW = np.cos(np.radians(0.1))
+_FINE, _COARSE = 4096, 64  # normals are summed that agree in units of one over these
+
+
+def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
+    """Unit vectors along which most area of `meshes` faces; the world's where that gains little.
+
+    Of the ways to name them the one nearest to the world's, as a right-handed frame. They depend on
+    areas alone: not on how surfaces are cut into triangles, instances or files, nor on which side
+    triangles face.
+    """
+    fine = _facing(meshes)
+    if not len(fine):
+        return STRAIGHT
+    normals, areas = _parted(_summed(fine, _COARSE))
+    straight = np.eye(3)
+    best, most = straight, _share(straight, normals, areas) + _GAIN * areas.sum()
+    peaks = [_settled(_refined(peak, fine)) for peak in _peaks(normals, areas)]
+    # A frame has one axis from a peak, and the next from another or from the world.
+    for first, second in product(peaks, [*peaks, *straight]):
+        across = second - (second @ first) * first
+        if (length := np.linalg.norm(across)) < 0.1:
+            continue
+        frame = _frame(first, across / length)
+        share = _share(frame, normals, areas)
+        if share > most * (1.0 + 1e-9):
+            best, most = frame, share
+    x, y, z = (triple(axis) for axis in best)
+    return (x, y, z)
+
+
+def _facing(meshes: tuple[Mesh, ...]) -> F64:
+    """(n, 3): normals times areas, m^2, of all surfaces, summed where they agree."""
+    own: dict[int, F64] = {}
+    found = [np.zeros((0, 3))]
+    for mesh in meshes:
+        key = id(mesh.geometry)
+        if key not in own:
+            own[key] = _area_vectors(mesh.geometry)
+        linear = mesh.world_from_object[:3, :3]
+        a, b, c = linear.T
+        cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+        found.append(own[key] @ cofactor.T)
+    return _summed(np.concatenate(found), _FINE)
+
+
+def _area_vectors(geometry: Geometry) -> F64:
+    """(n, 3): normals times areas, m^2, summed where they agree; object space."""
+    found = []
+    for part in chunks(len(geometry.indices)):
+        corners = geometry.positions[geometry.indices[part]].astype(np.float64)
+        edges = corners[:, 1:] - corners[:, :1]
+        found.append(_summed(0.5 * np.cross(edges[:, 0], edges[:, 1]), _FINE))
+    return _summed(np.concatenate(found), _FINE)
+
+
+def _parted(vectors: F64) -> tuple[F64, F64]:
+    """Unit normals (n, 3), and their areas (n,), m^2."""
+    areas = np.linalg.norm(vectors, axis=1)
+    return vectors / areas[:, None], areas
+
+
+def _summed(vectors: F64, steps: int) -> F64:
+    """Vectors (n, 3) summed where directions agree in steps of 1 / `steps`; both ways are one."""
+    length = np.linalg.norm(vectors, axis=1)
+    vectors, length = vectors[length > 0.0], length[length > 0.0]
+    # The largest component says which of the two ways it is.
+    largest = np.abs(vectors).argmax(axis=1)
+    vectors = vectors * np.sign(vectors[np.arange(len(vectors)), largest])[:, None]
+    bins = np.round(vectors / length[:, None] * steps).astype(np.int64) + steps
+    side = 2 * steps + 1
+    _, which = np.unique((bins[:, 0] * side + bins[:, 1]) * side + bins[:, 2], return_inverse=True)
+    sums = [np.bincount(which.ravel(), weights=component) for component in vectors.T]
+    return np.stack(sums, axis=1)
+
+
+def _peaks(normals: F64, areas: F64) -> list[F64]:
+    """Directions along which much area faces, the most first."""
+    left, found = areas.copy(), []
+    for _ in range(_MOST):
+        found.append(normals[int(left.argmax())])
+        left[np.abs(normals @ found[-1]) > _NEAR] = 0.0
+        if left.sum() <= _GAIN * areas.sum():
+            break
+    return found
+
+
+def _refined(direction: F64, vectors: F64) -> F64:
+    """The mean direction of what faces along `direction`: of a plane, if it is most of that."""
+    near = vectors[np.abs(vectors @ direction) > _NEAR * np.linalg.norm(vectors, axis=1)]
+    near = near * np.sign(near @ direction)[:, None]
+    normals, areas = _parted(near)
+    narrow = np.abs(normals @ normals[int(areas.argmax())]) > _NARROW
+    is_plane = areas[narrow].sum() > 0.5 * areas.sum()
+    mean = near[narrow].sum(axis=0) if is_plane else near.sum(axis=0)
+    return np.asarray(mean / np.linalg.norm(mean), np.float64)
+
+
+def _settled(direction: F64) -> F64:
+    """The direction, or the world's axis that it hardly differs from."""
+    axis = int(np.abs(direction).argmax())
+    nearest = np.eye(3)[axis] * np.sign(direction[axis])
+    return nearest if np.linalg.norm(direction - nearest) < _SAME else direction
+
+
+def _frame(first: F64, second: F64) -> F64:
+    """(3, 3): the three directions as rows of a turn, each by the world's axis that is nearest."""
+    directions = np.stack([first, second, np.cross(first, second)])
+    rows = np.zeros((3, 3))
+    free = [0, 1, 2]
+    # The largest cosine first: floors keep their name.
+    for place in np.argsort(-np.abs(directions), axis=None):
+        which, axis = divmod(int(place), 3)
+        if which in free and not rows[axis].any():
+            rows[axis] = directions[which] * np.sign(directions[which, axis])
+            free.remove(which)
+    if np.linalg.det(rows) < 0.0:
+        least = int(np.abs(np.diag(rows)).argmin())
+        rows[least] *= -1.0
+    return rows + 0.0  # no negative zeros
+
+
+def _share(frame: F64, normals: F64, areas: F64) -> float:
+    """Area, m^2, that faces along one of the frame's axes; less of what is a little aslant."""
+    nearest = np.abs(normals @ frame.T).max(axis=1)
+    off = np.arccos(np.minimum(nearest, 1.0)) / np.arccos(_NEAR)
+    return float((areas * np.maximum(1.0 - off, 0.0)).sum())
