@@ -256,7 +256,6 @@ _READERS_ARE_FROM = frozenset(
         "Image",
         "OpenEXR",
         "av",
-        "tinyvdb",
         "trimesh",
         "zipfile",
         "gzip",
@@ -329,7 +328,7 @@ def test_one_module_opens_files_for_reading():
         ("OpenEXR.File(str(path))", True),
         ("OpenEXR.File(header, channels).write(str(path))", False),
         ("folder.open(asked)", False),
-        ("tinyvdb.open(str(regular_file(path)))", False),
+        ("OpenEXR.open(str(regular_file(path)))", False),
         ("os.open(path, 0)", True),
     ],
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -380,6 +379,7 @@ LOADERS: dict[str, Maker] = {
     "npz": _npz,
     "vol": _grid("a.vol", lambda: (seeds.vol(),)),
     "nvdb": _nvdb,
+    "vdb": _grid("a.vdb", _vdbs),
     "lights": _lights,
     "field": _field,
     "exr": _image("exr", _exrs),
@@ -387,5 +387,3 @@ LOADERS: dict[str, Maker] = {
     "png": _image("png", _pngs),
     "jpg": _image("jpg", _jpegs),
 }
-if importlib.util.find_spec("tinyvdb"):  # the extra `vdb`
-    LOADERS["vdb"] = _grid("a.vdb", _vdbs)

@@ -184,7 +184,6 @@ def test_what_was_found_is_said_in_words(tmp_path, name):
         assert words in str(caught.value)
 
 
-@pytest.mark.needs("tinyvdb")
 def test_names_in_a_vdb_that_are_no_text(tmp_path):
     raw = seeds.vdb().replace(b"fog volume", b"fog\xff\xfeolume")
     assert Ground(tmp_path).attempt(one("a.vdb", raw)) is None

@@ -30,8 +30,7 @@ def good() -> dict[str, bytes]:
         "b.stl": seeds.STL,
         "a.npz": seeds.npz(density=seeds.smoke()),
     }
-    if "vdb" in targets.LOADERS:
-        files["a.vdb"] = seeds.vdb()
+    files["a.vdb"] = seeds.vdb()
     return files
 
 

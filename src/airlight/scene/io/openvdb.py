@@ -1,89 +1,154 @@
-"""OpenVDB files (.vdb) by way of the package tinyvdb, the extra `vdb`."""
+"""OpenVDB files (.vdb): header, grid descriptors, metadata and transforms.
+
+Source: the OpenVDB library's file format, versions 222 (2013) to 224, which each of its releases
+since 2.0 writes. `openvdb_tree` reads the voxels. No wheel of the library is kept up, and the
+package tinyvdb leaves tiles out, so it is read here; Blosc needs the package blosc.
+"""
 
 from __future__ import annotations
 
+import struct
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...errors import SceneError, nearest
-from ..checks import F32, F64
-from .files import regular_file
-from .nanovdb import SparseGrid, check_span
-from .openvdb_counts import check_counts
+from ..checks import F64
+from .files import read_bytes
+from .nanovdb import SparseGrid
+from .openvdb_tree import VdbError, VdbStream, read_tree
 
-_FLOAT_TREE = "Tree_float_5_4_3"
-_AS_HALF = "_HalfFloat"
+_MAGIC = 0x56444220
+_OLDEST = 222
+_NEWEST = 224
+_UUID_BYTES = 36
+_MOST_METADATA = 65536
+_SUFFIX = "\x1e"  # OpenVDB adds it, and a number, to names that a file holds twice
+_VECTOR = 3
+
+
+@dataclass(frozen=True)
+class _Descriptor:
+    """What the file's head says of a grid."""
+
+    name: str
+    kind: str
+    parent: str
+    at: int
+    blocks: int
+    end: int
 
 
 def read_openvdb(path: Path, wanted: str) -> SparseGrid:
     """The grid called `wanted`; the only one, where there is only one.
 
-    Raises SceneError where it cannot be read, or tinyvdb is not there.
+    Raises SceneError for what is no .vdb of version 222 to 224, is damaged, has no such grid, or
+    is packed by Blosc where that is not installed.
     """
-    regular_file(path)  # what is no file is said before what is not installed
+    raw = read_bytes(path)
     try:
-        import tinyvdb
-    except ImportError:
+        stream = VdbStream(raw)
+        _check_head(stream)
+        found = _descriptors(stream)
+        names = [grid.name for grid in found]
+        if len(found) != 1 and wanted not in names:
+            raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
+        chosen = found[0] if len(found) == 1 else found[names.index(wanted)]
+        return _grid(stream, chosen, found)
+    except (VdbError, struct.error, UnicodeDecodeError, OverflowError) as error:
         raise SceneError(
-            ".vdb files need the package tinyvdb", remedy="Run: pip install 'airlight[vdb]'."
+            f"is not a readable .vdb: {error}", remedy="Copy or export it again."
         ) from None
-    check_counts(path)
-    try:
-        with tinyvdb.open(str(regular_file(path))) as opened:
-            opened.read_grids()
-            grids = [opened.grid(i) for i in range(opened.grid_count)]
-            names = [grid.name for grid in grids]
-            chosen = 0 if len(grids) == 1 else names.index(wanted) if wanted in names else -1
-            if chosen < 0:
-                raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
-            return _dense(grids[chosen], path.stat().st_size)
-    except SystemError as error:  # tinyvdb's for metadata that Python cannot decode
-        raise SceneError("is not a readable .vdb: a text in it is not UTF-8") from error
-    except (tinyvdb.VDBError, ValueError) as error:  # ValueError: of names that are not UTF-8
-        raise SceneError(f"is not a readable .vdb: {error}") from None
 
 
-def _dense(grid: Any, file_bytes: int) -> SparseGrid:
-    if grid.type_name.removesuffix(_AS_HALF) != _FLOAT_TREE:
-        raise SceneError(f"holds a {grid.type_name}, only {_FLOAT_TREE} is read")
-    box = grid.active_bbox()
-    if box is None:
-        raise SceneError("has no active voxels")
-    low, high = (np.array(corner, dtype=np.int64) for corner in box)
-    size = np.maximum(high - low, 0)
-    check_span(size, file_bytes)
-    # tinyvdb gives leaves alone: blocks of one value would be holes.
-    missing = int(grid.metadata.get("file_voxel_count", 0)) - int(grid.active_voxel_count())
-    if missing > 0:
+def _check_head(stream: VdbStream) -> None:
+    """Raise SceneError for a head that is none of a .vdb file which is read; else go past it."""
+    magic, version = stream.unpack("<qI")
+    if magic != _MAGIC:
+        raise SceneError("is not a .vdb: it does not begin as one")
+    if not _OLDEST <= version <= _NEWEST:
         raise SceneError(
-            f"holds {missing:,} voxels in blocks of one value, which tinyvdb leaves out",
-            remedy="Convert it with nanovdb_convert to .nvdb.",
+            f"is of OpenVDB's file version {version}, {_OLDEST} to {_NEWEST} are read",
+            remedy="Write it again with an OpenVDB of 2013 or newer.",
         )
-    dense = grid.materialize_dense(tuple(low.tolist()), tuple(high.tolist()))
-    values = np.frombuffer(dense.to_bytes(), np.float32).reshape(dense.shape, order="F")
-    is_level_set = grid.metadata.get("class") == "level set"
-    if is_level_set:
-        values = _filled(values, float(grid.float_background()))
-    x, y, z = low.tolist()
-    return SparseGrid(values, (x, y, z), _matrix(grid.transform), is_level_set)
+    stream.unpack("<II")  # version of the library
+    (has_offsets,) = stream.unpack("<B")
+    if not has_offsets:
+        raise SceneError(
+            "is a .vdb stream without offsets of its grids", remedy="Write it to a file instead."
+        )
+    stream.take(_UUID_BYTES)
+    _metadata(stream)
 
 
-def _filled(distance: F32, background: float) -> F32:
-    """Signed distances with the inside negative beyond the narrow band too, row by row in x."""
-    is_band = np.abs(distance) < background
-    row = np.where(is_band, np.arange(len(distance))[:, None, None], 0)
-    before = np.take_along_axis(distance, np.maximum.accumulate(row, axis=0), axis=0)
-    inside = ~is_band & (before < 0.0)
-    return np.where(inside, np.float32(-background), distance)
+def _descriptors(stream: VdbStream) -> list[_Descriptor]:
+    """The grids, in the file's order, by the names that their authors gave."""
+    (count,) = stream.unpack("<I")
+    found = []
+    for _ in range(count):
+        name, kind, parent = (stream.text() for _ in range(3))
+        at, blocks, end = stream.unpack("<3q")
+        if not 0 <= at <= end <= len(stream.data) or not at <= blocks <= end:
+            raise VdbError(f"grid '{name}' lies outside of the file")
+        found.append(_Descriptor(name.split(_SUFFIX)[0], kind, parent, at, blocks, end))
+        stream.at = end
+    return found
 
 
-def _matrix(transform: dict[str, Any]) -> F64:
-    """(4, 4) world from index; tinyvdb gives rows of row vectors, or scale and translation."""
-    if transform["type"] in ("affine", "unitary"):
-        return np.asarray(transform["matrix"], dtype=np.float64).T
+def _metadata(stream: VdbStream) -> dict[str, bytes]:
+    """Entries by name, as bytes: their types matter to none that is used here."""
+    (count,) = stream.unpack("<I")
+    if count > _MOST_METADATA:
+        raise VdbError(f"{count:,} entries of metadata")
+    entries = {}
+    for _ in range(count):
+        name, _ = stream.text(), stream.text()
+        entries[name] = stream.sized()
+    return entries
+
+
+def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> SparseGrid:
+    """A grid's values and place; an instance has the tree of its parent."""
+    stream.at = chosen.at
+    (compression,) = stream.unpack("<I")
+    metadata = _metadata(stream)
+    world_from_index = _transform(stream)
+    source = chosen
+    if chosen.parent:
+        parents = [g for g in found if g.name == chosen.parent.split(_SUFFIX)[0]]
+        if not parents or parents[0].parent:
+            raise VdbError(f"'{chosen.name}' shows '{chosen.parent}', which it does not hold")
+        source = parents[0]
+        stream.at = source.at
+        (compression,) = stream.unpack("<I")
+        _metadata(stream)
+        _transform(stream)
+    values, first = read_tree(stream, source.kind, compression, source.end)
+    is_level_set = metadata.get("class") == b"level set"
+    return SparseGrid(values, first, world_from_index, is_level_set)
+
+
+def _transform(stream: VdbStream) -> F64:
+    """(4, 4) world from index. The library stores row vectors' matrices."""
+    kind = stream.text()
     matrix = np.eye(4)
-    matrix[:3, :3] = np.diag(transform["scale"])
-    matrix[:3, 3] = transform["translation"]
+    if kind in ("AffineMap", "UnitaryMap"):
+        matrix = np.array(stream.unpack("<16d")).reshape(4, 4).T
+    elif kind == "TranslationMap":
+        matrix[:3, 3] = stream.unpack("<3d")
+    elif kind in ("ScaleMap", "UniformScaleMap"):
+        matrix[:3, :3] = np.diag(stream.unpack("<3d"))
+        stream.unpack(f"<{4 * _VECTOR}d")  # voxel size, inverses
+    elif kind in ("ScaleTranslateMap", "UniformScaleTranslateMap"):
+        matrix[:3, 3] = stream.unpack("<3d")
+        matrix[:3, :3] = np.diag(stream.unpack("<3d"))
+        stream.unpack(f"<{4 * _VECTOR}d")
+    else:
+        raise SceneError(
+            f"has a grid placed by a {kind}, which is no affine transform",
+            remedy="Resample it onto a regular grid.",
+        )
+    if not np.isfinite(matrix).all() or abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-30:
+        raise VdbError("a grid's transform is not finite, or flat")
     return matrix
