@@ -13,7 +13,7 @@ from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.detail import detail_bias, detail_noise
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March
+from airlight.media.march.march import March, MarchedLight, MarchTargets
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.scene import Scene
@@ -39,7 +39,7 @@ def depth(gpu: Gpu, look: Any, volume: Volume) -> NDArray[Any]:
     rays = Rays(gpu, seen.size, 1)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     params = rays.encode(seen.commands, seen.view)
-    March(gpu, air).encode(seen.commands, params, rays, scattered=L, transmittance=T)
+    March(gpu, air).encode(seen.commands, params, rays, MarchedLight(), MarchTargets(L, T))
     return np.asarray(-np.log(seen.read(T)[..., 0]))
 
 

@@ -8,7 +8,7 @@ from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.maths.forward_phase import fused_phase
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March
+from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.lights import DirectionalLight, PointLight
@@ -47,16 +47,15 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     lattice = LatticeSource(
         placement, bound, 1.0, forward=forward, mean=dark, is_reduced_medium=True
     )
-    march = March(gpu, air, has_lattice=True)
+    march = March(gpu, air)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     march.encode(
         seen.commands,
         rays.encode(seen.commands, seen.view),
         rays,
-        lattice=lattice,
-        scattered=L,
-        transmittance=T,
-        cutoff=0.0,
+        MarchedLight(lattice=lattice),
+        MarchTargets(L, T),
+        Steps(cutoff=0.0),
     )
     got, through = seen.read(L), seen.read(T)
     mu = -seen.directions() @ way

@@ -13,7 +13,7 @@ from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March, placed
+from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps, placed
 from airlight.media.rays import Rays
 from airlight.reference.quadrature import box_path, sphere_path
 from airlight.scene.camera import Camera
@@ -43,24 +43,27 @@ def constant(gpu: Gpu, rgb: tuple[float, float, float]) -> Texture:
 
 
 def marched(
-    gpu: Gpu, seen: Any, sources: list[Source], scale: int = 1, **options: object
+    gpu: Gpu,
+    seen: Any,
+    sources: list[Source],
+    scale: int = 1,
+    lattice: LatticeSource | None = None,
+    **options: Any,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(scattered, transmittance, picked)."""
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, scale)
-    lattice = options.get("lattice")
-    march = March(gpu, air, sources=len(sources), has_lattice=lattice is not None)
+    march = March(gpu, air, sources=len(sources))
     out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
     params = rays.encode(seen.commands, seen.view)
     march.encode(
         seen.commands,
         params,
         rays,
-        sources=sources,
-        scattered=out[0],
-        transmittance=out[1],
-        **options,
+        MarchedLight(sources, lattice),
+        MarchTargets(*out),
+        Steps(**options),
     )
     return seen.read(out[0]), seen.read(out[1]), seen.read(rays.picked)
 

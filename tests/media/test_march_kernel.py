@@ -9,7 +9,7 @@ from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.march.kernel import Variant, generated, slots, target_names
-from airlight.media.march.march import March
+from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps
 from airlight.media.rays import Rays
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Medium, Scene, Volume
@@ -45,14 +45,12 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, 1)
-    params, march = rays.encode(seen.commands, seen.view), March(gpu, air, has_lattice=True)
+    params, march = rays.encode(seen.commands, seen.view), March(gpu, air)
     source = lattice(gpu, np.random.default_rng(5))
 
     def drawn(given):
         out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in "LT"]
-        march.encode(
-            seen.commands, params, rays, lattice=given, scattered=out[0], transmittance=out[1]
-        )
+        march.encode(seen.commands, params, rays, MarchedLight(lattice=given), MarchTargets(*out))
         return seen.read(out[0])
 
     means, states = drawn(source), drawn(replace(source, mean=None))
@@ -68,7 +66,7 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
     seen = look(Scene(medium=medium, camera=Camera((0.4, 0.3, 4.0), (0.0, 0.0, 0.0), fov_y_deg=40)))
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
-    rays, march = Rays(gpu, seen.size, 1), March(gpu, air, has_lattice=True)
+    rays, march = Rays(gpu, seen.size, 1), March(gpu, air)
     params, rng = rays.encode(seen.commands, seen.view), np.random.default_rng(8)
     source, shape = lattice(gpu, rng), (CELLS,) * 3 + (4,)
     told = {
@@ -84,7 +82,8 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
 
     def drawn(given):
         out = Texture(gpu, "L", rays.reduced, "rgba32float", target=True)
-        march.encode(seen.commands, params, rays, lattice=given, scattered=out, steps_per_cell=3.0)
+        light, steps = MarchedLight(lattice=given), Steps(per_cell=3.0)
+        march.encode(seen.commands, params, rays, light, MarchTargets(out), steps)
         return seen.read(out)[..., :3]
 
     alone, twice = drawn(source), drawn(replace(source, finer=(source.placement,)))
@@ -93,14 +92,16 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
 
 def test_a_kernel_binds_what_it_reads(gpu):
     air = GpuMedia(gpu, Scene(medium=Medium((1.0,) * 3)), light_count=0)
-    names = {slot.name for slot in slots(air, Variant(has_lattice=True, is_even=True))}
+    names = {slot.name for slot in slots(air, Variant(lattice="mean"))}
     assert "lattice_mean" in names
     assert not names & {"sky_mean", "skylit", "forward_lights"}
-    assert "forward_lights" in {s.name for s in slots(air, Variant(0, True, has_forward=True))}
-    sharp = Variant(has_sky=True, has_third_band=True)
+    assert "forward_lights" in {
+        s.name for s in slots(air, Variant(0, "two bands", has_forward=True))
+    }
+    sharp = Variant(sky="three bands")
     assert "sky_third" in {s.name for s in slots(air, sharp)}
-    assert "sky_third" not in {s.name for s in slots(air, Variant(has_sky=True))}
-    assert "LATTICES_AT_ONCE = 2u" in generated(Variant(has_sky=True, levels=2))
+    assert "sky_third" not in {s.name for s in slots(air, Variant(sky="two bands"))}
+    assert "LATTICES_AT_ONCE = 2u" in generated(Variant(sky="two bands", levels=2))
 
 
 def test_two_kernels_where_targets_are_few(gpu, monkeypatch):

@@ -20,6 +20,7 @@ from ..scene.medium import medium_box
 from ..scene.volume import Volume
 from .gpu_media import GpuMedia
 from .march.half_space import HalfSpace
+from .march.march import MarchedLight
 from .media_image import MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
@@ -131,10 +132,7 @@ class Media(Solver):
             commands,
             view,
             self.kit.lights,
-            fields.volumes,
-            fields.scattered,
-            fields.sky_scatter,
-            far=fields.half_space,
+            MarchedLight(fields.volumes, fields.scattered, fields.sky_scatter, fields.half_space),
             frame=view.sample,
             is_composed=True,
         )

@@ -7,9 +7,9 @@ reduced images -> upsampled and composed with surfaces, in one pass where a devi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from ..fields import HalfSpaceLight, LatticeSource, Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -24,10 +24,12 @@ from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .gpu_media import GpuMedia
-from .march.march import March
+from .march.march import March, MarchedLight, MarchTargets, Steps
 from .rays import RESOLUTIONS, RayParams, Rays
 from .settings import MediaSettings
 from .shafts.image import ShaftImage
+
+_NOTHING = MarchedLight()
 
 
 class MediaImage:
@@ -69,9 +71,7 @@ class MediaImage:
         self.has_sky = has_sky and bool(self.media.count) and s.shafts != "off"
         wanted = sources or has_lattice or self.has_sky or self.media.has_grids
         self.is_marched = bool(self.media.count and wanted)
-        self.march = March(
-            gpu, self.media, sources=sources, has_lattice=has_lattice, has_sky=self.has_sky
-        )
+        self.march = March(gpu, self.media, sources=sources)
         self._exact = Transmittance(gpu, self.media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, self.media) if self.media.has_grids else None
@@ -152,11 +152,8 @@ class MediaImage:
         commands: Commands,
         view: View,
         lights: Lights,
-        sources: Sequence[Source] = (),
-        lattice: LatticeSource | None = None,
-        sky: LatticeSource | None = None,
+        light: MarchedLight = _NOTHING,
         *,
-        far: HalfSpaceLight | None = None,
         frame: int = 0,
         is_composed: bool = False,
     ) -> None:
@@ -165,7 +162,7 @@ class MediaImage:
         `is_composed`: `compose` follows, and fills them where one pass can do both.
         """
         self._unfinished = None
-        is_whole = is_composed and self.has_sky == (sky is not None)
+        is_whole = is_composed and self.has_sky == (light.sky is not None)
         with commands.stage("shafts"):
             shaft_params = self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
@@ -174,17 +171,11 @@ class MediaImage:
         with commands.stage("march"):
             is_shared = self.march_rays is self.shaft_rays
             params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
-            fields: dict[str, Any] = {
-                "sources": sources,
-                "lattice": lattice,
-                "sky": sky,
-                "far": far,
-            }
             if self._finisher and is_whole:
-                self._march_reduced(commands, params, **fields)
+                self._march_reduced(commands, params, light)
                 self._unfinished = params, lights
             else:
-                self._march(commands, params, view, **fields)
+                self._march(commands, params, view, light)
 
     def _draw_shafts(
         self,
@@ -204,11 +195,13 @@ class MediaImage:
         if not self.shafts.refine(commands, params, view, lights, reduced, full):
             self._upsampled(commands, params, self.shaft_rays, view, "single")
 
-    def _march(self, commands: Commands, params: RayParams, view: View, **fields: Any) -> None:
+    def _march(
+        self, commands: Commands, params: RayParams, view: View, light: MarchedLight
+    ) -> None:
         if self.is_marched:
-            self._march_reduced(commands, params, **fields)
+            self._march_reduced(commands, params, light)
             self._finish_march(commands, params, view)
-        if fields["sky"] is not None:
+        if light.sky is not None:
             self._upsample_onto.encode(
                 commands,
                 params,
@@ -221,30 +214,16 @@ class MediaImage:
         if not self.media.has_grids:
             self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
 
-    def _march_reduced(
-        self,
-        commands: Commands,
-        params: RayParams,
-        *,
-        sources: Sequence[Source],
-        lattice: LatticeSource | None,
-        sky: LatticeSource | None,
-        far: HalfSpaceLight | None,
-    ) -> None:
-        self.march.encode(
-            commands,
-            params,
-            self.march_rays,
-            sources=sources,
-            lattice=lattice,
-            sky=sky,
-            far=far if lattice or sky else None,
-            scattered=self._target("multiple"),
-            transmittance=self._target("transmittance") if self.media.has_grids else None,
-            skylit=self._reduced.get("sky"),
-            steps_per_cell=self.settings.steps_per_cell,
-            max_steps=self.settings.march_steps,
+    def _march_reduced(self, commands: Commands, params: RayParams, light: MarchedLight) -> None:
+        if light.lattice is None and light.sky is None:
+            light = replace(light, half_space=None)
+        targets = MarchTargets(
+            self._target("multiple"),
+            self._target("transmittance") if self.media.has_grids else None,
+            self._reduced.get("sky"),
         )
+        steps = Steps(self.settings.steps_per_cell, self.settings.march_steps)
+        self.march.encode(commands, params, self.march_rays, light, targets, steps)
 
     def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
         """Upsample what was marched; with the transmittance where there are density grids."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from ...gpu.layout import Struct, f32, i32, mat4x4f, u32
 from ...gpu.slots import Slot, sampler, storage, texture, uniform
@@ -42,27 +43,44 @@ class SourceData(Struct):
     medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
 
 
+LatticeForm = Literal["none", "mean", "two bands", "reduced medium"]
+"""What is read of a lattice: means alone, where phase functions are isotropic; both bands; means
+that reduced media scatter, with both bands for what they are at the eye."""
+SkyForm = Literal["none", "mean", "two bands", "three bands"]
+"""Likewise; three bands where phase functions are strongly anisotropic."""
+Written = Literal["light and transmittance", "light", "transmittance"]
+
+
 @dataclass(frozen=True)
 class Variant:
-    """What is marched: source textures, a lattice, the sky's; of those the means alone, where phase
-    functions are isotropic; the sky's third band, where they are strongly anisotropic; forward
-    light besides the lattice; how many nested lattices there are at one point; directions along a
-    side of the table of an endless medium; whether lattices hold light of reduced media; whether
-    the kernel writes the rays' transmittance, their light, or both.
+    """What is marched: source textures, a lattice, the sky's, forward light besides the lattice.
+
+    `levels`: how many nested lattices there are at one point. `half_space_side`: directions along
+    a side of the table of an endless medium, if any. `writes`: what the targets are.
     """
 
     sources: int = 0
-    has_lattice: bool = False
-    has_sky: bool = False
-    is_even: bool = False
-    is_sky_even: bool = False
-    has_third_band: bool = False
+    lattice: LatticeForm = "none"
+    sky: SkyForm = "none"
     has_forward: bool = False
     levels: int = 1
-    far_side: int = 0
-    is_reduced_medium: bool = False
-    has_passed: bool = True
-    has_light: bool = True
+    half_space_side: int = 0
+    writes: Written = "light and transmittance"
+
+    @property
+    def has_lattice(self) -> bool:
+        """Whether there is a lattice beside the sky's."""
+        return self.lattice != "none"
+
+    @property
+    def has_sky(self) -> bool:
+        """Whether there is the sky's lattice."""
+        return self.sky != "none"
+
+    @property
+    def is_reduced_medium(self) -> bool:
+        """Whether the lattice holds light of reduced media."""
+        return self.lattice == "reduced medium"
 
 
 _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
@@ -90,26 +108,30 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
-    has_mean = variant.is_even or variant.is_reduced_medium
-    names += ["lattice_mean"] * has_mean + ["sky_mean"] * variant.is_sky_even
-    names += ["sky_third"] * variant.has_third_band
+    names += ["lattice_mean"] * (variant.lattice in ("mean", "reduced medium"))
+    names += ["sky_mean"] * (variant.sky == "mean")
+    names += ["sky_third"] * (variant.sky == "three bands")
     made += [texture(name, "3d") for name in names]
     beams = forward_slots() if variant.has_forward else ()
-    beams += half_space_slots() if variant.far_side else ()
+    beams += half_space_slots() if variant.half_space_side else ()
     return (*made, *beams)
 
 
 def target_names(variant: Variant) -> list[str]:
     """The targets of the kernel, in their order."""
     light = ["scattered", *["skylit"] * variant.has_sky]
-    return [*light * variant.has_light, *["passed"] * variant.has_passed]
+    return {
+        "light and transmittance": [*light, "passed"],
+        "light": light,
+        "transmittance": ["passed"],
+    }[variant.writes]
 
 
 def at_once(variant: Variant, most: int) -> tuple[Variant, ...]:
     """One kernel, or two that share its targets where a pass may have but `most`."""
-    if len(target_names(variant)) <= most or not (variant.has_light and variant.has_passed):
+    if len(target_names(variant)) <= most or variant.writes != "light and transmittance":
         return (variant,)
-    return replace(variant, has_passed=False), replace(variant, has_light=False)
+    return replace(variant, writes="light"), replace(variant, writes="transmittance")
 
 
 def firsts(variant: Variant) -> dict[str, tuple[str, ...]]:
@@ -135,8 +157,8 @@ def generated(variant: Variant) -> str:
     lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_TWO_BANDS
     beams = FORWARD_WGSL if variant.has_forward else NO_FORWARD_WGSL
     half_space = NO_HALF_SPACE_WGSL
-    if variant.far_side:
-        half_space = half_space_wgsl(variant.far_side, has_forward=variant.has_forward)
+    if variant.half_space_side:
+        half_space = half_space_wgsl(variant.half_space_side, has_forward=variant.has_forward)
     reduced = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
     return (
         _targets_wgsl(variant)
@@ -165,7 +187,7 @@ def _sources_wgsl(variant: Variant) -> str:
     lattices = ""
     if variant.has_lattice:
         lattices = "    sum += lattice_emission(p, travel);\n"
-    if variant.has_lattice and variant.far_side:
+    if variant.has_lattice and variant.half_space_side:
         lattices += "    sum += half_space_emission(p, travel);\n"
     if not variant.is_reduced_medium:
         parts.append(lattices)
@@ -191,7 +213,7 @@ def _lattice_wgsl(variant: Variant) -> str:
     return (
         count
         + _NO_TWO_BANDS
-        + (_isotropic_wgsl("lattice") if variant.is_even else _emission_wgsl("lattice"))
+        + (_isotropic_wgsl("lattice") if variant.lattice == "mean" else _emission_wgsl("lattice"))
     )
 
 
@@ -202,13 +224,15 @@ def _sky_wgsl(variant: Variant) -> str:
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
             "fn sky_reduced_at() -> vec3f { return vec3f(0.0); }\n"
         )
-    half_space = " + half_space_skylit(p, travel)" if variant.far_side else ""
+    half_space = " + half_space_skylit(p, travel)" if variant.half_space_side else ""
     reduced = "vec3f(0.0)"
     if variant.is_reduced_medium:
-        reduced = "sky_reduced_here()" + (" + half_space_sky_reduced()" if variant.far_side else "")
+        reduced = "sky_reduced_here()" + (
+            " + half_space_sky_reduced()" if variant.half_space_side else ""
+        )
     return (
         _third_wgsl(variant)
-        + (_isotropic_wgsl("sky") if variant.is_sky_even else _emission_wgsl("sky"))
+        + (_isotropic_wgsl("sky") if variant.sky == "mean" else _emission_wgsl("sky"))
         + f"fn sky_reduced_at() -> vec3f {{ return {reduced}; }}\n"
         + "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         f"    return sky_emission(p, travel){half_space};\n}}\n"
@@ -217,7 +241,7 @@ def _sky_wgsl(variant: Variant) -> str:
 
 def _third_wgsl(variant: Variant) -> str:
     """`sky_third_at`: the third band per g^2, rgb."""
-    if not variant.has_third_band:
+    if variant.sky != "three bands":
         return "fn sky_third_at(travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
     return "//! use third_band\n"
 

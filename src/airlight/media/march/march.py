@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,9 @@ from .cells import MarchCells
 from .forward_source import fused_rows
 from .kernel import (
     MAX_LEVELS_AT_ONCE,
+    LatticeForm,
     MarchParams,
+    SkyForm,
     SourceData,
     Variant,
     at_once,
@@ -73,6 +75,44 @@ class _March(FullscreenPass):
         )
 
 
+@dataclass(frozen=True, eq=False)
+class MarchedLight:
+    """What rays gather: solved emission, and lattices of mean radiance, which media scatter.
+
+    `sky`: the environment's light scattered once. `half_space`: of an endless medium, beyond the
+    lattices.
+    """
+
+    sources: Sequence[Source] = ()
+    lattice: LatticeSource | None = None
+    sky: LatticeSource | None = None
+    half_space: HalfSpaceLight | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MarchTargets:
+    """Textures of the rays' size: `scattered` light, the sky's (`skylit`), and transmittance."""
+
+    scattered: Texture
+    transmittance: Texture | None = None
+    skylit: Texture | None = None
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How many steps a ray takes: `per_cell` of the finest source, at most `most`.
+
+    It ends where its transmittance is `cutoff`.
+    """
+
+    per_cell: float = 1.0
+    most: int = 128
+    cutoff: float = 1e-3
+
+
+_STEPS = Steps()
+
+
 class March:
     """Scattered radiance and transmittance of every picked ray."""
 
@@ -82,17 +122,14 @@ class March:
         air: GpuMedia,
         *,
         sources: int = 0,
-        has_lattice: bool = False,
-        has_sky: bool = False,
     ) -> None:
-        """What `encode` will be given; kernels are made when what they are for first comes."""
+        """`sources`: the most there will be. Kernels are compiled when they are first needed."""
         self.gpu, self._air, self._linear = gpu, air, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
         self._cells = MarchCells(gpu)
         self.params: MarchParams | None = None  # the last ones
-        self._variant = Variant(sources, has_lattice, has_sky)
         self._passes: dict[Variant, _March] = {}
         self._fused: Buffer | None = None
         self._fused_of: tuple[Any, ...] = ()
@@ -102,55 +139,32 @@ class March:
         commands: Commands,
         params: RayParams,
         rays: Rays,
-        *,
-        sources: Sequence[Source] = (),
-        lattice: LatticeSource | None = None,
-        sky: LatticeSource | None = None,
-        far: HalfSpaceLight | None = None,
-        scattered: Texture,
-        transmittance: Texture | None = None,
-        skylit: Texture | None = None,
-        steps_per_cell: float = 1.0,
-        max_steps: int = 128,
-        cutoff: float = 1e-3,
+        light: MarchedLight,
+        targets: MarchTargets,
+        steps: Steps = _STEPS,
     ) -> None:
-        """Fill `scattered`, from `sky` `skylit`, and `transmittance` where it is asked for.
-
-        They are targets, of `rays.reduced` size.
-        """
-        variant = replace(
-            self._chosen(lattice, sky),
-            far_side=far.side if far else 0,
-            has_passed=transmittance is not None,
-        )
-        cells = [s.cell_m for s in (*sources, lattice, sky) if s is not None]
-        forward = lattice.forward if lattice else None
-        bound = self._bound(variant, sources, lattice, sky)
+        """Fill the `targets`; `params` as `rays.encode` gave them."""
+        lattice, sky, far = light.lattice, light.sky, light.half_space
+        variant = self._chosen(light)
+        if targets.transmittance is None:
+            variant = replace(variant, writes="light")
+        cells = [s.cell_m for s in (*light.sources, lattice, sky) if s is not None]
+        bound = self._bound(variant, light)
         one = lattice or sky
         if one is not None:  # nested lattices are read as they are
             bound["march_cells"] = self._cells.texture
             if variant.levels == 1:
                 bound["march_cells"] = self._cells.encode(commands, one.placement.count, bound)
-        self.params = MarchParams(
-            step=min(cells, default=math.inf) / steps_per_cell if cells else 1e9,
-            max_steps=max_steps,
-            cutoff=cutoff,
-            lattice_scale=lattice.scale if lattice else 0.0,
-            lattice_direct=lattice.direct if lattice else 0.0,
-            sky_scale=sky.scale if sky else 0.0,
-            sky_direct=sky.direct if sky else 0.0,
-            forward_scale=forward.scale if forward else 0.0,
-            forward_spread=forward.spread if forward else 0.0,
-            forward_slabs=forward.slabs if forward else 1.0,
-            forward_count=forward.count if forward else 0,
-            half_space_top=far.top if far else 0.0,
-            half_space_sigma_t=far.sigma_t if far else 1.0,
-        )
-        targets = {"scattered": scattered, "skylit": skylit, "passed": transmittance}
+        self.params = _params(light, steps, min(cells, default=math.inf))
+        textures = {
+            "scattered": targets.scattered,
+            "skylit": targets.skylit,
+            "passed": targets.transmittance,
+        }
         for part in at_once(variant, self.gpu.limits[_LIMIT] // _BYTES):
             self._pass(part).draw(
                 commands,
-                tuple(targets[name] for name in target_names(part)),
+                tuple(textures[name] for name in target_names(part)),
                 rays=params,
                 march=self.params,
                 picked=rays.picked,
@@ -164,29 +178,22 @@ class March:
             self._passes[variant] = _March(self.gpu, self._air, variant)
         return self._passes[variant]
 
-    def _chosen(self, lattice: LatticeSource | None, sky: LatticeSource | None) -> Variant:
-        """Loops and reads that a lattice and its air do not need are left out: they would cost."""
+    def _chosen(self, light: MarchedLight) -> Variant:
+        """Loops and reads that lattices and media do not need are left out: they would cost."""
         sharpest = max((abs(c) for row in self._air.rows for c in row["g"]), default=0.0)
-        is_even = sharpest == 0.0
-        one = sky or lattice
-        return replace(
-            self._variant,
-            is_even=is_even and lattice is not None and lattice.mean is not None,
-            is_sky_even=is_even and sky is not None and sky.mean is not None,
-            has_third_band=sharpest > _TWO_BANDS and sky is not None and sky.third is not None,
-            has_forward=lattice is not None and lattice.forward is not None,
-            is_reduced_medium=lattice is not None and lattice.is_reduced_medium,
+        one = light.sky or light.lattice
+        return Variant(
+            len(light.sources),
+            _lattice_form(light.lattice, sharpest),
+            _sky_form(light.sky, sharpest),
+            has_forward=light.lattice is not None and light.lattice.forward is not None,
             levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
+            half_space_side=light.half_space.side if light.half_space else 0,
         )
 
-    def _bound(
-        self,
-        variant: Variant,
-        sources: Sequence[Source],
-        lattice: LatticeSource | None,
-        sky: LatticeSource | None,
-    ) -> dict[str, Any]:
+    def _bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
         """By slot name, what is marched."""
+        sources, lattice, sky = light.sources, light.lattice, light.sky
         values: dict[str, Any] = {}
         if sources:
             self._write(sources)
@@ -208,11 +215,11 @@ class March:
                 "forward_blurred": forward.blurred,
                 "fused": self._fused_rows(),
             }
-        if lattice is not None and (variant.is_even or variant.is_reduced_medium):
+        if lattice is not None and variant.lattice in ("mean", "reduced medium"):
             values["lattice_mean"] = lattice.mean
-        if sky is not None and variant.has_third_band:
+        if sky is not None and variant.sky == "three bands":
             values["sky_third"] = sky.third
-        if sky is not None and variant.is_sky_even:
+        if sky is not None and variant.sky == "mean":
             values["sky_mean"] = sky.mean
         return values
 
@@ -243,3 +250,41 @@ class March:
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)
+
+
+def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm:
+    """`sharpest`: the largest |g| of all media."""
+    if lattice is None:
+        return "none"
+    if lattice.is_reduced_medium:
+        return "reduced medium"
+    return "mean" if sharpest == 0.0 and lattice.mean is not None else "two bands"
+
+
+def _sky_form(sky: LatticeSource | None, sharpest: float) -> SkyForm:
+    if sky is None:
+        return "none"
+    if sharpest > _TWO_BANDS and sky.third is not None:
+        return "three bands"
+    return "mean" if sharpest == 0.0 and sky.mean is not None else "two bands"
+
+
+def _params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
+    """`cell`: m, the shortest of all that is marched; infinite where nothing is."""
+    lattice, sky, far = light.lattice, light.sky, light.half_space
+    forward = lattice.forward if lattice else None
+    return MarchParams(
+        step=cell / steps.per_cell if math.isfinite(cell) else 1e9,
+        max_steps=steps.most,
+        cutoff=steps.cutoff,
+        lattice_scale=lattice.scale if lattice else 0.0,
+        lattice_direct=lattice.direct if lattice else 0.0,
+        sky_scale=sky.scale if sky else 0.0,
+        sky_direct=sky.direct if sky else 0.0,
+        forward_scale=forward.scale if forward else 0.0,
+        forward_spread=forward.spread if forward else 0.0,
+        forward_slabs=forward.slabs if forward else 1.0,
+        forward_count=forward.count if forward else 0,
+        half_space_top=far.top if far else 0.0,
+        half_space_sigma_t=far.sigma_t if far else 1.0,
+    )
