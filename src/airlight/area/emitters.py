@@ -116,6 +116,7 @@ class Emitters:
             self.version += 1
             self._sources = [moved(source, scene) for source in self._sources]
             self._found = pieces(self._sources, self._cut)
+            self._bodies = self._radii()
             self._lights = self._as_points(scene)
             self.list = tuple(self._emitter(group) for group in self._groups)
         return replace(scene, lights=self._lights)
@@ -244,6 +245,13 @@ class Emitters:
         self._places = np.array(places).reshape(-1, 3)
         return (*plain, *spots, *samples)
 
+    def _radii(self) -> F64:
+        """(n,) metres: of disks as large as the solid surfaces that pieces are parts of."""
+        areas = np.bincount(self._cut.part, self._found.areas)
+        is_solid = np.array([source.is_solid for source in self._sources], bool)
+        radii = np.sqrt(areas / np.pi)[self._cut.part]
+        return np.asarray(np.where(is_solid[self._cut.source], radii, 0.0))
+
     def _emitter(self, group: _Group) -> Emitter:
         shape = fitted(self._found.taken(group.rows))
         spot = self._sources[group.spot].spot if group.spot >= 0 else None
@@ -285,6 +293,7 @@ class Emitters:
             front,
             (1.0 - length) / 4.0 if has_cube else 0.0,
             max(extent, spread),
+            float(weight @ self._bodies[rows]),
         )
         return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube)
 

@@ -22,7 +22,7 @@ from ..scene.scene import Scene
 class Source:
     """One glowing side of a placed mesh; `side` 1 is the front, -1 the back.
 
-    `light`: the scene's light that it is the surface of; `mesh` the row of the scene's mesh else.
+    `is_solid`: the surface is seen, and stands in the way of light. `light`: the scene's light that it is the surface of; `mesh` the row of the scene's mesh else.
     """
 
     surface: Mesh
@@ -30,6 +30,7 @@ class Source:
     mesh: int = -1
     light: int = -1
     spot: SpotLight | None = None
+    is_solid: bool = True
 
 
 def has_extent(light: Light) -> bool:
@@ -52,11 +53,11 @@ def sources(scene: Scene) -> list[Source]:
         if isinstance(light, AreaLight) and max(light.radiance) > 0.0:
             sides = (1, -1) if light.two_sided and light.shape != "sphere" else (1,)
             surface = _surface(light)
-            found += [Source(surface, side, light=row) for side in sides]
+            found += [Source(surface, side, light=row, is_solid=light.visible) for side in sides]
         elif isinstance(light, PointLight | SpotLight) and light.radius > 0.0:
             ball = _surface(_ball(light))
             spot = light if isinstance(light, SpotLight) else None
-            found.append(Source(ball, 1, light=row, spot=spot))
+            found.append(Source(ball, 1, light=row, spot=spot, is_solid=False))
     return found
 
 

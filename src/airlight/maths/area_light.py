@@ -67,6 +67,18 @@ def sphere_irradiance(centre: F64, radius: float) -> float:
     return float((cosine * np.arccos(y) - x * root) * sine2 + np.arctan(root / x))
 
 
+def leaving_share(away: F64, normal: F64, body: float) -> float:
+    """The share of the light reflected at a point that misses the disk that it came from.
+
+    `away` (3,), metres, from the disk to the point; `body`, m^2, the square of the disk's radius.
+    The view factor of a disk from an equal one across a gap is 1 less this (Howell2010, C-40); from
+    a point on the axis body / (body + distance^2). The larger share counts.
+    """
+    squared, height = float(away @ away), float(away @ normal)
+    gap = max(height * height, 1e-12) / max(body, 1e-12)
+    return max(0.5 * gap * (np.sqrt(4.0 / gap + 1.0) - 1.0), squared / (squared + body))
+
+
 def rim(centre: F64, normal: F64, radius: float) -> F64:
     """Corners (RIM_CORNERS, 3) of the polygon that stands for a disk: as large as the disk."""
     side, up = orthonormal_frame(normal)

@@ -129,6 +129,8 @@ class LightSample:
 
     It sends `intensity` * (`front` * max(c, 0) + `even`), W sr^-1, at the cosine c from
     `direction`. `extent`, metres: how large the part is; nearer than that it gets no brighter.
+    `body`, metres: radius of a disk as large as the surface that the light comes from, which
+    stands in the way of what is reflected close to it; 0 without one.
     """
 
     position: Vec3
@@ -137,6 +139,7 @@ class LightSample:
     front: float = 1.0
     even: float = 0.0
     extent: float = 0.0
+    body: float = 0.0
 
     @property
     def power(self) -> Rgb:

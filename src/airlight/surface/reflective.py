@@ -37,6 +37,7 @@ class ReflectiveParams(Struct):
     direction = vec3f()
     cos_outer = f32()
     inv_size = vec2f("of the map, px^-1")
+    body = f32("m^2, as in LightData")
 
 
 class _ReflectivePipeline(MeshPipeline):
@@ -132,7 +133,7 @@ class ReflectiveShadowMaps:
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
         fields = light_fields(light)
-        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
+        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer", "body")
         params = ReflectiveParams(
             clip_from_world=view.clip_from_world,
             inv_size=2 * (1.0 / self.resolution,),
