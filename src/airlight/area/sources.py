@@ -22,7 +22,8 @@ from ..scene.scene import Scene
 class Source:
     """One glowing side of a placed mesh; `side` 1 is the front, -1 the back.
 
-    `is_solid`: the surface is seen, and stands in the way of light. `light`: the scene's light that it is the surface of; `mesh` the row of the scene's mesh else.
+    `is_solid`: the surface is seen, and stands in the way of light. `light`: the scene's light that
+    it is the surface of; `mesh` the row of the scene's mesh else.
     """
 
     surface: Mesh

@@ -76,7 +76,8 @@ def leaving_share(away: F64, normal: F64, body: float) -> float:
     """
     squared, height = float(away @ away), float(away @ normal)
     gap = max(height * height, 1e-12) / max(body, 1e-12)
-    return max(0.5 * gap * (np.sqrt(4.0 / gap + 1.0) - 1.0), squared / (squared + body))
+    across = 0.5 * gap * (np.sqrt(4.0 / gap + 1.0) - 1.0)
+    return max(float(across), squared / (squared + body))
 
 
 def rim(centre: F64, normal: F64, radius: float) -> F64:
