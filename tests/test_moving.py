@@ -228,7 +228,7 @@ def resident_mb():
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc to ask")
 def test_frames_leave_nothing_behind(gpu, moving):
-    # A software driver kept 4 MB of every image, as long as shaders branched on uniforms.
+    # A CPU adapter kept 4 MB of every image, as long as shaders branched on uniforms.
     with Renderer(moving, "pop", SIZE, settings=SETTINGS["pop"]) as renderer:
         for time in np.linspace(0.0, 1.0, 4):
             renderer.frame(time=float(time))

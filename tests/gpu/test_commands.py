@@ -46,7 +46,7 @@ def test_untimed_stages_cost_no_submit_and_keep_no_times(commands, work):
     assert commands.stage_ms == {}
 
 
-def test_a_software_driver_is_timed_by_the_wall_clock(commands, work, monkeypatch):
+def test_a_cpu_adapter_is_timed_by_the_wall_clock(commands, work, monkeypatch):
     monkeypatch.setattr(Gpu, "is_cpu", property(lambda self: True))
     commands.is_timed = True
     for _ in range(2):
@@ -62,7 +62,7 @@ def test_a_software_driver_is_timed_by_the_wall_clock(commands, work, monkeypatc
 
 
 def test_a_gpu_is_timed_by_its_timestamps(gpu, work, monkeypatch):
-    # The mechanism only: what a software driver writes as timestamps means nothing.
+    # The mechanism only: what a CPU adapter writes as timestamps means nothing.
     if "timestamp-query" not in gpu.features:
         pytest.skip("the adapter has no timestamp queries")
     monkeypatch.setattr(Gpu, "is_cpu", property(lambda self: False))

@@ -1,4 +1,4 @@
-"""Lanes are asked for once, and only where a software driver has them."""
+"""Lanes are asked for once, and only where a CPU adapter has them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_gpus_and_drivers_without_the_features_are_not_asked(takes_cpu_paths, fe
     assert not has_row_lanes(Device(takes_cpu_paths=takes_cpu_paths, features=features))
 
 
-def test_mesas_software_driver_has_them(gpu):
+def test_mesas_cpu_adapter_has_them(gpu):
     if "256 bits" not in gpu.info.name:
         pytest.skip("not Mesa's driver with eight lanes")
     assert has_row_lanes(open_gpu(gpu.info.name, "cpu"))

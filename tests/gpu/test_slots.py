@@ -9,8 +9,8 @@ from airlight.gpu.slots import (
     FILTERED,
     declarations,
     image,
+    on_cpu_adapter,
     on_device,
-    on_software,
     sampler,
     storage,
     texture,
@@ -63,9 +63,9 @@ def test_only_uniforms_have_offsets_of_their_own():
     assert not storage("rows", Params).is_dynamic
 
 
-def test_software_drivers_get_uniforms_from_storage():
+def test_cpu_adapters_get_uniforms_from_storage():
     slots = (uniform("params", Params), storage("rows", Params), texture("map"))
-    turned = on_software(slots)
+    turned = on_cpu_adapter(slots)
     assert turned[0].declaration == "var<storage, read> params: Params;"
     assert turned[0].layout["buffer"] == {
         **slots[0].layout["buffer"],

@@ -112,7 +112,7 @@ def test_an_image_that_was_not_drawn_is_not_kept(
     gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not gpu.takes_cpu_paths:
-        pytest.skip("places are kept on software drivers")
+        pytest.skip("places are kept on CPU adapters")
 
     def failing(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt

@@ -20,7 +20,7 @@ UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 @pytest.fixture(autouse=True, params=["triangles that pixels see", "surfaces as they come"])
 def way(request, monkeypatch, gpu):
-    """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
+    """CPU adapters draw the one way, GPUs the other; CPU adapters are asked for both."""
     if request.param == "surfaces as they come":
         monkeypatch.setattr("airlight.surface.gbuffer.uses_visibility_buffer", lambda gpu: False)
     elif not uses_visibility_buffer(gpu):

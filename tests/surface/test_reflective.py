@@ -19,7 +19,7 @@ RED = Material(base_color=tuple(ALBEDO), specular=0.0)
 
 @pytest.fixture(autouse=True, params=["triangles that texels see", "surfaces as they come"])
 def way(request, monkeypatch, gpu):
-    """Software drivers draw the one way, GPUs the other; software drivers are asked for both."""
+    """CPU adapters draw the one way, GPUs the other; CPU adapters are asked for both."""
     if request.param == "surfaces as they come":
         monkeypatch.setattr("airlight.surface.reflective.uses_visibility_buffer", lambda gpu: False)
     elif not uses_visibility_buffer(gpu):

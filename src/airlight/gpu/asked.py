@@ -66,7 +66,7 @@ _MORE: Mapping[str, int] = {  # asked for where there is so much, used where it 
     "max-storage-textures-per-shader-stage": 6,
     "max-storage-buffers-per-shader-stage": 10,
 }
-_UNIFORMS_IN_STORAGE: Mapping[str, int] = {  # on the CPU paths, see slots.on_software
+_UNIFORMS_IN_STORAGE: Mapping[str, int] = {  # on the CPU paths, see slots.on_cpu_adapter
     "max-storage-buffers-per-shader-stage": 18,
     "max-dynamic-storage-buffers-per-pipeline-layout": 8,
 }

@@ -127,7 +127,7 @@ class Commands:
     def stage(self, name: str) -> Iterator[None]:
         """Everything encoded inside counts as `name`, and is timed where `is_timed`.
 
-        A software driver's timestamps mean nothing, so there each stage is a submit of its own
+        A CPU adapter's timestamps mean nothing, so there each stage is a submit of its own
         and the wall clock is read; on a GPU the passes carry timestamp queries.
         """
         outer, self._stage = self._stage, name

@@ -150,7 +150,7 @@ class Gpu(Scope):
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
         self.has_uniforms_in_storage = self.takes_cpu_paths and has_uniforms_in_storage(self.limits)
-        """Whether shaders read their parameters from storage buffers, see `slots.on_software`."""
+        """Whether shaders read parameters from storage buffers, see `slots.on_cpu_adapter`."""
         self.pipelines = Pipelines()
         self.memory = Memory()
         self.facts: dict[str, bool] = {}

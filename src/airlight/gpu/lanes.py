@@ -1,6 +1,6 @@
 """Whether invocations run in lanes of one vector that may look at one another's values.
 
-Software drivers run eight invocations as lanes of a vector and make each lane's loads one by one,
+CPU adapters run eight invocations as lanes of a vector and make each lane's loads one by one,
 while what the lane beside it has loaded costs a shuffle, a sixth of a load. Kernels that rely on
 the order of lanes (eight in a row along x) ask here first.
 """
@@ -50,7 +50,7 @@ class _Probe(ComputePass):
 def has_row_lanes(gpu: Gpu) -> bool:
     """Whether LANES invocations along x are one subgroup in that order, and 64-bit integers work.
 
-    Only software drivers are asked: a GPU's threads are served by its caches.
+    Only CPU adapters are asked: a GPU's threads are served by its caches.
     """
     if not gpu.takes_cpu_paths or any(name not in gpu.features for name in _FEATURES):
         return False

@@ -53,7 +53,7 @@ class RasterPipeline:
     ) -> None:
         """`firsts`: storage buffers of which the pass reads `first_NAME()`, and not these fields.
 
-        In full-screen passes, for which software drivers have them at hand; as are uniforms.
+        In full-screen passes, for which CPU adapters have them at hand; as are uniforms.
         """
         self.gpu, self.label = gpu, type(self).__name__
         self._slots, self._second = (
@@ -174,7 +174,7 @@ class FullscreenPass(RasterPipeline):
     def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
         """Write `targets` (textures, or views); `values` name every slot.
 
-        Every pixel is written; a software driver would clear them one by one before that.
+        Every pixel is written; a CPU adapter would clear them one by one before that.
         """
         kept = len(targets) if self.gpu.takes_cpu_paths else self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])

@@ -47,11 +47,11 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
     """The same slots for a device: images as it filters them, uniforms as it reads them."""
     made = tuple(_filtered(slot, gpu.filtered) for slot in slots)
-    return on_software(made) if gpu.has_uniforms_in_storage else made
+    return on_cpu_adapter(made) if gpu.has_uniforms_in_storage else made
 
 
-def on_software(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
-    """The same slots for a software driver, their uniforms read-only storage.
+def on_cpu_adapter(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
+    """The same slots for a CPU adapter, their uniforms read-only storage.
 
     Mesa's lavapipe clones a shader that branches on uniforms at every dispatch, to inline their
     values, and keeps the clones (4 MB an image): storage buffers it leaves alone.

@@ -1,4 +1,4 @@
-"""What glossy pixels mirror, on software drivers: listed by lighting, followed by themselves.
+"""What glossy pixels mirror, on CPU adapters: listed by lighting, followed by themselves.
 
 Such drivers run both sides of every branch, so that a walk along mirrored rays within lighting
 costs every pixel of the image what it costs the glossy ones.

@@ -1,4 +1,4 @@
-"""Where surfaces look a lattice up, and the sky's light on them: kept on software drivers.
+"""Where surfaces look a lattice up, and the sky's light on them: kept on CPU adapters.
 
 Both follow from the image's surfaces, the lattice's walls and the sky alone, and are a third of
 the time of the lattice's light. A second image with the same of them keeps them; an image like
@@ -30,7 +30,7 @@ _BYTES = 36  # of a pixel of all targets
 
 
 def can_cache(gpu: Gpu) -> bool:
-    """Whether a device keeps places: software drivers read slowly, and one may lack targets."""
+    """Whether a device keeps places: CPU adapters read slowly, and one may lack targets."""
     return gpu.takes_cpu_paths and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
 
 

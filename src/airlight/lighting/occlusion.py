@@ -68,7 +68,7 @@ class _Blur(FullscreenPass):
 class OcclusionLayers:
     """What near occluders send and hide, per texel, packed as `wgsl/near_field_texel.wgsl` says.
 
-    Texels are pixels on a GPU, and 2 x 2 pixels on a software driver.
+    Texels are pixels on a GPU, and 2 x 2 pixels on a CPU adapter.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:

@@ -181,7 +181,7 @@ fn slice_openness(
     let turn = f32((((texel.x + texel.y) & 3u) << 2u) + (texel.x & 3u)) / 16.0;
     let offset = 0.25 * f32((texel.y - texel.x) & 3u) + 0.125;
     var open = vec2f(0.0);
-    // Loops end with their test, after which software drivers run nothing.
+    // Loops end with their test, after which CPU adapters run nothing.
     var i = 0u;
     loop {
         let angle = (f32(i) + turn) / f32(SLICES) * OCCLUSION_PI;

@@ -1,5 +1,5 @@
-// The image as horizons sample it: depth, normal and light of a texel side by side, and on software
-// drivers a quarter of the pixels, which stay in the caches.
+// The image as horizons sample it: depth, normal and light of a texel side by side, and on CPU
+// adapters a quarter of the pixels, which stay in the caches.
 //! use near_field_texel
 //! use image_texel
 

@@ -3,7 +3,7 @@
 // Depths that differ by less than this share count as one surface.
 const SAME_SURFACE = 0.1;
 
-// Software drivers sample the nearest texel in less time than a load takes.
+// CPU adapters sample the nearest texel in less time than a load takes.
 override IS_SAMPLED: bool = false;
 
 fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
@@ -27,7 +27,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     var nearest = vec2f(2.0 * EYE_RAY_FAR, 0.0);
     var farthest = vec2f(-1.0, 0.0);
     var chosen = vec2f(-1.0, 0.0);      // the middle one, where the image has it
-    // Tested at its end: software drivers run a body once more than a test before it lets through.
+    // Tested at its end: CPU adapters run a body once more than a test before it lets through.
     var index = 0u;
     loop {
         let inside = texel_pixel(index, rays.scale);

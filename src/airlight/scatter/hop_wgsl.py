@@ -1,6 +1,6 @@
 """WGSL of what a cell gathers from its 26 neighbours, unrolled from maths.lattice26.hops().
 
-Weights are literals and neighbours are named values: the software driver reads a table ten times
+Weights are literals and neighbours are named values: the CPU adapter reads a table ten times
 slower. Neighbour j of a cell stands at hops().offsets[j]; it is where the cell's own hop j goes,
 and its light arrives by the opposite hop.
 """

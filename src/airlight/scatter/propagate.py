@@ -5,7 +5,7 @@ track length that a state leaves), by the rows of StepCoefficients it is given. 
 states, Q = I + M Q, is stepped itself, and its track T Q taken once at the end.
 differs: Billeter2012 section 4.2 accumulates every state into a third lattice.
 
-GPUs run a cell and channel per invocation. The software driver pays for loads: there each
+GPUs run a cell and channel per invocation. The CPU adapter pays for loads: there each
 invocation marches columns of 2 x 2 cells along z and loads four neighbours a cell, not 26.
 """
 
@@ -61,7 +61,7 @@ class Step:
     """Runs steps on lattices of any size; `is_blocked` reads openness packs (see walls)."""
 
     def __init__(self, gpu: Gpu, *, is_blocked: bool, is_marched: bool | None = None) -> None:
-        """`is_marched` chooses the kernel; by default columns on software drivers."""
+        """`is_marched` chooses the kernel; by default columns on CPU adapters."""
         self.is_marched = gpu.takes_cpu_paths if is_marched is None else is_marched
         text = "\n".join([constants(), gathered_blocked() if is_blocked else gathered()])
         self._cells = _Cells(gpu, generated=f"{text}\n{_cell_call(is_blocked)}")

@@ -1,6 +1,6 @@
 """One step to 26 neighbours in an even medium without walls, where lanes see one another.
 
-As propagate_open, for software drivers of which gpu.lanes says that eight invocations along x are
+As propagate_open, for CPU adapters of which gpu.lanes says that eight invocations along x are
 lanes of one vector. They share a row: each loads the cells of its own columns, two at a time as
 64-bit integers, and has the columns beside them from the lanes beside it. Of the processor time of
 propagate_open's tiles it takes .5.

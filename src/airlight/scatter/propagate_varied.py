@@ -5,7 +5,7 @@ travelled, is shared between the two linearly (maths.lattice26.half_linear_step 
 with maths.lattice26_walls.bounced among walls). Equals `propagate` in constant air.
 differs: Billeter2012 knows homogeneous media only.
 
-The plain kernel works out all 27 cells' air for each cell; on software drivers lanes share rows
+The plain kernel works out all 27 cells' air for each cell; on CPU adapters lanes share rows
 (propagate_varied_rows), and each cell's is worked out where it is read.
 """
 

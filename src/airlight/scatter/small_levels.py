@@ -26,7 +26,7 @@ from .propagate import MOVE, TRACK
 from .schedule import Count, Schedule
 
 MOST_CELLS = 512
-_THREADS, _CPU_THREADS = 256, 8  # a software driver's barriers cost nothing within one vector
+_THREADS, _CPU_THREADS = 256, 8  # a CPU adapter's barriers cost nothing within one vector
 _NOTHING, _RESTRICT, _PROLONG, _CORRECT = range(4)
 
 

@@ -1,5 +1,5 @@
 // Cycles of small lattices, a channel per workgroup: runs of steps, and after each what takes light
-// to a coarser lattice, or back. Loops test at their end, where software drivers leave them sooner.
+// to a coarser lattice, or back. Loops test at their end, where CPU adapters leave them sooner.
 
 const CLOSED = 0.05;
 

@@ -16,7 +16,7 @@ Parts = TypeVar("Parts")
 def in_draw_order(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
     """`draws` in the order in which they are drawn on every device.
 
-    Of surfaces in one place the last is seen: what software drivers draw in a second step (see
+    Of surfaces in one place the last is seen: what CPU adapters draw in a second step (see
     `GpuScene.is_drawn_last`) is last on GPUs, too.
     """
     is_late = [scene.is_drawn_last(draw) for draw in draws]

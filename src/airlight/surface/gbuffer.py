@@ -20,7 +20,7 @@ from .visibility_buffer import VisibilityBuffer, VisibilityParams
 DEPTH_FIRST_PX = 0.8
 """Pixels per triangle in sight from which on depth is drawn first: triangles twice, pixels once.
 
-GPUs alone ask: software drivers draw `surface.visibility_buffer`."""
+GPUs alone ask: CPU adapters draw `surface.visibility_buffer`."""
 
 
 class CameraParams(Struct):

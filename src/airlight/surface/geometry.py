@@ -198,7 +198,7 @@ class GpuScene:
         return bool(changed)
 
     def is_drawn_last(self, draw: Draw) -> bool:
-        """Whether software drivers cannot draw it by triangles that pixels see, however few."""
+        """Whether CPU adapters cannot draw it by triangles that pixels see, however few."""
         key = id(draw.material)
         if key not in self._is_packable:
             self._is_packable[key] = is_packable(draw.material)

@@ -1,6 +1,6 @@
 """Maps of all materials in one buffer, for shaders that filter them on their own.
 
-Software drivers shade whole blocks of pixels for each triangle; a pass over the image shades a
+CPU adapters shade whole blocks of pixels for each triangle; a pass over the image shades a
 pixel once, but cannot change its textures from pixel to pixel. Here a texel is 8 bytes: base
 colour, normal and roughness, so that one load serves all three maps.
 """

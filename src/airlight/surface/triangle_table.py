@@ -1,6 +1,6 @@
 """What a pixel needs to know of its triangle: corners, normals, uv, material and its maps.
 
-Software drivers alone use it: `surface.visibility_buffer` draws which triangle each pixel sees.
+CPU adapters alone use it: `surface.visibility_buffer` draws which triangle each pixel sees.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Surfaces drawn in two steps: which triangle each pixel sees, then each pixel's surface once.
 
-Burns2013 call the image of the first step a visibility buffer. Software drivers shade whole
+Burns2013 call the image of the first step a visibility buffer. CPU adapters shade whole
 blocks of pixels for every triangle that touches them, three to four times as many pixels as there
 are where triangles are small; which triangle it is costs them next to nothing.
 """

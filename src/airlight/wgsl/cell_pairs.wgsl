@@ -1,4 +1,4 @@
-// Two cells' light (a vec4f each) as one vec4<u64>: the software driver reads and writes lane by
+// Two cells' light (a vec4f each) as one vec4<u64>: the CPU adapter reads and writes lane by
 // lane, and per component, so that 32 bytes at once cost little more than 16 in four floats.
 
 struct CellPair { a: vec4f, b: vec4f }

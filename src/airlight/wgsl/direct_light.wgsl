@@ -48,7 +48,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     if (!HAS_DIRECTIONAL && !HAS_LOCAL) {
         return sum;
     }
-    // Software drivers run a loop's body once more than a test at its head would let them, and both
+    // CPU adapters run a loop's body once more than a test at its head would let them, and both
     // sides of every branch: loops end with their test.
     var i = 0u;
     loop {

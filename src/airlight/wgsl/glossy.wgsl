@@ -73,7 +73,7 @@ fn next_crossing(crossing: vec3f, cell: vec3f, towards: vec3f, count: vec3f, rea
 
 // The same, from where `before` (of a finer lattice, its end in cells of this one) ended. Two loops:
 // light is looked up only where a face took some of it. Both end with their test, after which
-// software drivers run nothing.
+// CPU adapters run nothing.
 fn glossy_walk(
     lattice: LatticeParams, surface: vec3f, lookup: vec3f, ray: GlossyRay, before: Glossy,
     is_outermost: bool,

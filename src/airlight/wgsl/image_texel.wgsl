@@ -1,7 +1,7 @@
 // Texels of an image of `params.size` pixels. The including pass binds `image_sampler`, which takes the
 // nearest one.
 
-// Software drivers sample the nearest texel in two thirds of the time of a load.
+// CPU adapters sample the nearest texel in two thirds of the time of a load.
 override IS_SAMPLED: bool = false;
 
 fn image_texel(image: texture_2d<f32>, pixel: vec2u) -> vec4f {

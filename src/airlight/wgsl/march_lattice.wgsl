@@ -1,7 +1,7 @@
 // What lattices scatter towards the eye. The including pass binds what `lattice` needs and the
 // table `lattices`, the finest first, and adds LATTICES_AT_ONCE, how many fade into each other at one
-// place, and what samples their textures (media/march/march.py). Loops are tested at their ends: software
-// drivers run a body once more than a test before it lets through.
+// place, and what samples their textures (media/march/march.py). Loops are tested at their ends: CPU
+// adapters run a body once more than a test before it lets through.
 //! use media
 //! use lattice
 
@@ -10,7 +10,7 @@ var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;
 // A cell's power over that of the largest lattice, where both hold the same light.
 var<private> lattice_gain: array<f32, LATTICES_AT_ONCE>;
 
-// The only lattice, copied: a software driver reads a buffer lane by lane. Divisions are made once.
+// The only lattice, copied: a CPU adapter reads a buffer lane by lane. Divisions are made once.
 struct LatticeAlone {
     origin: vec3f,          // m, along its axes
     per_metre: f32,         // cells

@@ -1,4 +1,4 @@
-// Vertices of meshes, and where their instance stands: attributes too, which software drivers read
+// Vertices of meshes, and where their instance stands: attributes too, which CPU adapters read
 // once for many vertices, and storage buffers once for each.
 
 struct InstanceTransform {

@@ -3,7 +3,7 @@
 
 // Maps of materials in one buffer, as surface/packed_maps.py lays them out, filtered as samplers do.
 // Who uses it binds `texels: array<u64>`:
-// software drivers load 8 bytes as fast as 4.
+// CPU adapters load 8 bytes as fast as 4.
 
 const MAPS_NORMAL = 1u;
 const MAPS_ROUGHNESS = 2u;

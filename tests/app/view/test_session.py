@@ -123,7 +123,7 @@ def test_solving_is_skipped_while_only_the_camera_moves(screen):
     assert not solved
     screen.session.state.turn_light(Turn(1.0, 0.0))
     screen.settle()
-    # on a software driver coarsely while a hand turns it, then whole
+    # on a CPU adapter coarsely while a hand turns it, then whole
     assert len(solved) == (2 if screen.session.renderer.gpu.is_cpu else 1)
 
 

@@ -22,7 +22,7 @@ QUICK_STEPS = 32
 
 
 class Drawn:
-    """For one thread at a time. `solve_ms`: what the last `solve` took on a software driver."""
+    """For one thread at a time. `solve_ms`: what the last `solve` took on a CPU adapter."""
 
     def __init__(self, renderer: Renderer) -> None:
         self.renderer = renderer
@@ -41,7 +41,7 @@ class Drawn:
         """All that the camera does not matter for, unless nothing else has changed.
 
         `is_quick`: a hand moves what shines, and fewer steps of propagation and coarser shadows
-        will do for now on a software driver; what was solved so is solved again where it is not.
+        will do for now on a CPU adapter; what was solved so is solved again where it is not.
         """
         self.solve_ms = 0.0
         r = self.renderer

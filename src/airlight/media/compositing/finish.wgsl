@@ -1,6 +1,6 @@
 // What is left to do for a pixel once the reduced images of air are there: they at full size, the
 // transmittance of even air, and the surfaces behind it. What is linear over the image, or the same
-// everywhere, comes from the vertices: software drivers read buffers in fragments lane by lane.
+// everywhere, comes from the vertices: CPU adapters read buffers in fragments lane by lane.
 //! use media
 //! use upsample_corner
 
@@ -14,7 +14,7 @@ struct Seen {
     @location(5) @interpolate(flat) per_texel: vec4f,   // of the reduced images, of the image
 }
 
-// Software drivers sample the nearest texel in half the time of a load.
+// CPU adapters sample the nearest texel in half the time of a load.
 override IS_SAMPLED: bool = false;
 var<private> per_texel: vec4f;
 

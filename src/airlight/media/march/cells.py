@@ -1,6 +1,6 @@
 """What marching asks the cells of a lattice, packed: a read for each place, not six.
 
-Software drivers pay for reads, whatever they bring; the three textures that say how open cells
+CPU adapters pay for reads, whatever they bring; the three textures that say how open cells
 are and where their walls lie hold eight bits each.
 """
 

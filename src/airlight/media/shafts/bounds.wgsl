@@ -1,4 +1,4 @@
-// One level of bounds from the finer one, four squares of a row at once: software drivers pay for
+// One level of bounds from the finer one, four squares of a row at once: CPU adapters pay for
 // reads, whatever they bring. Level 0 has been copied from the maps.
 //! use shadow_levels
 
