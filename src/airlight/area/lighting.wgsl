@@ -2,6 +2,7 @@
 //! use image_texel
 //! use area_light
 //! use specular_cosine
+//! needs fn media_passed(row: u32, p: vec3f) -> vec3f
 
 const POLYGON = 0u;
 const SPHERE = 1u;

@@ -2,6 +2,7 @@
 //! use lattice_space
 //! use lobes
 //! use light_texel
+//! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 fn large_enough(size: f32, least: f32) -> f32 {
     return select(smoothstep(least, 1.5 * least, size), 1.0, least <= 0.0);

@@ -2,6 +2,7 @@
 //! use pixel_point
 //! use image_texel
 //! use sky_reflected
+//! needs fn is_traced_separately(r: Reflector, n_v: f32) -> bool
 
 struct LatticeCoordinates {
     @location(0) coordinates: vec4f,    // of the textures; red of the sky light that is seen directly

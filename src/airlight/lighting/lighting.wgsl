@@ -1,6 +1,11 @@
 //! use pixel_point
 //! use image_texel
 //! use surface_reflection
+//! needs fn background(direction: vec3f) -> vec3f
+//! needs fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f
+//! needs fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32)
+//! needs fn lit_of(pixel: vec2u) -> vec4f
+//! needs fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered
 
 override HAS_SURFACES: bool = true;
 override HAS_LIGHTS: bool = true;       // else `lit` has their light

@@ -1,4 +1,5 @@
 // Adds a state to the total; or, at the end, the tail: what all later steps would add (lpv.sums).
+//! needs fn unpacked(v: State) -> vec4f
 
 override IS_SCALED: bool = false;   // the state is in stored units, the total is not
 override PER_LANE: u32 = 1;         // values that an invocation adds

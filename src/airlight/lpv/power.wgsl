@@ -1,3 +1,5 @@
+//! needs fn unpacked(v: State) -> vec4f
+
 var<workgroup> partial: array<vec3f, WX>;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) own: u32) {

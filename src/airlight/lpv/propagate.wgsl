@@ -12,5 +12,5 @@
         neighbour(id, 1u, false), neighbour(id, 1u, true), neighbour(id, 2u, false), neighbour(id, 2u, true));
     // What blocks between them.
     let own = Faces(faces[2u * cell], faces[2u * cell + 1u]);
-    store(cell, stepped(around, own));
+    store_state(cell, stepped(around, own));
 }

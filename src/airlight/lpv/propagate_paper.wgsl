@@ -73,5 +73,5 @@ fn met(arrived: vec4f, face: u32, channel: u32, d: vec3f) -> vec4f {
             gained[c] += met(hop(open[k] * sent[c], d), leaving[k], c, d);
         }
     }
-    store(cell, gained);
+    store_state(cell, gained);
 }

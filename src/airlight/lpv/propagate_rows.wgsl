@@ -30,7 +30,7 @@ fn pair_at(cell: u32) -> Pair {
     return channels(cell_pair(before[at.x]), cell_pair(before[at.y]), cell_pair(before[at.z]));
 }
 
-fn store(cell: u32, stepped: Pair) {
+fn store_pair(cell: u32, stepped: Pair) {
     let at = pair_index(cell);
     var state = stepped;
     if (IS_ADDED) {
@@ -98,7 +98,7 @@ fn lane_after(v: mat3x4f) -> mat3x4f {
         }
         let a = Stencil(here.a, west, here.b, south.a, north.a, below.a, above.a);
         let b = Stencil(here.b, here.a, east, south.b, north.b, below.b, above.b);
-        store(cell, Pair(stepped(a, faces_at(cell)), stepped(b, faces_at(cell + 1u))));
+        store_pair(cell, Pair(stepped(a, faces_at(cell)), stepped(b, faces_at(cell + 1u))));
         // On by a layer.
         below = here;
         here = above;

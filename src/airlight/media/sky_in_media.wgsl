@@ -1,5 +1,6 @@
 //! use lattice_space
 //! use media_light
+//! needs fn store(texel: vec3u, light: SkyLight)
 
 // Two of four places inside the cell, in turn; lights are many.
 fn place_in_cell(i: u32, k: u32) -> vec3f {

@@ -3,6 +3,7 @@
 //! use lattice_space
 //! use media_light
 //! use cell_light
+//! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
 const BLUR_CELLS = 6.0;         // that light spreads across its way at most
 

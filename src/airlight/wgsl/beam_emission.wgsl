@@ -1,6 +1,10 @@
 //! use beam_light
 //! use delta_beam
 //! use phase
+//! needs fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f
+//! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
+//! needs fn true_depth(n: u32, cell: u32) -> vec3f
+//! needs fn unturned() -> vec3f
 
 // Light that a medium scatters; see maths/delta_beam.py, Solution.emission. The including pass
 // binds params, ordinates, passed, `phase` (tables of PHASE_TABLE entries) and `diffuse`

@@ -1,4 +1,5 @@
 //! use ordinate_light
+//! needs fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f
 
 // An ordinate's light in a cell, less what surfaces keep from it. The including pass binds what
 // wgsl/ordinate_light.wgsl asks for, `passed` (pop/light/paths.py)

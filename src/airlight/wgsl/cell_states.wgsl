@@ -1,5 +1,7 @@
 // States of the cells of a lattice, channel after channel, x fastest. The including pass binds `params` (count),
 // `before`, `added`, `after` and `faces`, and adds `State`, `unpacked` and `packed` (lpv.storage).
+//! needs fn packed(v: vec4f) -> State
+//! needs fn unpacked(v: State) -> vec4f
 
 override IS_ADDED: bool = false;        // `added` to what is stored
 
@@ -23,7 +25,7 @@ fn neighbour(cell: vec3u, axis: u32, is_high: bool) -> mat3x4f {
     return state_at(cell_index(beside));
 }
 
-fn store(cell: u32, stepped: mat3x4f) {
+fn store_state(cell: u32, stepped: mat3x4f) {
     let channel = params.count.x * params.count.y * params.count.z;
     var state = stepped;
     if (IS_ADDED) {

@@ -1,4 +1,6 @@
 //! use medium_grid
+//! needs fn absorbing(cell: u32) -> vec3f
+//! needs fn transporting(cell: u32) -> vec3f
 
 // Diffusion on a medium's cells; see maths/diffusion.py. The including pass binds `params`
 // (MediumParams) and what wgsl/one_medium_cells.wgsl or mixed_media_cells.wgsl ask for.

@@ -3,6 +3,7 @@
 //! use lights
 //! use shadow
 //! use surface_reflection
+//! needs fn light_transmittance(index: u32, p: vec3f) -> vec3f
 
 override HAS_DIRECTIONAL: bool = true;
 override HAS_LOCAL: bool = true;

@@ -4,6 +4,7 @@
 //! use lights
 //! use fused_phase
 //! use march_lattice
+//! needs fn inside_lattices() -> f32
 
 // The light that a step scatters to the eye. `reached`: metres of the step, times the transmittance
 // of the media; `reduced_reached`: times that of the reduced media. Light that is scattered again
@@ -41,6 +42,6 @@ fn forward_light(
                 * (light.rgb * before + mix(light.rgb, wide, far) * max(all - before, vec3f(0.0)));
         }
     }
-    let scale = own.forward_scale * forward_share();
+    let scale = own.forward_scale * inside_lattices();
     return ForwardLight(scale * sum.last, scale * sum.on);
 }

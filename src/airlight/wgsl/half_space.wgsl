@@ -4,6 +4,7 @@
 // _LAST.
 //! use octahedron
 //! use march_lattice
+//! needs fn half_space_forward(p: vec3f, travel: vec3f) -> vec3f
 
 // The share of a step's middle that no lattice holds.
 fn outside_lattices() -> f32 {
@@ -12,7 +13,7 @@ fn outside_lattices() -> f32 {
     return saturate(left);
 }
 
-fn forward_share() -> f32 { return 1.0 - outside_lattices(); }
+fn inside_lattices() -> f32 { return 1.0 - outside_lattices(); }
 
 // The row above the depth of a point, and the fraction of the way to the next.
 fn half_space_row(p: vec3f) -> vec2f {

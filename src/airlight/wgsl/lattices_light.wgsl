@@ -1,6 +1,10 @@
 // What all lattices give to a surface, the finest that has it first. The including pass binds what
 // sky_reflected needs, and declares `is_traced_separately` and what `LatticeCoordinates` brings.
 //! use sky_reflected
+//! needs fn cached_coordinates_of(pixel: vec2u) -> vec4f
+//! needs fn cached_returned_of(pixel: vec2u) -> vec4f
+//! needs fn cached_sky_of(pixel: vec2u) -> vec4f
+//! needs fn is_traced_separately(r: Reflector, n_v: f32) -> bool
 
 override DAMPING: f32 = 0.0;
 override HAS_CACHED: bool = false;      // lattice coordinates and the sky's light are read

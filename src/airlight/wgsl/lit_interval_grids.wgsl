@@ -35,7 +35,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
 
 // Borders of media end steps. The whole ray is cut into GRID_STEPS of them, and so is its interval in a grid, but
 // not finer than voxels.
-fn step_length(t: f32) -> f32 {
+fn grid_step_length(t: f32) -> f32 {
     var limit = (media_hull.y - media_hull.x) / GRID_STEPS;
     for (var m = 0u; m < MEDIA_COUNT; m++) {
         let span = medium_intervals[m];
@@ -53,7 +53,7 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
     let is_first = step_end < 0.0;
     step_depth = select(step_depth + (step_end - step_begin) * step_sigma, vec3f(0.0), is_first);
     step_begin = select(step_end, media_hull.x, is_first);
-    step_end = step_begin + select(step_length(step_begin), 0.0, is_first);
+    step_end = step_begin + select(grid_step_length(step_begin), 0.0, is_first);
     let p = origin + 0.5 * (step_begin + step_end) * direction;
     step_sigma = vec3f(0.0);
     step_sent = vec3f(0.0);

@@ -3,6 +3,8 @@
 // metres; directions are unit vectors.
 //! use medium
 //! use phase
+//! needs fn medium_grid_texel(grid: u32, uvw: vec3f) -> vec4f
+//! needs fn medium_noise(at: vec3f) -> f32
 
 const MEDIUM_BOX = 0u;
 const MEDIUM_ELLIPSOID = 1u;

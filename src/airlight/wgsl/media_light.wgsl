@@ -1,6 +1,8 @@
 // How media attenuate light on its path from a light to a point. The including pass declares LightData too.
 //! use media
 //! use lights
+//! needs fn light_columns_size(grid: u32) -> vec3u
+//! needs fn light_columns_texel(grid: u32, uvw: vec3f) -> vec4f
 
 // Mean density from a point on or in a grid's box towards light `light`. The texture holds four lights a texel,
 // stacked along z; its texels lie on the box's borders too.

@@ -1,6 +1,7 @@
 // Ways through other media. The including pass binds `params` (MediumParams), `media` (MixedData),
 // `linear_clamp` and the textures of fine_of (pop/medium/mixture.py).
 //! use medium
+//! needs fn fine_of(m: u32, uvw: vec3f) -> f32
 
 // Density of medium m on a ray from `begin` to `end`, m of density 1, in the own medium's frame.
 fn density_between(m: u32, origin: vec3f, direction: vec3f, begin: f32, end: f32) -> f32 {

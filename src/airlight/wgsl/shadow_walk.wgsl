@@ -3,6 +3,7 @@
 // The including pass declares fn shadow_word(entry: u32) -> u32, of the bounds of the map's squares.
 // Source: Chen et al. 2011 (1D min-max mipmaps), in two dimensions.
 //! use shadow_levels
+//! needs fn shadow_word(entry: u32) -> u32
 
 // Squares finer than this are not opened any more once a ray has spent its nodes.
 const LAST_LEVEL = 3u;

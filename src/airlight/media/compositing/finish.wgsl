@@ -3,6 +3,9 @@
 // everywhere, comes from the vertices: CPU adapters read buffers in fragments lane by lane.
 //! use media
 //! use upsample_corner
+//! needs fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32)
+//! needs fn set_single(out: ptr<function, Finished>, pixel: vec2i, once: Once, total: f32, sky: vec3f)
+//! needs fn skylit_at(texel: vec2f) -> vec3f
 
 struct Seen {
     @builtin(position) position: vec4f,

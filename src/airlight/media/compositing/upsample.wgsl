@@ -1,4 +1,5 @@
 //! use upsample_weight
+//! needs fn base_at(pixel: vec2i) -> vec4f
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let own = own_distance(position.xy);

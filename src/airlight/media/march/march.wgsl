@@ -4,6 +4,17 @@
 // transmittance stands for light that is scattered forwards on its way to the eye.
 //! use media
 //! use eye_ray
+//! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
+//! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> ForwardLight
+//! needs fn lattice_begin()
+//! needs fn lattice_interval(origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f
+//! needs fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f
+//! needs fn sky_reduced_at() -> vec3f
+//! needs fn step_share(p: vec3f) -> f32
+//! needs fn marched(scattered: vec4f, sky: vec3f, T: vec3f) -> Marched
+//! needs fn reduced_emission_at(p: vec3f, travel: vec3f) -> vec3f
+//! needs fn skylit_at(p: vec3f, travel: vec3f) -> vec3f
+//! needs fn step_length(t: f32, lattice: vec2f, near: f32) -> f32
 
 // The scattering coefficient that a source leaves out; 1 where it is an emission.
 fn source_weight(medium: i32, p: vec3f) -> vec3f {

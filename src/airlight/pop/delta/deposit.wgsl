@@ -1,6 +1,9 @@
 // The power that leaves all beams in a cell, and the net power that it carries on; see
 // maths/delta_beam.py, deposit.
 //! use beam_light
+//! needs fn leaving_beams(cell: u32) -> vec3f
+//! needs fn leaving_forward(cell: u32) -> vec3f
+//! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
 
 // The mean of exp(-depth) over a cell, over that in its middle, for a depth that is linear along
 // one axis; see mean_transmission in maths/delta_beam.py. At a border the slope is that of the

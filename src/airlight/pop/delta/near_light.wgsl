@@ -3,6 +3,9 @@
 //! use medium_grid
 //! use medium
 //! use ordinate_kind
+//! needs fn mean_loss() -> vec3f
+//! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
+//! needs fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f
 
 const NEAR_TABLE = 64u;
 const THIN_GAIN = 2.5;

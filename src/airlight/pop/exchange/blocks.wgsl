@@ -2,6 +2,9 @@
 // and its net flux. The position of a block does not depend on light.
 //! use medium_grid
 //! use ordinate_kind
+//! needs fn leaving_beams(cell: u32) -> vec3f
+//! needs fn leaving_forward(cell: u32) -> vec3f
+//! needs fn scattering_own(cell: u32) -> vec3f
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= BLOCKS_PER_AXIS * BLOCKS_PER_AXIS * BLOCKS_PER_AXIS) {

@@ -1,5 +1,6 @@
 // The mean densities of the other media in the cells of this medium.
 //! use medium_grid
+//! needs fn fine_of(m: u32, uvw: vec3f) -> f32
 
 const SIDE = 4u;    // samples along each axis of a cell
 
