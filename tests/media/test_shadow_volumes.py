@@ -132,8 +132,8 @@ def test_other_air_is_refused(look: Any, scattered_once: Any) -> None:
     with pytest.raises(SettingsError) as told:
         scattered_once(seen, shafts="volumes", maps=(16, 16))
     assert str(told.value) == (
-        "shafts = 'volumes' knows one box of even air, and the scene has other air. "
-        "Use shafts = 'minmax', the same light by another way"
+        "shafts = 'volumes' draws one homogeneous box, and the scene has other media. "
+        "Use shafts = 'minmax', the same light by another method"
     )
 
 

@@ -34,7 +34,7 @@ class _Attenuate(ComputePass):
     workgroup = (16, 16, 1)
     file = "attenuated_maps.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
@@ -43,25 +43,25 @@ class _Attenuate(ComputePass):
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
             image("attenuated", "rgba16float", "2d-array"),
-            *air.slots,
+            *media.slots,
         )
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=media.wgsl)
 
 
 class _AttenuateSky(ComputePass):
     workgroup = (16, 16, 1)
     file = "attenuated_maps_sky.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
             image("attenuated", "rgba16float", "2d-array"),
-            *air.medium_slots,
+            *media.medium_slots,
         )
-        super().__init__(gpu, generated=air.medium_wgsl)
+        super().__init__(gpu, generated=media.medium_wgsl)
 
 
 class _Attenuated(ReflectiveShadowMaps):
@@ -95,25 +95,25 @@ class AttenuatedMaps(_Attenuated):
     """The maps of the scene's lights, attenuated by media from each light to the texel."""
 
     def __init__(
-        self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia, owners: Sequence[int]
+        self, gpu: Gpu, of: ReflectiveShadowMaps, media: GpuMedia, owners: Sequence[int]
     ) -> None:
         """`owners`: each layer's row among the scene's lights."""
-        super().__init__(gpu, "attenuated flux", of, _Attenuate(gpu, air))
-        self._air = air
+        super().__init__(gpu, "attenuated flux", of, _Attenuate(gpu, media))
+        self._media = media
         self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
 
     def attenuate(self, commands: Commands, lights: Buffer) -> None:
         """Take the maps and the media as they are; `lights`: the scene's table."""
-        self._copy(commands, lights=lights, owners=self._owners, **self._air.bound)
+        self._copy(commands, lights=lights, owners=self._owners, **self._media.bound)
 
 
 class AttenuatedSkyMaps(_Attenuated):
     """The maps of the sky's lights, attenuated by media along the maps' depth."""
 
-    def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, air: GpuMedia) -> None:
-        super().__init__(gpu, "attenuated flux of the sky", of, _AttenuateSky(gpu, air))
-        self._air = air
+    def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, media: GpuMedia) -> None:
+        super().__init__(gpu, "attenuated flux of the sky", of, _AttenuateSky(gpu, media))
+        self._media = media
 
     def attenuate(self, commands: Commands) -> None:
         """Take the maps and the media as they are."""
-        self._copy(commands, **self._air.medium_bound)
+        self._copy(commands, **self._media.medium_bound)

@@ -1,8 +1,8 @@
-"""Noise finer than a density grid: what eddies below its voxels would look like.
+"""Noise finer than the voxels of a density grid, as its eddies would look.
 
-Density is multiplied by exp(a n + b), n a fractal noise of mean 0 and deviation 1 that repeats
-every 16 voxels, a the volume's `detail`, b such that the mean is 1 exactly: a volume keeps its
-mass, and never gets negative. Elek2014 section 7 enhances its grids so.
+The density is multiplied by exp(a n + b): n is a fractal noise of mean 0 and deviation 1 that
+repeats every 16 voxels, a the `detail` of the volume, and b makes the mean exactly 1, so that a
+volume keeps its mass and no density is negative. Elek2014 section 7 enhances its grids so.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from ..scene.checks import F32
 from ..scene.volume import Volume
 
 TEXELS = 64
-"""Of the noise, along each axis."""
+"""Texels of the noise along each axis."""
 VOXELS = 16
-"""Of the grid, that the noise spans before it repeats."""
+"""Voxels of the grid after which the noise repeats."""
 _CELLS = 8  # the coarsest noise: two voxels
 _SEED = 23
 
 
 @lru_cache(maxsize=1)
 def detail_noise() -> F32:
-    """n (z, y, x)."""
+    """The noise n (z, y, x)."""
     rng = np.random.default_rng(_SEED)
     return fractal_noise((TEXELS,) * 3, (_CELLS,) * 3, rng, octaves=3, gain=0.6)
 

@@ -36,8 +36,8 @@ BOX, ELLIPSOID, GRID = 0, 1, 2
 class GpuMedia:
     """All media of a scene. Their number, kinds and grids' sizes are fixed; the rest may change.
 
-    `version` is raised whenever anything did. `slots`, `wgsl` and `bound` go to every pass that
-    asks the air. Raises SceneError for more media or grids than the device is given.
+    `version` is raised whenever anything did. Raises SceneError for more media or grids than the
+    device is given.
     """
 
     def __init__(
@@ -49,12 +49,12 @@ class GpuMedia:
         column_resolution: int = 48,
         solved: Sequence[Volume] = (),
     ) -> None:
-        """`light_count`: how many lights' columns through grids are asked for; 0 or all of them.
+        """`light_count`: lights with columns through grids, 0 or all of them.
 
-        `solved` volumes bring their single scattering with their source: no shafts in them.
+        `solved` volumes have their single scattering in their source, and no shafts.
         """
         self.gpu = gpu
-        # By place: a frame may bring its volumes with other coefficients.
+        # By index: a frame may bring its volumes with other coefficients.
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
         self._kinds = _kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
@@ -63,22 +63,22 @@ class GpuMedia:
                 f"the scene has {self.count} media, {grids} of them grids",
                 remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
             )
-        self.table = Buffer(gpu, "air", MediumData.dtype.itemsize * max(1, self.count))
+        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
         self._densities = [v.density for v in scene.volumes if v.density is not None]
         self.grids = [_density_texture(gpu, density) for density in self._densities]
-        self._linear = linear_sampler(gpu, "air")
+        self._linear = linear_sampler(gpu, "media")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
-        # What the table was made of: media, which are frozen, and what those without bounds fill.
+        # What the table was filled from: frozen media, and the box of those without bounds.
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
         self.version = 0
         self._noise = detail_texture(gpu) if _has_detail(scene) else None
         has_detail = self._noise is not None
-        self._repeat = linear_sampler(gpu, "air detail", wrap="repeat")
+        self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
         self.medium_slots = medium_slots(grids, has_detail=has_detail)
         self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
-        # Who asks for no light's column is given none, whatever lights the scene has.
+        # A pass that needs no columns binds none, whatever lights the scene has.
         columns = grids if light_count else 0
         self.slots = self.medium_slots + column_slots(columns)
         self.wgsl = self.medium_wgsl + column_wgsl(columns, light_count)
@@ -91,7 +91,7 @@ class GpuMedia:
 
     @property
     def is_one_box(self) -> bool:
-        """Whether all there is is one box of even air."""
+        """Whether the only medium is one homogeneous box."""
         return self._kinds == (BOX,)
 
     @property
@@ -149,7 +149,7 @@ class GpuMedia:
 
     @property
     def medium_bound(self) -> dict[str, Any]:
-        """The resources of `wgsl/air.wgsl` alone."""
+        """The resources of `wgsl/media.wgsl` alone."""
         bound: dict[str, Any] = {"media": self.table}
         if self.grids:
             bound["media_linear"] = self._linear

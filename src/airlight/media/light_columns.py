@@ -1,8 +1,9 @@
-"""The mean density of grids towards every light: what lies between a point and the light.
+"""The mean density of grids between a point and every light.
 
-Times the way's length in the box, which has kinks that a texture would blur, it is the column.
-Texels lie on a lattice that includes the borders of the grid's box, so a point outside the box
-asks where its way enters. Four lights share a texel; groups of four are stacked along z.
+Times the length of the path in the box, which has kinks that a texture would blur, it is the column
+density. Texels lie on a lattice that includes the borders of the grid's box; for a point outside
+the box that where the path enters counts. Four lights share a texel; groups of four are stacked
+along z.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from .media_slots import light_groups
 
 
 class ColumnParams(Struct):
-    """Which medium's columns are made."""
+    """The medium whose columns are computed."""
 
     count = vec3u("texels of one slab")
     medium = u32()
@@ -58,7 +59,7 @@ class LightColumns:
         light_count: int,
         resolution: int,
     ) -> None:
-        """`media` are the grids' rows of the air's table, `shapes` their (x, y, z) counts."""
+        """`media`: rows of the grids in the table of media, `shapes`: their (x, y, z) counts."""
         self._media = media
         self._lights: tuple[Light, ...] | None = None
         self._table = Buffer(gpu, "column lights", LightData.dtype.itemsize * max(1, light_count))
@@ -85,7 +86,7 @@ class LightColumns:
         *,
         changed: bool,
     ) -> None:
-        """Make the columns anew where the media (`changed`) or the lights did change."""
+        """Compute the columns where the media (`changed`) or the lights changed."""
         if lights == self._lights and not changed:
             return
         self._lights = lights
@@ -112,7 +113,7 @@ class LightColumns:
 def _shrunk(shape: tuple[int, int, int], resolution: int) -> tuple[int, int, int]:
     """At most `resolution` texels on the longest side, at least 2 on each.
 
-    Two a voxel, where that allows: the mean to a place bends within voxels.
+    Two per voxel, where that allows: the mean density is not linear within voxels.
     """
     factor = min(2.0, resolution / max(shape))
     nx, ny, nz = (int(n) for n in np.maximum(2, np.ceil(np.array(shape) * factor)))

@@ -1,19 +1,20 @@
+// The mean densities of a grid towards four lights.
 //! use media
 //! use lights
 
-// Mean density from a point of the box to the light, or to where the light's way enters the box.
+// The mean density from a point of the box to the light, or to where its path enters the box.
 fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
-    var way = -light.direction;
+    var towards = -light.direction;
     var reach = MEDIUM_FAR;
     if (light.kind != LIGHT_DIRECTIONAL) {
         let delta = light.position - p;
         reach = length(delta);
-        way = delta / max(reach, 1e-12);
+        towards = delta / max(reach, 1e-12);
     }
-    // On the border the way may have no length: then the density there is the mean.
+    // On the border the path may have no length: then the density there is the mean.
     let shortest = 0.01 * media[params.medium].voxel;
-    let end = max(min(medium_interval(params.medium, p, way).y, reach), shortest);
-    return medium_column(params.medium, p, way, 0.0, end) / end;
+    let end = max(min(medium_interval(params.medium, p, towards).y, reach), shortest);
+    return medium_column(params.medium, p, towards, 0.0, end) / end;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

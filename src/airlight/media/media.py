@@ -1,7 +1,7 @@
-"""Participating media in a frame: what they take of lights, and all light that they scatter.
+"""Participating media in a frame: how they attenuate lights, and all light that they scatter.
 
-solve   media on the device -> the sky's light through them, the far light of endless ones
-draw    shafts of lights -> marching of every solved field -> surfaces behind them
+solve   media on the device -> the light of the sky through them, the half space of an endless
+one draw    shafts of lights -> marching of every solved field -> surfaces behind them
 """
 
 from __future__ import annotations
@@ -27,10 +27,7 @@ from .sky_in_media import SkyInMedia
 
 
 class Media(Solver):
-    """A solver, whose fields are the sky's light through media; it also draws all that they do.
-
-    `on_device` is what lights are attenuated by on their way.
-    """
+    """A solver whose fields are the light of the sky through media; it also draws the media."""
 
     def __init__(
         self,
@@ -43,11 +40,11 @@ class Media(Solver):
         has_sky: bool = True,
         solved: Sequence[Volume] = (),
     ) -> None:
-        """What `draw` will be given: fields of `sources` volumes, and of lattices.
+        """For fields of so many `sources` volumes, and of lattices if `is_lattice_marched`.
 
-        `has_multiple`: whether lattices hold light scattered many times. `has_sky`: whether the
-        sky's light is scattered once here. `solved`: volumes whose sources bring what they scatter
-        once. Raises SettingsError, and SceneError for more media than can be drawn.
+        `has_multiple`: lattices hold multiple scattering. `has_sky`: single scattering of the sky
+        is drawn here. `solved`: volumes whose sources include single scattering. Raises
+        SettingsError, and SceneError for more media than can be drawn.
         """
         self.kit, self.has_multiple = kit, has_multiple
         scene, sky = kit.context.scene, kit.sky
@@ -70,16 +67,16 @@ class Media(Solver):
             )
         is_endless = scene.medium is not None and scene.medium.endless
         self._half_space = HalfSpace(kit.gpu) if is_endless else None
-        # Versions of what shafts and the sky's light were made with.
+        # Versions of the shadow maps and blockers that shafts and the sky were computed with.
         self._shadows, self._sky_seen = (-1, -1), (-1, -1)
 
     @property
     def on_device(self) -> GpuMedia:
-        """All media on the device."""
+        """All media on the device, which attenuate lights."""
         return self.image.media
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
-        """Media, shadow hierarchies, then the sky's light on surfaces and media through media."""
+        """Yield the light of the sky through media, and that of an endless medium."""
         lights = self.kit.lights
         shadows = (lights.parallel.version, lights.local.version)
         self.image.solve(
@@ -123,11 +120,11 @@ class Media(Solver):
         )
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """What depends on the eye is drawn, not stored."""
+        """Add nothing: what depends on the eye is drawn, not stored."""
         return fields
 
     def draw(self, commands: Commands, view: View, fields: Fields) -> None:
-        """Light scattered once, marched fields, transmittance, and surfaces behind all of it."""
+        """Draw single scattering, marched fields, transmittance, and surfaces behind them."""
         self.image.encode(
             commands,
             view,
@@ -139,7 +136,7 @@ class Media(Solver):
         self.image.compose(commands, view)
 
     def layers(self, view: View) -> dict[str, Texture]:
-        """By name what `draw` wrote: surfaces through media, their light, what they let through."""
+        """The images that `draw` wrote, by layer."""
         direct, indirect = self.image.surfaces(view)
         return {
             "direct": direct,
@@ -155,5 +152,5 @@ class Media(Solver):
 
     @property
     def stats(self) -> dict[str, Any]:
-        """Nothing of media alone, for --stats."""
+        """Nothing, for --stats."""
         return {}

@@ -1,4 +1,4 @@
-"""What a pass that asks the air binds, and the WGSL that depends on how much air there is."""
+"""What a pass that reads media binds, and the WGSL that depends on how many there are."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class MediumData(Struct):
 
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
-    """The table of media, then the density grids, then their noise."""
+    """The slots of the table of media, of the density grids, and of their noise."""
     slots: list[Slot] = [storage("media", MediumData)]
     if grids:
         slots.append(sampler("media_linear"))
@@ -34,7 +34,7 @@ def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
 
 
 def column_slots(grids: int) -> tuple[Slot, ...]:
-    """Each grid's columns towards the lights."""
+    """The slots of the columns of each grid towards the lights."""
     return tuple(texture(f"light_columns{i}", "3d") for i in range(grids))
 
 
@@ -86,7 +86,7 @@ def _sample(name: str) -> str:
 
 
 def _chosen(name: str, argument: str, result: str, default: str, choices: list[str]) -> str:
-    """A function that picks by grid: textures cannot be indexed."""
+    """A function that picks by grid: WGSL cannot index textures."""
     arguments = f"grid: u32, {argument}" if argument else "grid: u32"
     cases = "".join(f"        case {i}u: {{ return {c}; }}\n" for i, c in enumerate(choices))
     return (

@@ -1,4 +1,4 @@
-"""Pixels listed on the device, to be drawn by an indirect dispatch."""
+"""A list of pixels on the device, which an indirect dispatch redraws."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _ENTRY_BYTES = 16
 
 
 class RedrawParams(Struct):
-    """Which pixels of an image from reduced texels are drawn anew."""
+    """Which pixels of an image from reduced texels are redrawn."""
 
-    contrast = f32("(most - least)/most among a pixel's texels, beyond which they are")
-    group = u32("pixels that a group of the drawing pass takes")
+    contrast = f32("(most - least)/most among the texels of a pixel, beyond which it is redrawn")
+    group = u32("pixels of a workgroup of the pass that redraws them")
 
 
 def pixel_list_slots() -> tuple[Slot, ...]:
-    """Of passes that use wgsl/pixel_list.wgsl."""
+    """The slots of passes that use wgsl/pixel_list.wgsl."""
     return (
         uniform("redrawn", RedrawParams),
         storage("found", "atomic<u32>", "read_write"),
@@ -33,8 +33,9 @@ def pixel_list_slots() -> tuple[Slot, ...]:
 
 
 class PixelList:
-    """How many pixels there are (`found`), in how many `groups` of the pass that draws them, and
-    each one (`chosen`: what is added to it, as the bits of rgb, and its place).
+    """How many pixels there are (`found`), how many workgroups redraw them (`groups`), and which.
+
+    `chosen`: vec4u per pixel, radiance to add to it as the bits of rgb, and its packed position.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -55,11 +56,11 @@ class PixelList:
         self._make(size)
 
     def begin(self, commands: Commands) -> None:
-        """Nothing is listed."""
+        """Empty the list."""
         commands.encoder.clear_buffer(self.found.handle)
         commands.encoder.copy_buffer_to_buffer(self._none.handle, 0, self.groups.handle, 0, 16)
 
     @property
     def bound(self) -> dict[str, Any]:
-        """By slot name, for the pass that lists."""
+        """The resources of the pass that lists, by slot name."""
         return {"found": self.found, "groups": self.groups, "chosen": self.chosen}

@@ -1,8 +1,8 @@
-"""Which eye ray each texel of a full or reduced image stands for, and how far it goes.
+"""The eye ray of each texel of a full or reduced image, and the distance to its surface.
 
-A texel of a reduced image takes one pixel of its block as it is. Where the block's depths
-differ, texels take the nearest and the farthest in turn (as on a chessboard), so that both sides
-of an edge are there for the upsampling.
+A texel of a reduced image takes one pixel of its block as it is. Where the depths of the block
+differ, texels take the nearest and the farthest one in a chessboard pattern, so that upsampling
+finds both sides of an edge.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ RESOLUTIONS = {"full": 1, "half": 2, "quarter": 4}
 
 
 class RayParams(Struct):
-    """The camera, and the sizes of the image and of the reduced one."""
+    """The camera, and the sizes of the full and of the reduced image."""
 
     world_from_clip = mat4x4f()
     eye = vec3f("m")
     scale = u32("pixels along one side of a texel")
     size = vec2u("px")
     reduced = vec2u("px")
-    frame = u32("number of the image, for noise")
+    frame = u32("number of the frame, for noise")
 
 
 class _Rays(FullscreenPass):
@@ -39,7 +39,7 @@ class _Rays(FullscreenPass):
 
 
 class Rays:
-    """`picked` holds, per texel, the distance (m) to the surface and the pixel in its block."""
+    """`picked`: per texel, the distance (m) to the surface and the pixel in its block."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int) -> None:
         self.gpu, self.scale = gpu, scale
@@ -58,7 +58,7 @@ class Rays:
         self._set_size(size)
 
     def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
-        """Pick the rays of `view`; returns the parameters that passes over them take."""
+        """Pick the rays of `view`; returns the parameters of passes over them."""
         params = RayParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,

@@ -1,3 +1,4 @@
+// The pixel of a block whose ray a reduced texel takes; see rays.py.
 //! use eye_ray
 
 // Depths that differ by less than this share count as one surface.
@@ -27,14 +28,14 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     var nearest = vec2f(2.0 * EYE_RAY_FAR, 0.0);
     var farthest = vec2f(-1.0, 0.0);
     var chosen = vec2f(-1.0, 0.0);      // the middle one, where the image has it
-    // Tested at its end: CPU adapters run a body once more than a test before it lets through.
+    // The loop is tested at its end: CPU adapters run a body once more than a test at its head passes.
     var index = 0u;
     loop {
         let inside = texel_pixel(index, rays.scale);
         let pixel = first + inside;
-        let way = corner + f32(inside.x) * right + f32(inside.y) * down;
+        let direction = corner + f32(inside.x) * right + f32(inside.y) * down;
         let shown = depth_shown(min(pixel, rays.size - 1u), per_pixel);
-        let reach = min(length(way) * near / max(shown, 1e-30), EYE_RAY_FAR);
+        let reach = min(length(direction) * near / max(shown, 1e-30), EYE_RAY_FAR);
         let here = vec2f(select(reach, EYE_RAY_FAR, shown <= 0.0), f32(index));
         let is_in = all(pixel < rays.size);
         nearest = select(nearest, here, is_in && here.x < nearest.x);
@@ -43,6 +44,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
         index++;
         if (index >= rays.scale * rays.scale) { break; }
     }
+    // At an edge the nearest and the farthest one in turn, else the middle one.
     let edge = select(nearest, farthest, ((id.x + id.y) & 1u) == 1u);
     let even = select(chosen, nearest, chosen.x < 0.0);
     let is_edge = farthest.x - nearest.x > SAME_SURFACE * nearest.x;

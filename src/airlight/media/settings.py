@@ -1,4 +1,4 @@
-"""What drawing participating media can be told."""
+"""Settings of drawing participating media."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class MediaSettings:
     shafts: str = setting(
         "auto",
         "how single scattering finds its shadows; auto: minmax; volumes: light volumes, as in "
-        "the paper, for one box of even air; jitter: the cheap one, of much noise",
+        "the paper, for one homogeneous box; jitter: the cheap one, of much noise",
         choices=("auto", "minmax", "volumes", "jitter", "off"),
     )
     volume_tolerance: float = setting(
@@ -29,14 +29,14 @@ class MediaSettings:
     shaft_contrast: float = setting(
         0.1,
         "between the texels of reduced single scattering that a pixel is made of, beyond which "
-        "it is drawn anew; 0: everywhere, 1: nowhere; below 1 also everywhere where texels are so "
+        "it is redrawn; 0: everywhere, 1: nowhere; below 1 also everywhere where texels are so "
         "coarse, in small images, that shafts fit between them",
         low=0.0,
         high=1.0,
     )
     shaft_steps: int = setting(
         32,
-        "steps of a ray in the jittered scheme, and of its ways through density grids in "
+        "steps of a ray in the jittered scheme, and of its paths through density grids in "
         "minmax, which are never shorter than voxels",
         low=1,
         high=1024,

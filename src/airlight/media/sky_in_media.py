@@ -1,10 +1,10 @@
-"""The environment's light in air: once scattered towards the eye, and attenuated on surfaces.
+"""The light of the environment in media: for single scattering, and attenuated on surfaces.
 
-For each cell and each of the directional lights that stand for the environment, shadow maps say
-how much arrives and the air how much of it is left. Fluence, net flux and a third band are stored,
-from which marching draws what is scattered once; and the six irradiances of an ambient cube, for
-surfaces. The third band is read where |g| is large: in dense air light comes from one side.
-Low frequency by construction: shafts of a sun belong to a directional light.
+For each cell and each of the directional lights that stand for the environment, shadow maps give
+the visibility and media the transmittance. Fluence, net flux and a third band are stored, from
+which marching computes single scattering; and the six irradiances of an ambient cube, for surfaces.
+The third band is read where |g| is large: in dense media light comes from one side. The field is of
+low frequency by construction: sharp shafts are those of directional lights.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from ..surface.shadow import comparison_sampler
 from .gpu_media import GpuMedia
 
 COLUMN_TEXELS = 16
-"""Along a density grid's columns towards each sky light."""
+"""Texels along the columns of a density grid towards each light of the sky."""
 _LIMIT = "max-storage-textures-per-shader-stage"
-_LARGEST = 1000.0  # what the whole sky's irradiance becomes; half floats go to 65504
+_LARGEST = 1000.0  # stored units of the whole sky's irradiance; half floats go to 65504
 
 
 class SkyInMediaParams(Struct):
-    """How many sky lights there are, and how light is stored."""
+    """How many lights of the sky there are, and how light is stored."""
 
     light_count = u32()
     scale = f32("stored units per W m^-2")
@@ -50,13 +50,13 @@ _WRITTEN = {
     "sky_media_bands": ("red", "green", "blue", "mean"),
     "sky_media_sides": ("cube", "third"),
 }
-"""By the library that writes them: what marching reads of each channel, and the rest."""
+"""Images by the shader library that writes them: those that marching reads, and the rest."""
 
 
 class _SkyInMedia(ComputePass):
     workgroup = (8, 8, 4)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, written: Sequence[str]) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia, written: Sequence[str]) -> None:
         """`written`: keys of _WRITTEN."""
         self.images = [name for library in written for name in _WRITTEN[library]]
         self.slots = (  # type: ignore[misc]
@@ -67,13 +67,13 @@ class _SkyInMedia(ComputePass):
             texture("depth", "2d-array", "depth"),
             sampler("compare", "comparison"),
             texture("lattice_walls", "3d"),
-            *air.slots,
+            *media.slots,
             *(image(name, FILTERED, "3d") for name in self.images),
         )
         stores = [f"    store_{library}(texel, light);\n" for library in written]
         super().__init__(
             gpu,
-            generated=air.wgsl
+            generated=media.wgsl
             + "".join(f"//! use {library}\n" for library in written)
             + "fn store(texel: vec3u, light: SkyLight) {\n"
             + "".join(stores)
@@ -82,7 +82,7 @@ class _SkyInMedia(ComputePass):
 
 
 class SkyInMedia:
-    """What arrives in each cell of a lattice from an environment, through the air."""
+    """The light that arrives in each cell of a lattice from an environment, through media."""
 
     def __init__(
         self,
@@ -94,14 +94,14 @@ class SkyInMedia:
         *,
         solved: Sequence[Volume] = (),
     ) -> None:
-        """`solved` volumes as for GpuMedia: their source brings what they scatter once.
+        """`solved` volumes as for GpuMedia: their source includes single scattering.
 
         `size`: cells of the textures, which nested lattices share.
         """
         self.sky, self.placement = sky, placement
         self._levels: tuple[Placement, ...] = ()
-        self.air = GpuMedia(
-            # A turning sky may bring more of them.
+        self.media = GpuMedia(
+            # A rotated sky may have more lights.
             gpu,
             _under(scene, sky),
             light_count=max(len(sky.lights), sky.maps.layers),
@@ -109,10 +109,10 @@ class SkyInMedia:
             solved=solved,
         )
         self.scale = 1.0
-        # Where a pass writes fewer textures than there are, two find the same light.
+        # Where a pass may write fewer textures than there are, two compute the same light.
         is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
         parts = [tuple(_WRITTEN)] if is_once else [(library,) for library in _WRITTEN]
-        self._passes = [_SkyInMedia(gpu, self.air, part) for part in parts]
+        self._passes = [_SkyInMedia(gpu, self.media, part) for part in parts]
         count = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
         self._compare = comparison_sampler(gpu)
@@ -121,7 +121,7 @@ class SkyInMedia:
         def made(name: str, depth: int) -> Texture:
             return Texture(
                 gpu,
-                f"sky in air, {name}",
+                f"sky in media, {name}",
                 (nx, ny, depth),
                 gpu.filtered,
                 dimension="3d",
@@ -134,7 +134,7 @@ class SkyInMedia:
         self.third = made("third band", 4 * nz)
         self._written = (b"", -1)
         self.version = 0
-        """Raised whenever cells were made anew."""
+        """Raised whenever cells were recomputed."""
 
     def encode(
         self,
@@ -147,20 +147,22 @@ class SkyInMedia:
         *,
         shadows_changed: bool,
     ) -> None:
-        """Bring the cells up to date; `sky` and its maps have been. low..high as for GpuMedia.
+        """Bring the cells up to date, after `sky` and its maps. low..high as for GpuMedia.
 
-        `levels`: the lattices that share the textures, the finest first; else the one alone.
+        `levels`: the lattices that share the textures, the finest first; () for the only one.
         """
-        self.air.update(commands, _under(scene, self.sky), low, high)
+        self.media.update(commands, _under(scene, self.sky), low, high)
         table = packed_lights(tuple(self.sky.lights))
-        written = (table.tobytes(), self.air.version)
+        written = (table.tobytes(), self.media.version)
         before = () if written != self._written or shadows_changed else self._levels
         self._levels = tuple(replace(x, fade=None) for x in levels or (self.placement,))
+        # Lattices that moved, or all where light, media or shadows changed.
         stale = [level for level in self._levels if level not in before]
         if not stale:
             return
         self._written = written
         self.version += 1
+        # A scale that fits half floats: a power of two, so that it changes no bits.
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
         self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
         self._lights.write(table)
@@ -177,11 +179,11 @@ class SkyInMedia:
                     compare=self._compare,
                     lattice_walls=walls,
                     **{name: getattr(self, name) for name in part.images},
-                    **self.air.bound,
+                    **self.media.bound,
                 )
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:
-        """For marching; `walls` as Blockers.bound, `finer` as LatticeSource."""
+        """The field for marching; `walls` as Blockers.bound, `finer` as LatticeSource."""
         bound = {"sky_red": self.red, "sky_green": self.green, "sky_blue": self.blue}
         return LatticeSource(
             self.placement,

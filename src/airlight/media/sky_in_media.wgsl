@@ -2,14 +2,14 @@
 //! use media_light
 //! needs fn store(texel: vec3u, light: SkyLight)
 
-// Two of four places inside the cell, in turn; lights are many.
-fn place_in_cell(i: u32, k: u32) -> vec3f {
+// Two of four offsets in the cell, in turn, which suffice for many lights.
+fn offset_in_cell(i: u32, k: u32) -> vec3f {
     let n = 2u * (i & 1u) + k;
     return 0.5 + 0.25 * (vec3f(f32((0x3u >> n) & 1u), f32((0x5u >> n) & 1u), f32((0x9u >> n) & 1u))
         * 2.0 - 1.0);
 }
 
-fn lit(world: vec3f, i: u32) -> f32 {
+fn visibility(world: vec3f, i: u32) -> f32 {
     let clip = views[i].clip_from_world * vec4f(world, 1.0);
     let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
     if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0))) {
@@ -18,13 +18,13 @@ fn lit(world: vec3f, i: u32) -> f32 {
     return textureSampleCompareLevel(depth, compare, uv, i, clip.z);
 }
 
-// W m^-2 of sky light i in the cell, through the air.
+// The irradiance of light i of the sky in the cell, through media, W m^-2.
 fn arriving(cell: vec3u, i: u32) -> vec3f {
     let light = lights[i];
     var share = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
-        let p = unwarped_point(lattice, cell, place_in_cell(i, k));
-        let open = lit(p, i);
+        let p = unwarped_point(lattice, cell, offset_in_cell(i, k));
+        let open = visibility(p, i);
         if (open > 0.0) {
             share += open * media_light_transmittance(light, i, p);
         }
@@ -36,19 +36,19 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
+    // Bands of the light of the whole sky, and the irradiance of six sides.
     var light: SkyLight;
     for (var i = 0u; i < params.light_count; i++) {
         let e = arriving(id, i);
-        let way = lattice_from_world(lattice, lights[i].direction);
+        let d = lattice_from_world(lattice, lights[i].direction);
         light.fluence += e;
-        let tensor = vec4f(way.x * way.x - 1.0 / 3.0, way.y * way.y - 1.0 / 3.0, way.x * way.y,
-            way.x * way.z);
+        let tensor = vec4f(d.x * d.x - 1.0 / 3.0, d.y * d.y - 1.0 / 3.0, d.x * d.y, d.x * d.z);
         light.even += mat3x4f(e.r * tensor, e.g * tensor, e.b * tensor);
-        light.rest += way.y * way.z * e;
+        light.rest += d.y * d.z * e;
         for (var axis = 0u; axis < 3u; axis++) {
-            light.flux[axis] += e * way[axis];
-            light.plus[axis] += e * max(0.0, -way[axis]);
-            light.minus[axis] += e * max(0.0, way[axis]);
+            light.flux[axis] += e * d[axis];
+            light.plus[axis] += e * max(0.0, -d[axis]);
+            light.minus[axis] += e * max(0.0, d[axis]);
         }
     }
     store(id + vec3u(0u, lattice.first_row, 0u), light);

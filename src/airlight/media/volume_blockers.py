@@ -1,8 +1,9 @@
-"""Air as blockers: what a lattice that knows surfaces only loses and turns back in volumes.
+"""Volumes as blockers of a lattice that otherwise knows surfaces only.
 
-Light on a hop collides with the reduced extinction of both its cells. What is scattered leaves to
-both sides alike, so half of it is turned back and half goes on; the rest is absorbed: two streams
-(Schuster 1905, of light in fog), as shares that a face reflects and stops.
+Light that propagates to the next cell collides with the reduced extinction of both cells. Scattered
+light leaves to both sides alike, so half of it is reflected and half goes on; the rest is absorbed.
+This is the two-stream model (Schuster 1905, of light in fog), as shares that a face reflects and
+stops.
 """
 
 from __future__ import annotations
@@ -16,28 +17,28 @@ from ..gpu.slots import storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from .gpu_media import GpuMedia
 
-PLACES = 3
+SAMPLES = 3
 """Samples of the density along each axis of a cell."""
 
 
 class VolumeBlockerParams(Struct):
-    """How finely air is looked at."""
+    """How finely volumes are sampled."""
 
-    places = u32("along each axis of a cell")
+    samples = u32("along each axis of a cell")
 
 
 class _Cells(ComputePass):
     workgroup = (8, 8, 4)
     file = "volume_blockers_cells.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", VolumeBlockerParams),
             uniform("lattice", LatticeParams),
             storage("cells", "vec4f", "read_write"),
-            *air.medium_slots,
+            *media.medium_slots,
         )
-        super().__init__(gpu, generated=air.medium_wgsl)
+        super().__init__(gpu, generated=media.medium_wgsl)
 
 
 class _Faces(ComputePass):
@@ -52,24 +53,24 @@ class _Faces(ComputePass):
 
 
 class VolumeBlockers:
-    """`faces`: those of `lattice.blockers.Blockers`, and the air between."""
+    """`faces`: those of `lattice.blockers.Blockers`, and the volumes between."""
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, cells: int) -> None:
-        self._air = air
-        self._cells = Buffer(gpu, "air in cells", 16 * cells)
-        self.faces = Buffer(gpu, "cell faces in air", 32 * cells)
-        self._look, self._combine = _Cells(gpu, air), _Faces(gpu)
+    def __init__(self, gpu: Gpu, media: GpuMedia, cells: int) -> None:
+        self._media = media
+        self._cells = Buffer(gpu, "media in cells", 16 * cells)
+        self.faces = Buffer(gpu, "cell faces in media", 32 * cells)
+        self._sample, self._combine = _Cells(gpu, media), _Faces(gpu)
 
     def encode(self, commands: Commands, placement: Placement, walls: Buffer) -> None:
-        """Make `faces` of the blockers' `walls` and the air as it is."""
+        """Fill `faces` from the `walls` of the blockers and the volumes."""
         lattice = placement.params()
-        self._look.dispatch(
+        self._sample.dispatch(
             commands,
             placement.count,
-            params=VolumeBlockerParams(places=PLACES),
+            params=VolumeBlockerParams(samples=SAMPLES),
             lattice=lattice,
             cells=self._cells,
-            **self._air.medium_bound,
+            **self._media.medium_bound,
         )
         self._combine.dispatch(
             commands,

@@ -17,7 +17,7 @@ fn touches(m: u32, centre: vec3f) -> bool {
     if (any(id >= lattice.count)) {
         return;
     }
-    let n = params.places;
+    let n = params.samples;
     var scattering = vec3f(0.0);
     var extinction = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {

@@ -1,4 +1,4 @@
-"""Surfaces behind air: out = surfaces * transmittance."""
+"""Surfaces behind media: their radiance times the transmittance."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class _Compose(FullscreenPass):
 
 
 class Compose:
-    """The layers of surfaces, W m^-2 sr^-1, as the eye sees them through the air."""
+    """The layers of surfaces, W m^-2 sr^-1, as the eye sees them through media."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.gpu, self._pass = gpu, _Compose(gpu)

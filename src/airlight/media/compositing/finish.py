@@ -1,7 +1,7 @@
-"""Reduced images of air at full size, its transmittance and what is behind it, in one pass.
+"""Reduced images of media at full size, transmittance, and attenuated surfaces, in one pass.
 
-The same as `upsample`, `transmittance` and `compose` one after the other, where no density grid
-asks for more: what they read of a pixel is read once, and surfaces are dimmed where they are.
+It does the same as `upsample`, `transmittance` and `compose` one after the other, where no density
+grid needs more: what they read of a pixel is read once, and surfaces are attenuated in place.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FEATURE = "float32-blendable"
 _KEPT = {"src_factor": "zero", "dst_factor": "one", "operation": "add"}
 _TIMES = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
 _ONCE = """
-// Light scattered once by lamps and suns: weighed, and between which colours it lies.
+// Single scattering of lights: the weighted sum, and between which colours it lies.
 struct Once {
     sum: vec3f,
     least: vec3f,
@@ -48,17 +48,17 @@ _LIST_SHAFTS = """
 
 
 def can_finish(gpu: Gpu) -> bool:
-    """Whether a pass may have as many targets, and multiply what is in them."""
+    """Whether a pass may have so many targets, and multiply what is in them."""
     most = gpu.limits["max-color-attachment-bytes-per-sample"]
     return most >= _BYTES * (len(_TARGETS) + 1) and _FEATURE in gpu.features
 
 
 class Finish(FullscreenPass):
-    """Reduced images of air -> the layers of surfaces, dimmed, and those of the air.
+    """Reduced images of media -> the attenuated layers of surfaces, and those of media.
 
-    Reduced images hold how far each ray goes, m, as their alpha. `has_sky`: the sky's light
-    scattered once is a reduced image too, added to the shafts. `lists`: shafts are reduced, too,
-    and pixels that cannot be made of their texels are listed, to be drawn anew.
+    The alpha of reduced images is the distance of each ray, m. `has_sky`: single scattering of the
+    sky is a reduced image, too, added to the shafts. `lists`: shafts are reduced, too, and pixels
+    that cannot be interpolated between their texels are listed, to be redrawn.
     """
 
     vertex_entry = "vertex"
@@ -66,15 +66,15 @@ class Finish(FullscreenPass):
     blended = 2
     file = "finish.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, *, has_sky: bool, lists: bool = False) -> None:
-        self._air, self._has_sky, self._has_single = air, has_sky, has_sky or lists
+    def __init__(self, gpu: Gpu, media: GpuMedia, *, has_sky: bool, lists: bool = False) -> None:
+        self._media, self._has_sky, self._has_single = media, has_sky, has_sky or lists
         names = [*_TARGETS, *["single"] * self._has_single]
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
         read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single]
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             texture("depth", "2d", "depth"),
-            *air.medium_slots,
+            *media.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
             sampler("nearest", "non-filtering"),
             *(pixel_list_slots() if lists else ()),
@@ -82,19 +82,19 @@ class Finish(FullscreenPass):
         self._nearest = nearest_sampler(gpu)
         super().__init__(
             gpu,
-            generated=air.medium_wgsl + self._generated(names, lists=lists),
+            generated=media.medium_wgsl + self._generated(names, lists=lists),
             constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)},
         )
 
     def _generated(self, names: list[str], *, lists: bool) -> str:
-        """What is read and written of light scattered once."""
+        """The WGSL that reads and writes single scattering."""
         fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
         sky = _SKY if self._has_sky else "return vec3f(0.0);"
         shafts = _SHAFTS if self._has_sky else ""
         return (
             f"{'//! use pixel_list' if lists else ''}\n"
             f"struct Finished {{\n{fields}}}\n{_ONCE}"
-            f"const IS_ONE_BOX = {str(self._air.is_one_box).lower()};\n"
+            f"const IS_ONE_BOX = {str(self._media.is_one_box).lower()};\n"
             f"fn skylit_at(texel: vec2f) -> vec3f {{ {sky} }}\n"
             "fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32) {"
             f"{_ADD_SHAFTS if lists else ''}}}\n"
@@ -118,9 +118,10 @@ class Finish(FullscreenPass):
         redrawn: RedrawParams | None = None,
         listed: PixelList | None = None,
     ) -> None:
-        """Dim `surfaces` (direct, indirect); fill `multiple`, `transmittance` and, with a sky or
-        shafts, `single` from what is read: `reduced`, `skylit` and `shafts`, which is reduced
-        where pixels are `listed`, else of full size.
+        """Attenuate `surfaces` (direct, indirect); fill `multiple` and `transmittance`.
+
+        With a sky or shafts `single` is filled, too. `shafts` is reduced where pixels are
+        `listed`, else of full size.
         """
         read = {"skylit": skylit} if self._has_sky else {}
         read |= {"shafts": shafts} if self._has_single else {}
@@ -135,7 +136,7 @@ class Finish(FullscreenPass):
             depth=depth,
             reduced=reduced,
             nearest=self._nearest,
-            **self._air.medium_bound,
+            **self._media.medium_bound,
             **read,
             **bound,
         )

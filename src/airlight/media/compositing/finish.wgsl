@@ -1,6 +1,6 @@
-// What is left to do for a pixel once the reduced images of air are there: they at full size, the
-// transmittance of even air, and the surfaces behind it. What is linear over the image, or the same
-// everywhere, comes from the vertices: CPU adapters read buffers in fragments lane by lane.
+// Finishes a pixel: upsamples the reduced images of media, and attenuates the surfaces by the transmittance
+// of homogeneous media. What is linear over the image, or constant, comes from the vertices: CPU
+// adapters read buffers in fragments lane by lane.
 //! use media
 //! use upsample_corner
 //! needs fn add_once(once: ptr<function, Once>, texel: vec2f, likeness: f32, weight: f32)
@@ -10,7 +10,7 @@
 struct Seen {
     @builtin(position) position: vec4f,
     @location(0) direction: vec3f,      // of the pixel's ray, one metre deep
-    @location(1) way: vec3f,            // the same in the first medium's own space
+    @location(1) medium_direction: vec3f,   // the same in the first medium's own space
     @location(2) @interpolate(flat) eye: vec3f,      // in that space
     @location(3) @interpolate(flat) sigma_t: vec3f,  // of that medium, m^-1
     @location(4) @interpolate(flat) grid: vec4f,     // pixels of a texel's side, last texel, 1/near
@@ -21,11 +21,11 @@ struct Seen {
 override IS_SAMPLED: bool = false;
 var<private> per_texel: vec4f;
 
-fn reduced_texel(image: texture_2d<f32>, texel: vec2f) -> vec4f {
+fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
     if (IS_SAMPLED) {
-        return textureSampleLevel(image, nearest, (texel + 0.5) * per_texel.xy, 0.0);
+        return textureSampleLevel(source, nearest, (texel + 0.5) * per_texel.xy, 0.0);
     }
-    return textureLoad(image, vec2i(texel), 0);
+    return textureLoad(source, vec2i(texel), 0);
 }
 
 fn depth_shown(position: vec2f) -> f32 {
@@ -40,7 +40,7 @@ fn depth_shown(position: vec2f) -> f32 {
     var seen: Seen;
     seen.position = vec4f(corner, 0.0, 1.0);
     seen.direction = (rays.world_from_clip * vec4f(corner, 0.0, 1.0)).xyz;
-    seen.way = (media[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
+    seen.medium_direction = (media[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
     seen.eye = medium_coordinates(0u, rays.eye);
     seen.sigma_t = media[0].sigma_t;
     seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
@@ -48,12 +48,12 @@ fn depth_shown(position: vec2f) -> f32 {
     return seen;
 }
 
-// Of the way to `own` metres: in one box of even air by what the vertices brought.
-fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
+// The transmittance to `own` metres; of one homogeneous box by what the vertices brought.
+fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
     if (!IS_ONE_BOX) {
         return exp(-media_optical_depth(rays.eye, normalize(seen.direction), 0.0, own));
     }
-    let span = ray_box_interval(seen.eye, seen.way, vec3f(0.0), vec3f(1.0));
+    let span = ray_box_interval(seen.eye, seen.medium_direction, vec3f(0.0), vec3f(1.0));
     return exp(-seen.sigma_t * (reach * max(0.0, min(span.y, own / reach) - max(span.x, 0.0))));
 }
 
@@ -66,9 +66,10 @@ fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
         shown <= 0.0);
     let place = seen.position.xy / seen.grid.x - 0.5;
     let last = seen.grid.yz;
-    // Four different texels even at the image's edge, so that both of a block's sides are there.
+    // Four different texels even at the edge of the image, so that both sides of a block are there.
     let base = clamp(floor(place), vec2f(0.0), max(last - 1.0, vec2f(0.0)));
     let t = saturate(place - base);
+    // Joint bilateral upsampling by depth.
     var multiple = vec3f(0.0);
     var sky = vec3f(0.0);
     var total = 0.0;
@@ -87,9 +88,10 @@ fn passed(seen: Seen, reach: f32, own: f32) -> vec3f {
     }
     multiple /= total;
     sky /= total;
-    let T = passed(seen, reach, own);
+    // The first two targets are multiplied by what is written.
+    let T = transmittance_to(seen, reach, own);
     var out: Finished;
-    out.direct = vec4f(T, 1.0);     // multiplies what is there
+    out.direct = vec4f(T, 1.0);     
     out.indirect = vec4f(T, 1.0);
     out.multiple = vec4f(multiple, 1.0);
     out.transmittance = vec4f(T, 1.0);

@@ -1,11 +1,10 @@
-"""Reduced images of air at full size, guided by how much each pixel's own ray sees of it.
+"""Reduced images of media at full size, guided by the density along the ray of each pixel.
 
-Where neighbouring texels let different shares of light through, the pixel's ray is marched through
-the density alone, with the steps of the march itself, and the light is scaled to what it then
-hides: thin wisps and edges are as sharp as at full resolution.
-Source: Elek2014 section 4.4, which guides a joint bilateral upsampling (Kopf et al. 2007) of its
-grids by the density. differs: the same for the marched image; the grids are marched with the
-full density anyway.
+Where the transmittances of neighbouring texels differ, the ray of the pixel is marched through the
+density alone, with the steps of the march itself, and the light is scaled to its opacity: thin
+wisps and edges are as sharp as at full resolution. Source: Elek2014 section 4.4, which guides a
+joint bilateral upsampling (Kopf et al. 2007) of its grids by the density. differs: the same for the
+marched image; the grids are marched with the full density anyway.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ from ..rays import RayParams, Rays
 
 
 class GuidedUpsample(FullscreenPass):
-    """Full-size light and transmittance <- reduced ones, their rays, depth and the air."""
+    """Full-size light and transmittance <- reduced ones, their rays, depth and the media."""
 
     targets = ("rgba32float", "rgba32float")
     file = "guided.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             uniform("march", MarchParams),
@@ -35,10 +34,10 @@ class GuidedUpsample(FullscreenPass):
             texture("picked", "2d", "unfilterable-float"),
             texture("reduced", "2d", "unfilterable-float"),
             texture("passed", "2d", "unfilterable-float"),
-            *air.medium_slots,
+            *media.medium_slots,
         )
-        self._air = air
-        super().__init__(gpu, generated=air.medium_wgsl)
+        self._media = media
+        super().__init__(gpu, generated=media.medium_wgsl)
 
     def encode(
         self,
@@ -63,5 +62,5 @@ class GuidedUpsample(FullscreenPass):
             picked=rays.picked,
             reduced=scattered,
             passed=transmittance,
-            **self._air.medium_bound,
+            **self._media.medium_bound,
         )

@@ -2,8 +2,8 @@
 //! use upsample_weight
 
 // Texels whose transmittance differs by more are not interpolated.
-const SAME_AIR = 0.02;
-// Less than this share of light hidden tells nothing of its colour.
+const SAME_MEDIUM = 0.02;
+// Below this opacity its colour is not known well enough to scale by.
 const LEAST_HIDDEN = 1e-4;
 
 struct Sharpened {
@@ -11,7 +11,7 @@ struct Sharpened {
     @location(1) transmittance: vec4f,
 }
 
-// What a pixel's ray lets through, by the march's own steps; 1 where it is not asked.
+// The transmittance of a pixel's ray, by the steps of the march; 1 where it is not needed.
 fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f {
     let hull = media_enter(rays.eye, direction, reach);
     let end = select(-1.0, hull.y, is_asked);
@@ -46,7 +46,7 @@ fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f 
     }
     light /= total;
     through /= total;
-    let is_asked = any(high - low > vec3f(SAME_AIR));
+    let is_asked = any(high - low > vec3f(SAME_MEDIUM));
     let direction = pixel_direction(rays.world_from_clip, position.xy, vec2f(rays.size));
     let exact = marched_transmittance(normalize(direction), own, is_asked);
     let hidden = 1.0 - through;

@@ -1,4 +1,4 @@
-"""The transmittance of air without density grids to every pixel's surface, in closed form.
+"""The transmittance of homogeneous media to the surface of every pixel, in closed form.
 
 Source: Beer-Lambert, over the stretch of the eye ray in each medium.
 """
@@ -19,17 +19,17 @@ class Transmittance(FullscreenPass):
 
     targets = ("rgba32float",)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             texture("depth", "2d", "depth"),
-            *air.medium_slots,
+            *media.medium_slots,
         )
-        self._air = air
-        super().__init__(gpu, generated=air.medium_wgsl)
+        self._media = media
+        super().__init__(gpu, generated=media.medium_wgsl)
 
     def encode(
         self, commands: Commands, params: RayParams, depth: Texture, target: Texture
     ) -> None:
         """Fill `target`."""
-        self.draw(commands, (target,), rays=params, depth=depth, **self._air.medium_bound)
+        self.draw(commands, (target,), rays=params, depth=depth, **self._media.medium_bound)

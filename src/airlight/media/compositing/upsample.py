@@ -1,4 +1,4 @@
-"""A reduced image at full size: bilinear among texels of about the pixel's own depth.
+"""A reduced image at full size: bilinear among texels of about the depth of the pixel.
 
 Source: Kopf et al. 2007 (joint bilateral upsampling), with depth as the guide.
 """
@@ -21,7 +21,7 @@ _SLOTS = (
 
 
 class Upsample(FullscreenPass):
-    """Full-size target <- reduced image, its rays and the image's depth."""
+    """Full-size target <- reduced image, its rays and the depth of the full one."""
 
     slots = _SLOTS
     targets = ("rgba32float",)

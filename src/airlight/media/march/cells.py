@@ -1,4 +1,4 @@
-"""What marching asks the cells of a lattice, packed: a read for each place, not six.
+"""Packed face visibility of a lattice: one load per lookup of marching instead of six.
 
 CPU adapters pay for reads, whatever they bring; the three textures that say how open cells
 are and where their walls lie hold eight bits each.

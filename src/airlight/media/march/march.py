@@ -5,8 +5,8 @@ section 4.3; the volume rendering equation of Max 1995). Steps end at the border
 are no longer than the voxels of a grid inside it.
 
 Sources come in two forms: a texture of emission J (W m^-3 sr^-1; or, times the scattering
-coefficient of one or all media, of mean radiance), and a solved lattice of two-band states. What
-arrives from the sky is a lattice of its own, and an image of its own: light scattered once.
+coefficient of one or all media, of mean radiance), and a solved lattice of two-band states. The
+light of the sky is a lattice of its own, and an image of its own: single scattering.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _TWO_BANDS = 0.25  # the largest g that two bands are enough for
 
 
 def placed(placement: Placement) -> F64:
-    """(4, 4): the world to a lattice's texture coordinates."""
+    """(4, 4): from the world to the texture coordinates of a lattice."""
     extent = placement.cell * np.array(placement.count, np.float64)
     matrix = np.eye(4)
     matrix[:3, :3] = np.array(placement.axes) / extent[:, None]
@@ -61,17 +61,17 @@ def placed(placement: Placement) -> F64:
 
 
 class _March(FullscreenPass):
-    """The kernel for one variant: of pixels, whose triangle carries what all rays ask."""
+    """The kernel for one variant; what all rays read comes as flat interpolants."""
 
     file = "march.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, variant: Variant) -> None:
-        self.slots = slots(air, variant)  # type: ignore[misc]
+    def __init__(self, gpu: Gpu, media: GpuMedia, variant: Variant) -> None:
+        self.slots = slots(media, variant)  # type: ignore[misc]
         names = target_names(variant)
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
         gpu.require(_LIMIT, _BYTES * len(names), "marching")
         super().__init__(
-            gpu, generated=air.medium_wgsl + generated(variant), firsts=firsts(variant)
+            gpu, generated=media.medium_wgsl + generated(variant), firsts=firsts(variant)
         )
 
 
@@ -119,12 +119,12 @@ class March:
     def __init__(
         self,
         gpu: Gpu,
-        air: GpuMedia,
+        media: GpuMedia,
         *,
         sources: int = 0,
     ) -> None:
         """`sources`: the most there will be. Kernels are compiled when they are first needed."""
-        self.gpu, self._air, self._linear = gpu, air, linear_sampler(gpu)
+        self.gpu, self._media, self._linear = gpu, media, linear_sampler(gpu)
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
@@ -168,19 +168,19 @@ class March:
                 rays=params,
                 march=self.params,
                 picked=rays.picked,
-                **self._air.medium_bound,
+                **self._media.medium_bound,
                 **bound,
                 **({"half_space": far.table} if far else {}),
             )
 
     def _pass(self, variant: Variant) -> _March:
         if variant not in self._passes:
-            self._passes[variant] = _March(self.gpu, self._air, variant)
+            self._passes[variant] = _March(self.gpu, self._media, variant)
         return self._passes[variant]
 
     def _chosen(self, light: MarchedLight) -> Variant:
         """Loops and reads that lattices and media do not need are left out: they would cost."""
-        sharpest = max((abs(c) for row in self._air.rows for c in row["g"]), default=0.0)
+        sharpest = max((abs(c) for row in self._media.rows for c in row["g"]), default=0.0)
         one = light.sky or light.lattice
         return Variant(
             len(light.sources),
@@ -192,7 +192,7 @@ class March:
         )
 
     def _bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
-        """By slot name, what is marched."""
+        """The resources of the fields, by slot name."""
         sources, lattice, sky = light.sources, light.lattice, light.sky
         values: dict[str, Any] = {}
         if sources:
@@ -204,7 +204,7 @@ class March:
             values |= {"lattices": self._levels(one.levels), "linear_clamp": self._linear}
             values |= one.bound
         if sky is not None:
-            # wgsl/lattice wants a lattice's textures.
+            # wgsl/lattice needs the textures of a lattice.
             own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
             values = {**own, **values}
         forward = lattice.forward if lattice else None
@@ -224,9 +224,9 @@ class March:
         return values
 
     def _fused_rows(self) -> Buffer:
-        key = tuple(tuple(row["g"]) for row in self._air.rows)
+        key = tuple(tuple(row["g"]) for row in self._media.rows)
         if self._fused is None or key != self._fused_of:
-            self._fused_of, rows = key, fused_rows(self._air.rows)
+            self._fused_of, rows = key, fused_rows(self._media.rows)
             if self._fused is None:
                 self._fused = Buffer(self.gpu, "fused phase functions", rows.nbytes)
             self._fused.write(rows)

@@ -1,4 +1,4 @@
-"""The mean of 4 x 4 texels of about the same depth: takes a 4 x 4 pattern of jitter out."""
+"""The mean of 4 x 4 texels of about the same depth, which removes a 4 x 4 pattern of jitter."""
 
 from __future__ import annotations
 

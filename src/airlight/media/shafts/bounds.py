@@ -21,7 +21,7 @@ _COARSEST = 3
 
 
 class BoundsParams(Struct):
-    """Which level is made."""
+    """The level to compute."""
 
     side = u32("texels of the map, rounded up to a power of two")
     level = u32()
@@ -60,7 +60,7 @@ class DepthBounds:
         self._next = _Bounds(gpu, is_first=False)
 
     def encode(self, commands: Commands) -> None:
-        """Make all levels anew from the maps."""
+        """Compute all levels from the maps."""
         if not self.maps.layers:
             return
         self._copy(commands)

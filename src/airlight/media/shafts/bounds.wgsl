@@ -1,5 +1,5 @@
-// One level of bounds from the finer one, four squares of a row at once: CPU adapters pay for
-// reads, whatever they bring. Level 0 has been copied from the maps.
+// One level of bounds from the finer one, four squares of a row at once: CPU adapters pay for reads, whatever
+// their size. Level 0 has been copied from the maps.
 //! use shadow_levels
 
 fn at(texel: vec2u, layer: u32, level: u32) -> u32 {

@@ -102,7 +102,7 @@ class FacetTrees:
         )
 
     def encode(self, commands: Commands) -> None:
-        """Make the trees and their triangles anew from the maps."""
+        """Compute the trees and their triangles from the maps."""
         if not self.maps.layers:
             return
         levels = [self.params(level) for level in range(1, self.top + 1)]

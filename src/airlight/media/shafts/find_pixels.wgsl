@@ -1,4 +1,4 @@
-// A reduced image at full size, and the pixels that cannot be made of its texels listed.
+// Upsamples a reduced image, and lists the pixels that cannot be interpolated between its texels.
 //! use pixel_list
 //! use upsample_corner
 

@@ -1,8 +1,8 @@
 """Single scattering by jittered steps: the cheap scheme.
 
-Rays are cut into even steps (and steps of at least a voxel inside grids); each takes one sample
-per light at a place that differs over every 4 x 4 pixels, and `blur` takes the pattern out.
-1/r^2 is integrated exactly over each step (Kulla and Fajardo 2012).
+Rays are cut into equal steps (of at least a voxel inside grids). Each step takes one sample per
+light, at an offset that differs over every 4 x 4 pixels, and `blur` removes the pattern. 1/r^2 is
+integrated exactly over each step (Kulla and Fajardo 2012).
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class _Jitter(ComputePass):
     workgroup = (8, 8, 1)
     file = "jitter.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             uniform("params", JitterParams),
             texture("picked", "2d", "unfilterable-float"),
-            *air.slots,
+            *media.slots,
             storage("lights", LightData),
             storage("parallel_views", LightViewData),
             storage("local_views", LightViewData),
@@ -46,25 +46,25 @@ class _Jitter(ComputePass):
             sampler("shadow_compare", "comparison"),
             image("scattered", "rgba32float"),
         )
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=media.wgsl)
 
 
 class Jitter:
-    """The scheme `jitter`, for any air."""
+    """The scheme `jitter`, for any media."""
 
     def __init__(
-        self, gpu: Gpu, air: GpuMedia, reduced: tuple[int, int], *, steps: int = 32
+        self, gpu: Gpu, media: GpuMedia, reduced: tuple[int, int], *, steps: int = 32
     ) -> None:
-        self.air, self.steps = air, steps
-        self._pass, self._blur = _Jitter(gpu, air), Blur(gpu)
+        self.media, self.steps = media, steps
+        self._pass, self._blur = _Jitter(gpu, media), Blur(gpu)
         self._make_raw(reduced)
 
     def _make_raw(self, reduced: tuple[int, int]) -> None:
-        gpu = self.air.gpu
+        gpu = self.media.gpu
         self._raw = Texture(gpu, "jittered", reduced, "rgba32float", written=True)
 
     def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced images of this size, pixels."""
+        """Go on with reduced images of this size, texels."""
         self._raw.release()
         self._make_raw(reduced)
 
@@ -86,7 +86,7 @@ class Jitter:
             rays=params,
             picked=rays.picked,
             params=JitterParams(light_count=lights.count, steps=self.steps),
-            **self.air.bound,
+            **self.media.bound,
             lights=lights.table,
             parallel_views=lights.parallel.views,
             local_views=lights.local.views,

@@ -32,7 +32,7 @@ fn visibility(light: LightData, p: vec3f) -> f32 {
 }
 
 // Where in t0..t1 to sample a light: x the ray parameter, y the weight of its irradiance, which
-// for a lamp is the exact integral of 1/r^2.
+// for a local light is the exact integral of 1/r^2.
 fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) -> vec2f {
     if (light.kind == LIGHT_DIRECTIONAL) {
         return vec2f(mix(t0, t1, u), t1 - t0);
@@ -45,16 +45,16 @@ fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) ->
     return vec2f(t_near + h * tan(mix(x0, x1, u)), (x1 - x0) / h);
 }
 
-// One light's share of the step t0..t1, scattered to the eye; without the way to the eye.
+// One light's share of a step, scattered to the eye, before the media attenuate it on the path there.
 fn step_radiance(
     light: LightData, index: u32, direction: vec3f, place: vec2f,
 ) -> vec3f {
     let p = rays.eye + place.x * direction;
-    var way = light.direction;
+    var travel = light.direction;
     var gain = place.y;
     if (light.kind != LIGHT_DIRECTIONAL) {
-        way = normalize(p - light.position);
-        if (light.kind >= LIGHT_SPOT) { gain *= sent_share(light, way); }
+        travel = normalize(p - light.position);
+        if (light.kind >= LIGHT_SPOT) { gain *= sent_share(light, travel); }
     }
     if (gain <= 0.0) {
         return vec3f(0.0);
@@ -63,7 +63,7 @@ fn step_radiance(
     if (gain <= 0.0) {
         return vec3f(0.0);
     }
-    return gain * light.color * media_phase_scattering(p, -dot(way, direction))
+    return gain * light.color * media_phase_scattering(p, -dot(travel, direction))
         * media_light_transmittance(light, index, p);
 }
 

@@ -1,4 +1,4 @@
-// The pixels that were listed, each drawn anew. Their order differs from run to run, they do not.
+// Redraws the listed pixels. Their order differs from run to run, their values do not.
 //! use shaft_rays
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
@@ -12,10 +12,10 @@
     loop {
         let entry = chosen[i];
         let pixel = vec2u(entry.w & 0xffffu, entry.w >> 16u);
-        let way = pixel_direction(rays.world_from_clip, vec2f(pixel) + 0.5, vec2f(rays.size));
+        let direction = pixel_direction(rays.world_from_clip, vec2f(pixel) + 0.5, vec2f(rays.size));
         let reach = pixel_distance(
-            rays.world_from_clip, way, textureLoad(depth, vec2i(pixel), 0));
-        let drawn = single_scattered(normalize(way), reach) + bitcast<vec3f>(entry.xyz);
+            rays.world_from_clip, direction, textureLoad(depth, vec2i(pixel), 0));
+        let drawn = single_scattered(normalize(direction), reach) + bitcast<vec3f>(entry.xyz);
         textureStore(scattered, pixel, vec4f(drawn, 1.0));
         i += groups.x * WX;
         if (i >= count) { break; }

@@ -1,4 +1,4 @@
-// The texels of the reduced image that were listed.
+// Samples the listed texels of a reduced image.
 //! use shaft_rays
 
 @compute @workgroup_size(WX, WY, WZ) fn main(

@@ -1,13 +1,13 @@
-"""Single scattering by light volumes: the boundary of the shadows, drawn face by face.
+"""Single scattering by shadow volumes, which are rasterised face by face.
 
-F(t), the light that reaches the eye from the first t metres of its ray where nothing shadows, has
-a closed form. The boundary of what each shadow map leaves dark is drawn as triangles; the eye gets
-F(surface), plus F wherever its ray enters the dark and less F wherever it leaves it, which a
-32-bit float target sums. F(0) = 0: what lies behind the eye needs no cap; and F stops at the
-visible surface, so nothing is tested against its depth.
-Source: Billeter et al. 2010, "Real time volumetric shadows using polygonal light volumes"; the
-scheme of Billeter2012 section 3. differs: the closed forms are those of `lit_interval`, without
-tables; the dark is bounded rather than the lit, so that the map's own borders need no lids.
+F(t), the radiance at the eye from the first t metres of its ray without shadows, has a closed form.
+The boundary of what each shadow map shadows is drawn as triangles. The radiance is F(surface), plus
+F where the ray enters a shadow and minus F where it leaves one, summed in a 32-bit float target.
+F(0) = 0, so nothing behind the eye needs a cap; F stops at the visible surface, so nothing is
+tested against its depth. Source: Billeter et al. 2010, "Real time volumetric shadows using
+polygonal light volumes"; the scheme of Billeter2012 section 3. differs: the closed forms are those
+of `lit_interval`, without tables; shadow volumes are rasterised instead of lit ones, so that the
+borders of a map need no lids.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ class LitParams(Struct):
 
 
 class VolumeParams(Struct):
-    """Which map's shadows are drawn."""
+    """The map whose shadow volumes are drawn."""
 
-    clip_from_eye = mat4x4f("from metres, of what the eye is the origin of")
+    clip_from_eye = mat4x4f("from metres, with the eye as origin")
     is_parallel = u32()
     light_count = u32()
 
@@ -55,15 +55,15 @@ class _Lit(FullscreenPass):
     targets = ("rgba32float",)
     file = "shadow_volumes_lit.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             uniform("params", LitParams),
-            *air.slots,
+            *media.slots,
             storage("lights", LightData),
             texture("picked", "2d", "unfilterable-float"),
         )
-        super().__init__(gpu, generated=lit_interval_wgsl(air, lights))
+        super().__init__(gpu, generated=lit_interval_wgsl(media, lights))
 
 
 class _Dark(RasterPipeline):
@@ -71,52 +71,52 @@ class _Dark(RasterPipeline):
     blend: ClassVar[dict[str, Any]] = {"color": _ADDED, "alpha": _ADDED}
     file = "shadow_volumes.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, lights: Lights) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia, lights: Lights) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("rays", RayParams),
             uniform("params", VolumeParams),
             *TREE_SLOTS,
-            *air.slots,
+            *media.slots,
             storage("lights", LightData),
             storage("views", LightViewData),
             storage("facets", "vec4f"),
             storage("triangles", "u32"),
             texture("picked", "2d", "unfilterable-float"),
         )
-        super().__init__(gpu, generated=lit_interval_wgsl(air, lights))
+        super().__init__(gpu, generated=lit_interval_wgsl(media, lights))
 
 
-class _Settle(ComputePass):
+class _Clamp(ComputePass):
     slots = (texture("summed", "2d", "unfilterable-float"), image("scattered", "rgba32float"))
     file = "shadow_volumes_clamp.wgsl"
 
 
 class Volumes:
-    """The scheme `volumes`: for one box of even air."""
+    """The scheme `volumes`, for one homogeneous box."""
 
     def __init__(
         self,
         gpu: Gpu,
-        air: GpuMedia,
+        media: GpuMedia,
         lights: Lights,
         reduced: tuple[int, int],
         *,
         tolerance: float = 0.5,
     ) -> None:
-        """Raises SettingsError where the air or the device cannot be drawn so."""
-        _check(gpu, air)
-        self.air = air
+        """Raises SettingsError where the media or the device do not allow it."""
+        _check(gpu, media)
+        self.media = media
         self.parallel = FacetTrees(gpu, lights.parallel, tolerance)
         self.local = FacetTrees(gpu, lights.local, tolerance)
-        self._settle = _Settle(gpu)
-        self._lit, self._dark = _Lit(gpu, air, lights), _Dark(gpu, air, lights)
+        self._clamp = _Clamp(gpu)
+        self._lit, self._dark = _Lit(gpu, media, lights), _Dark(gpu, media, lights)
         self._make_sum(reduced)
 
     def _make_sum(self, reduced: tuple[int, int]) -> None:
-        self._sum = Texture(self.air.gpu, "light volumes", reduced, "rgba32float", target=True)
+        self._sum = Texture(self.media.gpu, "shadow volumes", reduced, "rgba32float", target=True)
 
     def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced images of this size, pixels."""
+        """Go on with reduced images of this size, texels."""
         self._sum.release()
         self._make_sum(reduced)
 
@@ -134,11 +134,13 @@ class Volumes:
         scattered: Texture,
     ) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
-        shared = {"rays": params, "lights": lights.table, "picked": rays.picked, **self.air.bound}
+        shared = {"rays": params, "lights": lights.table, "picked": rays.picked, **self.media.bound}
+        # F(surface) of all lights.
         self._lit.draw(commands, (self._sum,), params=LitParams(light_count=lights.count), **shared)
         target = {"view": self._sum.resource, "load_op": "load", "store_op": "store"}
         clip = _clip_from_eye(params, rays)
-        with commands.render("light volumes", color_attachments=[target]) as encoder:
+        # Plus and minus F at the faces of the shadow volumes of every map.
+        with commands.render("shadow volumes", color_attachments=[target]) as encoder:
             encoder.set_pipeline(self._dark.pipeline)
             for trees in (self.parallel, self.local):
                 for layer in range(trees.maps.layers):
@@ -151,20 +153,20 @@ class Volumes:
                         commands, encoder, 0, {**shared, "params": drawn, **trees.bound(layer)}
                     )
                     encoder.draw_indirect(trees.draws.handle, Draw.dtype.itemsize * layer)
-        self._settle.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
+        self._clamp.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
 
 
-def _check(gpu: Gpu, air: GpuMedia) -> None:
-    if not air.is_one_box:
+def _check(gpu: Gpu, media: GpuMedia) -> None:
+    if not media.is_one_box:
         raise SettingsError(
-            "shafts = 'volumes' knows one box of even air, and the scene has other air",
-            remedy="Use shafts = 'minmax', the same light by another way",
+            "shafts = 'volumes' draws one homogeneous box, and the scene has other media",
+            remedy="Use shafts = 'minmax', the same light by another method",
         )
     if FEATURE not in gpu.features:
         raise SettingsError(
             f"shafts = 'volumes' adds up in a 32-bit float target, and {gpu.info.name} lacks "
             f"{FEATURE}",
-            remedy="Use shafts = 'minmax', the same light by another way",
+            remedy="Use shafts = 'minmax', the same light by another method",
         )
 
 

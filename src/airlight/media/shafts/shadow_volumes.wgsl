@@ -1,12 +1,12 @@
-// The boundary of what a shadow map leaves dark: what the eye ray would get from before it, had
-// everything been lit, added where the ray goes in and taken off where it comes out.
+// A face of a shadow volume: the radiance along the eye ray in front of it, as if everything were lit, is
+// added where the ray enters the shadow and subtracted where it leaves it.
 //! use facets
 //! use eye_ray
 //! use lit_interval
 
-// A map's own space is left-handed, and so is an image's.
+// The space of a map is left-handed, and so is that of an image.
 const FRONT_IS_IN = true;
-const PARALLEL_END = 256.0;   // depth ranges of the map, where a sun's shadows are taken to end
+const PARALLEL_END = 256.0;   // depth ranges of the map at which shadows of parallel light end
 const NEAR_M = 1e-4;    // from the eye plane; nothing is scattered before it
 
 struct Corner {
@@ -99,7 +99,7 @@ fn wall_corner(own: Facet, part: u32, k: u32) -> WallCorner {
 }
 
 // The plane of a triangle, the eye its origin. A face can be a hundredth of a pixel wide and reach
-// far beyond the image: what is interpolated on it is not good enough.
+// far beyond the image: interpolated values on it are not accurate enough.
 fn plane_of(own: Facet, kind: u32) -> vec4f {
     if (kind >= LID && kind < WALL) {
         return vec4f(0.0);

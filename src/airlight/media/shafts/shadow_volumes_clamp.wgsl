@@ -1,4 +1,4 @@
-// Where all is dark, sums end a little off zero.
+// Where all is shadowed, the sums end a little below or above zero: they are clamped.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(summed))) {
         return;

@@ -1,4 +1,4 @@
-// What the air sends to the eye where nothing shadows it.
+// Single scattering of all lights towards the eye, without shadows.
 //! use eye_ray
 //! use lit_interval
 

@@ -1,3 +1,4 @@
+// Single scattering along the ray of every texel of an image.
 //! use shaft_rays
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,5 +1,5 @@
-// One texel in four of a reduced image, first: every second one of every second row, by turns the
-// even and the odd ones, so that both sides of depth edges (media/rays.py) have theirs.
+// Sparse samples of a reduced image: every second texel of every second row, even and odd ones in turn, so
+// that both sides of depth edges (media/rays.py) have some.
 //! use shaft_rays
 //! use sparse_texels
 
