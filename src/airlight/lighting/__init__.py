@@ -1,6 +1,11 @@
-"""How surfaces are lit by everything that was solved.
+"""Lighting of surfaces by the fields that were solved, and what all solvers share.
 
-lights      shadow maps, the light table, the environment      sky       skylight and its bounce
-lighting    the pass that adds it all up                       view      a camera's textures
-accumulate  the mean of jittered images                       places    lookups that are kept
+kit            lights with shadow maps (lights), the sky (sky), the lattices: shared by solvers
+surfaces       G-buffer -> emitted light -> occlusion -> lattice light -> direct, indirect
+  lighting       the pass that adds it up; kernel: what its variants are compiled from
+  occlusion      screen-space occlusion and near-field radiance
+  glossy         which materials trace mirrored rays; glossy_pixels: their list on CPU adapters
+  lattice_coordinates   cached lookups of a camera that stands still
+view           a camera's matrices and textures; accumulate: the mean of jittered images
+lattice_box    the box that lattices cover
 """

@@ -1,4 +1,4 @@
-"""The mean of jittered images: anti-aliased stills."""
+"""The mean of jittered images, for anti-aliased stills."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Accumulator:
         self._means = {name: Buffer(gpu, f"mean {name}", size[0] * size[1] * 16) for name in names}
 
     def encode(self, commands: Commands, images: dict[str, Texture], index: int) -> None:
-        """Fold in the image number `index` (0 starts anew) of every name."""
+        """Add the image number `index` to the means of all names; 0 restarts them."""
         params = AccumulateParams(size=self.size, weight=1.0 / (index + 1))
         for name, mean in self._means.items():
             self._add.dispatch(commands, self.size, params=params, image=images[name], mean=mean)

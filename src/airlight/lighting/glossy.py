@@ -1,6 +1,6 @@
-"""Which surfaces mirror enough of the lattice's light to follow their rays into it.
+"""Which surfaces mirror enough of the lattice's light to trace mirrored rays into it.
 
-The walk along the ray is `wgsl/glossy.wgsl`; a scene without such surfaces lights without it.
+`wgsl/glossy.wgsl` traces the rays; scenes without such surfaces are lit without it.
 """
 
 from __future__ import annotations

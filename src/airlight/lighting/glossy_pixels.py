@@ -1,7 +1,7 @@
-"""What glossy pixels mirror, on CPU adapters: listed by lighting, followed by themselves.
+"""Mirrored light of glossy pixels on CPU adapters: lighting lists them, this pass traces them.
 
-Such drivers run both sides of every branch, so that a walk along mirrored rays within lighting
-costs every pixel of the image what it costs the glossy ones.
+CPU adapters run both sides of every branch, so tracing mirrored rays within lighting would cost
+every pixel of the image what it costs the glossy ones.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class GlossyPixels:
         self._listed: Buffer | None = None
 
     def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
-        """The empty list for an image of `size`, pixels, by the slot names of `Lighting`."""
+        """An empty list for an image of `size`, pixels, by the slot names of `Lighting`."""
         nbytes = _ENTRY_BYTES * size[0] * size[1]
         if self._listed is None or self._listed.nbytes != nbytes:
             if self._listed is not None:
@@ -64,7 +64,7 @@ class GlossyPixels:
     def encode(
         self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
     ) -> None:
-        """Write the whole light of listed pixels to `targets`; `values` as `Lighting` drew them."""
+        """Write all light of the listed pixels to `targets`; `values` as for `Lighting`."""
         names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
         bound = {name: value for name, value in values.items() if name in names}
         direct, indirect = targets

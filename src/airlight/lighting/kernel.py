@@ -1,4 +1,4 @@
-"""What lighting's kernel is made of, by part: slots, constants, generated WGSL."""
+"""What each part of the lighting pass is compiled from: slots, constants, generated WGSL."""
 
 from __future__ import annotations
 
@@ -117,10 +117,10 @@ _NOT_CACHED = "".join(
 
 @dataclass(frozen=True)
 class Emitters:
-    """What there is to be lit, and by what: `has_surfaces`, else every pixel is background.
+    """The surfaces and lights of a scene.
 
-    `has_directional`, `has_local`: the kinds of lights there may be; `is_one_directional`: the
-    table `lights` has one row, a directional light.
+    `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the kinds of
+    lights there may be; `is_one_directional`: the table `lights` has one row, a directional light.
     """
 
     has_surfaces: bool = True
@@ -155,7 +155,7 @@ class LatticeLight:
 
 
 class LightingParams(Struct):
-    """Camera and what there is to add."""
+    """The camera and the number of lights."""
 
     world_from_clip = mat4x4f()
     eye = vec3f("m")
@@ -214,7 +214,7 @@ class Kernel:
 
 
 def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
-    """The light of lattices and sky, or none of it for the part "lights"."""
+    """The light of lattices and sky; nothing of it for the part "lights"."""
     if part == "lights":
         return Kernel(_NOT_LISTED + _NO_LATTICES, {"HAS_LATTICES": 0.0}, {})
     is_cached, is_listed = part == "cached", gloss == "listed"
@@ -237,7 +237,7 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
 
 
 def lights_kernel(part: Part, emitters: Emitters, attenuation: Attenuation | None) -> Kernel:
-    """Lights, emission and background, or what another part has of them."""
+    """Lights, emission and background, or the texture where another part wrote them."""
     if part not in ("whole", "lights"):
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box
@@ -262,7 +262,7 @@ def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
 def lighting_slots(
     part: Part, attenuation: Attenuation | None = None, gloss: Gloss = "none"
 ) -> tuple[Slot, ...]:
-    """What a part of lighting binds, see `Lighting`."""
+    """The slots of a part of lighting, see `Lighting`."""
     is_after = part in ("lattices", "cached", "rest")
     return (
         *SURFACE_SLOTS,

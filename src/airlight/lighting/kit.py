@@ -1,7 +1,7 @@
-"""What the solvers of one scene share: lights with their shadow maps, the sky, the lattices.
+"""What the solvers of one scene share: lights with shadow maps, the sky, the lattices.
 
 context   device, scene, meshes, size of the image
-kit       shadow maps -> blockers -> the sky's maps and its light in all cells
+kit       shadow maps -> blockers -> the sky's maps -> the sky's light in all cells
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .sky import Sky
 
 @dataclass(frozen=True)
 class SurfaceSettings:
-    """What lighting surfaces needs in every technique."""
+    """The settings that lighting surfaces has in every technique."""
 
     resolution: int = setting(32, "cells along the lattice's longest side", low=4, high=256)
     bounds: tuple[float, ...] = setting(
@@ -85,7 +85,7 @@ class Context:
 
 
 class Kit:
-    """Lights, sky and lattices of one scene, brought up to date once a frame for all solvers."""
+    """Lights, sky and lattices of one scene, updated once a frame for all solvers."""
 
     def __init__(
         self,
@@ -132,12 +132,12 @@ class Kit:
 
     @property
     def placement(self) -> Placement:
-        """Where the lattice is that covers the scene."""
+        """The placement of the lattice that covers the scene."""
         return self.lattices.largest.placement
 
     @property
     def blockers(self) -> Blockers:
-        """What blocks between its cells."""
+        """The blockers between its cells."""
         return self.lattices.largest.blockers
 
     def bounds(self, scene: Scene) -> tuple[F64, F64]:
@@ -152,7 +152,7 @@ class Kit:
         return triple(low), triple(high)
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
-        """Everything that is shared, for `scene` as it is now; low..high as `bounds`."""
+        """Update all that is shared to `scene`; low..high as from `bounds`."""
         self.box = (low, high)
         self.lattices.follow(scene.camera)
         with commands.stage("shadow maps"):
@@ -163,7 +163,7 @@ class Kit:
             self._light_sky(commands, scene)
 
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
-        """The sky's maps, and its light in those lattices where it or what blocks it changed."""
+        """Update the sky's maps, and its light in lattices where it or their blockers changed."""
         changed = self.sky.encode(commands, self.meshes, scene.environment, self.placement)
         # The device draws the maps while the passes that read them are compiled and encoded.
         if changed:
@@ -179,7 +179,7 @@ class Kit:
 
     @property
     def no_irradiance(self) -> Irradiance:
-        """The field of no indirect light."""
+        """A field without indirect light."""
         lattices = self.lattices
         if self._dark is None:
             self._dark = LatticeTextures(self.gpu, self.placement, lattices.texture_size)
@@ -188,7 +188,7 @@ class Kit:
 
     @property
     def sky_irradiance(self) -> SkyIrradiance:
-        """The environment's direct light on surfaces, as if there were no media."""
+        """The environment's direct light on surfaces, not attenuated by media."""
         return SkyIrradiance(self.lattices.cube, self.lattices.sky_version)
 
     @property

@@ -1,4 +1,4 @@
-"""What a lattice covers: surfaces and volumes and, where its light is in it, the medium."""
+"""The box that lattices cover: surfaces, volumes and, if they hold its light, the medium."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ def lattice_box(
 
 
 def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
-    """Surfaces and the medium around them, as far as that is no waste of cells; m along `turn`.
+    """Surfaces and the medium around them, as far as cells are worth it; m along `turn`.
 
-    Of an endless medium what is far is in a table of its own (`media.half_space`).
+    The far light of an endless medium is in a table of its own (`media.half_space`).
     """
     low, high = whole_bounds_along(scene, turn)
     medium = scene.medium

@@ -1,8 +1,8 @@
-"""Where surfaces look a lattice up, and the sky's light on them: kept on CPU adapters.
+"""Cached lattice coordinates and sky light of each pixel, on CPU adapters.
 
-Both follow from the image's surfaces, the lattice's walls and the sky alone, and are a third of
-the time of the lattice's light. A second image with the same of them keeps them; an image like
-none before looks up as it goes, to the same bits.
+Both depend only on the image's surfaces, the lattice's walls and the sky, and are a third of the
+time of the lattice's light. The second image in a row with the same of them fills the cache; the
+first computes them as it goes, with the same bits.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _BYTES = 36  # of a pixel of all targets
 
 
 def can_cache(gpu: Gpu) -> bool:
-    """Whether a device keeps places: CPU adapters read slowly, and one may lack targets."""
+    """Whether a device caches them: CPU adapters do, where they have enough colour targets."""
     return gpu.takes_cpu_paths and gpu.limits["max-color-attachment-bytes-per-sample"] >= _BYTES
 
 
@@ -45,7 +45,7 @@ class _CoordinatesPass(FullscreenPass):
 
 
 class LatticeCoordinates:
-    """Of one image and one lattice."""
+    """The cache for one image and one lattice."""
 
     def __init__(self, gpu: Gpu, lattices: LatticeLight, gloss: Gloss) -> None:
         """As for `Lighting`."""
@@ -63,8 +63,9 @@ class LatticeCoordinates:
     def encode(
         self, commands: Commands, size: tuple[int, int], key: Hashable, values: dict[str, Any]
     ) -> dict[str, Texture] | None:
-        """What "cached" `Lighting` binds; None for a first image of that `size` (pixels) and
-        `key`. `values` as `Lighting` draws them.
+        """The textures that "cached" `Lighting` binds.
+
+        None for a first image of that `size` (pixels) and `key`. `values` as `Lighting` draws them.
         """
         before, self._last = self._last, (size, key)
         if self._last != before:

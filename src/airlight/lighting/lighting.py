@@ -1,7 +1,7 @@
-"""Light surfaces: direct light with shadows, emission, sky, the lattice's light, background.
+"""The pass that lights surfaces: lights with shadows, emission, sky, lattices, background.
 
-The material is Lambert plus GGX (Walter2007) with Smith's height-correlated shadowing
-(Heitz2014) and Schlick's Fresnel term, as glTF 2.0 defines it.
+The material is Lambert plus GGX (Walter2007) with Smith's height-correlated shadowing (Heitz2014)
+and Schlick's Fresnel term, as glTF 2.0 defines it.
 """
 
 from __future__ import annotations
@@ -59,9 +59,9 @@ class Lighting(FullscreenPass):
 
 
 class RadianceLayers:
-    """What lighting writes: direct (with emission, sky and background; a = 1) and indirect.
+    """The targets of lighting: direct (with emission, sky, background; a = 1), indirect.
 
-    `lit` is the first without the sky, made where near surfaces light each other.
+    `lit` is the direct layer without the sky, which exists where near surfaces light each other.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -77,7 +77,7 @@ class RadianceLayers:
 
     @property
     def lit(self) -> Texture:
-        """What surfaces send of lights and by themselves, and the background."""
+        """Radiance of surfaces by lights and emission, and the background."""
         if self._lit is None:
             self._lit = Texture(self._gpu, "lit", self._size, "rgba32float", target=True)
         return self._lit

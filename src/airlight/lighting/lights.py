@@ -22,7 +22,7 @@ from ..surface.sky import EnvironmentTexture
 class Lights:
     """Shadow maps and the light table for a fixed set of kinds of lights.
 
-    The number and the kinds of lights are fixed at creation; everything else may change by frame.
+    The number and the kinds of lights are fixed at creation; everything else may change each frame.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Lights:
         low: F64,
         high: F64,
     ) -> None:
-        """Bring the table, the background and those shadow maps that changed up to date."""
+        """Update the table, the background and those shadow maps that changed."""
         if lights != self._lights:
             self._lights = lights
             self.table.write(packed_lights(lights))

@@ -1,12 +1,14 @@
-"""Occlusion by what stands nearer than a lattice resolves, and its light, from the image itself.
+"""Screen-space occlusion by surfaces that lattices do not resolve, and their radiance.
 
-Lattices smooth light over a cell, so surfaces beside a sunlit strip would stay dark: what a lattice
-has coming from the hidden directions is taken away, and what the occluders show of their light is
-put in its place. Each rise of a horizon has the light of the sample that raised it.
+A lattice smooths light over a cell, so surfaces beside a sunlit strip would stay dark. For each
+pixel, the lattice light from directions that near surfaces occlude is removed, and the radiance
+that these surfaces send to the eye replaces it: each step that raises a horizon angle contributes
+the radiance of its sample.
 
-Horizons are searched in slices through the direction to the eye, and the cosine-weighted
-openness between them is exact (GTAO, Jimenez2016). Rotation and offset of the samples follow the
-paper's 4 x 4 pattern, and the mean over 4 x 4 texels of about the same depth takes it out.
+Horizon angles are searched in slices through the direction to the eye, and the cosine-weighted
+visibility between them is exact (GTAO, Jimenez2016). Rotation and offset of the samples follow the
+paper's 4 x 4 pattern, which the mean over 4 x 4 texels of similar depth removes.
+
 differs: Jimenez2016 adds a temporal pattern; here an image depends on nothing but the scene.
 """
 
@@ -27,7 +29,7 @@ _CPU_SCALE, _GPU_SCALE = 2, 1
 
 
 class OcclusionParams(Struct):
-    """Rays through pixels, from the eye and one metre deep, and how far to look."""
+    """Rays through pixels, from the eye and one metre deep, and the radius of the search."""
 
     corner = vec3f("m, through the image's upper left corner")
     depth_scale = f32("m^-1, inverse distance along the view axis per unit of depth")
@@ -66,13 +68,13 @@ class _Blur(FullscreenPass):
 
 
 class OcclusionLayers:
-    """What near occluders send and hide, per texel, packed as `wgsl/near_field_texel.wgsl` says.
+    """Radiance and solid angle of near occluders per texel, see `near_field_texel.wgsl`.
 
-    Texels are pixels on a GPU, and 2 x 2 pixels on a CPU adapter.
+    A texel is one pixel on a GPU, and 2 x 2 pixels on a CPU adapter.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
-        """For an image of `size`; `scale`: pixels along one side of a texel, if not the usual."""
+        """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
         self.size, self.scale = size, scale or (_CPU_SCALE if gpu.takes_cpu_paths else _GPU_SCALE)
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
@@ -82,7 +84,7 @@ class OcclusionLayers:
 
 
 class Occlusion:
-    """Depth and normals -> visibility of the near surroundings, and their light."""
+    """Depth and normals -> visibility of the near field, and its radiance."""
 
     def __init__(
         self,
@@ -92,9 +94,9 @@ class Occlusion:
         *,
         has_light: bool = False,
     ) -> None:
-        """`slices` of the hemisphere and `steps` on each side of one; by device if not given.
+        """`slices` of the hemisphere, `steps` on each side of one; by device if not given.
 
-        `has_light`: what occludes gives the light that it shows.
+        `has_light`: occluders contribute the radiance that they show.
         """
         usual = _CPU_SAMPLES if gpu.takes_cpu_paths else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
@@ -118,10 +120,10 @@ class Occlusion:
         largest: float = 0.0,
         lit: Texture | None = None,
     ) -> None:
-        """Fill `layers`; only surfaces within `radius` (m) occlude, fading out.
+        """Fill `layers`; surfaces within `radius` (m) occlude, fading out with distance.
 
-        Where that is less, within `growth` times the distance to the eye, but `largest` (m).
-        `lit`: what surfaces send to the eye, W m^-2 sr^-1, per pixel.
+        Where that is larger, the radius is `growth` times the distance to the eye, at most
+        `largest` (m). `lit`: radiance of surfaces towards the eye, W m^-2 sr^-1, per pixel.
         """
         params = occlusion_params(world_from_clip, layers, radius, growth, largest)
         inputs = {

@@ -1,4 +1,4 @@
-"""The environment as directional lights: what they see, and what they light in cells."""
+"""The environment as directional lights: their maps, and their light in cells."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ..surface.sky import SkyLight, sky_lights
 class Sky:
     """Directional lights that stand for the environment, and their reflective shadow maps.
 
-    `maps` say what of each light arrives; their texels are the sky's first bounce. `version` is
-    raised whenever they were drawn.
+    `maps` hold which surfaces each light reaches; their texels are the sky's first bounce.
+    `version` is raised whenever they are drawn.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Sky:
         environment: Environment | None,
         placement: Placement,
     ) -> bool:
-        """Bring the maps up to date for the lattice at `placement`; whether anything changed."""
+        """Update the maps for the lattice at `placement`; returns whether anything changed."""
         if environment is not self._environment:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)
@@ -74,9 +74,9 @@ class Sky:
         *,
         is_same_light: bool = False,
     ) -> None:
-        """Fill the cubes of a lattice from the maps as they are.
+        """Fill the cubes of a lattice from the maps.
 
-        `is_same_light`: they did not change, only the lattice's place.
+        `is_same_light`: the maps did not change, only the lattice moved.
         """
         if self.maps.layers:
             skylight.encode(

@@ -1,8 +1,8 @@
-"""The image of surfaces: G-buffer, what near surfaces hide and send, and lighting.
+"""The image of surfaces: G-buffer, screen-space near field, and lighting.
 
-Lights and emission are drawn first, then horizons search that image for near surfaces, then the
-light of lattices is added, less what near surfaces hide of it, with what those send in its place.
-Everything that was solved arrives as fields: this knows no solver.
+Lights and emission are drawn first; horizon angles then search that image for near occluders; the
+light of lattices is added last, the occluders' radiance replacing what they hide of it. Fields
+arrive solved: this module knows no solver.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from .view import View
 
 
 class Surfaces:
-    """Draws a view's surfaces. `attenuation`: what light is attenuated by on its way to them."""
+    """Draws a view's surfaces. `attenuation`: the media between lights and surfaces."""
 
     def __init__(self, kit: Kit, scene: Scene, attenuation: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
@@ -66,7 +66,7 @@ class Surfaces:
         self._emission = self._emitted(commands, view)
         is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
         has_near_field = is_occluded and self._has_near_field(irradiance)
-        # Near surfaces send what lights and emission make of them.
+        # The near field sends the radiance that lights and emission give it.
         if has_near_field:
             with commands.stage("lighting"):
                 self._light(commands, view, "lights", irradiance, sky)
@@ -81,7 +81,7 @@ class Surfaces:
             self._light(commands, view, part, irradiance, sky)
 
     def _emitted(self, commands: Commands, view: View) -> Texture:
-        """What surfaces send by themselves, and by the light of emitters."""
+        """Draw emission, and the light of emitters."""
         if self._area is None:
             return view.gbuffer.emission
         with commands.stage("area lights"):
@@ -90,12 +90,12 @@ class Surfaces:
             return self._area.encode(commands, view.gbuffer, camera, self.kit.lights.table)
 
     def _has_near_field(self, irradiance: Irradiance) -> bool:
-        """Whether near surfaces light each other: where there is bounced light at all."""
+        """Whether near surfaces light each other: where there is indirect light at all."""
         return irradiance.is_reflected and bool(self.kit.context.scene.lights)
 
     def _occlude(self, commands: Commands, view: View, *, has_light: bool) -> None:
         g, placements = view.gbuffer, self.kit.lattices.placements
-        # What is smaller than their cells occludes.
+        # Surfaces that are smaller than the lattices' cells occlude in screen space.
         wanted, finest, coarsest = (
             self.kit.settings.occlusion_radius,
             placements[0],
@@ -126,7 +126,7 @@ class Surfaces:
         kit, layers = self.kit, view.layers
         values = self._bound(view, part, irradiance, sky)
         self._make_cpu_passes(view.size)
-        # Where surfaces look a lattice up is kept while camera and walls stay as they are.
+        # Lattice coordinates are cached while camera and walls do not change.
         if self._coordinates and part == "lattices":
             g, lattices = view.gbuffer, kit.lattices
             key = (g, g.version, view.eye, lattices.placements, sky.version, kit.blockers.version)
@@ -138,7 +138,7 @@ class Surfaces:
             targets = (layers.lit,) if part == "lights" else layers.targets
             lighting.draw(commands, targets, **drawn)
             return
-        # What glossy pixels mirror is added to them alone.
+        # Mirrored light is added to glossy pixels alone.
         listed = self.glossy.empty(commands, view.size)
         lighting.draw(commands, layers.targets, **drawn, **listed)
         self.glossy.encode(commands, layers.targets, values)
@@ -146,7 +146,7 @@ class Surfaces:
     def _bound(
         self, view: View, part: Part, irradiance: Irradiance, sky: SkyIrradiance
     ) -> dict[str, Any]:
-        """What lighting reads, by slot name."""
+        """The resources of lighting, by slot name."""
         g, lights = view.gbuffer, self.kit.lights
         params = LightingParams(
             world_from_clip=view.world_from_clip,
@@ -188,7 +188,7 @@ class Surfaces:
         )
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
-        """What CPU adapters draw apart for images of `size`, pixels: gloss, and coordinates."""
+        """Create the extra passes of CPU adapters: glossy pixels, cached coordinates."""
         is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return

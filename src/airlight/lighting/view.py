@@ -56,7 +56,7 @@ class View:
         self.eye = camera.position
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels."""
+        """Draw images of `size`, pixels, from here on."""
         self.size = size
         self.gbuffer.resize(size)
         self._sized.release()

@@ -1,7 +1,14 @@
-"""Surfaces: what the camera and the lights see of them, and how they are lit.
+"""Surfaces as the camera and the lights see them.
 
-geometry     all meshes in shared buffers, drawn by material     textures    mip chains, upload
-mesh_pass    the base of every pass over the meshes              gbuffer     what the camera sees
-light_views  the projections of lights                           shadow      shadow maps
-reflective   reflective shadow maps: what lights see             sky         environment -> lights
+   scene -> geometry      meshes in shared buffers, drawn by material     textures   mip chains
+               |          mesh_pass: the base of every pass over them
+               +-> gbuffer      depth, albedo, normal, emission of each pixel
+               +-> shadow       depth of each light view                   light_views  projections
+               +-> reflective   reflective shadow maps: virtual point lights
+               +-> surfel_views peeled layers, for blockers from views
+   environment -> sky           directional lights that stand for it
+   lights -> light_table        all lights in one buffer
+
+On CPU adapters `visibility_buffer` draws triangle ids, which `triangle_table` and `packed_maps`
+turn into surfaces, one pixel at a time.
 """

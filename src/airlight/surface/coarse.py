@@ -1,9 +1,9 @@
-"""Large scenes for maps of few texels: fewer triangles between some of the same vertices.
+"""Simplified scenes for maps of few texels, by vertex clustering (Rossignac1993).
 
-The sky's maps see the whole scene a hundred times, each in less than ten thousand texels: a hundred
-thousand triangles are then ten to a texel. Vertices in one cell of a grid, finer than texels and
-than the lattice's cells, become the one in their midst (Rossignac1993). Where that loses surface,
-as of gravel smaller than cells, and of leaves the triangles stay as they are.
+The sky's maps see the whole scene a hundred times, each in less than ten thousand texels, so that a
+hundred thousand triangles are ten to a texel. The vertices in each cell of a grid, which is finer
+than texels and than the lattice's cells, collapse to the one nearest to their mean. Where
+clustering loses area (gravel smaller than cells) and in leaves, triangles stay as they are.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _LEAST_AREA, _MOST_AREA = 0.5, 1.5  # of what a block had
 
 
 class CoarseScene:
-    """A scene as maps of `resolution` texels a side see it: the very same, or a coarser one."""
+    """A scene as maps of `resolution` texels a side need it: simplified, or itself."""
 
     def __init__(self, gpu: Gpu, scene: GpuScene, resolution: int) -> None:
         self._fine = scene
@@ -60,7 +60,7 @@ class CoarseScene:
             self._coarse = GpuScene(gpu, Scene(self._meshes(scene.original)), scene.store)
 
     def current(self) -> GpuScene:
-        """What is to be drawn, moved as the scene has."""
+        """The scene to draw, moved as the original has moved."""
         if self._coarse is None:
             return self._fine
         if self._version != self._fine.version:
@@ -69,14 +69,14 @@ class CoarseScene:
         return self._coarse
 
     def _meshes(self, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
-        """The scene's `meshes`, of coarse geometries where there are any."""
+        """The scene's `meshes`, with simplified geometries where there are any."""
         return tuple(
             replace(m, geometry=self._geometry(k, m.geometry)) if k in self._made else m
             for m, k in zip(meshes, self._fine.first_vertices, strict=True)
         )
 
     def _geometry(self, first: int, now: Geometry) -> Geometry:
-        """The coarse one of a geometry as it is now."""
+        """The simplified geometry, with the vertices that the original has now."""
         before, coarse = self._made[first]
         if before is not now:
             coarse = _at(now, self._sources[first], coarse.indices)
@@ -95,7 +95,7 @@ def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float, int]]:
 
 
 def _at(g: Geometry, vertices: NDArray[np.integer[Any]], indices: NDArray[np.uint32]) -> Geometry:
-    """Triangles between some of a geometry's vertices."""
+    """The triangles `indices` between some of a geometry's `vertices`."""
     normals, uvs, colors = (
         None if values is None else values[vertices] for values in (g.normals, g.uvs, g.colors)
     )
@@ -103,8 +103,11 @@ def _at(g: Geometry, vertices: NDArray[np.integer[Any]], indices: NDArray[np.uin
 
 
 def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
-    """Triangles (n, 3) between the geometry's own vertices, its details smaller than `cell`, m in
-    object space, left out; all of its triangles where there would be too many cells."""
+    """Triangles (n, 3) between the geometry's own vertices, without details below `cell`.
+
+    `cell` is in metres of object space. Where the grid would have too many cells, all triangles of
+    the geometry are returned.
+    """
     positions, indices = geometry.positions, geometry.indices
     low = positions.min(axis=0).astype(np.float64)
     count = np.floor((positions.max(axis=0) - low) / cell).astype(np.int64) + 1
@@ -167,7 +170,7 @@ def _with_lost(
     cell: float,
     count: I64,
 ) -> NDArray[np.uint32]:
-    """The `coarse` triangles, but those of `indices` where much of their area was lost."""
+    """The `coarse` triangles, replaced by those of `indices` where much area was lost."""
     side, blocks = cell * _BLOCK, -(-count // _BLOCK)
     old, old_area = _blocks_and_areas(positions, indices, low, side, blocks)
     new, new_area = _blocks_and_areas(positions, coarse, low, side, blocks)

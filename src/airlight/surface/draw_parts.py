@@ -1,6 +1,6 @@
-"""What passes make of a view's draws, made once for each list of them.
+"""What a pass derives from a view's list of draws, cached for each list.
 
-Passes know lists of draws by themselves, and replay what they recorded of them.
+Passes identify lists of draws by identity, and replay what they recorded for a list.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ Parts = TypeVar("Parts")
 
 
 def in_draw_order(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
-    """`draws` in the order in which they are drawn on every device.
+    """`draws` in the order in which every device draws them.
 
-    Of surfaces in one place the last is seen: what CPU adapters draw in a second step (see
-    `GpuScene.is_drawn_last`) is last on GPUs, too.
+    Of coincident surfaces the last one is visible. CPU adapters draw some materials in a second
+    pass (see `GpuScene.is_drawn_last`); on GPUs these come last, too.
     """
     is_late = [scene.is_drawn_last(draw) for draw in draws]
     if not any(is_late) or all(is_late):
@@ -27,13 +27,13 @@ def in_draw_order(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
 
 
 class DrawParts(Generic[Parts]):
-    """`make` of each list that `GpuScene.visible` gives, kept as long as that gives it again."""
+    """`make` of each list that `GpuScene.visible` returns, cached until that returns another."""
 
     def __init__(self, make: Callable[[GpuScene, list[Draw]], Parts]) -> None:
         self._make = make
         self._scene: GpuScene | None = None
         self._state = (0, 0)
-        # The lists themselves are kept, too: their ids stay their own.
+        # The lists are stored, too, so that no other list gets their ids.
         self._cached: dict[int, tuple[list[Draw], Parts]] = {}
 
     def of(self, scene: GpuScene, draws: list[Draw]) -> Parts:
@@ -47,7 +47,7 @@ class DrawParts(Generic[Parts]):
         return found[1]
 
     def _forget(self, scene: GpuScene) -> None:
-        """Lists of another scene, and those that were given before something moved."""
+        """Drop the results for another scene, and for lists from before something moved."""
         state = (scene.version, scene.color_changes)
         if scene is self._scene and state == self._state:
             return

@@ -1,4 +1,4 @@
-"""What the camera sees: depth, base colour, normal, emission and the material's parameters."""
+"""The G-buffer: depth, base colour, normal, emission and the material's parameters."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GPUs alone ask: CPU adapters draw `surface.visibility_buffer`."""
 
 
 class CameraParams(Struct):
-    """Where the camera is."""
+    """The camera's matrix."""
 
     clip_from_world = mat4x4f()
 
@@ -35,19 +35,19 @@ class _Depth(DepthPipeline):
 
 class _Cutout(MeshPipeline):
     slots = _Depth.slots
-    depth_compare = "greater-equal"  # of two surfaces in one place the later one is seen
+    depth_compare = "greater-equal"  # of coincident surfaces the last drawn one is visible
     targets = ("rgba16float", "rgba16float", "rgba16float")
     file = "gbuffer.wgsl"
 
 
 class _Opaque(_Cutout):
-    """Of what the depth says can be seen: no pixel is shaded twice."""
+    """Materials without holes, after depth was drawn: no pixel is shaded twice."""
 
     depth_compare, depth_writes = "equal", False
 
 
 class GBuffer:
-    """Textures of the size of the image: reversed infinite depth, 0 where nothing is.
+    """Textures of the image's size; depth is reversed and infinite, 0 in the background.
 
     albedo   rgb base colour, a metallic
     normal   xyz world, facing the camera; w roughness
@@ -72,7 +72,7 @@ class GBuffer:
         self.emission = Texture(gpu, "emission", size, "rgba16float", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels."""
+        """Draw images of `size`, pixels, from here on."""
         self._sized.release()
         self._parts, self._key = DrawParts(self._split), None
         self._make_textures(size)
@@ -80,11 +80,11 @@ class GBuffer:
             self._visibility.resize(size)
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
-        """Rasterise the scene as seen through `clip_from_world`; kept while both stay so."""
+        """Rasterise the scene through `clip_from_world`; cached while neither changes."""
         key = (scene, scene.version, clip_from_world.tobytes())
         if key == self._key:
             return
-        self._key = None  # until all is drawn: what raises leaves nothing to be kept
+        self._key = None  # until all is drawn: after an error nothing counts as drawn
         self.version += 1
         self._rasterise(commands, scene, clip_from_world)
         self._key = key
@@ -123,7 +123,7 @@ class GBuffer:
         self._draw(commands, scene, used, then, params, depth)
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw], bool]:
-        """What the first pass draws, what the second, and whether the first is of depth."""
+        """The draws of the first pass, those of the second, and whether the first is depth only."""
         if self._visibility:
             return *self._visibility.split(scene, draws), False
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3

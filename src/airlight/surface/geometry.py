@@ -34,7 +34,7 @@ MAPS = ("base_color", "metallic_roughness", "normal", "emission")
 
 
 class InstanceData(Struct):
-    """Where one copy of a geometry stands."""
+    """The transform and the material of one instance of a geometry."""
 
     world_from_object = mat4x4f()
     normal_from_object = mat4x4f()
@@ -75,7 +75,7 @@ class Draw:
     is_mirrored: bool
 
     def part(self, first: int, count: int) -> Draw:
-        """The same of some of its instances."""
+        """The same draw, of some of its instances."""
         if (first, count) == (self.first_instance, self.instance_count):
             return self
         return replace(self, first_instance=first, instance_count=count)
@@ -84,7 +84,7 @@ class Draw:
 class GpuScene:
     """Vertex, index, instance and material buffers, and the draws over them.
 
-    Triangles and materials are fixed at creation; `move` places the instances anew and takes
+    Triangles and materials are fixed at creation; `move` updates the instances' transforms and the
     vertices that moved. `current` are the meshes as they are, `version` counts their changes.
     """
 
@@ -143,10 +143,10 @@ class GpuScene:
         self.move(scene.meshes)
 
     def move(self, meshes: tuple[Mesh, ...]) -> None:
-        """Take `meshes`, the same as at creation and in their order, as they stand now.
+        """Update to `meshes`: the meshes of creation, in their order, as they are in this frame.
 
-        Their transforms and their vertices may have changed, and nothing else of them. Raises
-        SceneError for meshes with other triangles.
+        Only their transforms and their vertices may differ. Raises SceneError for meshes with other
+        triangles.
         """
         deformed = self._deform(meshes)
         rows = [
@@ -171,7 +171,7 @@ class GpuScene:
         self.version += 1
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
-        """Upload the vertices of geometries that are not the last ones; whether there were any."""
+        """Upload the vertices of geometries that changed; returns whether any did."""
         if len(meshes) != len(self.first_vertices):
             raise SceneError(
                 f"there are {len(meshes)} meshes where there were {len(self.first_vertices)}",
@@ -198,7 +198,7 @@ class GpuScene:
         return bool(changed)
 
     def is_drawn_last(self, draw: Draw) -> bool:
-        """Whether CPU adapters cannot draw it by triangles that pixels see, however few."""
+        """Whether the visibility buffer of CPU adapters cannot show a draw's material."""
         key = id(draw.material)
         if key not in self._is_packable:
             self._is_packable[key] = is_packable(draw.material)
@@ -206,7 +206,7 @@ class GpuScene:
 
     @property
     def triangle_table(self) -> TriangleTable:
-        """Triangles as pixels find them; made when first asked for."""
+        """The data that the visibility buffer reads, created when first asked for."""
         if self._triangle_table is None:
             self._triangle_table = TriangleTable(
                 self.gpu,
@@ -232,10 +232,10 @@ class GpuScene:
         return self._along[1]
 
     def visible(self, clip_from_world: F64) -> list[Draw]:
-        """The draws, of those of their instances whose boxes are not wholly outside one plane of
-        the clip box. The same list for the same view, until something moves.
+        """The draws in view: of their instances those that no plane of the clip box excludes.
 
-        The depth planes are not tested: what stands before a light's near plane still shadows.
+        The same list is returned for the same view until something moves. The depth planes are not
+        tested, because what stands before a light's near plane still casts a shadow.
         """
         key = clip_from_world.tobytes()
         found = self._visible.get(key)
@@ -278,7 +278,7 @@ class GpuScene:
         return offsets
 
     def _bound_textures(self, m: Material) -> dict[str, Texture | Sampler]:
-        """By slot name; materials with the same maps share one dict, and so one bind group."""
+        """The textures by slot name; materials with the same maps share one dict and bind group."""
         defaults = {"normal": self.store.flat_normal}
         bound: dict[str, Texture | Sampler] = {}
         for name in MAPS:
@@ -306,7 +306,7 @@ def _map(m: Material, name: str) -> SceneTexture | None:
 
 
 def is_mirrored(mesh: Mesh) -> bool:
-    """Whether its placement turns counter-clockwise triangles clockwise."""
+    """Whether the mesh's transform turns counter-clockwise triangles clockwise."""
     return bool(np.linalg.det(mesh.world_from_object[:3, :3]) < 0.0)
 
 
@@ -359,7 +359,7 @@ def _vertex_data(g: Geometry) -> NDArray[Any]:
 
 
 def _normal_matrix(world_from_object: F64) -> F64:
-    """Inverse transpose: keeps normals at right angles under uneven scale."""
+    """The inverse transpose, which keeps normals perpendicular under non-uniform scale."""
     linear = world_from_object[:3, :3]
     normal = np.eye(4)
     # The cofactor matrix is det * inverse transpose and exists for flat transforms too.

@@ -1,6 +1,6 @@
-"""Reflective shadow maps of all of a scene's lights: what light arrives at surfaces, and where.
+"""Reflective shadow maps of all lights of a scene.
 
-Directional lights share one array of maps, local ones another of half the side.
+Directional lights share one array of maps, local lights another of half the side.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ SMALLEST_LOCAL = 8  # texels
 
 
 class LightMaps:
-    """`groups`: the maps of directional lights, then those of local ones.
+    """`groups`: the maps of directional lights, then those of local lights.
 
-    `owners`: for each group and each of its layers the row of its light among the scene's.
-    The number and the kinds of lights are fixed.
+    `owners`: for each group and each of its layers, the row of its light in the scene's list. The
+    number and the kinds of lights are fixed.
     """
 
     def __init__(self, gpu: Gpu, lights: Sequence[Light], resolution: int) -> None:
@@ -39,13 +39,16 @@ class LightMaps:
 
     @property
     def version(self) -> tuple[int, ...]:
-        """Another one whenever a map was drawn."""
+        """A value that changes whenever a map is drawn."""
         return tuple(maps.version for maps in self.groups)
 
     def encode(
         self, commands: Commands, meshes: GpuScene, lights: Sequence[Light], low: F64, high: F64
     ) -> bool:
-        """Draw those that changed; whether any did. low..high: what lights must see, metres."""
+        """Draw the maps that changed; returns whether any did.
+
+        low..high: the box that the lights must see, metres.
+        """
         is_drawn = False
         for group, maps in zip(_by_kind(lights), self.groups, strict=True):
             if group:
@@ -59,7 +62,7 @@ _Rows = list[tuple[int, Light]]
 
 
 def _by_kind(lights: Sequence[Light]) -> tuple[_Rows, _Rows]:
-    """(row among the lights, light) of directional lights, and of all others."""
+    """(row, light) of all directional lights, and of all others."""
     rows = list(enumerate(lights))
     directional: _Rows = [row for row in rows if isinstance(row[1], DirectionalLight)]
     return directional, [row for row in rows if not isinstance(row[1], DirectionalLight)]

@@ -1,4 +1,4 @@
-"""All lights in one storage buffer."""
+"""The light table: all lights of a scene in one storage buffer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MOST_RECENT = 8
 
 
 class LightData(Struct):
-    """A light, as shaders see it."""
+    """One light, as shaders read it."""
 
     color = vec3f("W m^-2 (directional) or W sr^-1")
     kind = u32("0 directional, 1 point, 2 spot, 3 sample of a light with extent")
@@ -74,7 +74,7 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
 
 
 def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:
-    """One row per light; directional lights count their views apart from local ones."""
+    """One row per light; views of directional and of local lights are counted separately."""
     rows, used = [], {True: 0, False: 0}
     for light in lights:
         is_parallel = isinstance(light, DirectionalLight)
@@ -87,9 +87,9 @@ _recent: tuple[tuple[tuple[Light, ...], NDArray[np.void]], ...] = ()
 
 
 def packed_lights(lights: tuple[Light, ...]) -> NDArray[np.void]:
-    """The table of `LightData`, read-only; of the same lights as lately, the same one.
+    """The table of `LightData`, read-only, cached for the lights asked for last.
 
-    A sky is a hundred lights, several tables of which are asked for in every frame.
+    A sky is a hundred lights, and several tables of them are asked for in every frame.
     """
     global _recent
     # Tuples of the very same lights compare without looking into them.

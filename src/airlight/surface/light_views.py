@@ -1,7 +1,7 @@
-"""What lights see: their projections, fitted to the scene, stable under camera movement.
+"""Projections of lights, fitted to the scene and stable under camera movement.
 
-Depth is conventional: 0 near, 1 far. A directional light has one view (or one per cascade), a
-spot light one, a point light and a sample of a light with extent six.
+Depth is conventional: 0 near, 1 far. A directional light has one view, a spot light one, a point
+light and a sample of a light with extent six.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _WIDE_DEG = 50.0  # a single perspective would waste its texels on the axis
 
 
 class LightViewData(Struct):
-    """One view of a light, as shaders see it."""
+    """One view of a light, as shaders read it."""
 
     clip_from_world = mat4x4f()
     world_from_clip = mat4x4f()
@@ -49,7 +49,7 @@ class LightViewData(Struct):
 
 @dataclass(frozen=True, eq=False)
 class LightView:
-    """A square image of `resolution`^2 texels as a light sees it."""
+    """A square image of `resolution`^2 texels from a light."""
 
     clip_from_world: F64
     texel: tuple[float, float]
@@ -69,9 +69,9 @@ class LightView:
 
 
 def widened(view: LightView, times: float) -> LightView:
-    """The same view over so many times the width and height, in texels as much larger.
+    """The same view scaled to `times` the width and height, with larger texels.
 
-    A smaller part of the map is drawn; what it shows is coarser.
+    A smaller part of the map is then drawn, and shadows are coarser.
     """
     wide = np.diag([1.0 / times, 1.0 / times, 1.0, 1.0]) @ view.clip_from_world
     texel = (view.texel[0] * times, view.texel[1] * times)
@@ -93,7 +93,7 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
 
 
 def view_count(light: Light) -> int:
-    """How many views `light_views` makes of a light: wide spots see as points do."""
+    """The number of views of a light; wide spots have six, as points do."""
     is_wide = isinstance(light, SpotLight) and light.outer_deg > _WIDE_DEG
     return 6 if is_wide or isinstance(light, PointLight | LightSample) else 1
 
@@ -118,7 +118,7 @@ def _triple(values: Sequence[float] | F64) -> Vec3:
 
 @lru_cache(maxsize=64)
 def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64]:
-    """view_from_world, and the box in it: a sun's shadows and what it reflects see the same."""
+    """view_from_world of a directional light, and the box low..high in that view."""
     view = view_from_world((0.0, 0.0, 0.0), direction, (0.0, 1.0, 0.0))
     corners = transformed(box_corners(np.array(low), np.array(high)), view)
     return view, corners.min(axis=0), corners.max(axis=0)

@@ -18,7 +18,10 @@ MATERIAL_SLOTS: tuple[Slot, ...] = tuple(
 
 
 def _of_instances(fields: dict[str, tuple[str, int, int]]) -> dict[str, Any]:
-    """A vertex buffer of `InstanceData`; fields by name: format, columns, the first's location."""
+    """A vertex buffer layout of `InstanceData`.
+
+    `fields` by name: vertex format, number of columns, location of the first.
+    """
     offsets: Any = InstanceData.dtype.fields
     attributes = [
         {"shader_location": location + i, "offset": offsets[name][1] + 16 * i, "format": form}
@@ -58,13 +61,13 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
     ),
 )
 INSTANCE_TRANSFORMS = _of_instances(_TRANSFORM)
-_RECORDED = 64  # views whose draws are kept as they were encoded
+_RECORDED = 64  # views whose recorded draws are cached
 
 
 class MeshPipeline(RasterPipeline):
-    """Subclass it with `slots` (its uniform first, then MESH_SLOTS), targets and depth.
+    """One pipeline of a pass; subclasses give `slots` (the uniform first), targets, depth.
 
-    `maps` are those that its shader reads. Cut-out materials set the override `IS_CUTOUT`, which
+    `maps` are those that the shader reads. Cut-out materials set the override `IS_CUTOUT`, which
     discards by alpha.
     """
 
@@ -92,11 +95,11 @@ class MeshPipeline(RasterPipeline):
         self._groups: dict[int, tuple[Any, Any]] = {}
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
-        """What `vertex_buffers` are, in their order."""
+        """The buffers of `vertex_buffers`, in their order."""
         return (scene.positions, scene.vertices, scene.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
-        """What triangles are made of."""
+        """The index buffer."""
         return scene.indices
 
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
@@ -111,7 +114,7 @@ class MeshPipeline(RasterPipeline):
 
 
 class DepthPipeline(MeshPipeline):
-    """Depth of opaque materials alone. Subclass it with `slots`, the first called `params`."""
+    """Depth of opaque materials; subclasses give `slots`, the first called `params`."""
 
     second_slots = ()
     vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_TRANSFORMS)
@@ -120,14 +123,14 @@ class DepthPipeline(MeshPipeline):
     file = "shadow_opaque.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
-        """No more than where vertices and instances are."""
+        """Positions and instances alone."""
         return (scene.positions, scene.instances)
 
 
 class MeshPass:
-    """The pipelines of one kind of pass, one per way a material differs in its shader.
+    """The pipelines of one kind of pass: one per variant of its shader that materials need.
 
-    `opaque` may name a simpler pipeline for materials that are not cut out.
+    `opaque`: a simpler pipeline for materials that are not cut out.
     """
 
     def __init__(
@@ -146,17 +149,17 @@ class MeshPass:
         params: Any,
         **bound: Any,
     ) -> None:
-        """Draw into an open render pass; `params` is the uniform, `bound` more slots.
+        """Draw into an open render pass; `params` is the uniform, `bound` further slots.
 
-        The same `draws` (the list itself, as `GpuScene.visible` keeps it) with the same resources
-        are recorded the second time, and replayed from then on.
+        The second time that the same list `draws` comes with the same resources, the draws are
+        recorded; from then on the recording is replayed.
         """
         if not draws:
             return
         if commands.tally is not None:
             self._count(commands, scene, draws)
         shared = {"params": params, "materials": scene.materials, **bound}
-        # What stands in the key by its id is kept beside it: the id stays its own.
+        # What is in the key by its id is stored beside it, so that nothing else gets that id.
         kept = (draws, commands, scene.instances, *bound.values())
         key = (commands.put(params), *map(id, kept))
         if key not in self._recorded:
@@ -186,7 +189,7 @@ class MeshPass:
         draws: list[Draw],
         shared: dict[str, Any],
     ) -> None:
-        """Into a render pass, or a bundle to be."""
+        """Encode the draws into a render pass, or into a recording."""
         active: MeshPipeline | None = None
         textures: Any = None
         for draw in draws:
@@ -210,7 +213,7 @@ class MeshPass:
             )
 
     def _count(self, commands: Commands, scene: GpuScene, draws: list[Draw]) -> None:
-        """Vertices for invocations; what they are made of, beside what the pass binds."""
+        """Count vertices and the buffers that they read, for the tally of a stage."""
         assert commands.tally is not None
         read: list[Buffer] = []
         for pipeline in {id(p): p for p in map(self._pipeline, draws)}.values():

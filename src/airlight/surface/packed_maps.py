@@ -1,8 +1,8 @@
-"""Maps of all materials in one buffer, for shaders that filter them on their own.
+"""Material maps of all materials in one buffer, for shaders that filter them themselves.
 
-CPU adapters shade whole blocks of pixels for each triangle; a pass over the image shades a
-pixel once, but cannot change its textures from pixel to pixel. Here a texel is 8 bytes: base
-colour, normal and roughness, so that one load serves all three maps.
+CPU adapters shade whole blocks of pixels for each triangle. A pass over the image shades each pixel
+once, but cannot bind other textures for each pixel. Here a texel is 8 bytes: base colour, normal
+and roughness, so that one load serves all three maps.
 """
 
 from __future__ import annotations
@@ -26,19 +26,22 @@ _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 
 def uses_visibility_buffer(gpu: Gpu) -> bool:
-    """Whether it is faster on a device to draw which triangle pixels see, and so to pack maps."""
+    """Whether the visibility buffer is the faster way on a device, so that maps are packed."""
     return gpu.takes_cpu_paths and "shader-int64" in gpu.features
 
 
 def most_texels(gpu: Gpu) -> int:
-    """Of all maps together, in one storage buffer of at most 512 MB: where a driver binds no more
-    than 128 MB, a single map of 4096 x 4096 texels and its smaller levels do not fit."""
+    """The most texels of all maps together, in one storage buffer of at most 512 MB.
+
+    Where a driver binds no more than 128 MB, a single map of 4096 x 4096 texels and its mip levels
+    do not fit.
+    """
     limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
     return min(_MOST_BYTES, *limits) // _TEXEL_BYTES
 
 
 def is_packable(m: Material) -> bool:
-    """Whether the maps lie alike and have one size, and none is of emission or of varying metal."""
+    """Whether the maps share size and transform, and none is of emission or varying metal."""
     maps = _maps(m)
     alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
     linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
@@ -53,7 +56,7 @@ def is_packable(m: Material) -> bool:
 
 
 def metallic_factor(m: Material) -> float | None:
-    """What the maps multiply the material's metallic by; None where that differs in places."""
+    """The factor that the maps apply to the material's metallic; None where it varies."""
     texture = m.metallic_roughness_texture
     if texture is None or m.metallic == 0.0:
         return 1.0
@@ -67,15 +70,15 @@ def _maps(m: Material) -> list[Texture]:
 
 
 def image_of(texture: Texture) -> tuple[int, bool]:
-    """The same for textures that show the same image; its id holds while one of them is kept."""
+    """A key that is equal for textures of the same image, valid while one of them exists."""
     return (id(texture.pixels), texture.is_srgb)
 
 
 class PackedMaps:
-    """`texels` (N, 2) uint32; `of` gives a material's place in them."""
+    """`texels` (N, 2) uint32; `of` returns where in them a material's maps are."""
 
     def __init__(self, chain: Callable[[Texture], list[NDArray[np.uint8]]], most: int) -> None:
-        """`chain` gives a texture's mip chain; there are no more texels than `most`."""
+        """`chain` returns a texture's mip chain; there are at most `most` texels."""
         self._chain, self._most = chain, most
         self._parts: list[NDArray[np.uint32]] = []
         self._length = 0
@@ -83,10 +86,12 @@ class PackedMaps:
         self._locations: dict[tuple[Any, ...], tuple[int, int, int, int] | None] = {}
 
     def of(self, m: Material) -> tuple[int, int, int, int] | None:
-        """(first, width | height << 16, flags, levels) of a material; None if it is not packable,
-        or if its maps are too large beside those that are there.
+        """(first, width
 
-        At `first` stands a table of where each level and the one after it begin.
+        height << 16, flags, levels) of a material.
+
+        None if its maps are not packable, or too large beside those that are packed. At `first`
+        stands a table of where each level and the one after it begin.
         """
         if not is_packable(m):
             return None
@@ -99,7 +104,7 @@ class PackedMaps:
 
     @property
     def texels(self) -> NDArray[np.uint32]:
-        """All of them, and one that is 0: never empty."""
+        """All texels, and one that is 0, so that there is always one."""
         return np.concatenate([*self._parts, np.zeros((1, 2), np.uint32)])
 
     def _add(
@@ -130,7 +135,7 @@ class PackedMaps:
 
 
 def _count(height: int, width: int) -> int:
-    """Texels of a map, its levels and their table."""
+    """The texels of a map, its mip levels and their table."""
     levels = range(max(height, width).bit_length())
     return len(levels) + sum(max(height >> k, 1) * max(width >> k, 1) for k in levels)
 
@@ -142,7 +147,7 @@ def _packed(
     *,
     is_srgb: bool,
 ) -> NDArray[np.uint32]:
-    """One level (texels, 2): roots of linear light, 10 bits each; the normal's xyz, roughness."""
+    """One mip level (texels, 2): square roots of linear light, 10 bits each; normal, roughness."""
     some = next(level for level in (base, rough, normal) if level is not None)
     texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)
     if base is not None:
@@ -158,7 +163,7 @@ def _packed(
 
 @cache
 def _roots(is_srgb: bool) -> NDArray[np.uint32]:
-    """Square roots of the linear light of 256 codes, of 1023: a shader decodes them in one step."""
+    """Square roots of the linear light of 256 codes, scaled to 1023: a shader squares them."""
     codes = np.arange(256) / 255.0
     light = srgb_decode(codes) if is_srgb else codes
     return np.round(np.sqrt(light) * 1023.0).astype(np.uint32)

@@ -1,7 +1,8 @@
-"""Triangles that are told apart by their first vertex, which rasterisers pass on unchanged.
+"""Triangle ids by the provoking vertex.
 
-A flat varying has the value of a triangle's first vertex: where no two triangles share that, it may
-be the triangle's number, and indexed vertices are still shaded once for many triangles.
+A flat interpolant has the value of a triangle's first vertex. Where no two triangles share that
+vertex, it may be the triangle's number, and indexed vertices are still shaded once for many
+triangles.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ U32 = NDArray[np.uint32]
 
 
 def unique_provoking(indices: U32) -> tuple[U32, U32]:
-    """Vertices anew, so that triangle t's first one is vertex t.
+    """Vertices reordered and copied so that vertex t is the first one of triangle t.
 
-    `indices` (T, 3) -> sources (V',), which vertex each new one is a copy of, and indices (T, 3)
-    into them. Other corners are the copies that are first in a triangle near by, so that few
+    `indices` (T, 3) -> sources (V',), the vertex that each new one is a copy of, and indices (T, 3)
+    into them. The other corners are copies that are first in a triangle near by, so that few
     vertices are shaded; vertices that are first nowhere come last.
     """
     count = len(indices)

@@ -1,8 +1,8 @@
-"""Reflective shadow maps: depth, normal and reflected flux as lights see the scene.
+"""Reflective shadow maps (Dachsbacher2005): depth, normal and reflected flux per light.
 
-Dachsbacher2005; each texel is a virtual point light (Kaplanyan2010 section 3.1). The flux is kept
-per texel measure (m^2 where the light is parallel, sr in perspective), so that half floats hold
-it; its reader multiplies by the measure.
+Each texel is a virtual point light (Kaplanyan2010 section 3.1). The flux is stored per texel
+measure (m^2 for parallel light, sr in perspective), so that half floats hold it; its reader
+multiplies by the measure.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .visibility_buffer import VISIBILITY_SLOTS, VisibilityBuffer
 
 
 class ReflectiveParams(Struct):
-    """The view that is drawn, and its light."""
+    """The light and the view that is drawn."""
 
     clip_from_world = mat4x4f()
     color = vec3f("W m^-2 (directional) or W sr^-1")
@@ -43,7 +43,7 @@ class ReflectiveParams(Struct):
 class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
     targets = ("rgba16float", "rgba16float")
-    depth_compare = "less-equal"  # as cameras see it: of two surfaces in one place the later one
+    depth_compare = "less-equal"  # as for cameras: of coincident surfaces the last drawn one
     maps = ("base_color", "metallic_roughness")
     file = "reflective.wgsl"
 
@@ -55,7 +55,7 @@ class _FluxFromIds(FullscreenPass):
 
 
 class ReflectiveShadowMaps:
-    """Arrays of square maps; drawn anew only where a light, its view or the geometry changed.
+    """Arrays of square maps, redrawn where a light, its view or the geometry changed.
 
     normal  xyz world, facing the light; w as `InstanceData.size`
     flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel
@@ -81,7 +81,7 @@ class ReflectiveShadowMaps:
         self._parts = DrawParts(self._split)
         self._drawn: dict[int, tuple[int, bytes, Light] | None] = {}
         self.version = 0
-        """Raised whenever a map was drawn anew."""
+        """Raised whenever a map is redrawn."""
 
     def encode(
         self,
@@ -99,7 +99,7 @@ class ReflectiveShadowMaps:
         if stale:
             self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         for layer, key in stale:
-            self._drawn[layer] = None  # until it is drawn: what raises leaves nothing to be kept
+            self._drawn[layer] = None  # until it is drawn: after an error nothing counts as drawn
             self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
             self._drawn[layer] = key
         gone = [layer for layer in self._drawn if layer >= len(views)]
@@ -110,7 +110,7 @@ class ReflectiveShadowMaps:
         return bool(stale or gone)
 
     def _clear(self, commands: Commands, layer: int) -> None:
-        """A light that is no longer there brings nothing."""
+        """Clear the map of a light that no longer exists."""
         colors, depth = self._attachments(layer)
         with commands.render(
             "no reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
@@ -154,7 +154,7 @@ class ReflectiveShadowMaps:
             self._pass.draw(commands, encoder, scene, draws, params)
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
-        """What is drawn by triangles that texels see, and then the rest."""
+        """The draws for the visibility buffer, then the rest."""
         if self._visibility:
             return self._visibility.split(scene, draws)
         return [], in_draw_order(scene, draws)
@@ -168,7 +168,7 @@ class ReflectiveShadowMaps:
         params: ReflectiveParams,
         draws: list[Draw],
     ) -> None:
-        """Draw `draws` by triangles that texels see."""
+        """Draw `draws` by way of the visibility buffer."""
         assert self._visibility
         _, depth = self._attachments(layer)
         targets = (self.normal.layer(layer), self.flux.layer(layer))

@@ -31,7 +31,7 @@ class _OpaquePipeline(DepthPipeline):
 
 
 class ShadowMaps:
-    """An array of square depth maps; drawn anew only where a view or the geometry changed."""
+    """An array of square depth maps, redrawn where a view or the geometry changed."""
 
     def __init__(self, gpu: Gpu, label: str, resolution: int, layers: int) -> None:
         self.resolution, self.layers = resolution, layers
@@ -44,7 +44,7 @@ class ShadowMaps:
         self.sampler = comparison_sampler(gpu)
         self._pass = MeshPass(gpu, _CutoutPipeline, opaque=_OpaquePipeline)
         self._drawn: dict[int, tuple[int, bytes]] = {}
-        self.version = 0  # raised whenever a map was drawn anew
+        self.version = 0  # raised whenever a map is redrawn
 
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
         """Draw those `views` that changed."""
@@ -81,5 +81,5 @@ class ShadowMaps:
 
 
 def comparison_sampler(gpu: Gpu) -> Sampler:
-    """Lit where the reference depth is not beyond the stored one; bilinear."""
+    """Compares depth: 1 where the reference is not beyond the stored depth; bilinear."""
     return Sampler(gpu, "shadow", compare="less-equal", mag_filter="linear", min_filter="linear")

@@ -1,4 +1,4 @@
-"""The environment as light: a map to look at, and directional lights that stand for it.
+"""The environment as light: a background map, and directional lights that stand for it.
 
 The sphere is cut into the Voronoi cells of Fibonacci points; each cell becomes a directional light
 with the cell's whole irradiance, along its radiance-weighted mean direction. The partition has no
@@ -29,7 +29,7 @@ _ROWS = 64  # of the map that is partitioned; finer detail is averaged first
 
 @dataclass(frozen=True)
 class SkyLight(DirectionalLight):
-    """A part of the sky. `spread`: tangent of the radius of the disc that its light comes from."""
+    """A part of the sky. `spread`: tangent of the angular radius of its disc."""
 
     spread: float
 
@@ -67,7 +67,10 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
 
 
 def _spread(mean_length: float) -> float:
-    """Tangent of a disc's radius, of the length of its directions' mean: (1 + cos radius) / 2."""
+    """The tangent of a disc's angular radius.
+
+    The mean of its directions has the length `mean_length` = (1 + cos radius) / 2.
+    """
     cosine = min(max(2.0 * mean_length - 1.0, 0.1), 1.0)
     return float(np.sqrt(1.0 - cosine**2) / cosine)
 
@@ -88,10 +91,10 @@ def turned(directions: F64, rotation_deg: float) -> F64:
 
 
 def _shrunk_map(environment: Environment) -> F64:
-    """`environment_map`, its texels averaged in squares to about _ROWS rows.
+    """`environment_map`, averaged over squares of texels to about _ROWS rows.
 
-    A large map is averaged a row of squares at a time: as a whole it would take eight bytes per
-    value.
+    A large map is averaged one row of squares at a time, because as a whole it would take eight
+    bytes per value.
     """
     if environment.map is None:
         return environment_map(environment)
@@ -108,7 +111,7 @@ def _shrunk_map(environment: Environment) -> F64:
 
 
 def _half_pixels(radiance: NDArray[Any], scale: float) -> NDArray[np.float16]:
-    """Texels (H, W, 4) of a map as it is shown."""
+    """Texels (H, W, 4) of the background."""
     pixels = np.ones((*radiance.shape[:2], 4), np.float16)
     half_floats(radiance, scale, out=pixels[..., :3])
     return pixels
@@ -133,7 +136,7 @@ class EnvironmentTexture:
         self._turn(environment)
 
     def take(self, environment: Environment | None) -> bool:
-        """Show another environment; False for one whose map has another size."""
+        """Show another environment; returns False if its map has another size."""
         old = self._shown
         is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
         if not is_same:
@@ -148,7 +151,7 @@ class EnvironmentTexture:
         self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
 
     def _upload(self, environment: Environment | None) -> None:
-        """The texels, a band at a time where they are many: the device copies what is uploaded."""
+        """Upload the texels, in bands where they are many: the device copies each upload."""
         radiance, scale = _background_map(environment)
         height, width = radiance.shape[:2]
         for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
@@ -158,7 +161,7 @@ class EnvironmentTexture:
 
 
 def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:
-    """The map (H, W, 3) that is seen in the background, and its factor."""
+    """The map (H, W, 3) of the background, and the factor that scales it."""
     if environment is None or not environment.visible:
         return np.zeros((1, 1, 3)), 1.0
     if environment.map is None:
@@ -167,6 +170,6 @@ def _background_map(environment: Environment | None) -> tuple[NDArray[Any], floa
 
 
 def _pixels_of(environment: Environment) -> tuple[object, ...]:
-    """What the texture's pixels depend on; maps are told apart by where they lie in memory."""
+    """What the texture's pixels depend on; maps are identified by their address."""
     where = None if environment.map is None else environment.map.ctypes.data
     return (environment.radiance, where, environment.scale, environment.visible)

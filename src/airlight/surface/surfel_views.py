@@ -1,8 +1,8 @@
-"""Surfaces as views see them, peeled layer by layer: samples for volumes of blockers.
+"""Surfaces as views see them, depth-peeled (Everitt2001): samples for volumes of blockers.
 
 Kaplanyan2010 section 3.2 re-uses the camera's and the lights' buffers, down-sampled, and mentions
-depth peeling for more. These are drawn for the purpose, since reflectance is needed too; a view is
-drawn anew only where it or the geometry changed. Depth peeling: Everitt2001.
+depth peeling for more. These views are drawn for the purpose, since reflectance is needed too; a
+view is redrawn only where it or the geometry changed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""What a pixel needs to know of its triangle: corners, normals, uv, material and its maps.
+"""The triangles of a scene as the second pass of the visibility buffer reads them.
 
-CPU adapters alone use it: `surface.visibility_buffer` draws which triangle each pixel sees.
+For each triangle id: corners, normals, texture coordinates, material and its maps. Only CPU
+adapters use it.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ _MOST = 65535  # instances, and materials: a pixel has 16 bits for each
 
 
 def most_triangles(gpu: Gpu) -> int:
-    """Of the whole scene: what is beyond is drawn as surfaces come."""
+    """The most triangles of a scene; the others are rasterised without a visibility buffer."""
     limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
     return min(limits) // (4 * WORDS)
 
 
 class InstanceIds(Struct):
-    """What a vertex adds to its number, and what its pixels are of."""
+    """What a vertex shader adds to its vertex number, and the ids that its pixels store."""
 
     first = u32("1 + number of its triangle, less its vertex's")
     what = u32("instance | material << 16")
@@ -55,7 +56,7 @@ MATERIAL = np.dtype(
 
 
 class TriangleTable:
-    """Buffers beside those of a `GpuScene`, of the geometries and materials that can be told apart.
+    """Buffers beside those of a `GpuScene`, of the geometries and materials that fit.
 
     positions  of the vertices of `unique_provoking`
     indices    in the scene's order, into those
@@ -104,13 +105,13 @@ class TriangleTable:
         self._last = dict(geometries)
 
     def shows(self, base_vertex: int, material: Material) -> bool:
-        """Whether instances of that geometry and material can be drawn this way."""
+        """Whether the table has instances of that geometry with that material."""
         geometry = self._last.get(base_vertex)
         is_plain = geometry is not None and geometry.colors is None
         return is_plain and self._is_packed[id(material)]
 
     def deform(self, base_vertex: int, geometry: Geometry) -> None:
-        """Take the vertices of a geometry that moved."""
+        """Update the vertices of a geometry that moved."""
         if base_vertex not in self.base_vertex:
             return
         sources, first = self._sources[base_vertex], self.base_vertex[base_vertex]
@@ -142,7 +143,7 @@ class TriangleTable:
 
 
 def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
-    """Those that have no more than `most` triangles together, in their order."""
+    """The first geometries that have no more than `most` triangles together."""
     kept, count = {}, 0
     for key, geometry in geometries.items():
         if count + len(geometry.indices) <= most:
@@ -175,7 +176,7 @@ def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
 
 
 def _uv_transform(m: Material) -> tuple[float, ...]:
-    """Scale and offset of the material's maps."""
+    """Scale and offset of the material's texture coordinates."""
     some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
     return (*some.scale, *some.offset) if some else _IDENTITY_UV
 
@@ -185,7 +186,7 @@ def _uvs(g: Geometry) -> NDArray[np.float32]:
 
 
 def _triangles(g: Geometry) -> U32:
-    """(T, WORDS): the first corner and the two edges from it, uv likewise, three normals."""
+    """(T, WORDS): corner and two edges, texture coordinates likewise, three normals."""
     rows = np.zeros((len(g.indices), WORDS), np.uint32)
     floats, halves = rows.view(np.float32), rows.view(np.int16)
     p, uv = g.positions, _uvs(g)

@@ -1,8 +1,8 @@
-"""Surfaces drawn in two steps: which triangle each pixel sees, then each pixel's surface once.
+"""The visibility buffer (Burns2013): triangle ids per pixel, then each pixel's surface once.
 
-Burns2013 call the image of the first step a visibility buffer. CPU adapters shade whole
-blocks of pixels for every triangle that touches them, three to four times as many pixels as there
-are where triangles are small; which triangle it is costs them next to nothing.
+CPU adapters shade whole blocks of pixels for every triangle that touches them: where triangles are
+small, three to four times as many pixels as the image has. Writing a triangle id costs them next to
+nothing, and the second pass shades each pixel once.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from .triangle_table import InstanceIds
 
 
 class TriangleIdParams(Struct):
-    """Where the camera is."""
+    """The camera's matrix."""
 
     clip_from_world = mat4x4f()
 
 
 class VisibilityParams(Struct):
-    """Where the camera is, and how wide pixels are."""
+    """The camera's matrix and the width of pixels."""
 
     clip_from_world = mat4x4f()
     inv_size = vec2f("of the image, px^-1")
@@ -66,14 +66,14 @@ class _TriangleIds(MeshPipeline):
         INSTANCE_TRANSFORMS,
         _WHAT,
     )
-    # Of two surfaces in one place the later one is seen: see `in_draw_order`.
+    # Of coincident surfaces the last drawn one is visible: see `in_draw_order`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)
     maps: ClassVar[tuple[str, ...]] = ()
     file = "visibility_ids.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
-        """Vertices that tell triangles apart, where instances are, and what."""
+        """Vertices with unique first corners, transforms, and ids of instances."""
         return (scene.triangle_table.positions, scene.instances, scene.triangle_table.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
@@ -88,7 +88,7 @@ class _CutoutTriangleIds(_TriangleIds):
     file = "visibility_ids_cutout.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
-        """Those, and where the maps lie on them."""
+        """The same, and texture coordinates."""
         return (*super().vertices_of(scene), scene.triangle_table.uvs)
 
 
@@ -112,7 +112,7 @@ VISIBILITY_SLOTS = (
 
 
 class GBufferFromIds(FullscreenPass):
-    """The G-buffer of what pixels see; its params are VisibilityParams."""
+    """The G-buffer from triangle ids; its params are VisibilityParams."""
 
     slots = (uniform("params", VisibilityParams), *VISIBILITY_SLOTS)
     targets = ("rgba16float", "rgba16float", "rgba16float")
@@ -120,7 +120,7 @@ class GBufferFromIds(FullscreenPass):
 
 
 class VisibilityBuffer:
-    """The two steps for images of one size, of a camera (depth reversed) or of lights."""
+    """Both passes for images of one size, of a camera (reversed depth) or of lights."""
 
     def __init__(
         self,
@@ -130,7 +130,7 @@ class VisibilityBuffer:
         *,
         of_lights: bool = False,
     ) -> None:
-        """`surface` is the second step: a pass with VISIBILITY_SLOTS."""
+        """`surface` is the second pass, with VISIBILITY_SLOTS."""
         self.gpu, self._surface = gpu, surface
         kinds = (
             (_LightCutoutTriangleIds, _LightTriangleIds)
@@ -145,15 +145,15 @@ class VisibilityBuffer:
         self.triangle_ids = Texture(self.gpu, "triangle ids", size, "rg32uint", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels."""
+        """Draw images of `size`, pixels, from here on."""
         self.triangle_ids.release()
         self._take(size)
 
     @staticmethod
     def split(scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
-        """The draws that can be drawn this way, for `encode`, and the rest, to be drawn over them.
+        """The draws that the visibility buffer can show, and the rest, drawn after them.
 
-        Those alone that did not fit into memory are out of the order of `in_draw_order`.
+        Draws that only did not fit into memory are not ordered as `in_draw_order` asks.
         """
         shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in draws]
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
@@ -181,9 +181,9 @@ class VisibilityBuffer:
         targets: tuple[Any, ...],
         params: Struct,
     ) -> None:
-        """Fill all of `targets` and the attachment `depth`; zeros where none of `draws` is.
+        """Fill all `targets` and the attachment `depth`; zeros where none of `draws` is.
 
-        `params` are those of the second step.
+        `params` are those of the second pass.
         """
         color = {
             "view": self.triangle_ids.resource,
