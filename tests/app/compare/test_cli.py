@@ -115,11 +115,8 @@ def compared(names, tmp_path, settings=None):
         triangle_scene(),
         "a scene.toml",
         names,
+        compare.Plan(size=SIZE, spp=64, samples=4, settings=settings or {}),
         output=tmp_path,
-        size=SIZE,
-        spp=64,
-        samples=4,
-        settings=settings,
     )
 
 

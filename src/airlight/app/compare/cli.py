@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import platform
 import shlex
 import time
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,23 @@ if TYPE_CHECKING:
     from .result import Comparison, Outcome
 
 TECHNIQUE_OPTIONS = ("-t", "--technique")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a comparison is made with, as the options of `airlight compare` say.
+
+    `settings` go to each technique that has them; `noise`: relative MSE that the reference's noise
+    is to be below.
+    """
+
+    size: tuple[int, int] = (640, 360)
+    spp: int = 64
+    noise: float | None = None
+    timeout_s: float = 3600.0
+    samples: int = 16
+    settings: Mapping[str, str] = field(default_factory=dict)
+    adapter: str = "auto"
 
 
 class _ManyTechniques(click.Command):
@@ -113,7 +130,9 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
 @settings_option("A setting of each technique that has it; may be repeated.")
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
-def command(scene: str, techniques: tuple[str, ...], output: Path, **options: Any) -> None:
+def command(
+    scene: str, techniques: tuple[str, ...], output: Path, quiet: bool, **options: Any
+) -> None:
     """Judge techniques on SCENE by an unbiased reference.
 
     \b
@@ -127,11 +146,12 @@ def command(scene: str, techniques: tuple[str, ...], output: Path, **options: An
     reads(scene)
     make_folder(output)
     check_outputs(*_files(output))
-    with progress(quiet=options["quiet"]) as report:
+    with progress(quiet=quiet) as report:
         report("loading", 0.0)
         loaded = load_scene(scene)
         check_outputs(*_files(output))
-        comparison = compare_scene(loaded, scene, names, output=output, report=report, **options)
+        plan = Plan(**options)
+        comparison = compare_scene(loaded, scene, names, plan, output=output, report=report)
         report("writing", 0.0)
         write(comparison, output)
     show_warnings(loaded)
@@ -143,40 +163,34 @@ def compare_scene(
     scene: Scene,
     label: str,
     techniques: tuple[str, ...],
+    plan: Plan,
     *,
     output: Path,
-    size: tuple[int, int] = (640, 360),
-    spp: int = 64,
-    noise: float | None = None,
-    timeout_s: float = 3600.0,
-    samples: int = 16,
-    settings: Mapping[str, str] | None = None,
-    adapter: str = "auto",
-    quiet: bool = True,
     report: Report = lambda stage, fraction: None,
 ) -> Comparison:
     """Render the reference, then each technique, and score them.
 
-    `label` is what the scene is called on a command line; `settings` go to each technique that has
-    them. A technique that fails is an outcome with its error. Raises ReferenceFailure, and
-    SettingsError for a setting that no technique has or that cannot be.
+    `label` is what the scene is called on a command line. A technique that fails is an outcome with
+    its error. Raises ReferenceFailure, and SettingsError for a setting that no technique has or
+    that cannot be.
     """
     from ...maths.tone import auto_exposure
     from .reference import reference_for
     from .result import Comparison
 
-    settings = settings or {}
-    own = shared_settings(techniques, scene, settings)
-    reference = reference_for(scene, size, spp, noise=noise, timeout_s=timeout_s, report=report)
+    own = shared_settings(techniques, scene, plan.settings)
+    reference = reference_for(
+        scene, plan.size, plan.spp, noise=plan.noise, timeout_s=plan.timeout_s, report=report
+    )
     outcomes = []
     for index, name in enumerate(techniques):
         report(f"rendering {name}", index / len(techniques))
-        outcomes.append(_outcome(scene, label, name, own[name], size, samples, adapter, reference))
+        outcomes.append(_outcome(scene, label, name, replace(plan, settings=own[name]), reference))
     return Comparison(
         scene=label,
-        command=_compare_command(label, techniques, output, size, spp, noise, samples, settings),
-        size=size,
-        samples=samples,
+        command=_compare_command(label, techniques, output, plan),
+        size=plan.size,
+        samples=plan.samples,
         stops=auto_exposure(reference.image.radiance),
         reference=reference,
         outcomes=tuple(outcomes),
@@ -188,21 +202,20 @@ def _outcome(
     scene: Scene,
     label: str,
     name: str,
-    settings: Mapping[str, str],
-    size: tuple[int, int],
-    samples: int,
-    adapter: str,
+    plan: Plan,
     reference: Reference,
 ) -> Outcome:
-    """One technique rendered and scored; whatever goes wrong with it is its own affair."""
+    """One technique rendered and scored, with the settings of `plan`; errors are its own."""
     from ...reference.metrics import compare
     from .result import Outcome
 
     words = ["airlight", "render", label, "-o", f"{name}.exr", "--layers", "--technique", name]
-    words += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples)]
-    made = shlex.join([*words, *_settings_words(settings)])
+    words += ["--size", _size_word(plan.size), "--samples", str(plan.samples)]
+    made = shlex.join([*words, *_settings_words(plan.settings)])
     try:
-        image, taken_s = render_technique(scene, name, size, samples, adapter, settings)
+        image, taken_s = render_technique(
+            scene, name, plan.size, plan.samples, plan.adapter, plan.settings
+        )
         metrics = compare(image, reference.image)
     except AirlightError as error:
         return Outcome(name, made, error=str(error))
@@ -260,7 +273,7 @@ def render_technique(
             bounced = renderer.frame(samples=samples)
         assert bounced is not None
         layers = {**image.layers, "one_bounce": bounced.layers["indirect"]}
-        image = dataclasses.replace(image, layers=layers)
+        image = replace(image, layers=layers)
     return image, taken_s
 
 
@@ -288,20 +301,15 @@ def _files(folder: Path) -> tuple[Path, Path, Path]:
     return folder / "results.json", folder / "contact_sheet.png", folder / "index.html"
 
 
-def _compare_command(
-    label: str,
-    techniques: tuple[str, ...],
-    output: Path,
-    size: tuple[int, int],
-    spp: int,
-    noise: float | None,
-    samples: int,
-    settings: Mapping[str, str],
-) -> str:
+def _compare_command(label: str, techniques: tuple[str, ...], output: Path, plan: Plan) -> str:
     words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
-    words += ["--size", f"{size[0]}x{size[1]}", "--spp", str(spp), "--samples", str(samples)]
-    words += _settings_words(settings)
-    return shlex.join(words + ([] if noise is None else ["--noise", f"{noise:g}"]))
+    words += ["--size", _size_word(plan.size), "--spp", str(plan.spp)]
+    words += ["--samples", str(plan.samples), *_settings_words(plan.settings)]
+    return shlex.join(words + ([] if plan.noise is None else ["--noise", f"{plan.noise:g}"]))
+
+
+def _size_word(size: tuple[int, int]) -> str:
+    return f"{size[0]}x{size[1]}"
 
 
 def _settings_words(settings: Mapping[str, str]) -> list[str]:
