@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.gpu.slots import storage
-from airlight.lighting.occlusion import Occlusion
+from airlight.lighting.occlusion import Occlusion, Reach
 from airlight.lighting.view import View
 from airlight.maths.occlusion import packed_hidden
 from airlight.rendering import Renderer
@@ -53,11 +53,10 @@ def seen_around(gpu, commands, owned):
             lit.write(pixels)
         Occlusion(gpu, slices, steps, has_light=lit is not None).encode(
             commands,
-            view.gbuffer.depth,
-            view.gbuffer.normal,
+            view.gbuffer,
             view.occlusion,
             view.world_from_clip,
-            radius,
+            Reach(radius),
             lit=lit,
         )
         commands.submit()

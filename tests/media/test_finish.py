@@ -11,7 +11,7 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.compositing.compose import Compose
-from airlight.media.compositing.finish import Finish, can_finish
+from airlight.media.compositing.finish import Drawn, Finish, MediaLayers, can_finish
 from airlight.media.compositing.transmittance import Transmittance
 from airlight.media.compositing.upsample import Upsample, UpsampleOnto
 from airlight.media.gpu_media import GpuMedia
@@ -68,11 +68,8 @@ def test_it_is_what_the_passes_make(
         seen.commands,
         params,
         depth,
-        reduced=reduced,
-        skylit=skylit,
-        shafts=shafts,
-        **at_once,
-        surfaces=(direct, indirect),
+        Drawn(reduced, shafts, skylit),
+        MediaLayers((direct, indirect), **at_once),
     )
     # Along the image, rays are interpolated between vertices: a few units in the last place.
     pairs = [(apart[n], at_once[n]) for n in LAYERS]

@@ -11,7 +11,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
-from airlight.media.media_image import MediaImage
+from airlight.media.media_image import Expected, MediaImage
 from airlight.media.settings import MediaSettings
 from airlight.media.shafts import image as shaft_image
 from airlight.media.shafts.shafts import Shafts
@@ -121,7 +121,7 @@ def test_a_solved_volume_has_no_shafts_but_takes_light(
     lights = owned(Lights(gpu, scene.lights, None, 64, 64))
     low, high = (np.array(corner) for corner in BOX)
     lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
-    air = owned(MediaImage(gpu, scene, SIZE, lights, solved=(ball,)))
+    air = owned(MediaImage(gpu, scene, SIZE, lights, expected=Expected(solved=(ball,))))
     air.solve(seen.commands, scene, low, high)
     air.encode(seen.commands, seen.view, lights)
     assert not seen.read(air.single_scatter).any()
@@ -237,5 +237,5 @@ def test_reduced_images_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: 
         ({}, {"single"}),
     )
     for given, names in cases:
-        air = owned(MediaImage(gpu, foggy, SIZE, lights, **given))
+        air = owned(MediaImage(gpu, foggy, SIZE, lights, expected=Expected(**given)))
         assert set(air._reduced) == names

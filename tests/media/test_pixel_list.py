@@ -10,7 +10,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Buffer, Texture
-from airlight.media.compositing.finish import Finish
+from airlight.media.compositing.finish import Drawn, Finish, Listing, MediaLayers
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.pixel_list import PixelList, RedrawParams
 from airlight.media.rays import Rays
@@ -53,15 +53,9 @@ def test_those_between_unlike_texels_and_no_others(
         seen.commands,
         params,
         seen.view.gbuffer.depth,
-        reduced=texture(sky),
-        skylit=texture(sky),
-        shafts=texture(shaft),
-        surfaces=(full["a"], full["b"]),
-        multiple=full["c"],
-        transmittance=full["d"],
-        single=full["e"],
-        listed=listed,
-        redrawn=RedrawParams(contrast=contrast, group=GROUP),
+        Drawn(texture(sky), texture(shaft), texture(sky)),
+        MediaLayers((full["a"], full["b"]), full["c"], full["d"], full["e"]),
+        Listing(listed, RedrawParams(contrast=contrast, group=GROUP)),
     )
     single = seen.read(full["e"])[..., 0]
     count = int(_numbers(gpu, listed.found, 1)[0])

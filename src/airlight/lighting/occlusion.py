@@ -14,6 +14,8 @@ differs: Jimenez2016 adds a temporal pattern; here an image depends on nothing b
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..gpu.commands import Commands
@@ -23,6 +25,7 @@ from ..gpu.memory import Texture, nearest_sampler
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import sampler, texture, uniform
 from ..maths.transforms import F64
+from ..surface.gbuffer import GBuffer
 
 _CPU_SAMPLES, _GPU_SAMPLES = (2, 4), (3, 6)  # slices, steps on each side of one
 _CPU_SCALE, _GPU_SCALE = 2, 1
@@ -83,6 +86,17 @@ class OcclusionLayers:
         )
 
 
+@dataclass(frozen=True)
+class Reach:
+    """The radius, m, within which surfaces occlude; where that is larger, `growth` times the
+    distance to the eye, at most `largest`, m.
+    """
+
+    radius: float
+    growth: float = 0.0
+    largest: float = 0.0
+
+
 class Occlusion:
     """Depth and normals -> visibility of the near field, and its radiance."""
 
@@ -110,27 +124,23 @@ class Occlusion:
     def encode(
         self,
         commands: Commands,
-        depth: Texture,
-        normal: Texture,
+        gbuffer: GBuffer,
         layers: OcclusionLayers,
         world_from_clip: F64,
-        radius: float,
+        reach: Reach,
         *,
-        growth: float = 0.0,
-        largest: float = 0.0,
         lit: Texture | None = None,
     ) -> None:
-        """Fill `layers`; surfaces within `radius` (m) occlude, fading out with distance.
+        """Fill `layers`; surfaces within `reach` occlude, fading out with distance.
 
-        Where that is larger, the radius is `growth` times the distance to the eye, at most
-        `largest` (m). `lit`: radiance of surfaces towards the eye, W m^-2 sr^-1, per pixel.
+        `lit`: radiance of surfaces towards the eye, W m^-2 sr^-1, per pixel.
         """
-        params = occlusion_params(world_from_clip, layers, radius, growth, largest)
+        params = occlusion_params(world_from_clip, layers, reach)
         inputs = {
             "params": params,
-            "depth": depth,
-            "normal": normal,
-            "lit": lit or normal,
+            "depth": gbuffer.depth,
+            "normal": gbuffer.normal,
+            "lit": lit or gbuffer.normal,
             "image_sampler": self._nearest,
         }
         self._surfaces.draw(commands, (layers.surfaces,), **inputs)
@@ -141,11 +151,9 @@ class Occlusion:
 def occlusion_params(
     world_from_clip: F64,
     layers: OcclusionLayers,
-    radius: float,
-    growth: float = 0.0,
-    largest: float = 0.0,
+    reach: Reach,
 ) -> OcclusionParams:
-    """The image's rays from its matrix (reversed infinite depth), and `radius` in metres."""
+    """The image's rays from its matrix (reversed infinite depth), and how far to look."""
     width, height = layers.size
     corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
     return OcclusionParams(
@@ -153,10 +161,10 @@ def occlusion_params(
         right=world_from_clip[:3, 0] * (2.0 / width),
         down=world_from_clip[:3, 1] * (-2.0 / height),
         depth_scale=float(world_from_clip[3, 2]),
-        radius=radius,
+        radius=reach.radius,
         scale=layers.scale,
         size=layers.size,
         reduced=np.array(layers.near.size[:2]),
-        growth=growth,
-        largest=max(largest, radius),
+        growth=reach.growth,
+        largest=max(reach.largest, reach.radius),
     )

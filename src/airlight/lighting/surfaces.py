@@ -30,7 +30,7 @@ from .kernel import (
 from .kit import Kit
 from .lattice_coordinates import LatticeCoordinates, can_cache
 from .lighting import Lighting
-from .occlusion import Occlusion
+from .occlusion import Occlusion, Reach
 from .view import View
 
 
@@ -105,13 +105,14 @@ class Surfaces:
             self._occlusion = Occlusion(self.gpu, has_light=has_light)
         self._occlusion.encode(
             commands,
-            g.depth,
-            g.normal,
+            g,
             view.occlusion,
             view.world_from_clip,
-            wanted * finest.cell,
-            growth=wanted * 2.0 / max(finest.count),
-            largest=wanted * coarsest.cell,
+            Reach(
+                wanted * finest.cell,
+                growth=wanted * 2.0 / max(finest.count),
+                largest=wanted * coarsest.cell,
+            ),
             lit=view.layers.lit if has_light else None,
         )
 

@@ -21,7 +21,7 @@ from ..scene.volume import Volume
 from .gpu_media import GpuMedia
 from .march.half_space import HalfSpace
 from .march.march import MarchedLight
-from .media_image import MediaImage
+from .media_image import Expected, MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
 
@@ -55,10 +55,7 @@ class Media(Solver):
             kit.context.size,
             kit.lights,
             settings,
-            sources=sources,
-            has_lattice=is_lattice_marched,
-            has_sky=has_sky,
-            solved=solved,
+            Expected(sources, is_lattice_marched, has_sky, solved),
         )
         self.sky: SkyInMedia | None = None
         if has_sky and self.on_device.count:

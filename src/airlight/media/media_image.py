@@ -7,8 +7,7 @@ reduced images -> upsampled and composed with surfaces, in one pass where a devi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -19,7 +18,7 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .compositing.compose import Compose
-from .compositing.finish import Finish, can_finish
+from .compositing.finish import Drawn, Finish, Listing, MediaLayers, can_finish
 from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
@@ -32,6 +31,19 @@ from .shafts.image import ShaftImage
 _NOTHING = MarchedLight()
 
 
+@dataclass(frozen=True)
+class Expected:
+    """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
+
+    `solved`: volumes whose sources bring their single scattering, see `GpuMedia`.
+    """
+
+    sources: int = 0
+    has_lattice: bool = False
+    has_sky: bool = False
+    solved: Sequence[Volume] = ()
+
+
 class MediaImage:
     """Passes and textures of one image size; media and lights may move from frame to frame."""
 
@@ -42,23 +54,17 @@ class MediaImage:
         size: tuple[int, int],
         lights: Lights,
         settings: MediaSettings | None = None,
-        *,
-        sources: int = 0,
-        has_lattice: bool = False,
-        has_sky: bool = False,
-        solved: Sequence[Volume] = (),
+        expected: Expected | None = None,
     ) -> None:
-        """`sources` textures and perhaps lattices will be marched; see `GpuMedia` for `solved`.
-
-        Raises SettingsError for a scheme of shafts that cannot draw the scene's media.
-        """
+        """Raises SettingsError for a scheme of shafts that cannot draw the scene's media."""
+        e = expected or Expected()
         self.gpu, self.settings = gpu, settings or MediaSettings()
         s = self.settings
         self.media = GpuMedia(
             gpu,
             scene,
             light_count=lights.count,
-            solved=solved,
+            solved=e.solved,
             column_resolution=s.column_resolution,
         )
         self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
@@ -68,10 +74,10 @@ class MediaImage:
         self.shafts: ShaftImage | None = None
         if s.shafts != "off" and lights.count and self.media.count:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
-        self.has_sky = has_sky and bool(self.media.count) and s.shafts != "off"
-        wanted = sources or has_lattice or self.has_sky or self.media.has_grids
+        self.has_sky = e.has_sky and bool(self.media.count) and s.shafts != "off"
+        wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids
         self.is_marched = bool(self.media.count and wanted)
-        self.march = March(gpu, self.media, sources=sources)
+        self.march = March(gpu, self.media, sources=e.sources)
         self._exact = Transmittance(gpu, self.media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, self.media) if self.media.has_grids else None
@@ -238,9 +244,8 @@ class MediaImage:
             self.march_rays,
             self.march,
             view.gbuffer.depth,
-            scattered=self._reduced["multiple"],
-            transmittance=self._reduced["transmittance"],
-            targets=(self.multiple_scatter, self.transmittance),
+            MarchTargets(self._reduced["multiple"], self._reduced["transmittance"]),
+            (self.multiple_scatter, self.transmittance),
         )
 
     def compose(self, commands: Commands, view: View) -> None:
@@ -269,23 +274,19 @@ class MediaImage:
     ) -> None:
         finisher = self._finisher
         assert finisher
-        listing: dict[str, Any] = {}
+        listing: Listing | None = None
         if self.shafts and self._lists:
             redrawn, listed = self.shafts.listing(view)
-            listing = {"redrawn": redrawn, "listed": listed}
-        finisher.encode(
-            commands,
-            params,
-            view.gbuffer.depth,
-            surfaces=view.layers.targets,
-            transmittance=self.transmittance,
-            single=self.single_scatter,
-            multiple=self.multiple_scatter,
-            reduced=self._reduced["multiple"],
-            skylit=self._reduced.get("sky"),
-            shafts=self._reduced["single"] if listing else self._shafts_alone,
-            **listing,
+            listing = Listing(listed, redrawn)
+        drawn = Drawn(
+            self._reduced["multiple"],
+            self._reduced["single"] if listing else self._shafts_alone,
+            self._reduced.get("sky"),
         )
+        layers = MediaLayers(
+            view.layers.targets, self.multiple_scatter, self.transmittance, self.single_scatter
+        )
+        finisher.encode(commands, params, view.gbuffer.depth, drawn, layers, listing)
         # The pixels that the pass listed.
         if self.shafts and listing:
             with commands.stage("shafts"):

@@ -6,6 +6,7 @@ grid needs more: what they read of a pixel is read once, and surfaces are attenu
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...gpu.commands import Commands
@@ -51,6 +52,36 @@ def can_finish(gpu: Gpu) -> bool:
     """Whether a pass may have so many targets, and multiply what is in them."""
     most = gpu.limits["max-color-attachment-bytes-per-sample"]
     return most >= _BYTES * (len(_TARGETS) + 1) and _FEATURE in gpu.features
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What is upsampled: multiple scattering, and single scattering of the sky.
+
+    `shafts`: single scattering of lights, reduced where pixels are listed, else of full size.
+    """
+
+    multiple: Texture
+    shafts: Texture
+    skylit: Texture | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MediaLayers:
+    """The layers of an image: `surfaces` (direct, indirect), which are attenuated, and of media."""
+
+    surfaces: tuple[Texture, Texture]
+    multiple: Texture
+    transmittance: Texture
+    single: Texture
+
+
+@dataclass(frozen=True, eq=False)
+class Listing:
+    """The list of pixels to be redrawn, and the contrast from which on they are."""
+
+    pixels: PixelList
+    params: RedrawParams
 
 
 class Finish(FullscreenPass):
@@ -107,34 +138,27 @@ class Finish(FullscreenPass):
         commands: Commands,
         params: RayParams,
         depth: Texture,
-        *,
-        reduced: Texture,
-        skylit: Texture | None,
-        shafts: Texture,
-        surfaces: tuple[Texture, Texture],
-        multiple: Texture,
-        transmittance: Texture,
-        single: Texture,
-        redrawn: RedrawParams | None = None,
-        listed: PixelList | None = None,
+        drawn: Drawn,
+        layers: MediaLayers,
+        listing: Listing | None = None,
     ) -> None:
-        """Attenuate `surfaces` (direct, indirect); fill `multiple` and `transmittance`.
+        """Attenuate the surfaces of `layers`, fill the others from what was `drawn`.
 
-        With a sky or shafts `single` is filled, too. `shafts` is reduced where pixels are
-        `listed`, else of full size.
+        The single scattering is filled where there is a sky or a `listing`.
         """
-        read = {"skylit": skylit} if self._has_sky else {}
-        read |= {"shafts": shafts} if self._has_single else {}
+        read = {"skylit": drawn.skylit} if self._has_sky else {}
+        read |= {"shafts": drawn.shafts} if self._has_single else {}
         bound = {}
-        if listed is not None:
-            listed.begin(commands)
-            bound = {"redrawn": redrawn, **listed.bound}
+        if listing is not None:
+            listing.pixels.begin(commands)
+            bound = {"redrawn": listing.params, **listing.pixels.bound}
+        single = [layers.single] * self._has_single
         self.draw(
             commands,
-            (*surfaces, multiple, transmittance, *[single] * self._has_single),
+            (*layers.surfaces, layers.multiple, layers.transmittance, *single),
             rays=params,
             depth=depth,
-            reduced=reduced,
+            reduced=drawn.multiple,
             nearest=self._nearest,
             **self._media.medium_bound,
             **read,

@@ -16,7 +16,7 @@ from ...gpu.raster import FullscreenPass
 from ...gpu.slots import texture, uniform
 from ..gpu_media import GpuMedia
 from ..march.kernel import MarchParams
-from ..march.march import March
+from ..march.march import March, MarchTargets
 from ..rays import RayParams, Rays
 
 
@@ -46,12 +46,10 @@ class GuidedUpsample(FullscreenPass):
         rays: Rays,
         march: March,
         depth: Texture,
-        *,
-        scattered: Texture,
-        transmittance: Texture,
+        reduced: MarchTargets,
         targets: tuple[Texture, Texture],
     ) -> None:
-        """Fill `targets` from what `march` wrote last, over `rays`."""
+        """Fill `targets` from what `march` wrote last into `reduced`, over `rays`."""
         assert march.params is not None
         self.draw(
             commands,
@@ -60,7 +58,7 @@ class GuidedUpsample(FullscreenPass):
             march=march.params,
             depth=depth,
             picked=rays.picked,
-            reduced=scattered,
-            passed=transmittance,
+            reduced=reduced.scattered,
+            passed=reduced.transmittance,
             **self._media.medium_bound,
         )
