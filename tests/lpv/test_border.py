@@ -12,6 +12,7 @@ from airlight.lattice.lookup import LatticeTextures, texture_scale
 from airlight.lattice.placement import Placement
 from airlight.lpv.border import Border
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.step import StepKind
 
 OUTER = Placement((0.0, 0.0, 0.0), 0.5, (24, 20, 22))
 ITERATIONS = 160
@@ -67,7 +68,7 @@ def nest(gpu, commands, owned):
             base = owned(buffer_of(gpu, "own", np.ascontiguousarray(own)))
             cells = owned(Buffer(gpu, "cells", nbytes))
             Resolve(gpu).encode(commands, placement, sums, base, cells, units)
-            steps = owned(Propagate(gpu, placement, is_blocked=False))
+            steps = owned(Propagate(gpu, placement, StepKind()))
             total = steps.encode(commands, cells, faces, ITERATIONS)
             textures.encode(commands, cells, total, power, is_shaped=False, placement=placement)
             commands.submit()

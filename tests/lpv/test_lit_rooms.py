@@ -11,6 +11,7 @@ from airlight.lattice.lobes import SHAPED_LOBE
 from airlight.lattice.lookup import own_shares
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.step import StepKind
 from airlight.maths import lattice6
 
 SIDE = 16
@@ -60,7 +61,7 @@ def lit(gpu, commands, owned):
         ):
             faces[(*_full(where), hop)] = 0xFF000000  # closed and black
         placement = Placement((0.0, 0.0, 0.0), 1.0, (SIDE, SIDE, SIDE))
-        propagate = owned(Propagate(gpu, placement, is_blocked=True, is_reflecting=True))
+        propagate = owned(Propagate(gpu, placement, StepKind(is_blocked=True, is_reflecting=True)))
         injected = owned(buffer_of(gpu, "injected", states.astype(np.float32)))
         total = propagate.encode(commands, injected, owned(buffer_of(gpu, "faces", faces)), 64)
         commands.submit()

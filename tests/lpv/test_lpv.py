@@ -14,6 +14,7 @@ from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bou
 from airlight.lattice.lobes import SHAPED, InjectionTarget
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.step import StepKind
 from airlight.rendering import Renderer
 from airlight.scene import Material, Medium, Scene, SpotLight
 from airlight.scene.builtin import cornell
@@ -39,7 +40,7 @@ def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, comman
     scale = fixed_point_scale(flux_bound([light], *meshes.bounds))
     Inject(gpu).encode(commands, maps, InjectionTarget(room, blockers.walls, sums, scale), SHAPED)
     Resolve(gpu).encode(commands, room, sums, zero, cells, scale)
-    step = owned(Propagate(gpu, room, is_blocked=True))
+    step = owned(Propagate(gpu, room, StepKind(is_blocked=True)))
     after = step.encode(commands, cells, blockers.faces, 1)
     commands.submit()
     made = after.read().reshape(3, 16, 16, 16, 4).astype(np.float64)

@@ -10,6 +10,7 @@ import pytest
 from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.step import StepKind
 from airlight.maths import lattice6, sh
 
 COUNT = (6, 4, 10)  # x, y, z: unequal, more than one slab of eight layers
@@ -40,10 +41,8 @@ def propagated(gpu, commands, owned):
             Propagate(
                 gpu,
                 placement,
-                scheme,
-                is_blocked=closed is not None,
-                is_reflecting=reflected is not None,
-                storage=storage,
+                StepKind(scheme, closed is not None, reflected is not None),
+                storage,
             )
         )
         injected = owned(buffer_of(gpu, "injected", np.ascontiguousarray(states, np.float32)))
@@ -149,7 +148,7 @@ def test_smaller_storage_costs_accuracy(propagated, storage, iterations, ceiling
 def test_smaller_storage_takes_less_memory(gpu, owned):
     def nbytes(storage):
         before = gpu.allocated_bytes
-        owned(Propagate(gpu, Placement((0, 0, 0), 1.0, COUNT), is_blocked=True, storage=storage))
+        owned(Propagate(gpu, Placement((0, 0, 0), 1.0, COUNT), StepKind(is_blocked=True), storage))
         return gpu.allocated_bytes - before
 
     whole, half, byte = (nbytes(storage) for storage in ("float32", "float16", "8bit"))
@@ -267,7 +266,7 @@ def test_hops_keep_what_they_are_told_of_the_spread(gpu, commands, owned):
     states = np.zeros((3, 5, 6, 7, 4))
     states[:, 2, 3, 3] = (1.0, 0.3, -0.7, 1.1)
     placement = Placement((0.0, 0.0, 0.0), 1.0, (7, 6, 5))
-    made = owned(Propagate(gpu, placement, is_blocked=False, kept=0.6))
+    made = owned(Propagate(gpu, placement, StepKind(kept=0.6)))
     injected = owned(buffer_of(gpu, "injected", states.astype(np.float32)))
     total = made.encode(commands, injected, owned(Buffer(gpu, "faces", placement.cells * 32)), 1)
     commands.submit()
@@ -281,7 +280,7 @@ def test_hops_keep_what_they_are_told_of_the_spread(gpu, commands, owned):
 def test_memory_is_given_back(gpu):
     before = gpu.allocated_bytes
     scope = gpu.scope()
-    made = Propagate(scope, Placement((0, 0, 0), 1.0, COUNT), is_blocked=True)
+    made = Propagate(scope, Placement((0, 0, 0), 1.0, COUNT), StepKind(is_blocked=True))
     assert gpu.allocated_bytes > before
     scope.release()
     assert gpu.allocated_bytes == before

@@ -9,6 +9,7 @@ from airlight import Camera, Scene
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
+from airlight.lpv.step import StepKind
 from airlight.rendering import Renderer
 from airlight.scene import Material
 
@@ -65,7 +66,7 @@ def test_the_papers_bounce_adds_no_energy(gpu, commands, owned, reflectance):
     words[:, :, 4, 0] = share << 24 | sum((share * reflectance // 255) << s for s in (0, 8, 16))
     words[:, :, 5, 6] = 0xFFFFFF00 | (255 - share)
     placement = Placement((0, 0, 0), 1.0, (n, n, n))
-    made = owned(Propagate(gpu, placement, "paper", is_blocked=True, is_reflecting=True))
+    made = owned(Propagate(gpu, placement, StepKind("paper", is_blocked=True, is_reflecting=True)))
     powers = []
     for steps in range(1, 5):
         total = made.encode(

@@ -1,4 +1,17 @@
-"""Light propagation volumes: indirect light on a lattice (Kaplanyan2010).
+"""Light propagation volumes: indirect light on nested lattices (Kaplanyan2010).
 
-propagate    six-neighbour steps, one dispatch each        lpv    the technique, top to bottom
+    reflective shadow maps, sky, points of light
+        | lattice.inject: texels are virtual point lights (section 3.1)
+        v
+    states of cells <- border: light of the larger lattice around a finer one
+        | propagate: steps, summed by doubling and with their tail (section 3.3)
+        |   step: the kernels     storage: how states are stored     sums: totals, powers
+        v
+    lattice.lookup: textures that surfaces and media read (section 3.4)
+
+solver           all of it, top to bottom: yields irradiance and reflected light
+settings         what it can be told
+cascades         one lattice among nested ones and its buffers (section 4)
+seen_blockers    blockers from what camera and lights see, and
+geometry_volume  the paper's own, as spherical harmonics (section 3.2)
 """

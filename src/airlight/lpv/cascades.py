@@ -21,7 +21,7 @@ from .propagate import Propagate
 
 @dataclass(eq=False)
 class Cascade:
-    """What is put into the cells of `level`, and carried on between them."""
+    """The light of the cells of `level`: injected, static and propagated."""
 
     level: Level
     propagate: Propagate

@@ -1,3 +1,4 @@
+// Surfels of a view into the sums around the lattice's corners, as two bands (Kaplanyan2010 section 3.2).
 //! use view_surfel
 
 fn add(index: u32, value: f32) {

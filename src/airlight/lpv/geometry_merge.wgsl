@@ -1,3 +1,4 @@
+// A view's sums into the volume: of each corner the larger of both; the sums are emptied for the next view.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let size = params.count + 1u;
     if (id.x >= size.x * size.y * size.z) {

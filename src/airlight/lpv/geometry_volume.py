@@ -1,10 +1,10 @@
 """The paper's geometry volume: surfels of views as spherical harmonics (Kaplanyan2010, 3.2).
 
-A surfel of area A and normal n blocks light of travel direction D with probability
-A/s^2 max(0, -n.D); in two bands A/s^2 (1/4 + n.w/2) at w = -D, kept as (a, b). Its cells lie half a
-cell beside the lattice's, around their corners. Each view has a volume of its own, into which all
-its peeled layers go; volumes are merged by a maximum. A hop is blocked by the mean of the four
-corners of the face it crosses.
+A surfel of area A and normal n blocks light of travel direction D with probability A/s^2 max(0,
+-n.D); in two bands A/s^2 (1/4 + n.w/2) at w = -D, stored as (a, b). Its cells lie half a cell
+beside the lattice's, around their corners. Each view has a volume of its own, into which all its
+peeled layers go; volumes are merged by a maximum. A hop is blocked by the mean of the four corners
+of the face it crosses.
 differs: the maximum is that of whole vectors, the one with the larger a: component by component it
 would tear the signed lobes apart. A wall stays 3/4 closed, as two bands have it.
 """
@@ -58,7 +58,7 @@ class _Faces(ComputePass):
 
 
 class GeometryVolume:
-    """Fills `blockers.faces` in the place of the blockers' own encoding.
+    """Fills `blockers.faces` instead of the blockers' own passes.
 
     `accumulates`: surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
     """
@@ -83,7 +83,7 @@ class GeometryVolume:
     ) -> bool:
         """Bring the blockers up to date with `maps`; returns whether anything changed.
 
-        `is_drawn`: a view was drawn anew.
+        `is_drawn`: a view was redrawn.
         """
         made = (meshes.version, replace(self.blockers.placement, fade=None))
         is_new, self._made = made != self._made, made
@@ -110,6 +110,7 @@ class GeometryVolume:
         return True
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
+        """Sum the surfels of a view, and merge them into the volume by their maximum."""
         params = ViewSurfelParams.of_view(self.blockers, maps, index, _UNITS)
         self._inject.encode(commands, maps, self.blockers.placement, self._sums, params)
         self._merge.dispatch(

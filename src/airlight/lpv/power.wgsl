@@ -1,3 +1,4 @@
+// The constant terms of a lattice's states, summed per channel: its power over 4 pi. Always in the same order.
 //! needs fn unpacked(v: State) -> vec4f
 
 var<workgroup> partial: array<vec3f, WX>;
@@ -17,6 +18,6 @@ var<workgroup> partial: array<vec3f, WX>;
     }
     workgroupBarrier();
     if (own == 0u) {
-        powers[params.place] = vec4f(partial[0], 0.0);
+        powers[params.slot] = vec4f(partial[0], 0.0);
     }
 }

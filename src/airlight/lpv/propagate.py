@@ -12,17 +12,18 @@ later steps would add is the last block times q / (1 - q), q the ratio of the la
 power. In a closed room 64 steps hold .82 of the light and .99 with the tail.
 
 The paper's scheme clamps negative intensities, so it is not linear in the state; there every
-state is accumulated, the first step free, as the paper says.
+state is accumulated, and the first step ignores blockers, as the paper says.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
 from ..lattice.placement import Placement
-from ..maths.lattice6 import SPREAD_KEPT, Scheme
 from .step import CHANNELS, Step, StepKind
 from .storage import FLOAT, Pack
 from .sums import Sums
@@ -32,38 +33,24 @@ _TAIL_BLOCKS = 4  # fewer do not know the slowest mode yet
 
 
 class Propagate:
-    """Iterates steps between lattices of its own.
-
-    `scheme` is "centroid" or "paper"; with `is_blocked` each hop loses its blocked share, and
-    with `is_reflecting` that share bounces into its own cell (Kaplanyan2010 section 7), coloured
-    by the face's reflectance. `storage` is how states are kept (lpv.storage).
-    differs: the paper reflects what arrives before a blocker one cell further; so does "paper".
-    """
+    """Iterates steps of one kind between lattices of its own."""
 
     def __init__(
-        self,
-        gpu: Gpu,
-        placement: Placement,
-        scheme: Scheme = "centroid",
-        *,
-        is_blocked: bool,
-        is_reflecting: bool = False,
-        storage: str = "float32",
-        kept: float = SPREAD_KEPT,
+        self, gpu: Gpu, placement: Placement, kind: StepKind, storage: str = "float32"
     ) -> None:
-        """`kept`: of the spread of directions in a hop (`maths.lattice6.spread_kept`)."""
-        self.scheme, self.placement = scheme, placement
+        """`storage`: how states are stored (lpv.storage)."""
+        self.placement, self.is_paper = placement, kind.scheme == "paper"
         self._pack = Pack(gpu, storage)
         format = self._pack.format
-
-        def step(blocked: bool, *, is_added: bool = False) -> Step:
-            kind = StepKind(scheme, blocked, blocked and is_reflecting, is_added, kept)
-            return Step(gpu, placement.count, kind, format)
-
-        self._later = step(is_blocked)
-        # The paper's first step ignores blockers.
-        self._first = step(False) if is_blocked and scheme == "paper" else self._later
-        self._added = self._later if scheme == "paper" else step(is_blocked, is_added=True)
+        # The kernels: of the first step, of later ones, of those that end a doubling.
+        self._later = Step(gpu, placement.count, kind, format)
+        self._first = self._added = self._later
+        if self.is_paper and kind.is_blocked:
+            open_space = replace(kind, is_blocked=False, is_reflecting=False)
+            self._first = Step(gpu, placement.count, open_space, format)
+        if not self.is_paper:
+            self._added = Step(gpu, placement.count, replace(kind, is_added=True), format)
+        # Three lattices of states, and the sum.
         names = ("light of a block", "propagation ping", "propagation pong")
         self._values = CHANNELS * placement.cells
         self._states = [Buffer(gpu, name, self._values * format.nbytes) for name in names]
@@ -84,19 +71,13 @@ class Propagate:
 
         `has_tail`: with what all later steps would add, estimated (from 32 iterations on).
         """
-        total = self._total
-        blocks = 0 if self.scheme == "paper" else iterations // BLOCK
         if iterations < 1:
-            commands.encoder.clear_buffer(total.handle)
-            return total
-        # One block is the sum, where states are kept as sums are.
-        is_block = iterations == BLOCK and blocks == 1 and self._pack.format is FLOAT
+            commands.encoder.clear_buffer(self._total.handle)
+            return self._total
         return self._recorded.encode(
             commands,
             (injected, faces, iterations, has_tail),
-            lambda: self._summed(
-                commands, injected, faces, iterations, blocks, is_block=is_block, has_tail=has_tail
-            ),
+            lambda: self._summed(commands, injected, faces, iterations, has_tail=has_tail),
         )
 
     def _summed(
@@ -105,19 +86,18 @@ class Propagate:
         injected: Buffer,
         faces: Buffer,
         iterations: int,
-        blocks: int,
         *,
-        is_block: bool,
         has_tail: bool,
     ) -> Buffer:
-        """All steps; `is_block`: the first block is the sum."""
+        """All steps, one by one and then in blocks; the sum."""
         (block, ping, pong), total = self._states, self._total
-        # Shaped lobes are negative behind their surface, which their power is scaled for: what
-        # they would send there is dropped (lattice.inject).
-        self._first.encode(
-            commands, self._stored(commands, injected), block, faces, handed_back=0.0
-        )
+        # The paper's steps clamp, so that blocks of them are no sums.
+        blocks = 0 if self.is_paper else iterations // BLOCK
         singles = iterations - BLOCK * blocks
+        # The first step. Shaped lobes are negative behind their surface, which their power is
+        # scaled for: what they would send there is dropped (lattice.inject).
+        self._first.encode(commands, self._stored(commands, injected), block, faces, handed_back=0)
+        # Steps that make no whole block are added one by one.
         for left in range(singles, 0, -1):
             self._sums.add_to_total(commands, block, total, is_first=left == singles)
             if left > 1 or blocks:
@@ -125,18 +105,19 @@ class Propagate:
                 block, ping = ping, block
         if not blocks:
             return total
+        # The sum of the next eight states, then blocks of eight later ones.
         block, spare = self._doubled(commands, block, (ping, pong), faces)
-        if is_block:
-            return block
-        self._sum_blocks(
-            commands, block, total, spare, faces, blocks, has_tail=has_tail, is_first=not singles
-        )
+        if blocks == 1 and not singles and self._pack.format is FLOAT:
+            return block  # it is all there is, and stored as the total is
+        self._sums.add_to_total(commands, block, total, is_first=not singles)
+        self._add_blocks(commands, block, spare, faces, blocks, has_tail=has_tail)
         return total
 
     def _doubled(
         self, commands: Commands, state: Buffer, spare: tuple[Buffer, Buffer], faces: Buffer
     ) -> tuple[Buffer, tuple[Buffer, Buffer]]:
-        """The sum of BLOCK states, the first `state`; and the lattices that are spare now."""
+        """The sum of BLOCK states, the first `state`; and the two lattices that are spare then."""
+        # S = (1 + M^4)(1 + M^2)(1 + M) s: the last step of each factor adds what it multiplies.
         for doubling in range(BLOCK.bit_length() - 1):
             steps = (1 << doubling) - 1
             later = self._stepped(commands, state, spare, faces, steps)
@@ -145,33 +126,31 @@ class Propagate:
             state, spare = last, (state, spare[1 - steps % 2])
         return state, spare
 
-    def _sum_blocks(
+    def _add_blocks(
         self,
         commands: Commands,
         block: Buffer,
-        total: Buffer,
         spare: tuple[Buffer, Buffer],
         faces: Buffer,
         blocks: int,
         *,
         has_tail: bool,
-        is_first: bool,
     ) -> None:
-        """Add `blocks` times BLOCK states to `total`, the sum of the first of them in `block`."""
-        self._sums.add_to_total(commands, block, total, is_first=is_first)
+        """Add what `block` becomes after eight steps, sixteen ... to the total, and the tail."""
         has_tail = has_tail and blocks >= _TAIL_BLOCKS
         for index in range(1, blocks):
             if has_tail and index == blocks - 1:
                 self._sums.measure(commands, block, 0)
             later = self._stepped(commands, block, spare, faces, BLOCK)
-            self._sums.add_to_total(commands, later, total)
+            self._sums.add_to_total(commands, later, self._total)
             block, spare = later, (spare[0], block)
+        # The ratio of the last two blocks' power says how all later ones shrink.
         if has_tail:
             self._sums.measure(commands, block, 1)
-            self._sums.add_to_total(commands, block, total, is_tail=True)
+            self._sums.add_to_total(commands, block, self._total, is_tail=True)
 
     def _stored(self, commands: Commands, injected: Buffer) -> Buffer:
-        """The injected light as states are kept."""
+        """The injected light as states are stored."""
         if self._pack.format.largest == 0.0:
             return injected
         stored = self._states[1]

@@ -1,3 +1,4 @@
+// The largest coefficient of a lattice, and the power of two that scales it to what a format stores.
 var<workgroup> partial: array<f32, WX>;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) own: u32) {

@@ -1,4 +1,4 @@
-"""Blockers from what the camera and the lights see (Kaplanyan2010, 3.2), in both schemes."""
+"""Blockers from the surfels that camera and lights see (Kaplanyan2010, 3.2), in both schemes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .settings import LpvSettings
 
 
 class SeenBlockers:
-    """A volume for each lattice of a kit, all filled from the same views."""
+    """The blockers of each lattice of a kit, all filled from the same views."""
 
     def __init__(self, kit: Kit, settings: LpvSettings) -> None:
         """In scheme paper as spherical harmonics; else surfels, with the meshes' own if asked."""
@@ -38,11 +38,13 @@ class SeenBlockers:
 
     def encode(self, commands: Commands, scene: Scene) -> None:
         """Bring the blockers of all lattices up to date."""
+        # Peeled views of the camera and of each light.
         low, high = self._kit.bounds(scene)
         side = self.maps.resolution
         views = [camera_view(scene.camera, self._aspect, low, high, side)]
         views += light_views(scene.lights, low, high, side)
         is_drawn = self.maps.encode(commands, self._kit.meshes, views)
+        # Their surfels, into each lattice.
         for volume in self.volumes:
-            volume.blockers.follow_vertices()  # what glows is sampled from the meshes
+            volume.blockers.follow_vertices()  # samples of the meshes themselves
             volume.encode(commands, self._kit.meshes, self.maps, views, is_drawn=is_drawn)

@@ -1,4 +1,4 @@
-"""What light propagation volumes can be told."""
+"""The settings of light propagation volumes."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ SOURCES = ("meshes", "views", "both")
 
 @dataclass(frozen=True)
 class LpvSettings(SurfaceSettings):
-    """What light propagation volumes can be told."""
+    """The settings of light propagation volumes."""
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
     iterations: int = setting(0, "propagation steps; 0: 2 a cell, at least 64", low=0, high=1024)
     tail: bool = setting(
         True, "whether what all later steps would add is estimated, from 32 iterations on"
     )
-    storage: str = setting("float32", "how lattices are kept between steps", choices=STORAGES)
+    storage: str = setting("float32", "how lattices are stored between steps", choices=STORAGES)
     map_resolution: int = setting(
         256, "side of reflective shadow maps", unit="px", low=8, high=4096
     )

@@ -1,9 +1,9 @@
-"""Light that bounced, on nested lattices (Kaplanyan2010), top to bottom.
+"""Indirect light on nested lattices (Kaplanyan2010), top to bottom.
 
 reflective shadow maps -> virtual point lights -> cells -> propagation -> irradiance
 
-Media between the surfaces may have a say (`LatticeMedia`): they attenuate the lights that the maps
-are lit by, block between cells, and send light of their own.
+Volumes in the lattice take part by `LatticeMedia`: they attenuate the reflective shadow maps, block
+between cells, and send scattered light of their own.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ from .cascades import Cascade, cascade
 from .propagate import Propagate
 from .seen_blockers import SeenBlockers
 from .settings import LpvSettings
+from .step import StepKind
 
 
 def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = False) -> Nest:
@@ -60,36 +61,36 @@ def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = Fals
 
 
 class LatticeMedia(Protocol):
-    """What media do to a lattice of reflected light."""
+    """The part of media in a lattice of reflected light."""
 
     def update(self, commands: Commands, frame: Frame) -> None:
-        """Take the media as they are, before anything else."""
+        """Bring the media up to date with the frame, before anything else."""
 
     @property
     def version(self) -> int:
-        """Another one whenever the media changed."""
+        """A number that differs whenever the media changed."""
 
     def attenuate(self, commands: Commands) -> None:
-        """The lights' maps, drawn for this frame, as seen through the media."""
+        """Attenuate the lights' reflective shadow maps, which are drawn for this frame."""
 
     def attenuate_sky(self, commands: Commands) -> None:
-        """The sky's maps likewise."""
+        """Attenuate the sky's maps likewise."""
 
     def attenuated(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
-        """The attenuated ones in place of `maps`."""
+        """The attenuated maps that stand for `maps`."""
 
     def block(self, commands: Commands, level: int, geometry: int) -> None:
-        """Media as blockers of a lattice; `geometry`: the version of the meshes."""
+        """Add the media to the blockers of a lattice; `geometry`: the version of the meshes."""
 
     def faces(self, level: int) -> Buffer:
-        """What blocks between the cells of a lattice: surfaces and media."""
+        """The faces between the cells of a lattice, with surfaces and media as blockers."""
 
     def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
-        """Add their own light to what was solved of a lattice."""
+        """Add the light that media scatter to the solved light of a lattice."""
 
     @property
     def textures(self) -> LatticeTextures:
-        """What surfaces read: all light, with that of the media."""
+        """The textures that surfaces read: all light, with that of the media."""
 
 
 class LpvSolver(Solver):
@@ -103,15 +104,15 @@ class LpvSolver(Solver):
             enough_steps(place.count) for place in kit.lattices.nest.levels
         )
         self.is_paper = settings.scheme == "paper"
-        # The paper ignores blockers in the first step, so its lobes stay cosine lobes.
-        # Surfaces that stop light from the first step on let the lobe be narrow.
+        # Where blockers act from the first step on, a virtual point light may be narrower than a
+        # cosine lobe; the paper ignores them in that step.
         self.lobe = SHAPED if settings.occlusion and not self.is_paper else COSINE
         self.media: LatticeMedia | None = None
         # Passes.
         self.inject, self.resolve = Inject(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         self.linear = linear_sampler(gpu)
-        # Light: what goes in, what goes on between cells, what surfaces read.
+        # Light: reflective shadow maps, lattices of cells, the textures that surfaces read.
         self.maps = LightMaps(gpu, scene.lights, settings.map_resolution)
         levels = kit.lattices.levels
         self.cascades = [self._cascade(level, index) for index, level in enumerate(levels)]
@@ -131,20 +132,23 @@ class LpvSolver(Solver):
 
     def _cascade(self, level: Level, index: int) -> Cascade:
         scene, s, place = self.kit.context.scene, self.settings, level.placement
-        steps = 0 if scene.medium or scene.volumes else self.steps  # media themselves turn light
+        # Media themselves change the direction of light: hops keep the least spread.
+        steps = 0 if scene.medium or scene.volumes else self.steps
         propagate = Propagate(
             self.kit.gpu,
             place,
-            cast(Scheme, s.scheme),
-            is_blocked=s.occlusion,
-            is_reflecting=s.bounces,
-            storage=s.storage,
-            kept=spread_kept(place.count, steps),
+            StepKind(
+                cast(Scheme, s.scheme),
+                is_blocked=s.occlusion,
+                is_reflecting=s.occlusion and s.bounces,
+                kept=spread_kept(place.count, steps),
+            ),
+            s.storage,
         )
         return cascade(self.kit.gpu, level, propagate, self._small(index))
 
     def _small(self, index: int) -> SmallObjects:
-        """What a lattice leaves out; the finest nothing, but for what the next one does."""
+        """The objects that a lattice leaves out because they are smaller than its cells."""
         if self.settings.small_objects == "none":
             return EVERYTHING
         cells = [0.0, *(place.cell for place in self.kit.lattices.nest.levels[1:]), 0.0]
@@ -153,31 +157,34 @@ class LpvSolver(Solver):
         )
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
-        """Maps -> cells -> propagation -> textures, where anything changed."""
+        """Solve all lattices where anything changed: maps -> cells -> propagation -> textures."""
         scene = frame.scene
         if self.media:
             self.media.update(commands, frame)
+        # Light beyond the hull of all surfaces is lost, where nothing else could return it.
         is_open = self.is_paper or scene.medium or scene.volumes or scene.light_groups
         self._hull = EVERYWHERE if is_open else self.kit.hull(*frame.bounds)
-        # Fixed-point sums hold all the flux there can be.
+        # Fixed-point sums have to hold all the flux of the lights.
         flux = flux_bound([*scene.lights, *self.kit.sky.lights], *frame.bounds)
         flux += self.points.take(scene.light_groups)
         scale, self.power_scale = fixed_point_scale(flux), texture_scale(flux)
         self._find_stale(commands, scale)
+        # The reflective shadow maps of the lights.
         with commands.stage("reflective shadow maps"):
             self.maps.encode(commands, self.kit.meshes, scene.lights, *frame.bounds)
             if self.media:
                 self.media.attenuate(commands)
-        # A frame whose stages are timed says what each costs.
+        # The lattices are filled where their light depends on anything else than in the last
+        # frame; and in a frame whose stages are timed, which tells what each costs.
         lit_by = self._lit(scene, scale)
         if lit_by is None or lit_by != self._lit_by or commands.is_timed:
-            self._lit_by = None  # until it is done
+            self._lit_by = None  # if it breaks off, the next frame fills them again
             self._fill(commands, scale)
             self._lit_by = self._lit(scene, scale)
         return self._added(frame, fields)
 
     def _find_stale(self, commands: Commands, scale: float) -> None:
-        """Which lattices' static light is of another sky, geometry, place, scale or medium."""
+        """Mark the lattices whose static light is of another sky, geometry, scale or medium."""
         sky, media = self.kit.sky.version, self.media.version if self.media else -1
         is_all = sky != self._sky_version or scale != self._static_scale
         is_all = is_all or media != self._media_version
@@ -191,17 +198,18 @@ class LpvSolver(Solver):
                 self.media.attenuate_sky(commands)
 
     def _lit(self, scene: Scene, scale: float) -> tuple[Any, ...] | None:
-        """What the lattices' light depends on; None where they must be filled anyway."""
+        """All that the lattices' light depends on; None where they must be filled anyway."""
         if self.media or any(part.is_stale for part in self.cascades):
             return None
         places = tuple(replace(part.placement, fade=None) for part in self.cascades)
-        # The points are kept while theirs are the groups.
+        # Groups are compared by identity: `points` holds on to them.
         groups = tuple(map(id, scene.light_groups))
         versions = (*self.maps.version, self.kit.meshes.version)
         return (*versions, *places, groups, scale, self.power_scale, self._hull, self.steps)
 
     def _fill(self, commands: Commands, scale: float) -> None:
-        """Inject -> propagate -> textures."""
+        """Fill all lattices: inject -> propagate -> textures."""
+        # Virtual point lights of all maps into the cells of each lattice.
         with commands.stage("inject"):
             for part in self.cascades:
                 if part.is_stale:
@@ -210,7 +218,7 @@ class LpvSolver(Solver):
                     if maps.layers:
                         self._inject(commands, part, maps, scale)
                 self.points.encode(commands, part.target(scale))
-        # The largest first: what lies beyond the next one's borders.
+        # The largest lattice first: finer ones take in its light at their borders.
         for level in range(len(self.cascades) - 1, -1, -1):
             self._propagate(commands, level, scale)
 
@@ -226,23 +234,26 @@ class LpvSolver(Solver):
         )
 
     def _inject_static(self, commands: Commands, part: Cascade, scale: float) -> None:
-        """What sky, geometry and the lattice's place alone change: the sky's bounce."""
+        """Inject the light of the sky's maps, which is stored until they change."""
         part.is_stale = False
         if self.kit.sky.maps.layers:
             self._inject(commands, part, self.kit.sky.maps, scale)
         self.resolve.encode(commands, part.placement, part.sums, self.black, part.static, scale)
 
     def _propagate(self, commands: Commands, level: int, scale: float) -> None:
+        """Solve one lattice, from the injected light to its textures."""
         part = self.cascades[level]
         if self.media:
             with commands.stage("blockers"):
                 self.media.block(commands, level, self.kit.meshes.version)
+        # Light that enters from the larger lattice; then the injected states, out of all sums.
         with commands.stage("inject"):
             if self.border and level + 1 < len(self.cascades):
                 self.enter(commands, level, self.textures, part.target(scale))
             self.resolve.encode(
                 commands, part.placement, part.sums, part.static, part.injected, scale
             )
+        # Steps between cells; injected light and theirs are what surfaces read.
         with commands.stage("propagate"):
             total = self.propagated(commands, level, part.injected)
         with commands.stage("pack"):
@@ -259,7 +270,7 @@ class LpvSolver(Solver):
             self.media.send(commands, self, level, scale)
 
     def propagated(self, commands: Commands, level: int, injected: Buffer) -> Buffer:
-        """The sum of all steps of what is `injected` into a lattice."""
+        """The sum of all propagation steps from the `injected` states of a lattice."""
         part = self.cascades[level]
         return part.propagate.encode(
             commands, injected, self.faces(level), self.steps, has_tail=self.settings.tail
@@ -268,7 +279,7 @@ class LpvSolver(Solver):
     def enter(
         self, commands: Commands, level: int, solved: LatticeTextures, target: InjectionTarget
     ) -> None:
-        """Add to a lattice what enters it from beyond its borders, as `solved` has it."""
+        """Add the light to a lattice that enters it from the larger one, `solved` before."""
         assert self.border is not None
         self.border.encode(
             commands,
@@ -280,11 +291,11 @@ class LpvSolver(Solver):
         )
 
     def faces(self, level: int) -> Buffer:
-        """What blocks between the cells of a lattice."""
+        """The faces between the cells of a lattice, with all that blocks."""
         return self.media.faces(level) if self.media else self.cascades[level].blockers.faces
 
     def _added(self, frame: Frame, fields: Fields) -> Fields:
-        """The fields, with what was solved."""
+        """The fields, with irradiance, reflected and perhaps scattered light."""
         textures = self.media.textures if self.media else self.textures
         irradiance = Irradiance(
             {"lattices": self.kit.lattices.table.filled(self.rows), **textures.bound},
@@ -312,7 +323,7 @@ class LpvSolver(Solver):
         ]
 
     def mean_radiance(self) -> LatticeSource:
-        """What surfaces reflect, as media take it: its mean over all directions."""
+        """The light that surfaces reflect, as media take it: its mean over all directions."""
         place = self.cascades[-1].placement
         scale = LOOKUP_SCALE / (place.cell**2 * self.power_scale)
         bound = {**self.textures.bound, **self.kit.blockers.bound}
@@ -320,12 +331,12 @@ class LpvSolver(Solver):
         return LatticeSource(place, bound, scale, finer=finer)
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """The lattices do not depend on the eye."""
+        """Return the fields as they are: the lattices do not depend on the eye."""
         return fields
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What was solved, for --stats."""
+        """The lattice's cells and the number of steps, for --stats."""
         places = [part.placement for part in self.cascades]
         found = {"lattice": list(places[-1].count), "iterations": self.steps}
         if len(places) > 1:

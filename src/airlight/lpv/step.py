@@ -96,7 +96,7 @@ class _PropagateRows(ComputePass):
 
 
 class Step:
-    """after = M before + added, for a lattice of `count` (x, y, z) cells kept in a format."""
+    """after = M before + added, for a lattice of `count` (x, y, z) cells stored in a format."""
 
     def __init__(
         self, gpu: Gpu, count: tuple[int, int, int], kind: StepKind, format: Format = FLOAT

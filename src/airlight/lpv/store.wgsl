@@ -1,3 +1,4 @@
+// A lattice in another format, scaled to its range.
 //! needs fn packed(v: vec4f) -> State
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,4 +1,4 @@
-"""Adding states to the sum that surfaces see, and what all later states would add."""
+"""The sum of states that surfaces read, and the tail: what all later states would add."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class AccumulateParams(Struct):
 
     values = u32("vec4 values in the lattice")
     is_tail = u32("1: add what the states after this block would add")
-    is_first = u32("1: whatever the total was is forgotten")
+    is_first = u32("1: the total begins with this state")
 
 
 class PowerParams(Struct):
-    """What is summed, and where the sum goes."""
+    """A lattice, and where its power goes."""
 
     cells = u32()
-    place = u32("in `powers`")
+    slot = u32("of `powers`")
 
 
 class Sums:
@@ -47,11 +47,10 @@ class Sums:
         is_tail: bool = False,
         is_first: bool = False,
     ) -> None:
-        """total += state (float32, W sr^-1), or what all blocks after it would be.
+        """total += state (float32, W sr^-1).
 
-        `is_first`: total = state.
-
-        The ratio of the two powers that were measured says how blocks shrink.
+        `is_first`: total = state. `is_tail`: the state is the last block, and what is added is the
+        sum of all blocks after it, which shrink by the ratio of the two powers measured.
         """
         values = 3 * self._cells
         self._accumulate.dispatch(
@@ -64,12 +63,12 @@ class Sums:
             total=total,
         )
 
-    def measure(self, commands: Commands, block: Buffer, place: int) -> None:
-        """Remember the power of the last block but one (place 0) or of the last (1)."""
+    def measure(self, commands: Commands, block: Buffer, slot: int) -> None:
+        """Store the power of the last block but one (slot 0) or of the last (slot 1)."""
         self._power.dispatch(
             commands,
             (1,),
-            params=PowerParams.of(cells=self._cells, place=place),
+            params=PowerParams.of(cells=self._cells, slot=slot),
             state=block,
             powers=self._powers,
         )

@@ -14,7 +14,7 @@ const PHASE_TABLE = 256u;
 const STRONGEST_FLUX = 0.95;
 
 struct BeamEmission {
-    beams: vec3f,          // of suns and lamps
+    beams: vec3f,          // of directional and local lights
     sky: vec3f,            // the same of the sky's ordinates
     quasi_forward: vec3f,
     bent_x: vec3f,         // flux that the lobes of quasi_forward lack
@@ -61,7 +61,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
     return sum;
 }
 
-// `beams`: of the same cell; what their lobes lack, diffuse light of thin air carries.
+// `beams`: of the same cell; what their lobes lack, diffuse light of a thin medium carries.
 fn diffuse_emission(cell: u32, travel: vec3f, beams: BeamEmission) -> vec3f {
     let share = unturned();
     let phi = diffuse[cell].xyz;

@@ -1,5 +1,5 @@
 // Light scattered twice or more with one bend; see maths/forward_phase.py. The including pass binds
-// `fused`, two tables for each medium of the air: rgb by its g of each channel.
+// `fused`, two tables for each medium: rgb by its g of each channel.
 
 const FUSED_COSINES = 64u;
 const FUSED_DEPTHS = 32u;

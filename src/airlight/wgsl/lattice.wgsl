@@ -19,7 +19,7 @@ fn open_fraction(offset: f32, open_low: f32, open_high: f32, rim: f32) -> f32 {
     return offset * max(smoothstep(0.15, 0.5, open), within);
 }
 
-// How far a surface of normal n is one between what lies on both sides of it; not the air (n = 0).
+// How far a surface of normal n is one between what lies on both sides of it; not a point of a medium (n = 0).
 fn rim_shares(n: vec3f) -> vec3f {
     return dot(n, n) * (1.0 - smoothstep(vec3f(0.2), vec3f(0.5), abs(n)));
 }

@@ -1,4 +1,4 @@
-// What all media did to an ordinate's light on its way to a cell of one of them. The including pass
+// How all media attenuate an ordinate's light on its path to a cell of one of them. The including pass
 // binds `params` (MediumParams), `media` (MixedData, its own first), `passed` (pop/light/paths.py) and
 // `inter_medium` (vec4f, [block][cell], pop/exchange/irradiance.py). See wgsl/one_medium_beams.wgsl.
 //! use delta_beam

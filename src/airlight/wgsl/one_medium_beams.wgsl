@@ -1,4 +1,4 @@
-// What one medium did to an ordinate's light on its way to a cell. The including pass binds `params`
+// How one medium attenuates an ordinate's light on its path to a cell. The including pass binds `params`
 // (MediumParams) and `passed` (pop/light/paths.py). See wgsl/mixed_media_beams.wgsl.
 //! use delta_beam
 
@@ -32,7 +32,7 @@ fn unturned() -> vec3f {
     return unturned_share(turning, params.largest_diffusivity);
 }
 
-// Scattering out of beams on the way from a lamp r away, m^-1, as far as the way is filled.
+// Scattering out of beams on the path from a local light at distance r, m^-1, as far as the path is filled.
 fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f {
     let filled = passed[n * params.cells + cell] / r;
     let share = filled * min(1.0, filled / max(params.mean_density, 1e-30));

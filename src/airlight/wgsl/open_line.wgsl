@@ -1,4 +1,4 @@
-// Straight ways through a lattice's blockers. The including pass binds `lattice` (LatticeParams),
+// Straight lines through a lattice's blockers. The including pass binds `lattice` (LatticeParams),
 // lattice_visibility_a, lattice_visibility_b and lattice_walls (lattice/blockers.py).
 //! use lattice_space
 

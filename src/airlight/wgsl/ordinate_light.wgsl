@@ -6,8 +6,8 @@
 
 struct OrdinateLight {
     travel: vec3f,      // unit
-    irradiance: vec3f,  // at normal incidence, before the air takes any
-    distance: f32,      // m to the lamp
+    irradiance: vec3f,  // at normal incidence, not attenuated
+    distance: f32,      // m to the local light
 }
 
 // 1/r^2 averaged over a cell: eight parts, each to second order.

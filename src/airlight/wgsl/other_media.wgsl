@@ -1,4 +1,4 @@
-// Ways through other media. The including pass binds `params` (MediumParams), `media` (MixedData),
+// Paths through other media. The including pass binds `params` (MediumParams), `media` (MixedData),
 // `linear_clamp` and the textures of fine_of (pop/medium/mixture.py).
 //! use medium
 //! needs fn fine_of(m: u32, uvw: vec3f) -> f32

@@ -1,4 +1,4 @@
-// Pixels that cannot be made of a reduced image's texels, listed to be drawn anew, with how many
+// Pixels that cannot be made of a reduced image's texels, listed to be redrawn, with how many
 // groups they fill. The including pass binds pixel_list_slots (media/pixel_list.py) and `redrawn`.
 
 // Texels whose depth counts for less are another surface's.

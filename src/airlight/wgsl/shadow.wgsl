@@ -31,7 +31,7 @@ fn lit_share(
     }
     let ndc = clip.xyz / clip.w;
     let place = ndc.xy * vec2f(0.5, -0.5) + 0.5;
-    // A lamp's views end where its light does, or at the next one's edge, over which the move may
+    // A local light's views end where its light does, or at the next one's edge, over which the move may
     // have taken the point: the outermost texels then stand for it.
     let uv = select(place, saturate(place), view.is_perspective != 0u);
     if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {

@@ -19,7 +19,7 @@ struct Faces { side: vec4u, rest: vec4u }
 
 // What a face returns of the power p that goes to it. The two-band light of a stream has the wrong sign behind it:
 // such power is handed back whole, so that energy does not grow. What was handed back is negative all over, and
-// surfaces absorb it like the light that it takes back: kept for ever, it would end up as a dark fog (`mean` has the
+// surfaces absorb it like the light that it takes back: stored for ever, it would end up as a dark fog (`mean` has the
 // sign of the light).
 fn returned(p: vec3f, mean: vec3f, face: u32) -> vec3f {
     let shares = unpack4x8unorm(face);

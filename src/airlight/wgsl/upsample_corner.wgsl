@@ -13,7 +13,7 @@ fn depth_weight(a: f32, b: f32) -> f32 {
     return 1.0 / (1.0 + off * off * off * off);
 }
 
-// The way to what a pixel shows, m.
+// The path to the surface that a pixel shows, m.
 fn own_distance(position: vec2f) -> f32 {
     let direction = pixel_direction(rays.world_from_clip, position, vec2f(rays.size));
     return pixel_distance(rays.world_from_clip, direction,

@@ -10,7 +10,7 @@ fn view_texel_measure(view: LightViewData, centre: vec2f, resolution: u32) -> f3
     return area * pow(1.0 + dot(tangent, tangent), -1.5);
 }
 
-// The way its light travels, or an eye looks, towards a world point.
+// The direction that its light travels in, or an eye looks in, towards a world point.
 fn view_direction(view: LightViewData, world: vec3f, centre: vec2f) -> vec3f {
     let near = view.world_from_clip * vec4f(centre, 0.0, 1.0);
     return normalize(world - near.xyz / near.w);

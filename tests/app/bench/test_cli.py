@@ -21,6 +21,7 @@ from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
 from airlight.lpv.propagate import Propagate
 from airlight.lpv.settings import LpvSettings
+from airlight.lpv.step import StepKind
 from airlight.scene import Camera, DirectionalLight, PointLight
 from airlight.scene.builtin import wall_floor
 
@@ -41,7 +42,7 @@ def test_the_yardstick_computes_what_the_device_does(program, gpu, commands, own
     states[:, 0] = 1.0 + np.abs(states[:, 0])
     faces = bench_kernel.random_faces(rng, cells)
     placement = Placement((0.0, 0.0, 0.0), 1.0, (side,) * 3)
-    ours = owned(Propagate(gpu, placement, is_blocked=blocked, is_reflecting=blocked))
+    ours = owned(Propagate(gpu, placement, StepKind(is_blocked=blocked, is_reflecting=blocked)))
     total = ours.encode(
         commands,
         owned(buffer_of(gpu, "states", states)),

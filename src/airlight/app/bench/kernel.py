@@ -106,13 +106,15 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     from ...gpu.memory import buffer_of
     from ...lattice.placement import Placement
     from ...lpv.propagate import Propagate
+    from ...lpv.step import StepKind
 
     gpu, rng = gpu.scope(), np.random.default_rng(1)
     placement = Placement((0.0, 0.0, 0.0), 1.0, (side, side, side))
     cells = placement.cells
     injected = buffer_of(gpu, "injected", rng.random((3 * cells, 4), dtype=np.float32))
     faces = buffer_of(gpu, "faces", random_faces(rng, cells))
-    propagate = Propagate(gpu, placement, "centroid", is_blocked=blocked, is_reflecting=blocked)
+    kind = StepKind(is_blocked=blocked, is_reflecting=blocked)
+    propagate = Propagate(gpu, placement, kind)
     commands = Commands(gpu)
 
     def run() -> float:
