@@ -147,17 +147,14 @@ def test_a_closed_glowing_room(judged, square):
     paint = Material(base_color=(0.75,) * 3, specular=0.0, emission=(0.25,) * 3)
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
     image = judged.image(Scene(meshes=tuple(closed_room(square, paint)), camera=camera))
-    np.testing.assert_allclose(glow(image, 0.25), 0.25, rtol=1e-3)
+    # Its own light, and that of all walls reflected once. In corners walls shadow each other by a
+    # texel of the samples' maps: measured 4.5 % of one pixel in a hundred.
+    np.testing.assert_allclose(image.layers["direct"], 0.25 * 1.75, rtol=0.06)
+    assert image.layers["direct"].mean() == pytest.approx(0.25 * 1.75, rel=2e-3)
     print(judged.name, "glowing room", image.radiance.mean())
     if image.layers["indirect"].any():
         assert image.radiance.mean() > LEAST_OF_CLOSED_ROOM.get(judged.name, 0.93)
     assert image.radiance.mean() < MOST_OF_ROOM
-
-
-def glow(image, emission):
-    """The direct layer of a technique: emission. Mitsuba's has once-reflected emission, too."""
-    is_truth = "variance" in image.layers
-    return np.full(1, emission) if is_truth else image.layers["direct"]
 
 
 def test_a_lamp_in_the_middle_of_a_round_room(judged, error):

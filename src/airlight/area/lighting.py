@@ -7,6 +7,7 @@ sample's unshadowed light (Heitz2018, section 3): where nothing shadows there is
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,14 @@ from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..maths.area_light import cosine_table
 from ..maths.transforms import F64
+from ..scene.material import Material
 from ..surface.gbuffer import GBuffer
 from ..surface.geometry import GpuScene
 from ..surface.light_table import LightData
 from ..surface.shadow import ShadowMaps
 from .attenuation import Attenuation
 from .emitters import Emitter, Emitters
-from .shapes import MOST_CORNERS
+from .shapes import MOST_CORNERS, Kind
 from .table import (
     CornerData,
     EmitterData,
@@ -66,7 +68,8 @@ class _AreaLighting(FullscreenPass):
     targets = ("rgba32float",)
     file = "lighting.wgsl"
 
-    def __init__(self, gpu: Gpu, media: Attenuation | None) -> None:
+    def __init__(self, gpu: Gpu, media: Attenuation | None, has: Mapping[str, bool]) -> None:
+        """`has`: what the shader's overrides ask for, by their names."""
         self.slots: tuple[Slot, ...] = (  # type: ignore[misc]
             uniform("params", AreaLightingParams),
             texture("depth", "2d", "depth"),
@@ -82,11 +85,32 @@ class _AreaLighting(FullscreenPass):
             sampler("shadow_compare", "comparison"),
             *((storage("lights", LightData), *media.slots) if media else ()),
         )
+        known = {"IS_SAMPLED": gpu.takes_cpu_paths, **has}
         super().__init__(
             gpu,
             generated=(media.wgsl + _THROUGH_MEDIA) if media else _NO_MEDIA,
-            constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)},
+            constants={name: float(value) for name, value in known.items()},
         )
+
+
+def kinds(emitters: Sequence[Emitter]) -> dict[str, bool]:
+    """Which kinds of emitters and samples there are, by the shader's names for them."""
+    found = {emitter.shape.kind for emitter in emitters}
+    return {
+        "HAS_POLYGONS": Kind.POLYGON in found,
+        "HAS_SPHERES": Kind.SPHERE in found,
+        "HAS_SAMPLES_ALONE": Kind.SAMPLES in found,
+        "HAS_CUBES": any(s.is_cube for emitter in emitters for s in emitter.samples),
+        "ARE_FLAT": all(is_flat(emitter) for emitter in emitters),
+        "HAS_SPOTS": any(emitter.spot is not None for emitter in emitters),
+    }
+
+
+def is_flat(emitter: Emitter) -> bool:
+    """Whether all samples of an emitter face the same way, and so see along the same axes."""
+    directions = np.array([sample.light.direction for sample in emitter.samples])
+    is_one = bool(np.abs(directions - directions[0]).max() < 1e-9)
+    return is_one and not any(sample.is_cube for sample in emitter.samples)
 
 
 class AreaShadows:
@@ -140,10 +164,17 @@ class AreaShadows:
 class AreaLighting:
     """Draws a view's emission, and on it what emitters light."""
 
-    def __init__(self, gpu: Gpu, shadows: AreaShadows, media: Attenuation | None) -> None:
-        """`media`: what light is attenuated by on its way to surfaces."""
+    def __init__(
+        self,
+        gpu: Gpu,
+        shadows: AreaShadows,
+        materials: Iterable[Material],
+        media: Attenuation | None,
+    ) -> None:
+        """`media`: what light is attenuated by on its way to surfaces of `materials`."""
         self.gpu, self.shadows, self.media = gpu, shadows, media
-        self._pass = _AreaLighting(gpu, media)
+        self._has_gloss = any(m.specular > 0.0 or m.metallic > 0.0 for m in materials)
+        self._passes: dict[tuple[bool, ...], _AreaLighting] = {}
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
         table[:, :6] = cosine_table().reshape(-1, 6)
         self._cosines = buffer_of(gpu, "transformed cosines", table)
@@ -181,5 +212,13 @@ class AreaLighting:
         }
         if self.media:
             values |= {"lights": lights, **self.media.bound}
-        self._pass.draw(commands, (self._lit,), **values)
+        self._pass().draw(commands, (self._lit,), **values)
         return self._lit
+
+    def _pass(self) -> _AreaLighting:
+        """The pass for the kinds of emitters that there are in this frame."""
+        has = {**kinds(self.shadows.emitters.list), "HAS_GLOSS": self._has_gloss}
+        key = tuple(has.values())
+        if key not in self._passes:
+            self._passes[key] = _AreaLighting(self.gpu, self.media, has)
+        return self._passes[key]

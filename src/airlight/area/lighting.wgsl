@@ -8,6 +8,16 @@ const POLYGON = 0u;
 const SPHERE = 1u;
 const SAMPLES = 2u;
 const MOST_CORNERS = 12u;
+const OWN_PLANE = 1e-3;     // of a polygon's radius
+
+// CPU adapters run both sides of every branch: what no emitter and no surface has is left out.
+override HAS_POLYGONS: bool = true;
+override HAS_SPHERES: bool = true;
+override HAS_SAMPLES_ALONE: bool = true;
+override HAS_CUBES: bool = true;
+override HAS_SPOTS: bool = true;
+override HAS_GLOSS: bool = true;
+override ARE_FLAT: bool = false;    // all emitters, and none of their samples a cube
 
 struct Seen {
     p: vec3f,
@@ -23,7 +33,7 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     var round = vec4f(0.0);
     var axes = mat3x3f();
     var count = e.corner_count;
-    if (e.kind == SPHERE) {
+    if (HAS_SPHERES && e.kind == SPHERE) {
         round = sphere_disk(centre, e.radius);
         axes = orthonormal_frame(round.xyz);
         count = RIM_CORNERS;
@@ -34,60 +44,66 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     var k = 0u;
     loop {
         var corner: vec3f;
-        if (e.kind == SPHERE) {
+        if (HAS_SPHERES && (!HAS_POLYGONS || e.kind == SPHERE)) {
             corner = rim_corner(centre, axes, round.w, at);
         } else {
             corner = (corners[i * MOST_CORNERS + at].position - s.p) * frame;
         }
         if (k == 0u) {
             matt = outline_from(corner);
-            if (is_glossy) { gloss = outline_from(lobe * corner); }
+            if (HAS_GLOSS && is_glossy) { gloss = outline_from(lobe * corner); }
         } else {
             matt = outline_to(matt, corner);
-            if (is_glossy) { gloss = outline_to(gloss, lobe * corner); }
+            if (HAS_GLOSS && is_glossy) { gloss = outline_to(gloss, lobe * corner); }
         }
         at = k;
         k++;
         if (k > count) { break; }
     }
     var irradiance = outline_irradiance(matt);
-    if (e.kind == SPHERE) {
+    if (HAS_SPHERES && e.kind == SPHERE) {
         irradiance = sphere_irradiance(centre, e.radius);
     }
-    return vec2f(irradiance, select(0.0, outline_irradiance(gloss) / PI, is_glossy));
+    var share = 0.0;
+    if (HAS_GLOSS && is_glossy) {
+        share = outline_irradiance(gloss) / PI;
+    }
+    return vec2f(irradiance, share);
+}
+
+// A point before the views of a sample: in the sample's axes, its normal too.
+struct Viewed {
+    own: vec3f,         // from the sample, m
+    n: vec3f,
+    v: vec3f,           // towards the eye
+    slope: f32,         // the sum of the normal's coordinates, without signs
 }
 
 // How much of a point a sample sees. Twin of the views: area/table.py.
-fn sample_visibility(sample: SampleData, s: Seen) -> f32 {
-    let away = s.p - sample.position;
-    let own = vec3f(dot(away, sample.x), dot(away, sample.y), dot(away, sample.z));
-    let is_cube = sample.is_cube != 0u;
-    let span = select(3.0, 2.0, is_cube);
-    let size = select(own, abs(own), is_cube);
-    let farthest = max(size.x, max(size.y, size.z));
+fn sample_visibility(sample: SampleData, at: Viewed) -> f32 {
+    let is_cube = HAS_CUBES && sample.is_cube != 0u;
+    // The axis that the point lies nearest to; the other two follow in turn.
+    let size = select(at.own, abs(at.own), is_cube);
+    let is_y = size.y > size.x && size.y >= size.z;
+    let is_z = size.z > size.x && !is_y;
+    let turned = select(select(at.own, at.own.yzx, is_y), at.own.zxy, is_z);
+    let n = select(select(at.n, at.n.yzx, is_y), at.n.zxy, is_z);
+    let ahead = select(1.0, sign(turned.x), is_cube);
     // The point is moved along its normal so far that its own plane lies behind it in all four texels
     // that are compared: by what the plane rises towards the light over a texel along both sides.
-    let texel_m = span * params.texel * max(farthest, 0.0);
-    let n = vec3f(dot(s.n, sample.x), dot(s.n, sample.y), dot(s.n, sample.z));
-    let across = abs(n.x) + abs(n.y) + abs(n.z) - abs(dot(n, select(vec3f(0.0), vec3f(1.0), size == vec3f(farthest))));
-    let moved = own + n * (texel_m * (1.05 * across + 0.1));
-    let reach = select(moved, abs(moved), is_cube);
-    // The axis it lies nearest to; the other two follow in turn.
-    let is_y = reach.y > reach.x && reach.y >= reach.z;
-    let is_z = reach.z > reach.x && !is_y;
-    let turned = select(select(moved, moved.yzx, is_y), moved.zxy, is_z);
-    let ahead = select(1.0, sign(turned.x), is_cube);
-    let forward = turned.x * ahead;
-    let layer = sample.first_view + select(select(0u, 1u, is_y), 2u, is_z)
-        + select(0u, 3u, ahead < 0.0);
-    let plane = vec2f(turned.z * ahead, turned.y) / max(forward, 1e-9);
-    let ndc = select((plane + 0.5) / 1.5, plane, is_cube);
-    let uv = clamp(ndc * vec2f(0.5, -0.5) + 0.5, vec2f(0.0), vec2f(1.0));
-    let z = sample.far / (sample.far - sample.near) * (1.0 - sample.near / max(forward, 1e-9));
-    if (forward <= sample.near || z >= 1.0) {
+    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(turned.x), 0.0);
+    let moved = turned + n * (texel_m * (1.05 * (at.slope - abs(n.x)) + 0.1));
+    let inverse = 1.0 / max(moved.x * ahead, 1e-9);
+    let plane = vec2f(moved.z * ahead, moved.y) * inverse;
+    let uv = select(vec2f(1.0, -1.0) / 3.0 * plane + vec2f(2.0, 1.0) / 3.0,
+        vec2f(0.5, -0.5) * plane + 0.5, is_cube);
+    let z = sample.depth_scale - sample.depth_offset * inverse;
+    if (z <= 0.0 || z >= 1.0) {
         return 1.0;
     }
-    return textureSampleCompareLevel(area_shadows, shadow_compare, uv, layer, z);
+    let layer = sample.first_view + select(select(0u, 1u, is_y), 2u, is_z)
+        + select(0u, 3u, ahead < 0.0);
+    return textureSampleCompareLevel(area_shadows, shadow_compare, saturate(uv), layer, z);
 }
 
 // Light of the samples alone, where they are all there is of an emitter; and what of it is seen.
@@ -97,39 +113,60 @@ struct Sum {
     light: vec3f,       // W m^-2 sr^-1 towards the eye
 }
 
+fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
+    let n = s.n * axes;
+    return Viewed(own, n, s.v * axes, abs(n.x) + abs(n.y) + abs(n.z));
+}
+
 fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
     let n_v = max(dot(s.n, s.v), 1e-4);
+    // Samples of flat emitters see along the same axes.
+    let first = samples[e.first_sample];
+    let axes = mat3x3f(first.x, first.y, first.z);
+    let from_first = (s.p - first.position) * axes;
+    var at = viewed(from_first, axes, s);
     var k = 0u;
     loop {
         let sample = samples[e.first_sample + k];
-        let delta = sample.position - s.p;
-        let true_squared = dot(delta, delta);
-        let to_light = delta * inverseSqrt(max(true_squared, 1e-12));
+        if (ARE_FLAT) {
+            at.own = from_first - sample.offset;
+        } else {
+            let turned = mat3x3f(sample.x, sample.y, sample.z);
+            at = viewed((s.p - sample.position) * turned, turned, s);
+        }
+        let true_squared = dot(at.own, at.own);
+        let to_light = -at.own * inverseSqrt(max(true_squared, 1e-12));
         let squared = max(true_squared, sample.nearest);
-        let cosine = max(dot(s.n, to_light), 0.0);
-        let back = max(-dot(to_light, sample.normal), 0.0);
-        let sent = (sample.front * back + sample.even) / squared
-            * dot(sample.color, vec3f(0.3333333));
-        let weight = sent * cosine;
+        let cosine = max(dot(at.n, to_light), 0.0);
+        var back = -0.57735027 * (to_light.x + to_light.y + to_light.z);
+        if (HAS_CUBES) {
+            back = select(back, -dot(to_light, sample.normal), sample.is_cube != 0u);
+        }
+        let sent = (sample.front * max(back, 0.0) + sample.even) / squared;
+        let weight = sent * cosine * sample.brightness;
         if (weight > 0.0) {
-            var open = sample_visibility(sample, s);
-            if (e.cos_outer > -1.0) {
+            var open = sample_visibility(sample, at);
+            if (HAS_SPOTS && e.cos_outer > -1.0) {
+                let away = normalize(s.p - sample.position);
                 open *= smoothstep(e.cos_outer, max(e.cos_inner, e.cos_outer + 1e-4),
-                    -dot(to_light, e.axis));
+                    dot(away, e.axis));
             }
             sum.matt += weight * vec2f(1.0, open);
-            if (is_glossy) {
+            if (HAS_GLOSS && is_glossy) {
                 // The lobe as wide as the sample makes it.
                 let alpha = saturate(s.r.alpha + 0.5 * sqrt(sample.nearest / squared));
-                let h = normalize(to_light + s.v);
-                let gloss = weight * ggx_distribution(saturate(dot(s.n, h)), alpha)
+                let h = normalize(to_light + at.v);
+                let gloss = weight * ggx_distribution(saturate(dot(at.n, h)), alpha)
                     * smith_visibility(cosine, n_v, alpha);
                 sum.gloss += gloss * vec2f(1.0, open);
             }
-            if (e.kind == SAMPLES) {
-                let power = (sample.front * back + sample.even) / squared * cosine * open;
-                sum.light += sample.color * power * reflection(s.r, s.n, to_light, s.v);
+            if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
+                var reflected = s.r.diffuse / PI;
+                if (HAS_GLOSS) {
+                    reflected = reflection(s.r, at.n, to_light, at.v);
+                }
+                sum.light += sample.color * (sent * cosine * open) * reflected;
             }
         }
         k++;
@@ -140,11 +177,12 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
 
 fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glossy: bool) -> vec3f {
     let e = emitters[i];
-    if (e.kind == POLYGON && dot(s.p - e.centre, e.normal) <= 0.0) {
+    // A polygon does not light its back, nor, within rounding, its own plane.
+    if (e.kind == POLYGON && dot(s.p - e.centre, e.normal) <= OWN_PLANE * e.radius) {
         return vec3f(0.0);
     }
     let passed = media_passed(e.row, s.p);
-    if (e.kind == SAMPLES) {
+    if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
         return passed * summed(e, s, false).light;
     }
     let found = analytic(i, e, s, frame, lobe.inverse, is_glossy);
@@ -152,7 +190,10 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
         return vec3f(0.0);
     }
     let seen = summed(e, s, is_glossy);
-    let open = select(1.0, seen.matt.y / seen.matt.x, seen.matt.x > 0.0);
+    let open = select(1.0, seen.matt.y / max(seen.matt.x, 1e-30), seen.matt.x > 0.0);
+    if (!HAS_GLOSS) {
+        return e.radiance * passed * s.r.diffuse * (found.x * open / PI);
+    }
     // Where no sample lies in the lobe, the share of all light is the best there is.
     let few = 1e-3 * seen.matt;
     let lobe_open = select(open, (seen.gloss.y + few.y) / (seen.gloss.x + few.x), seen.matt.x > 0.0);
@@ -183,9 +224,9 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     let flat = s.v - n_v * s.n;
     let x = select(orthonormal_frame(s.n)[0], normalize(flat), dot(flat, flat) > 1e-10);
     let frame = mat3x3f(x, cross(s.n, x), s.n);
-    let is_glossy = any(s.r.f0 > vec3f(0.0));
+    let is_glossy = HAS_GLOSS && any(s.r.f0 > vec3f(0.0));
     var lobe: SpecularCosine;
-    if (is_glossy) {
+    if (HAS_GLOSS && is_glossy) {
         lobe = specular_cosine(n_v, s.r.alpha);
     }
     var sum = glow.rgb;

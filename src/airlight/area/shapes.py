@@ -31,7 +31,8 @@ class Kind(IntEnum):
 class Shape:
     """`radiance`, W m^-2 sr^-1, of the shape, so that it gives the power of its pieces.
 
-    A polygon has `corners` (n, 3), m, and glows along `normal`; a sphere has a `radius`, m.
+    A polygon has `corners` (n, 3), m, no farther than `radius`, m, from its centre, and glows along
+    `normal`; a sphere has its radius.
     """
 
     kind: Kind
@@ -59,7 +60,8 @@ def fitted(group: Pieces) -> Shape:
         corners, area = _outline(points, centre, normal)
         if area > 0.0:
             middle = corners.mean(axis=0)
-            return Shape(Kind.POLYGON, middle, normal, light / area, corners=corners)
+            radius = float(np.linalg.norm(corners - middle, axis=1).max())
+            return Shape(Kind.POLYGON, middle, normal, light / area, radius, corners)
     ball = _sphere(group, light)
     return ball or Shape(Kind.SAMPLES, centre, normal, light / max(group.areas.sum(), 1e-30))
 

@@ -32,7 +32,7 @@ class EmitterData(Struct):
     radiance = vec3f("W m^-2 sr^-1")
     kind = u32("0 polygon, 1 sphere, 2 samples alone")
     centre = vec3f("m")
-    radius = f32("m")
+    radius = f32("m, of a sphere, or around a polygon")
     normal = vec3f("of a polygon's glowing side")
     corner_count = u32()
     axis = vec3f("of a spot")
@@ -57,8 +57,10 @@ class SampleData(Struct):
     y = vec3f()
     is_cube = u32()
     z = vec3f()
-    near = f32("m")
-    far = f32("m")
+    brightness = f32("W sr^-1, the mean of the colour's channels")
+    offset = vec3f("m, from the emitter's first sample, along the first one's axes")
+    depth_scale = f32("depth is this, ...")
+    depth_offset = f32("... less this over the distance along the view's axis, m")
 
 
 class CornerData(Struct):
@@ -157,9 +159,10 @@ def corner_rows(emitters: Sequence[Emitter]) -> Any:
 def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
     """The table of `SampleData`, emitter by emitter."""
     rows, view = [], 0
-    for sample in (s for emitter in emitters for s in emitter.samples):
+    for sample, first in ((s, emitter.samples[0]) for emitter in emitters for s in emitter.samples):
         light, axes = sample.light, frame(sample)
         near, far = reach(sample, low, high)
+        gain = far / (far - near)
         rows.append(
             {
                 "position": light.position,
@@ -173,8 +176,10 @@ def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
                 "y": axes[1],
                 "is_cube": int(sample.is_cube),
                 "z": axes[2],
-                "near": near,
-                "far": far,
+                "brightness": sum(light.intensity) / 3.0,
+                "offset": frame(first) @ np.subtract(light.position, first.light.position),
+                "depth_scale": gain,
+                "depth_offset": gain * near,
             }
         )
         view += 6 if sample.is_cube else 3

@@ -49,12 +49,12 @@ class SurfaceSettings:
     )
     area_samples: int = setting(
         16,
-        "shadow maps' points on a light with extent; three such lights share no more",
+        "points of a light with extent that surfaces look for; all have 3 times as many",
         low=1,
         high=64,
     )
     area_lights: int = setting(
-        32, "lights with extent, beyond which those close together count as one", low=1, high=64
+        20, "lights with extent, beyond which those close together count as one", low=1, high=64
     )
     sky_lights: int = setting(
         128, "directional lights that stand for the environment", low=0, high=512

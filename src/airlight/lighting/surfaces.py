@@ -52,7 +52,9 @@ class Surfaces:
         self._area: AreaLighting | None = None
         if kit.emitters.count and kit.meshes.draws:
             shadows = AreaShadows(kit.gpu, kit.emitters, kit.settings.lamp_resolution)
-            self._area = AreaLighting(kit.gpu, shadows, attenuation)
+            self._area = AreaLighting(
+                kit.gpu, shadows, (mesh.material for mesh in scene.meshes), attenuation
+            )
         self._emission: Texture | None = None
         self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
 

@@ -25,7 +25,7 @@ from ...errors import SceneError, nearest, within_memory
 from ..scene import Scene
 from .atrium import atrium, atrium_fog
 from .cloud import cloud
-from .cornell import cornell, haze_box
+from .cornell import cornell, cornell_area, haze_box
 from .failures import bleeding, one_iteration, pinpoint
 from .milk import milk
 from .room import foggy_room, room
@@ -40,6 +40,7 @@ __all__ = [
     "builtin_scene",
     "cloud",
     "cornell",
+    "cornell_area",
     "foggy_room",
     "haze_box",
     "milk",
@@ -54,6 +55,7 @@ BUILTIN: dict[str, Callable[..., Scene]] = {
     "atrium": atrium,
     "atrium-fog": atrium_fog,
     "cornell": cornell,
+    "cornell-area": cornell_area,
     "haze-box": haze_box,
     "room": room,
     "foggy-room": foggy_room,

@@ -52,6 +52,11 @@ def cornell(*, light: str = "spot") -> Scene:
     )
 
 
+def cornell_area() -> Scene:
+    """The Cornell box with its glowing panel: an area light, soft shadows."""
+    return replace(cornell(light="area"), name="cornell-area")
+
+
 def haze_box(*, light: str = "spot", sigma_s: float = 0.12, g: float = 0.0) -> Scene:
     """The Cornell box full of white haze that scatters `sigma_s` per metre."""
     sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
