@@ -92,12 +92,19 @@ def test_all_around_the_lobe_is_whole() -> None:
 def test_what_leaves_the_gap_above_a_panel() -> None:
     # Two disks of radius 1: all light leaves where they are far apart, h / R where they are close.
     up = np.array((0.0, 0.0, 1.0))
-    assert area_light.leaving_share(np.array((0, 0, 100.0)), up, 1.0) == pytest.approx(1, abs=1e-3)
-    assert area_light.leaving_share(np.array((0, 0, 0.01)), up, 1.0) == pytest.approx(
+    assert area_light.leaving_share(np.array((0, 0, 100.0)), up, 1.0, 9e9) == pytest.approx(
+        1, abs=1e-3
+    )
+    assert area_light.leaving_share(np.array((0, 0, 0.01)), up, 1.0, 9e9) == pytest.approx(
         0.01, rel=0.01
     )
-    assert area_light.leaving_share(np.array((3, 0, 0.01)), up, 1.0) == pytest.approx(0.9, rel=0.01)
-    assert area_light.leaving_share(np.array((0, 0, 0.01)), up, 0.0) == pytest.approx(1, abs=1e-6)
+    assert area_light.leaving_share(np.array((3, 0, 0.01)), up, 1.0, 9e9) == pytest.approx(
+        0.9, rel=0.01
+    )
+    assert area_light.leaving_share(np.array((0, 0, 0.4)), up, 1.0, 0.2) == 1.0
+    assert area_light.leaving_share(np.array((0, 0, 0.01)), up, 0.0, 9e9) == pytest.approx(
+        1, abs=1e-6
+    )
 
 
 def test_twins(wgsl: Evaluate) -> None:
@@ -110,9 +117,9 @@ def test_twins(wgsl: Evaluate) -> None:
     found = wgsl("area_light", "sphere_irradiance", centre, radius)
     expected = [area_light.sphere_irradiance(*each) for each in zip(centre, radius, strict=True)]
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=5e-4)
-    away, body = RNG.normal(size=(200, 3)), RNG.uniform(0.0, 2.0, 200)
-    found = wgsl("leaving_share", "leaving_share", away, a, body)
-    expected = [area_light.leaving_share(*row) for row in zip(away, a, body, strict=True)]
+    away, body, gap = RNG.normal(size=(200, 3)), RNG.uniform(0, 2, 200), RNG.uniform(0, 2, 200)
+    found = wgsl("leaving_share", "leaving_share", away, a, body, gap)
+    expected = [area_light.leaving_share(*row) for row in zip(away, a, body, gap, strict=True)]
     np.testing.assert_allclose(found, expected, rtol=2e-4, atol=1e-6)
     found = wgsl("area_light", "sphere_disk", centre, radius, returns="vec4f")
     disks = [area_light.sphere_disk(*each) for each in zip(centre, radius, strict=True)]

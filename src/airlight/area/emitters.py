@@ -31,6 +31,7 @@ BUDGET = 3
 _TEXTURED_GROUPS = 8  # that a surface of uneven glow is cut into
 _UNEVEN = 0.3  # deviation of the glow, of its mean, from which on it is
 _ONE_SIDED = 0.6  # length of the mean normal from which on samples send by the cosine alone
+_OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
 _GOLDEN = 0.6180339887498949
 MOST_LAYERS = 240
 """Shadow maps; devices have arrays of 256 layers at least."""
@@ -72,8 +73,12 @@ class _Group:
 class Emitters:
     """The lights with extent of a scene; `of` takes the scene as it is in a frame."""
 
-    def __init__(self, scene: Scene, *, samples: int, most: int) -> None:
-        """`samples`: of a light alone; `most`: how many lights there are, larger groups beyond."""
+    def __init__(self, scene: Scene, *, samples: int, most: int, cell: float = 0.0) -> None:
+        """`samples`: of a light alone; `most`: how many lights there are, larger groups beyond.
+
+        `cell`, metres: of the lattice, which does not know what is closer to a light.
+        """
+        self._cell = cell
         self._sources = sources(scene)
         self._cut = layout(self._sources)
         self._found = pieces(self._sources, self._cut)
@@ -145,13 +150,15 @@ class Emitters:
         return np.asarray(np.where(is_light, np.maximum(power, least), power))
 
     def _features(self) -> F64:
-        """(n, 6): position and normal; opposite normals are as far apart as a source is large."""
+        """(n, 6): position and normal; opposite normals are four times as far apart as sources are
+        large: what faces two ways is one only where sources are many.
+        """
         count = len(self._sources)
         low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
         np.minimum.at(low, self._cut.source, self._found.positions)
         np.maximum.at(high, self._cut.source, self._found.positions)
         size = (high - low).max(axis=1)[self._cut.source]
-        scale = 0.5 * float(np.average(size, weights=self._weights + 1e-30))
+        scale = 2.0 * float(np.average(size, weights=self._weights + 1e-30))
         return np.concatenate([self._found.positions, scale * self._found.normals], axis=1)
 
     def _grouped(self, samples: int, most: int) -> list[_Group]:
@@ -226,12 +233,28 @@ class Emitters:
         return np.concatenate([points, 0.25 * size * normals], axis=1)
 
     def _scattering_groups(self) -> list[I64]:
-        is_spot = np.array([s.spot is not None for s in self._sources], bool)[self._cut.source]
-        weights = np.where(is_spot, 0.0, self._weights)
-        groups = sum(group.spot < 0 for group in self._groups)
-        most = min(SCATTERING_MOST, SCATTERING_EACH * groups)
-        atoms = np.arange(len(weights))
-        return clusters(self._features(), weights, atoms, most) if most else []
+        """Rows of pieces that one point each stands for in lattices and media: parts of groups.
+
+        What faces out of a room does not mix with what lights it.
+        """
+        own = [group.rows for group in self._groups if group.spot < 0]
+        if not own:
+            return []
+        if len(own) > SCATTERING_MOST:
+            number = np.zeros(len(self._weights), np.int64)
+            is_own = np.zeros(len(self._weights), bool)
+            for k, rows in enumerate(own):
+                number[rows], is_own[rows] = k, True
+            weights = np.where(is_own, self._weights, 0.0)
+            return clusters(self._features(), weights, number, SCATTERING_MOST)
+        total = max(sum(float(self._weights[rows].sum()) for rows in own), 1e-300)
+        found = []
+        for rows in own:
+            share = float(self._weights[rows].sum()) / total
+            count = min(1 + int(share * (SCATTERING_MOST - len(own))), SCATTERING_EACH)
+            parts = strata(self._own_features(rows), self._weights[rows], count)
+            found += [rows[part] for part in parts]
+        return found
 
     def _as_points(self, scene: Scene) -> tuple[Light, ...]:
         """Lights without extent, then spots on the balls of spot lights, then samples."""
@@ -280,7 +303,7 @@ class Emitters:
             piece = int(np.searchsorted(np.cumsum(weight), at * weight.sum()))
             piece = min(piece, len(rows) - 1)
             middle, normal = points[piece], normals[piece]
-        elif not has_cube and length < 0.999:
+        elif not has_cube and float(np.ptp((points - middle) @ normal)) > _OFF_PLANE * extent:
             # A point of the surface itself: the middle of a curved part lies behind it.
             piece = int(((points - middle) ** 2).sum(axis=1).argmin())
             middle = points[piece]
@@ -294,6 +317,7 @@ class Emitters:
             (1.0 - length) / 4.0 if has_cube else 0.0,
             max(extent, spread),
             float(weight @ self._bodies[rows]),
+            self._cell,
         )
         return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube)
 

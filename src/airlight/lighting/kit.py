@@ -100,8 +100,12 @@ class Kit:
         `gpu` owns all that a technique makes on the device, solvers and surfaces included.
         """
         self.gpu = gpu = context.gpu.scope()
+        nest = nest or scene_nest(context.scene, settings)
         self.emitters = Emitters(
-            context.scene, samples=settings.area_samples, most=settings.area_lights
+            context.scene,
+            samples=settings.area_samples,
+            most=settings.area_lights,
+            cell=nest.levels[0].cell,
         )
         scene = self.emitters.of(context.scene)
         self.context, self.settings = replace(context, gpu=gpu, scene=scene), settings
@@ -123,7 +127,7 @@ class Kit:
             gpu,
             scene,
             self.meshes,
-            nest or scene_nest(scene, settings),
+            nest,
             surfels=settings.surfels,
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,

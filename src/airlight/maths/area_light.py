@@ -67,17 +67,20 @@ def sphere_irradiance(centre: F64, radius: float) -> float:
     return float((cosine * np.arccos(y) - x * root) * sine2 + np.arctan(root / x))
 
 
-def leaving_share(away: F64, normal: F64, body: float) -> float:
+def leaving_share(away: F64, normal: F64, body: float, gap_m: float) -> float:
     """The share of the light reflected at a point that misses the disk that it came from.
 
     `away` (3,), metres, from the disk to the point; `body`, m^2, the square of the disk's radius.
     The view factor of a disk from an equal one across a gap is 1 less this (Howell2010, C-40); from
-    a point on the axis body / (body + distance^2). The larger share counts.
+    a point on the axis body / (body + distance^2). The larger share counts. Points farther than
+    about `gap_m` from the disk's plane lose nothing: lattices know what surfaces take there.
     """
     squared, height = float(away @ away), float(away @ normal)
     gap = max(height * height, 1e-12) / max(body, 1e-12)
     across = 0.5 * gap * (np.sqrt(4.0 / gap + 1.0) - 1.0)
-    return max(float(across), squared / (squared + body))
+    share = max(float(across), squared / (squared + body))
+    t = float(np.clip((abs(height) - 0.5 * gap_m) / (gap_m + 1e-9), 0.0, 1.0))
+    return share + (1.0 - share) * t * t * (3.0 - 2.0 * t)
 
 
 def rim(centre: F64, normal: F64, radius: float) -> F64:

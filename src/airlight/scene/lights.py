@@ -130,7 +130,7 @@ class LightSample:
     It sends `intensity` * (`front` * max(c, 0) + `even`), W sr^-1, at the cosine c from
     `direction`. `extent`, metres: how large the part is; nearer than that it gets no brighter.
     `body`, metres: radius of a disk as large as the surface that the light comes from, which
-    stands in the way of what is reflected close to it; 0 without one.
+    stands in the way of what is reflected closer to it than `gap`, metres; 0 without one.
     """
 
     position: Vec3
@@ -140,6 +140,7 @@ class LightSample:
     even: float = 0.0
     extent: float = 0.0
     body: float = 0.0
+    gap: float = 0.0
 
     @property
     def power(self) -> Rgb:

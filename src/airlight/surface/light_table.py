@@ -28,7 +28,7 @@ class LightData(Struct):
     first_view = u32()
     view_count = u32()
     nearest = f32("m^2, squares of distances are no smaller")
-    body = f32("m^2, square of the radius of the surface that gives it; 0 without one")
+    pad = f32()
 
 
 def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
@@ -43,7 +43,7 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
         "first_view": first_view,
         "view_count": view_count(light),
         "nearest": 1e-8,
-        "body": 0.0,
+        "pad": 0.0,
     }
     match light:
         case DirectionalLight():
@@ -68,7 +68,6 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
                 "cos_inner": light.front,
                 "cos_outer": light.even,
                 "nearest": max(light.extent**2, 1e-8),
-                "body": light.body**2,
             }
     return fields
 

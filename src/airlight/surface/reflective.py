@@ -16,7 +16,7 @@ from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
-from ..scene.lights import Light
+from ..scene.lights import Light, LightSample
 from .draw_parts import DrawParts, in_draw_order
 from .geometry import Draw, GpuScene
 from .light_table import light_fields
@@ -37,7 +37,8 @@ class ReflectiveParams(Struct):
     direction = vec3f()
     cos_outer = f32()
     inv_size = vec2f("of the map, px^-1")
-    body = f32("m^2, as in LightData")
+    body = f32("m^2, square of the radius of the surface that gives the light; 0 without one")
+    gap = f32("m, up to which what is close to it sends light back there")
 
 
 class _ReflectivePipeline(MeshPipeline):
@@ -133,11 +134,13 @@ class ReflectiveShadowMaps:
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
         fields = light_fields(light)
-        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer", "body")
+        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
         params = ReflectiveParams(
             clip_from_world=view.clip_from_world,
             inv_size=2 * (1.0 / self.resolution,),
             **{name: fields[name] for name in names},
+            body=light.body**2 if isinstance(light, LightSample) else 0.0,
+            gap=light.gap if isinstance(light, LightSample) else 0.0,
         )
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)

@@ -11,7 +11,7 @@ fn reflected_power(albedo: vec3f, world: vec3f) -> vec3f {
     }
     let c = dot(normalize(world - params.position), params.direction);
     if (params.kind == 3u) {    // a sample of a surface
-        return in_half_range(power * leaving_share(world - params.position, params.direction, params.body)
+        return in_half_range(power * leaving_share(world - params.position, params.direction, params.body, params.gap)
             * (params.cos_inner * max(c, 0.0) + params.cos_outer));
     }
     return in_half_range(
