@@ -11,6 +11,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, u32
 from ...gpu.memory import Buffer
+from ...gpu.recorded import Recorded
 from ...gpu.slots import storage, uniform
 from ...surface.shadow import ShadowMaps
 
@@ -58,12 +59,16 @@ class DepthBounds:
         self.buffer = Buffer(gpu, "shadow bounds", 8 * layers * self.side * self.side)
         self._first = _Bounds(gpu, is_first=True)
         self._next = _Bounds(gpu, is_first=False)
+        self._recorded = Recorded(gpu, "levels of shadow bounds")
 
     def encode(self, commands: Commands) -> None:
         """Compute all levels from the maps."""
         if not self.maps.layers:
             return
         self._copy(commands)
+        self._recorded.encode(commands, (self.buffer,), lambda: self._make_levels(commands))
+
+    def _make_levels(self, commands: Commands) -> None:
         for level in range(1, self.top + 1):
             params = BoundsParams(
                 side=self.side,
