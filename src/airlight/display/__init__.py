@@ -1,7 +1,5 @@
-"""From a renderer's layers to a surface that a person looks at; nothing is read back.
+"""From layers of radiance to a surface: combined, metered, tone mapped; nothing is read back.
 
-combine      layers summed, one chosen, or a debug view; averaged over samples
-meter        exposure from the image itself        tone      exposure, curve, sRGB
-show         the toned image on a surface of any size
-presenter    the four in a row
+layers -> combine -> one image -> meter (exposure) -> tone (curve, sRGB) -> show on a surface
+                                  presenter: all of it, for one window or tab
 """

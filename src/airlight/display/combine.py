@@ -1,4 +1,4 @@
-"""One image of a technique's layers: their sum, one of them, or a debug view; a running mean."""
+"""One image from a technique's layers (their sum, one of them, a debug view), averaged."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
 
 
 class CombineParams(Struct):
-    """What is shown, and the new image's weight in the mean."""
+    """The view that is shown, and the new image's weight in the mean."""
 
     weights = vec4f("of the layers")
     weight = f32("of the new image; 1 starts anew")
@@ -56,7 +56,7 @@ class Combine:
         return self._means[0]
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels; the mean is lost."""
+        """Draw images of `size`, pixels, from here on; the mean is lost."""
         for mean in self._means:
             mean.release()
         self._make_means(size)
@@ -71,7 +71,7 @@ class Combine:
         kind: int = RADIANCE,
         reach_m: float = 1.0,
     ) -> None:
-        """Fold the sum of `layers` in as image number `index` (0 starts anew).
+        """Add the sum of `layers` to the mean as image number `index`; 0 restarts it.
 
         Raises SettingsError for more than MOST_LAYERS layers.
         """

@@ -1,4 +1,4 @@
-"""Exposure from the image itself, without reading it back: `maths.tone.auto_exposure`."""
+"""Exposure metered on the device: the twin of `maths.tone.auto_exposure`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A renderer's layers to a surface: combine, meter, tone, show."""
+"""A renderer's layers to a surface: combine, meter, tone map, show."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _RAW_LAYERS = {"transmittance": RAW, "albedo": RAW, "normal": NORMAL, "depth": D
 
 @dataclass(frozen=True)
 class Look:
-    """What is shown, and how.
+    """Which layer is shown, and its exposure.
 
     `layer`: "image" (the sum), a radiance layer, transmittance, albedo, normal or depth.
-    `exposure_stops` None: from the image itself. `reach_m`: the distance that the depth view
-    shows half bright; nearer is brighter.
+    `exposure_stops` None: from the image itself. `reach_m`: the distance that the depth view shows
+    half bright; nearer is brighter.
     """
 
     layer: str = IMAGE
@@ -34,7 +34,7 @@ class Look:
 
 
 def layer_names(images: dict[str, Texture]) -> tuple[str, ...]:
-    """What a technique that draws `images` can be looked at by."""
+    """The layers that a view of a technique with these `images` can show."""
     radiance = [name for name in images if name not in _RAW_LAYERS]
     raw = [name for name in images if name in _RAW_LAYERS]
     return (IMAGE, *radiance, *raw, "albedo", "normal", "depth")
@@ -50,7 +50,7 @@ class Presenter:
         self._is_metered_before = False
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels; the mean is lost."""
+        """Draw images of `size`, pixels, from here on; the mean is lost."""
         if size != self.size:
             self.size = size
             self._combine.resize(size)
@@ -59,7 +59,7 @@ class Presenter:
     def take(
         self, commands: Commands, images: dict[str, Texture], view: View, look: Look, index: int
     ) -> None:
-        """Fold sample number `index` (0 starts anew) of a drawn view into the mean."""
+        """Add sample number `index` of a drawn view to the mean; 0 restarts it."""
         kind = _RAW_LAYERS.get(look.layer, RADIANCE)
         with commands.stage("combine"):
             self._combine.encode(
@@ -72,7 +72,7 @@ class Presenter:
             )
 
     def tone(self, commands: Commands, look: Look, *, settled: bool = True) -> None:
-        """Make the mean showable; the metered exposure follows slowly unless `settled`."""
+        """Tone map the mean; the metered exposure follows slowly unless `settled`."""
         is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
         with commands.stage("tone"):
             if is_metered and not is_raw:
@@ -90,7 +90,7 @@ class Presenter:
             )
 
     def show(self, commands: Commands, view: Any) -> None:
-        """Draw what was toned last onto the surface's texture `view`."""
+        """Draw the tone-mapped image onto the surface's texture `view`."""
         self._show.draw(commands, self._tone.shown, view)
 
     def release(self) -> None:

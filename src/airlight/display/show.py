@@ -1,4 +1,4 @@
-"""The toned image on a surface: stretched to it, encoded as its format wants."""
+"""The tone-mapped image on a surface: stretched to it, encoded as its format needs."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Tone:
         self.shown = Texture(gpu, "shown", size, "rgba8unorm", target=True)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Go on with images of `size`, pixels."""
+        """Draw images of `size`, pixels, from here on."""
         self.shown.release()
         self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True)
 

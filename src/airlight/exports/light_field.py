@@ -1,6 +1,6 @@
-"""Light solved on a lattice or in a volume, as arrays, with the lookup that our shaders do.
+"""Light solved on a lattice or in a volume, as arrays, with the shaders' lookup in NumPy.
 
-Radiance is kept in two bands, L(w) = a + b.w, W m^-2 sr^-1, with w the way the light travels.
+Radiance is stored in two bands, L(w) = a + b.w, W m^-2 sr^-1, with w the direction of travel.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class LatticeLight:
         return x, y, z
 
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
-        """(n, 3), W m^-2, of bounced and scattered light on surfaces at `points` (n, 3), m.
+        """(n, 3), W m^-2, of indirect light on surfaces at `points` (n, 3), m.
 
         `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
         """
@@ -102,7 +102,7 @@ class LatticeLight:
         return np.asarray(np.pi * np.maximum(states[..., 0] - 2.0 / 3.0 * along, 0.0), np.float64)
 
     def _cells(self, place: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
-        """Of places among the cells: the cell (n, 3), and the same as an index of our arrays."""
+        """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
         cell = np.clip(np.floor(place), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
@@ -130,7 +130,10 @@ class LatticeLight:
         return np.where((is_above | is_below) & (way != 0.0), lifted, place)
 
     def _ends(self, cell: F64, way: F64) -> NDArray[np.bool_]:
-        """(n, 3): which axes of the ways from cells end at a wall. Twin: ends in lattice.wgsl."""
+        """(n, 3): the axes along which `directions` from cells lead into an enclosed face.
+
+        Twin: ends in wgsl/lattice.wgsl.
+        """
         assert self.dead_ends is not None
         _, at = self._cells(cell)
         hop = 2 * np.arange(3) + (way < 0.0)
@@ -173,10 +176,10 @@ class LatticeLight:
 
 @dataclass(frozen=True, eq=False)
 class VolumeLight:
-    """What a volume scatters towards `eye` (world, m).
+    """The radiance that a volume scatters towards `eye` (world, m).
 
-    `radiance` (Z, Y, X, 3), W m^-2 sr^-1: times sigma_s it is J in W m^-3 sr^-1. Its cells fill
-    the unit cube (x, y, z) that `world_from_unit` (4, 4) places in the world.
+    `radiance` (Z, Y, X, 3), W m^-2 sr^-1: times sigma_s it is J in W m^-3 sr^-1. Its cells fill the
+    unit cube (x, y, z), which `world_from_unit` (4, 4) maps to the world.
     """
 
     radiance: F32
@@ -186,7 +189,7 @@ class VolumeLight:
 
 @dataclass(frozen=True, eq=False)
 class LightField:
-    """All that a technique solved for a scene: nested lattices, the finest first, and volumes."""
+    """All light that a technique solved: nested lattices, the finest first, and volumes."""
 
     technique: str
     scene: str
@@ -194,7 +197,7 @@ class LightField:
     volumes: tuple[VolumeLight, ...] = ()
 
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
-        """(n, 3), W m^-2, of bounced and scattered light on surfaces at `points` (n, 3), m.
+        """(n, 3), W m^-2, of indirect light on surfaces at `points` (n, 3), m.
 
         Each lattice fades into the next coarser one, the last into nothing. `normals` (n, 3) are
         unit vectors.
@@ -215,7 +218,7 @@ class LightField:
 
     @staticmethod
     def load(path: Any) -> LightField:
-        """What `save` wrote. Raises SceneError."""
+        """Read what `save` wrote. Raises SceneError."""
         from .light_field_file import load_light_field
 
         return load_light_field(path)
@@ -232,7 +235,7 @@ def _rim_shares(n: F64) -> F64:
 
 
 def _raised(place: F64, n: F64) -> F64:
-    """How far before a surface to look, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
+    """The offset before a surface, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
     along = place * np.sign(n)
     f = along - np.floor(along)
     return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))

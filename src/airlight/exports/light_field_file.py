@@ -84,7 +84,7 @@ def save_light_field(field: LightField, path: str | Path) -> None:
 
 
 def load_light_field(path: str | Path) -> LightField:
-    """What `save_light_field` wrote. Raises SceneError."""
+    """Read what `save_light_field` wrote. Raises SceneError."""
     source = Path(path)
     try:
         header, arrays = _read_folder(source) if source.is_dir() else _read_npz(source)

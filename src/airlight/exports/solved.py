@@ -34,7 +34,7 @@ def export_lattice(
 ) -> LightField:
     """Solve the light in `scene`, write it to `path` (.npz or a folder) if given, return it.
 
-    `settings` as in `airlight render -D`. Raises SettingsError for a technique that keeps no
+    `settings` as in `airlight render -D`. Raises SettingsError for a technique that stores no
     light, DeviceError, OutputError.
     """
     if technique in ("direct", "single"):
@@ -48,7 +48,10 @@ def export_lattice(
 
 
 def light_field(renderer: Renderer, technique: str = "") -> LightField:
-    """What `renderer` solved for its last frame. Raises SettingsError where it keeps no light."""
+    """The light that `renderer` solved for its last frame.
+
+    Raises SettingsError where the technique stores no light.
+    """
     used = renderer.technique
     volumes = _volume_lights(used, renderer)
     lattices = _lattices(used)
@@ -65,7 +68,7 @@ def _no_light(technique: str) -> SettingsError:
 
 
 def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
-    """All that surfaces read, the finest first; what media scatter is on the last."""
+    """All lattices that surfaces read, the finest first; the last has what media scatter."""
     if used.fields is None or used.fields.irradiance is None:
         return ()
     blockers, bound = used.kit.blockers, used.fields.irradiance.bound
@@ -109,7 +112,7 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
 
 
 def _air(fields: Fields) -> F32 | None:
-    """Radiance that media scatter, where the technique marches a lattice."""
+    """The radiance that media scatter, where the technique marches a lattice."""
     source = fields.scattered
     if source is None:
         return None

@@ -1,8 +1,12 @@
-"""What the lattice techniques share: where cells are, what is put in them, how light is read.
+"""Lattices: where cells are, what is injected into them, what blocks, how light is read.
 
-placement    cells in the world                inject       virtual point lights -> cells
-surfels      samples of all surfaces           blockers     surfels -> openness of cell faces
-lookup       cells -> filtered textures -> irradiance
+   placement, nested    cells in the world; finer lattices ahead of the camera
+   facing               the axes along which cells are laid: those of the scene's walls
+   surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces
+   inject, emission, point_lights   virtual point lights (lobes) -> fixed-point sums -> cells
+   skylight             the sky's direct light: an ambient cube per cell
+   lookup -> irradiance cells -> filtered textures -> what surfaces read
+   lattices             all of this for one scene; the solvers (lpv, scatter) propagate
 
 A lattice is a storage buffer of vec4f (a, bx, by, bz) laid out [channel][z][y][x]: intensity
 I(w) = a + b.w in W sr^-1 as a function of travel direction w. A cell's power is 4 pi a.

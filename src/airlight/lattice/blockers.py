@@ -1,9 +1,10 @@
-"""What stands between cells: the open share of every hop.
+"""Blockers: the visibility and the reflectance of the faces between cells.
 
-Each surfel's area, projected on the three axes and split by the side it faces, is summed around
-the lattice's corners; a hop is blocked by what faces it, averaged over the four corners of the
-crossed face (the NumPy twin is maths.lattice6.blocked_shares).
-differs: Kaplanyan2010 section 3.2 keeps blockers as spherical harmonics, through which a full wall
+Each surfel's area, projected on the three axes and split by the side it faces, is summed around the
+lattice's corners. A propagation step across a face is blocked by the area that faces it, averaged
+over the face's four corners (NumPy twin: maths.lattice6.blocked_shares).
+
+differs: Kaplanyan2010 section 3.2 stores blockers as spherical harmonics, through which a full wall
 lets 16 to 22% of the light.
 """
 
@@ -67,7 +68,7 @@ class _FaceVisibility(ComputePass):
 
 
 class Blockers:
-    """Openness and reflectance of all cell faces, made anew only where the geometry moved.
+    """Visibility and reflectance of all cell faces, recomputed only where the geometry moved.
 
     `faces` holds eight u32 per cell, all unorm8: for the six outgoing hops the reflected share
     (rgb) and the blocked share (a), then the visibility of the six incoming hops.
@@ -134,11 +135,11 @@ class Blockers:
         self.walls = texture("walls", "rgba8snorm")
 
     def move_to(self, placement: Placement) -> None:
-        """Move the lattice, as many cells as before, at the next `encode`."""
+        """Move the lattice, which has as many cells as before, at the next `encode`."""
         self.placement = placement
 
     def encode(self, commands: Commands) -> bool:
-        """Bring the openness up to date; returns whether anything changed."""
+        """Update the faces; returns whether anything changed."""
         made = (self.meshes.version, replace(self.placement, fade=None))
         if self._made == made:
             return False
@@ -149,7 +150,7 @@ class Blockers:
         return True
 
     def clear(self, commands: Commands) -> None:
-        """Nothing is around the corners any more."""
+        """Remove all blockers."""
         commands.encoder.clear_buffer(self.sums.handle)
 
     def sum_meshes(self, commands: Commands) -> None:
@@ -166,7 +167,7 @@ class Blockers:
         )
 
     def open(self, commands: Commands) -> None:
-        """Openness and reflectance of all faces, and their walls, from the sums."""
+        """Compute visibility, reflectance and wall offsets of all faces from the sums."""
         self.note_change()
         self._open.dispatch(
             commands,
@@ -181,7 +182,7 @@ class Blockers:
         )
 
     def note_change(self) -> None:
-        """Whoever makes faces anew says so: what others keep of them is out of date."""
+        """Raise the version; whoever recomputes faces calls it."""
         self.version += 1
 
     def _params(self) -> BlockerParams:
@@ -193,7 +194,7 @@ class Blockers:
         )
 
     def follow_vertices(self) -> None:
-        """Move the surfels of meshes whose vertices moved; nested lattices share their owner's."""
+        """Move the surfels of meshes whose vertices moved; nested lattices share the owner's."""
         meshes = self.meshes
         if not self._is_owner:
             return
@@ -214,6 +215,6 @@ class Blockers:
 
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
-    """The eye and the lamps (n, 3), metres."""
+    """The positions (n, 3) of the eye and of local lights, metres."""
     lamps = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
     return np.array([scene.camera.position, *lamps], np.float64)

@@ -1,8 +1,8 @@
-"""Which way a scene's walls face: the axes along which a lattice's cells stand best.
+"""The axes of a lattice: those that the scene's walls face.
 
-Blockers are counted on faces of cells. A wall along them is one plane of faces; one aslant is a
-staircase, which stops light that runs along it and shows in what surfaces read. So the axes are
-those to which the most area of all surfaces is at right angles, if there are such.
+Blockers are counted on faces of cells. A wall along an axis is one plane of faces; an oblique wall
+is a staircase, which blocks light that runs along it and shows in the irradiance of surfaces. So
+the axes are those to which most area of all surfaces is perpendicular, if there are such.
 """
 
 from __future__ import annotations
@@ -79,13 +79,16 @@ def _area_vectors(geometry: Geometry) -> F64:
 
 
 def _parted(vectors: F64) -> tuple[F64, F64]:
-    """Unit normals (n, 3), and their areas (n,), m^2."""
+    """Split area vectors into unit normals (n, 3) and areas (n,), m^2."""
     areas = np.linalg.norm(vectors, axis=1)
     return vectors / areas[:, None], areas
 
 
 def _summed(vectors: F64, steps: int) -> F64:
-    """Vectors (n, 3) summed where directions agree in steps of 1 / `steps`; both ways are one."""
+    """Vectors (n, 3), summed where directions agree in steps of 1 / `steps`.
+
+    Opposite directions count as one.
+    """
     length = np.linalg.norm(vectors, axis=1)
     vectors, length = vectors[length > 0.0], length[length > 0.0]
     # The largest component says which of the two ways it is.
@@ -99,7 +102,7 @@ def _summed(vectors: F64, steps: int) -> F64:
 
 
 def _peaks(normals: F64, areas: F64) -> list[F64]:
-    """Directions along which much area faces, the most first."""
+    """Directions that much area faces, those with the most area first."""
     left, found = areas.copy(), []
     for _ in range(_MOST):
         found.append(normals[int(left.argmax())])
@@ -110,7 +113,7 @@ def _peaks(normals: F64, areas: F64) -> list[F64]:
 
 
 def _refined(direction: F64, vectors: F64) -> F64:
-    """The mean direction of what faces along `direction`: of a plane, if it is most of that."""
+    """The mean direction of the area near `direction`; of a plane, if that has most of it."""
     near = vectors[np.abs(vectors @ direction) > _NEAR * np.linalg.norm(vectors, axis=1)]
     near = near * np.sign(near @ direction)[:, None]
     normals, areas = _parted(near)
@@ -121,7 +124,7 @@ def _refined(direction: F64, vectors: F64) -> F64:
 
 
 def _settled(direction: F64) -> F64:
-    """The direction, or the world's axis that it hardly differs from."""
+    """The direction, or the world's axis where they hardly differ."""
     axis = int(np.abs(direction).argmax())
     nearest = np.eye(3)[axis] * np.sign(direction[axis])
     return nearest if np.linalg.norm(direction - nearest) < _SAME else direction

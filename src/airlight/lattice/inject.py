@@ -1,7 +1,7 @@
-"""Virtual point lights into cells (Kaplanyan2010 section 3.1), bit-identical from run to run.
+"""Virtual point lights injected into cells (Kaplanyan2010 section 3.1), bit-reproducible.
 
-Sums are made in fixed point with integer atomics: they do not depend on the order of the
-additions. The scale is chosen from the total flux, so that even all of it in one cell fits.
+Sums are in fixed point, with integer atomics, and so do not depend on the order of additions. The
+scale follows from the total flux, so that even all of it in one cell fits.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _HEADROOM_BITS = 30
 
 
 class InjectParams(Struct):
-    """The size of the maps, and which objects are too small for the lattice."""
+    """The size of the maps, and the sizes below which objects are left out."""
 
     resolution = u32("texels")
     layers = u32()
@@ -40,9 +40,12 @@ class InjectParams(Struct):
 
 @dataclass(frozen=True)
 class SmallObjects:
-    """Which objects a lattice leaves out (Kaplanyan2010 section 4): `least` up to which size in
-    metres, `next_least` the next larger lattice; what is too small for that fades out towards this
-    lattice's border. `has_static`: also those that never moved, whose light cannot flicker.
+    """Which objects a lattice leaves out (Kaplanyan2010 section 4).
+
+    Objects up to the size `least`, metres, are left out; those up to `next_least`, which are too
+    small for the next larger lattice, fade out towards this lattice's border. `has_static`: objects
+    that never moved are left out, too, though their light cannot flicker.
+
     differs: the paper leaves all small objects out.
     """
 
@@ -99,7 +102,7 @@ fn light_arriving(layer: u32, p: vec3f) -> vec3f {
 
 
 class Inject(ComputePass):
-    """Every texel of a reflective shadow map, moved half a cell along its normal, adds its lobe."""
+    """Each texel of a reflective shadow map, moved half a cell along its normal, adds its lobe."""
 
     slots: tuple[Slot, ...] = (  # type: ignore[misc]
         uniform("params", InjectParams),
@@ -153,14 +156,14 @@ def map_bound(maps: ReflectiveShadowMaps) -> dict[str, Any]:
 
 
 class ResolveParams(Struct):
-    """How integers become intensities."""
+    """The factor from fixed point to W sr^-1."""
 
     values = u32("vec4 values in the lattice")
     unit = f32("W sr^-1 per fixed-point unit")
 
 
 class Resolve(ComputePass):
-    """Fixed-point sums -> lattice of float4; the sums are zeroed for the next frame."""
+    """Fixed-point sums -> lattice of float4; it zeroes the sums for the next frame."""
 
     slots = (
         uniform("params", ResolveParams),
@@ -220,7 +223,7 @@ def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:
 
 
 def forward_share() -> float:
-    """What a shaped lobe along an axis sends through the five hops that its surface leaves open."""
+    """The share of a shaped lobe that leaves through the five faces its surface leaves open."""
     hop = hops("centroid")[0].matrix
     even, along = float(hop[0, 0]), float(hop[0, 1]) * SHAPED_LOBE
     return even + along + 4.0 * even

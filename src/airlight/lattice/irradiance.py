@@ -1,4 +1,4 @@
-"""What surfaces read of solved lattices: the field between solvers and the lighting of pixels."""
+"""The field that surfaces read: irradiance of solved lattices and of the sky."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""All lattices of a scene: where cells are, what blocks between them, the sky's light in them.
+"""All lattices of a scene: their placement, blockers, and the sky's light in their cells.
 
 One lattice covers the scene; finer ones may be nested in it and follow the camera (Kaplanyan2010
 section 4). They share textures, in which each has rows of its own, and the table that shaders loop
-over, the finest first. Every solver works in these cells.
+over, the finest first. Every solver works on these cells.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .table import LatticeTable
 
 @dataclass(eq=False)
 class Level:
-    """One lattice: where it is, what blocks between its cells, what light the sky brings."""
+    """One lattice: its placement, its blockers, the sky's light in its cells."""
 
     placement: Placement
     blockers: Blockers
@@ -36,17 +36,17 @@ class Level:
     lit: int = -1  # the blockers' version under which the sky last lit it
 
     def move_to(self, placement: Placement) -> None:
-        """Move it; what depends on where it is, is brought up to date when it is encoded."""
+        """Move the lattice; blockers and sky light are updated when they are encoded."""
         self.placement = placement
         self.blockers.move_to(placement)
         self.skylight.placement = placement
 
 
 class BlockerSource(Protocol):
-    """What fills the blockers of all lattices in place of the meshes' surfels."""
+    """Fills the blockers of all lattices in place of the surfels of meshes."""
 
     def encode(self, commands: Commands, scene: Scene) -> None:
-        """Bring them up to date; each that changes raises its version."""
+        """Update the blockers; those that change raise their version."""
 
 
 class MakeBlockers(Protocol):
@@ -68,7 +68,7 @@ class MakeBlockers(Protocol):
 class Lattices:
     """The lattices of one scene, the finest first.
 
-    `source` fills the blockers where it is not their own surfels that do.
+    `source` fills the blockers where surfels of meshes do not.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Lattices:
 
     @property
     def placements(self) -> tuple[Placement, ...]:
-        """Where they are, the finest first."""
+        """The placements of all lattices, the finest first."""
         return tuple(level.placement for level in self.levels)
 
     @property
@@ -122,14 +122,14 @@ class Lattices:
         return sum(level.skylight.version for level in self.levels)
 
     def follow(self, camera: Camera) -> None:
-        """Move the lattices to where `camera` wants them, unless all are there already."""
+        """Move the lattices to where `camera` wants them."""
         if camera != self._settled_for:
             is_settled = follow(self.nest, self.levels, camera, is_first=self._is_first)
             self._settled_for = camera if is_settled else None
             self._is_first = False
 
     def encode(self, commands: Commands, scene: Scene) -> None:
-        """Bring the blockers of all lattices up to date."""
+        """Update the blockers of all lattices."""
         if self.source is not None:
             self.source.encode(commands, scene)
             return

@@ -1,7 +1,7 @@
-"""The solved lattice as filtered 3D textures, and how surfaces read it.
+"""The solved lattice as filtered 3D textures, which `wgsl/lattice.wgsl` reads.
 
-Three textures (one per channel) hold (a, bx, by, bz), scaled so that the whole flux in one cell
-fits into half floats. `wgsl/lattice.wgsl` reads them.
+Three textures, one per channel, hold (a, bx, by, bz), scaled so that the whole flux in one cell
+fits into half floats.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
 
 class PackParams(Struct):
-    """The lattice's size and its scale."""
+    """The lattice's placement and the scale of its textures."""
 
     count = vec3u("cells")
     scale = f32("stored units per W sr^-1")
@@ -51,9 +51,9 @@ class Pack(ComputePass):
 
 
 class ChannelTextures:
-    """A state (a, bx, by, bz) per cell, a texture for each channel of colour.
+    """A state (a, bx, by, bz) per cell, with a texture for each colour channel.
 
-    They are what `wgsl/lattice.wgsl` reads; solvers differ in how they fill them.
+    `wgsl/lattice.wgsl` reads them; solvers differ in how they fill them.
     """
 
     def __init__(self, gpu: Gpu, name: str, size: tuple[int, int, int]) -> None:
@@ -72,12 +72,12 @@ class ChannelTextures:
 
 
 class LatticeTextures(ChannelTextures):
-    """What a solved lattice hands on; nested ones share it."""
+    """The textures of a solved lattice; nested lattices share them."""
 
     def __init__(
         self, gpu: Gpu, placement: Placement, size: tuple[int, int, int] | None = None
     ) -> None:
-        """`size` in cells, if not the lattice's own: that of all who share the textures."""
+        """`size` in cells: of all lattices that share the textures; else the lattice's own."""
         super().__init__(gpu, "lattice", size or placement.count)
         self.placement = placement
         self.pack = Pack(gpu)
@@ -93,9 +93,9 @@ class LatticeTextures(ChannelTextures):
         placement: Placement | None = None,
         hull: Hull = EVERYWHERE,
     ) -> None:
-        """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as the lobes are.
+        """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as for the lobes.
 
-        `placement`: which of the lattices that share the textures. `hull`: cells beyond it are
+        `placement`: which of the lattices that share the textures. `hull`: cells outside it are
         dark.
         """
         placement = placement or self.placement
@@ -128,7 +128,7 @@ def texture_scale(flux: float) -> float:
 
 
 def own_shares() -> tuple[float, float]:
-    """What turns a shaped lobe into the one that surfaces in its own cell see.
+    """The factors that turn a shaped lobe into the one that surfaces in its own cell read.
 
     A flat surface must not light itself: a - (2/3) b.n = 0 asks for b = 3/2 a n.
     """

@@ -1,7 +1,7 @@
-"""Where nested lattices are: the coarsest over the scene, finer ones ahead of the camera.
+"""The placement of nested lattices: the coarsest over the scene, finer ones before the camera.
 
 Kaplanyan2010 section 4: each is finer by a ratio, displaced along the view, and moves in whole
-cells of its own, so that what is put into a cell does not depend on where the camera is.
+cells of its own, so that the light injected into a cell does not depend on the camera.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Nest:
 
     @property
     def texture_size(self) -> tuple[int, int, int]:
-        """Cells of textures in which all lie above each other."""
+        """The size in cells of textures that hold all lattices, one above the other."""
         counts = np.array([level.count for level in self.levels])
         rows = int(counts[:, 1].sum())
         return (int(counts[:, 0].max()), rows, int(counts[:, 2].max()))

@@ -1,4 +1,4 @@
-"""Where the cells of a lattice are in the world."""
+"""The placement of a lattice's cells in the world."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
 
 
 class LatticeParams(Struct):
-    """A placement, as shaders see it."""
+    """A placement, as shaders read it."""
 
     axis_x = vec3f("unit vector of the world, as the next two; what follows is along them")
     axis_y = vec3f()
@@ -52,7 +52,7 @@ EVERYWHERE: Hull = ((-1e30,) * 3, (1e30,) * 3)
 
 @dataclass(frozen=True)
 class Fade:
-    """Where a lattice's light begins and ends on each axis, and over which widths; metres."""
+    """Where a lattice's light fades in and out on each axis, and over which widths; metres."""
 
     low: Triple
     low_width: Triple
@@ -105,7 +105,7 @@ class Placement:
 
     @property
     def borders(self) -> Fade:
-        """Where its light begins and ends; over the outermost cell where nothing else is said."""
+        """The fade of the lattice; by default over the outermost cell."""
         if self.fade is not None:
             return self.fade
         low, high = self.bounds
@@ -117,7 +117,7 @@ class Placement:
 def _params(
     placement: Placement, power_scale: float, lookup_scale: float, is_paper: bool
 ) -> LatticeParams:
-    """One struct for all who read the same lattice."""
+    """One struct, cached for all who read the same lattice."""
     fade = placement.borders
     axis_x, axis_y, axis_z = placement.axes
     return LatticeParams(

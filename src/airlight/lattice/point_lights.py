@@ -1,7 +1,7 @@
-"""Groups of point lights into cells: low-frequency direct light (Kaplanyan2010 section 3.1).
+"""Groups of point lights injected into cells (Kaplanyan2010 section 3.1).
 
-One dispatch adds thousands of lights, each the isotropic light of its cell; no shadow maps, what
-blocks is what blocks propagating light.
+One dispatch adds thousands of lights, each as the isotropic light of its cell. They have no shadow
+maps; the blockers of propagation shadow them.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class _InjectPoints(ComputePass):
 
 
 class InjectPoints:
-    """Keeps the lights on the device and adds them to fixed-point sums.
+    """Stores the lights on the device and adds them to fixed-point sums.
 
-    Groups are uploaded where they are other arrays than the frame before; they may grow.
+    Groups are uploaded when they are other arrays than in the frame before; they may grow.
     """
 
     def __init__(self, gpu: Gpu) -> None:
@@ -58,7 +58,7 @@ class InjectPoints:
         self._groups: tuple[PointLights, ...] = ()
 
     def take(self, groups: Sequence[PointLights]) -> float:
-        """Hold these groups from now on; returns the power, W, of all of them."""
+        """Set the groups of lights; returns the power, W, of all of them."""
         same = len(groups) == len(self._groups) and all(
             a is b for a, b in zip(groups, self._groups, strict=True)
         )

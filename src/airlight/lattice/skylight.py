@@ -1,7 +1,7 @@
-"""The environment's direct light on surfaces, with its shadows: an ambient cube per cell.
+"""The environment's direct light on surfaces, with shadows: an ambient cube per cell.
 
-For each cell and each sky light, depth maps say how much of the light arrives; the irradiance
-on the six axis directions is stored (McTaggart2004) and blended by the squared normal. Low
+For each cell and each sky light, depth maps say how much of the light arrives; the irradiance on
+the six axis directions is stored (McTaggart2004) and blended by the squared normal. It is of low
 frequency by construction, but occluded: a room without windows stays dark.
 """
 
@@ -26,7 +26,7 @@ FACES = 6  # +x -x +y -y +z -z, stacked along the texture's z
 
 
 class SkylightParams(Struct):
-    """How many sky lights there are, and what is known from before."""
+    """The number of sky lights, and how far the lattice moved since its cubes were made."""
 
     lights = u32()
     has_previous = u32("1: the lattice moved, its light did not change")
@@ -59,7 +59,7 @@ class _Skylight(ComputePass):
 
 
 class Skylight:
-    """The ambient cubes of one lattice; made anew only where light or geometry changed."""
+    """The ambient cubes of one lattice, recomputed only where light or geometry changed."""
 
     def __init__(
         self,
@@ -88,7 +88,7 @@ class Skylight:
         self._previous = Texture(gpu, "sky light before", size_before, gpu.filtered, dimension="3d")
         self._made: Placement | None = None
         self.version = 0
-        """Raised whenever cubes were made anew."""
+        """Raised whenever cubes are recomputed."""
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)
 
@@ -104,8 +104,8 @@ class Skylight:
     ) -> None:
         """Fill the cubes from the depth maps of `lights`.
 
-        `is_same_light`: neither lights nor geometry changed since the last time, only the
-        lattice's place: only the cells that are new to it are made.
+        `is_same_light`: neither lights nor geometry changed since the last time, only the lattice's
+        placement; then only the cells that are new to it are computed.
         """
         shift = self._shift() if is_same_light and not self._is_owner else None
         if shift is not None:
@@ -136,7 +136,9 @@ class Skylight:
         return self.cube.size[2] // FACES
 
     def _shift(self) -> tuple[int, int, int] | None:
-        """Cells that the lattice moved since its cubes were made; None: they are of no use."""
+        """The cells that the lattice moved since its cubes were made; None where they are of no
+        use.
+        """
         if self._made is None or self._made.cell != self.placement.cell:
             return None
         moved = np.subtract(self.placement.origin, self._made.origin) / self.placement.cell

@@ -1,8 +1,8 @@
-"""A point sampling of all surfaces, for what lattices must know of geometry.
+"""A point sampling of all surfaces, from which blockers and emission are made.
 
 Kaplanyan2010 section 3.2 samples the camera's and the lights' views, and mentions a precomputed
-point sampling (Ritschel2008) as an alternative; that is what we do: a surface blocks light
-whether or not any view sees it. Surfels live in object space and move with their instances.
+point sampling (Ritschel2008) as an alternative. Surfels are that alternative: a surface blocks
+light whether or not a view sees it. They live in object space and move with their instances.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class SurfelData(Struct):
 def surfels(
     meshes: tuple[Mesh, ...], order: list[int], count: int, inside: F64 | None = None
 ) -> NDArray[np.void]:
-    """About `count` surfels over all `meshes`, by world area; at least one a mesh.
+    """About `count` surfels over all `meshes`, by world area; at least one per mesh.
 
-    `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an
-    array of `SurfelData`. Cut-out materials contribute the share of the area that is there.
-    `inside` (n, 3), metres: the eye and the lamps; a closed body around one of them is a room, and
-    blocks from both sides.
+    `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an array
+    of `SurfelData`. Cut-out materials contribute the share of the area that is not cut away.
+    `inside` (n, 3), metres: positions of the eye and of local lights; a closed body around one of
+    them is a room, and blocks from both sides.
     """
     areas_of: dict[tuple[int, bytes], F64] = {}
     for mesh in meshes:
@@ -64,7 +64,7 @@ def surfels(
 
 
 def triangle_areas(mesh: Mesh) -> F64:
-    """Area (T,), m^2, of each placed triangle."""
+    """Area (T,), m^2, of each triangle in the world."""
     linear = mesh.world_from_object[:3, :3]
     positions, indices = mesh.geometry.positions, mesh.geometry.indices
     areas = np.empty(len(indices))
@@ -110,7 +110,7 @@ def follow(
 ) -> NDArray[np.void]:
     """The surfels `made` of the `original` meshes, moved with the vertices as they are `now`.
 
-    Each stays at its place of its triangle, and its area changes with the triangle's.
+    Each stays at its barycentric coordinates, and its area changes with the triangle's.
     """
     moved = made.copy()
     for instance, index in enumerate(order):
@@ -152,9 +152,9 @@ def _side(mesh: Mesh, outer: dict[int, int], points: F64) -> int:
 
 
 def winding_number(mesh: Mesh, point: F64) -> float:
-    """How often the placed mesh goes around a point: 1 inside a closed body, 0 outside.
+    """How often the mesh winds around a point: 1 inside a closed body, 0 outside.
 
-    Solid angles of the triangles (VanOosterom1983) over 4 pi, without their sign's direction.
+    The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
     """
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
     corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point

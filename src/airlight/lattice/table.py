@@ -1,4 +1,4 @@
-"""Lattices as shaders see them when there may be several: a table, the finest first."""
+"""The table of lattices that shaders loop over, the finest first."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .placement import LatticeParams
 
 
 class LatticeTable:
-    """A storage buffer of `LatticeParams`; its length says how many lattices there are."""
+    """A storage buffer of `LatticeParams`; its length is the number of lattices."""
 
     def __init__(self, gpu: Gpu, count: int = 1) -> None:
         self.count = count

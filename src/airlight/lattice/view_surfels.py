@@ -1,9 +1,9 @@
-"""Surfels of what the camera and the lights see, for the default blockers (Kaplanyan2010, 3.2).
+"""Surfels from the views of camera and lights: blockers as in Kaplanyan2010 section 3.2.
 
-Each texel of a view stands for the surface that it shows, and stops what comes towards the side
-that is seen. All peeled layers of a buffer (the camera's, or all faces of a light's) are summed
-around the lattice's corners, as lattice.blockers has them for surfels of meshes; buffers are merged
-by the maximum, which non-negative projected areas allow: what two of them see blocks once.
+Each texel of a view is a surfel of the surface that it shows, and blocks light towards its visible
+side. All peeled layers of a buffer (the camera's, or all faces of a light's) are summed around the
+lattice's corners, as `lattice.blockers` does for surfels of meshes. Buffers are merged by the
+maximum, which non-negative projected areas allow: a surface in two of them blocks once.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class ViewSurfelParams(Struct):
     def of_view(
         cls, blockers: Blockers, maps: SurfelViews, view: int, units: float, finer: float = 1.0
     ) -> ViewSurfelParams:
-        """Those of the view numbered `view` of `maps`, around the lattice of `blockers`."""
+        """The parameters of view number `view` of `maps`."""
         placement = blockers.placement
         return cls(
             count=placement.count,
@@ -108,7 +108,7 @@ class _MergeSums(ComputePass):
 
 
 class ViewSurfels:
-    """Fills the sums of `blockers` from views in the place of its own encoding.
+    """Fills the sums of `blockers` from views, in place of the surfels of meshes.
 
     `accumulates`: surfels of earlier frames stay until geometry or lattice change. `has_meshes`:
     the surfels of the meshes are summed beside those of the views.
@@ -131,8 +131,9 @@ class ViewSurfels:
         *,
         is_drawn: bool,
     ) -> bool:
-        """Bring the blockers up to date with `maps`, the camera's view first; returns whether
-        anything changed. `is_drawn`: a view was drawn anew.
+        """Update the blockers to `maps`, the camera's view first; returns whether they changed.
+
+        `is_drawn`: a view was redrawn.
         """
         blockers = self.blockers
         made = (meshes.version, replace(blockers.placement, fade=None))
