@@ -242,12 +242,12 @@ parent that only imported airlight may be forked.
 
 **Lost devices and memory.** A device that was lost, and memory that ran out, of the device or of
 the machine, are `DeviceError` (exit code 2 on the command line). A new `Renderer`, or the next
-`frame` of the old one, opens the device anew. Some failures of drivers end the process by
+`frame` of the old one, opens the device again. Some failures of drivers end the process by
 themselves, and no message can be made of those; sizes are checked against the device's limits
 before it is asked.
 
 **What breaks off.** A `frame` or `resize` that an error or Ctrl-C breaks off never was: the next
-one makes anew what it needs and gives the same bits. A renderer that cannot be made keeps no
+one recreates what it needs and gives the same bits. A renderer that cannot be made keeps no
 memory. After `close` a renderer raises `DeviceError`; to close it again does nothing.
 """
 

@@ -142,7 +142,7 @@ def test_what_deforms_is_seen_lit_and_shadowed_as_if_made_so(gpu, moving):
     fresh = render(still, "lpv", SIZE, settings={**SETTINGS["lpv"], **box}, samples=1)
     for name in ("albedo", "normal", "depth"):
         np.testing.assert_array_equal(animated.layers[name], fresh.layers[name])
-    # Blockers stand at other places of the same triangles: bounced light is nearly the same.
+    # Blockers stand at other places of the same triangles: indirect light is nearly the same.
     difference = np.abs(animated.radiance - fresh.radiance).mean() / fresh.radiance.mean()
     assert difference < 0.02
     unmoved = render(scene, "lpv", SIZE, settings={**SETTINGS["lpv"], **box}, samples=1)

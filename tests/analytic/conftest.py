@@ -34,8 +34,8 @@ SMALL = {
 MITSUBA = "mitsuba"
 
 BASELINES = {
-    "lpv-march": "it marches bounced light alone, as Billeter2012's Fig. 5 does",
-    "lpv-sum": "it counts bounced light in air that it never takes from the surfaces",
+    "lpv-march": "it marches indirect light alone, as Billeter2012's Fig. 5 does",
+    "lpv-sum": "it counts indirect light in air that it never takes from the surfaces",
 }
 """Techniques whose air is wrong by design: they are there to be compared with."""
 

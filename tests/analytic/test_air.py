@@ -109,7 +109,7 @@ AROUND = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0)
 
 def test_even_air_is_a_grid_of_one_density(judged, error):
     if judged.name == "auto":
-        pytest.skip("auto gives even air and grids to different techniques")
+        pytest.skip("auto gives a homogeneous medium and grids to different techniques")
     sun = DirectionalLight((0.36, -0.8, 0.48), (3.0, 2.0, 1.0))
     shared = {"sigma_t": tuple(SIGMA), "albedo": (0.9,) * 3, "g": (0.3,) * 3, "bounds": CUBE}
     grid = Volume(density=np.ones((5, 6, 7), np.float32), **shared)

@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     while monotonic() < until and (
         options.inputs is None or _tried(runs, options) < options.inputs
     ):
-        for run in runs:  # by turns, so that all get their share of the time
+        for run in runs:  # interleaved, so that all get their share of the time
             explore(run, BATCH, until)
     for run in runs:
         print(f"{run.loader}: {run.tried - options.first} inputs, {len(run.finds)} finds")

@@ -66,7 +66,7 @@ def test_recordings_go_with_their_scope(gpu, commands, kernel):
 
 
 def test_a_scope_keeps_nothing_alive(gpu):
-    """What is made anew without a release goes as any object of Python."""
+    """What is created again without a release goes as any object of Python."""
     scope, before = gpu.scope(), gpu.allocated_bytes
     for _ in range(3):
         made = Buffer(scope, "the last one counts", 64)

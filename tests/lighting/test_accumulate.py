@@ -15,7 +15,7 @@ RNG = np.random.default_rng(1)
 def test_the_mean_of_all_images_and_of_no_older_ones(gpu, commands, owned, count):
     mean = owned(Accumulator(gpu, (7, 5), ("direct", "indirect")))
     images = RNG.random((2, count, 5, 7, 4)).astype(np.float32)
-    for _ in range(2):  # index 0 starts anew
+    for _ in range(2):  # index 0 restarts
         for index in range(count):
             textures = {}
             for name, image in zip(("direct", "indirect"), images[:, index], strict=True):

@@ -29,7 +29,7 @@ SMALL = {
 
 
 def bounced(scene, **settings):
-    """(H, W) mean over channels of the bounced light."""
+    """(H, W) mean over channels of the indirect light."""
     image = render(scene, "lpv", SIZE, settings={**SMALL, **settings}, samples=1)
     return image.layers["indirect"].mean(axis=-1).astype(np.float64)
 

@@ -1,4 +1,4 @@
-"""The script that fits the table: an entry made anew is the table's."""
+"""The script that fits the table: an entry fitted again is the table's."""
 
 from __future__ import annotations
 

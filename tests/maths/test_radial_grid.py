@@ -9,7 +9,7 @@ from airlight.maths import ordinate_hops as hop
 from airlight.maths.radial_grid import RadialGrid, radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 
-from .test_lamp_beam import CELLS, MEANS, RADIUS, ball
+from .test_point_light_beam import CELLS, MEANS, RADIUS, ball
 
 
 def test_shells_fill_a_ball():

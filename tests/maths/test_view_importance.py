@@ -31,7 +31,7 @@ def far_view(air: MediumGrid) -> tuple[vi.Lobes, F64]:
     grid = vi.view_grid(view, air.extent)
     assert grid is not None
     lobes = vi.scattered_importance(grid, air)
-    out = vi.way_out(air, TOWARDS.reshape(-1, 3))
+    out = vi.exit_density(air, TOWARDS.reshape(-1, 3))
     return lobes, vi.importance_map(lobes, out, air, SHAPE)
 
 

@@ -59,7 +59,7 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     )
     got, through = seen.read(L), seen.read(T)
     mu = -seen.directions() @ way
-    # Both ways of similar air; it lets more through than the air itself.
+    # Both ways of the reduced medium; it lets more through than the air itself.
     way_m = -np.log(through[..., :1]) / SIGMA
     nodes, weights = np.polynomial.legendre.leggauss(24)
     t = way_m * 0.5 * (nodes + 1.0)

@@ -1,12 +1,12 @@
-"""Endless air: beside quadrature of a half space, and no border where the lattice ends."""
+"""An endless medium: beside quadrature of a half space, and no border where the lattice ends."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from airlight.maths.half_space import plane_light
 from airlight.maths.octahedron import octahedron_point
-from airlight.maths.plane_air import plane_light
 from airlight.media.march.half_space import ROWS, SIDE, HalfSpace, fluence, sky_single_scatter
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Material, Medium, Mesh, Scene
@@ -29,7 +29,7 @@ FULL = {
 
 
 def small_plate(lights=(SUN,), environment=None, medium=AIR, target=(0.0, 4.0, -10.0)) -> Scene:
-    """Next to nothing in a wide space: all that is seen is far air."""
+    """Next to nothing in a wide space: all that is seen is the medium far away."""
     plate = Mesh(quad(), Material(base_color=(0.0, 0.0, 0.0)))
     camera = Camera((0.0, 2.0, 20.0), target, fov_y_deg=50.0)
     return Scene(

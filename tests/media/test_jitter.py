@@ -1,4 +1,4 @@
-"""The jittered scheme against the exact one, and density grids against a box of even air."""
+"""The jittered scheme against the exact one; density grids against a homogeneous box."""
 
 from __future__ import annotations
 

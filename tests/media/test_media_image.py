@@ -199,7 +199,7 @@ def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any
 def test_surfaces_are_where_the_last_image_left_them(
     gpu: Gpu, foggy: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In the view's layers where one pass finished, else apart: by turns."""
+    """In the view's layers where one pass finished, else apart: interleaved."""
     encode = MediaImage.encode
 
     def in_passes(self: MediaImage, *args: Any, **given: Any) -> None:

@@ -1,4 +1,4 @@
-"""Maps for virtual lights are drawn anew where what they show changed, and only there."""
+"""Maps for virtual lights are redrawn where what they show changed, and only there."""
 
 from __future__ import annotations
 

@@ -13,8 +13,8 @@ from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths import delta_beam as db
-from airlight.maths.lamp_beam import axis_share, lamp, near_fluence
 from airlight.maths.ordinates import Ordinates, even_sky
+from airlight.maths.point_light_beam import axis_share, near_fluence, point_light_beam
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
 from airlight.pop.light.ordinates import SceneOrdinates
@@ -247,7 +247,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
             by_cell = intensity * (t * t * (3 - 2 * t))[..., None]
             mean = intensity * (0.5 - 0.25 * (inner + outer))
             beside = axis_share(position, axis, air.extent, air.centres)
-        one = lamp(air, position, by_cell)
+        one = point_light_beam(air, position, by_cell)
         beams.append(one)
         radius = 3.0 * width.diffusivity
         around = near_fluence(air, one, distance, mean, radius, width.density)

@@ -9,7 +9,7 @@ from airlight.errors import ReferenceFailure
 from airlight.reference.mitsuba import write_mitsuba
 from airlight.reference.mitsuba_boundary import _overlap, _unit_sphere
 from airlight.reference.mitsuba_files import FileStore
-from airlight.reference.mitsuba_media import air_bounds, scene_media
+from airlight.reference.mitsuba_media import medium_bounds, scene_media
 from airlight.scene import Camera, Medium, Mesh, Scene, Volume
 from airlight.scene.io import load
 from airlight.scene.shapes import box
@@ -71,7 +71,7 @@ def test_the_camera_is_in_the_innermost_medium(tmp_path) -> None:
 def test_air_without_bounds_holds_scene_and_camera() -> None:
     camera = Camera(position=(0, 0, 9), target=(0, 0, 0))
     scene = Scene(meshes=(Mesh(box()),), medium=Medium((1, 1, 1)), camera=camera)
-    low, high = air_bounds(scene)
+    low, high = medium_bounds(scene)
     assert (low < (-0.5, -0.5, -0.5)).all() and (high > (0.5, 0.5, 9)).all()
     np.testing.assert_allclose(low, -0.5, atol=0.02)
 

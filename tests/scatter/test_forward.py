@@ -51,7 +51,7 @@ def solved(light, g, sigma):
     with Renderer(scene, "lpv-scatter", (4, 4), settings=SMALL) as renderer:
         renderer.frame()
         solver = renderer.technique.find(ScatterSolver)
-        # What is drawn of the track; the lattice solves for similar isotropic air.
+        # What is drawn of the track; the lattice solves for the reduced medium.
         share = true_share(sigma * (1.0 - g), renderer.technique.kit.placement.cell)
         lattice = share * states(renderer, solver.levels.levels[0].track)
         return lattice[..., 0], states(renderer, solver.forward.all)[..., 0]

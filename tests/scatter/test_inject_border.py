@@ -1,4 +1,4 @@
-"""Light that comes into a lattice from endless air around it."""
+"""Light that comes into a lattice from an endless medium around it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.lattice.placement import Placement
-from airlight.maths.plane_air import plane_light, plane_radiance
+from airlight.maths.half_space import plane_light, plane_radiance
 from airlight.media.gpu_media import GpuMedia
 from airlight.scatter.inject_border import LEVELS, ROWS, TURNS, InjectBorder, incoming_light, levels
 from airlight.scene import DirectionalLight, Medium, Scene

@@ -43,7 +43,7 @@ def varied(gpu, lattice, commands, state, sigma_s, sigma_t, packs=None):
     return got
 
 
-def random_air(state, seed=3):
+def random_medium(state, seed=3):
     rng = np.random.default_rng(seed)
     sigma_t = 10.0 ** rng.uniform(-3, 1, state.shape[:-1])
     sigma_t[..., :2] = 0.0
@@ -54,7 +54,7 @@ def random_air(state, seed=3):
 def test_the_step_is_numpys(gpu, lattice, commands, walls, is_blocked):  # noqa: F811
     packs, face_visibility, _, _ = walls
     state = random_state()
-    sigma_s, sigma_t = random_air(state)
+    sigma_s, sigma_t = random_medium(state)
     blocked = 1.0 - face_visibility if is_blocked else None
     after, _, track = lattice26.half_linear_step(state, sigma_s, sigma_t, CELL_M, blocked)
     if is_blocked:

@@ -63,10 +63,10 @@ def test_air_that_fills_the_scene_holds_the_eye():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"top": 3.0}, "only endless air has a top. Add endless = true."),
+        ({"top": 3.0}, "only an endless medium has a top. Add endless = true."),
         (
             {"endless": True, "bounds": ((0, 0, 0), (1, 1, 1))},
-            "endless air has no bounds. Give its top alone.",
+            "an endless medium has no bounds. Give its top alone.",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""Which lists are made anew."""
+"""Which lists are recomputed."""
 
 from __future__ import annotations
 

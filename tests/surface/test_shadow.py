@@ -1,4 +1,4 @@
-"""Depth maps as lights see them: exact depths, and drawn anew only where something changed."""
+"""Depth maps as lights see them: exact depths, and redrawn only where something changed."""
 
 from __future__ import annotations
 

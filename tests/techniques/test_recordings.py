@@ -1,4 +1,4 @@
-"""What is recorded in a frame is replayed in those after it, and made anew where air changes."""
+"""What is recorded in a frame is replayed in those after it, and recomputed where air changes."""
 
 from __future__ import annotations
 

@@ -18,4 +18,4 @@ def test_smoke_shadows_the_floor_and_shines(smoke_over_floor):
     floor = (image.layers["transmittance"][..., 1] > 0.99) & np.isfinite(image.layers["depth"])
     ratio = image.layers["direct"][floor] / np.maximum(clear.layers["direct"][floor], 1e-6)
     assert ratio.min() < 0.6, "the smoke's shadow lies on the floor"
-    assert np.median(ratio) > 0.9, "elsewhere the sun is not dimmed"
+    assert np.median(ratio) > 0.9, "elsewhere the sun is not attenuated"

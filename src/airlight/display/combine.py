@@ -21,7 +21,7 @@ class CombineParams(Struct):
     """The view that is shown, and the new image's weight in the mean."""
 
     weights = vec4f("of the layers")
-    weight = f32("of the new image; 1 starts anew")
+    weight = f32("of the new image; 1 restarts")
     kind = u32("0 radiance, 1 raw, 2 normal, 3 depth")
     near = f32("m")
     reach = f32("m, shown half as bright")

@@ -32,7 +32,7 @@ COUNT = 3
 def cascades_coloured(
     request: Request, scene: Scene | None = None, count: int = COUNT
 ) -> tuple[list[tuple[str, U8 | None]], list[dict[str, Any]]]:
-    """Panels (the image, its bounced light, the cascades in colours), and what each lights."""
+    """Panels (the image, its indirect light, the cascades in colours), and what each lights."""
     seen = scene or atrium()
     with renderer(request, seen, {"cascades": count}) as made:
         image = made.frame(samples=1)
@@ -43,7 +43,7 @@ def cascades_coloured(
     bounced = image.layers["indirect"]
     panels: list[tuple[str, U8 | None]] = [
         ("the image", shown(image.radiance, stops)),
-        ("bounced light", shown(bounced, stops)),
+        ("indirect light", shown(bounced, stops)),
         ("cascades: red, green, blue from the finest", shown(coloured(image, given), stops)),
     ]
     numbers = [

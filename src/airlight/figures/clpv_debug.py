@@ -52,7 +52,7 @@ def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
 
 
 def read_lattice(technique: Technique) -> SolvedLattice:
-    """What a technique with a lattice of bounced light has solved, from the device."""
+    """What a technique with a lattice of indirect light has solved, from the device."""
     solver = technique.find(LpvSolver)
     assert solver is not None
     textures, blockers, place = solver.textures, technique.kit.blockers, technique.kit.placement

@@ -42,7 +42,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 """Our stages under the paper's names."""
 SIDES = (32, 64)
 LATTICE: Mapping[str, Any] = {"iterations": 8, "acceleration": "none", "map_resolution": 256}
-STEP_M = 1e-4  # that surfaces are moved by, so that blockers are made anew as in the paper
+STEP_M = 1e-4  # that surfaces are moved by, so that blockers are recomputed as in the paper
 COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
 
 

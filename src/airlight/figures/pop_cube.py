@@ -87,15 +87,15 @@ def mirrored(radiance: F64) -> F64:
     return radiance[:, ::-1, (PHI_BINS // 2 - np.arange(PHI_BINS)) % PHI_BINS]
 
 
-def _air(g: float) -> db.MediumGrid:
+def _medium(g: float) -> db.MediumGrid:
     one = np.ones((CELLS,) * 3)
     return db.MediumGrid(np.ones(3), one, one, np.array([SIGMA_S]), np.ones(1), np.array([g]))
 
 
 def by_beams(g: float, steps: int = 60) -> Angular:
     """The scheme delta-beam."""
-    air = _air(g)
-    done = db.light(air, [db.beam(air, (0.0, 0.0, 1.0), np.ones(1), 1.0)], steps)
+    medium = _medium(g)
+    done = db.light(medium, [db.beam(medium, (0.0, 0.0, 1.0), np.ones(1), 1.0)], steps)
     d = directions()
     _, quasi, a = done.quasi_forward(done.beams[0])
     q, lobe = (np.broadcast_to(v, done.fluence.shape)[:, SLICE, :, 0] for v in (quasi, a))
@@ -110,7 +110,7 @@ def by_beams(g: float, steps: int = 60) -> Angular:
 
 def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
     """The schemes split and paper."""
-    air = _air(g)
+    medium = _medium(g)
     hops = hop.parallel_hops((CELLS,) * 3, 1.0 / CELLS)
     d = directions()
     way = d[..., 2][..., None, None]
@@ -121,12 +121,12 @@ def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
         total[...] += light[:, SLICE, :, 0] * henyey_greenstein(way, lobe)
 
     power = hop.first_light(
-        hops, air, air.density, np.ones((*air.density.shape, 1)), is_paper=is_paper
+        hops, medium, medium.density, np.ones((*medium.density.shape, 1)), is_paper=is_paper
     )
     done = hop.propagate(
         hops,
-        air,
-        air.density,
+        medium,
+        medium.density,
         power,
         1.0,
         [],
@@ -137,7 +137,7 @@ def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
     if not is_paper:
         carried = np.zeros((3, *done.carried.shape))
         carried[2] = done.carried
-        phi, flux = (v[..., 0] for v in hop.residual_light(air, done.residual, carried))
+        phi, flux = (v[..., 0] for v in hop.residual_light(medium, done.residual, carried))
         along = np.einsum("mpfa,azx->mpfzx", d, flux[:, :, SLICE])
         shown = phi[:, SLICE] + 3.0 * hop.RESIDUAL_LOBE * along
         total += np.maximum(0.1 * phi[:, SLICE], shown) / (4.0 * np.pi)

@@ -81,7 +81,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "clpv-debug": Figure("", "the lattice cut open: light, its direction, and walls", "clpv_debug"),
     "clpv-leaks": Figure(
-        f"{_PAPER} Fig. 11", "bounced light where a reference has the dark", "leaks"
+        f"{_PAPER} Fig. 11", "indirect light where a reference has the dark", "leaks"
     ),
     "pop-1": Figure(f"{_POP} Fig. 1", "smoke under a complex map", "pop_1"),
     "pop-6": Figure(f"{_POP} Fig. 6", "what prefiltering does to a thin medium", "pop_6"),

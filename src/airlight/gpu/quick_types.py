@@ -66,7 +66,7 @@ def _keeping(method: Any) -> Any:
         key = tuple((k, v) for k, v in attachment.items() if k != "view")
         try:
             found = kept.get(key)
-        except TypeError:  # what cannot be compared is made anew
+        except TypeError:  # what cannot be compared is recreated
             return method(self, attachment)
         if found is None:
             found = kept[key] = method(self, attachment)

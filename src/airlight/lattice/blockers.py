@@ -216,5 +216,5 @@ class Blockers:
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
     """The positions (n, 3) of the eye and of local lights, metres."""
-    lamps = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
-    return np.array([scene.camera.position, *lamps], np.float64)
+    local = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
+    return np.array([scene.camera.position, *local], np.float64)

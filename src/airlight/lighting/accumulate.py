@@ -17,7 +17,7 @@ class AccumulateParams(Struct):
     """The image's size and the new image's weight."""
 
     size = vec2u("px")
-    weight = f32("of the new image; 1 starts anew")
+    weight = f32("of the new image; 1 restarts")
 
 
 class _Add(ComputePass):

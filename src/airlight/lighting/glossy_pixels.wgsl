@@ -7,7 +7,7 @@ fn first_lattices() -> LatticeParams {
     return lattices[0];
 }
 
-fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
+fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, open: f32) {
     let position = vec2f(pixel) + 0.5;
     let d = textureLoad(depth, pixel, 0);
     let p = pixel_point(position, d);
@@ -21,7 +21,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
     let n_own = lattice_from_world(lattice_of(0u), n);
     let mirrored = lattice_from_world(lattice_of(0u), reflect(-v, n));
     var direct = rest;
-    var bounced = rest_bounced;
+    var indirect = rest_indirect;
     let last = last_lattice();
     var left = 1.0;
     var k = 0u;
@@ -30,7 +30,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
         let weight = left * lattice_weight(lattice_of(k), p);
         let light = mirrored_light(k, p, r, n_v, n_own, vec3f(0.0), mirrored);
         direct += weight * gain * light.sky;
-        bounced += weight * gain * light.bounced;
+        indirect += weight * gain * light.indirect;
         left -= weight;
         k++;
         if (k > last || left <= 0.0) {
@@ -38,7 +38,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_bounced: vec3f, open: f32) {
         }
     }
     textureStore(direct_light, pixel, vec4f(direct, 1.0));
-    textureStore(indirect_light, pixel, vec4f(bounced, 1.0));
+    textureStore(indirect_light, pixel, vec4f(indirect, 1.0));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(

@@ -42,10 +42,10 @@ class SurfaceSettings:
         "whether the lattice turns to the directions of the walls, or follows the world's axes",
     )
     shadow_resolution: int = setting(
-        2048, "side of a sun's shadow map", unit="px", low=16, high=8192
+        2048, "side of a directional light's shadow map", unit="px", low=16, high=8192
     )
     lamp_resolution: int = setting(
-        512, "side of a lamp's shadow maps", unit="px", low=16, high=4096
+        512, "side of a local light's shadow maps", unit="px", low=16, high=4096
     )
     area_samples: int = setting(
         16,
@@ -67,7 +67,7 @@ class SurfaceSettings:
         True, "whether smooth surfaces mirror the lattice along rays, not just their own cell"
     )
     ambient_occlusion: bool = setting(
-        True, "whether what is smaller than cells shades sky and bounced light"
+        True, "whether what is smaller than cells shades sky and indirect light"
     )
     occlusion_radius: float = setting(
         2.0, "how far that is looked for", unit="cells", low=0.01, high=8.0

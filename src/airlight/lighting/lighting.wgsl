@@ -16,11 +16,11 @@ struct Lit {
     @location(1) indirect: vec4f,
 }
 
-// What lattices give, W m^-2 sr^-1, the share that near surroundings leave open, and whether what the
+// What lattices give, W m^-2 sr^-1, the share that near field leave open, and whether what the
 // surface mirrors is left to a list.
 struct Gathered {
     direct: vec3f,
-    bounced: vec3f,
+    indirect: vec3f,
     open: f32,
     is_listed: bool,
 }
@@ -56,10 +56,10 @@ struct Gathered {
         found = gathered(position.xy, d, p, r, n, v);
     }
     direct += found.direct;
-    out.indirect = vec4f(found.bounced, 1.0);
+    out.indirect = vec4f(found.indirect, 1.0);
     out.direct = vec4f(direct, 1.0);
     if (found.is_listed) {
-        list_glossy(pixel, direct, found.bounced, found.open);
+        list_glossy(pixel, direct, found.indirect, found.open);
     }
     return out;
 }

@@ -40,16 +40,17 @@ class Lights:
         own = lights[: self._mapped]
         parallel = sum(isinstance(light, DirectionalLight) for light in own)
         local = sum(view_count(x) for x in own if not isinstance(x, DirectionalLight))
-        self.parallel = ShadowMaps(gpu, "sun shadows", parallel_resolution, parallel)
-        self.local = ShadowMaps(gpu, "lamp shadows", local_resolution, local)
+        self.parallel = ShadowMaps(gpu, "directional shadows", parallel_resolution, parallel)
+        self.local = ShadowMaps(gpu, "local shadows", local_resolution, local)
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
         self._environment = environment
         self.background = EnvironmentTexture(gpu, environment)
         self._lights: tuple[Light, ...] | None = None
         self.count = len(lights)
         self.coarseness = 1.0
-        """How much larger than asked for the texels of suns' shadows are, while a hand moves them:
-        a quarter of the map is drawn at 2."""
+        """The size of texels of directional lights' shadow maps, over that asked for.
+
+        It is raised while a light is dragged: at 2 a quarter of the map is drawn."""
 
     def encode(
         self,
@@ -70,14 +71,16 @@ class Lights:
                 self.background.texture.release()
                 self.background = EnvironmentTexture(self.gpu, environment)
         own = lights[: self._mapped]
-        suns = [x for x in own if isinstance(x, DirectionalLight)]
-        lamps = [x for x in own if not isinstance(x, DirectionalLight)]
+        directional = [x for x in own if isinstance(x, DirectionalLight)]
+        local_lights = [x for x in own if not isinstance(x, DirectionalLight)]
         low, high = np.asarray(low), np.asarray(high)
-        views = light_views(suns, low, high, self.parallel.resolution)
+        views = light_views(directional, low, high, self.parallel.resolution)
         if self.coarseness != 1.0:
             views = [widened(view, self.coarseness) for view in views]
         self.parallel.encode(commands, meshes, views)
-        self.local.encode(commands, meshes, light_views(lamps, low, high, self.local.resolution))
+        self.local.encode(
+            commands, meshes, light_views(local_lights, low, high, self.local.resolution)
+        )
 
     @property
     def bound(self) -> dict[str, Any]:

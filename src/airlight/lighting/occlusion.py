@@ -82,7 +82,7 @@ class OcclusionLayers:
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True)
-            for label in ("surfaces", "sampled near surroundings", "near surroundings")
+            for label in ("surfaces", "sampled near field", "near field")
         )
 
 

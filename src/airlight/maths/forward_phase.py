@@ -28,7 +28,8 @@ def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     """sr^-1, of light scattered twice or more, at cosines `mu` between its way and the eye's.
 
     `depth`: optical depth of scattering, u, on both of its ways. Times sigma_s, the light's
-    irradiance and what similar air lets through on both ways, exp((g - 1) u), it is emission:
+    irradiance and the transmittance of the reduced medium on both paths, exp((g - 1) u), it is
+    emission:
     exp(-g u) sum over k >= 2 of u^(k-1)/k! (HG(g^k) - (1 - g^k - k g^(k-1) (1 - g))/4pi),
     times exp(-.06 ((1 - g) u)^2), since deep in thick air ways are not straight.
     """

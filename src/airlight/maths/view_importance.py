@@ -105,20 +105,20 @@ class Lobes:
     even: float
 
 
-def scattered_importance(grid: ViewGrid, air: MediumGrid) -> Lobes:
-    """Of an image whose pixels all matter alike. `air` has one channel."""
-    inside = np.all((grid.centres >= 0.0) & (grid.centres <= air.extent), axis=-1)
-    density = np.where(inside, trilinear(air.density, grid.centres / air.cell), 0.0)
-    here = MediumGrid(air.extent, density, density, air.sigma_t, air.albedo, air.g)
+def scattered_importance(grid: ViewGrid, medium: MediumGrid) -> Lobes:
+    """Of an image whose pixels all matter alike. `medium` has one channel."""
+    inside = np.all((grid.centres >= 0.0) & (grid.centres <= medium.extent), axis=-1)
+    density = np.where(inside, trilinear(medium.density, grid.centres / medium.cell), 0.0)
+    here = MediumGrid(medium.extent, density, density, medium.sigma_t, medium.albedo, medium.g)
     hops = grid.hops
     light = first_light(hops, here, density, 1.0 / hops.section, is_paper=False)
-    sigma_s = density[..., None] * air.sigma_t * air.albedo
-    power, along = light.copy(), light * air.g
+    sigma_s = density[..., None] * medium.sigma_t * medium.albedo
+    power, along = light.copy(), light * medium.g
 
     def watch(fluence: F64, a: F64) -> None:
         again = sigma_s * fluence * hops.volume
         power[...] += again
-        along[...] += again * a * air.g
+        along[...] += again * a * medium.g
 
     done = propagate(hops, here, density, light, 1.0, [], iterations=HOPS, watch=watch)
     return _merged(grid, power[..., 0], along[..., 0], float(done.residual.sum()))
@@ -142,7 +142,7 @@ def _merged(grid: ViewGrid, power: F64, along: F64, even: float) -> Lobes:
 
 
 @dataclass(frozen=True, eq=False)
-class WayOut:
+class ExitDensity:
     """Density passed (point, direction), m, on leaving the air along `directions` (n, 3).
 
     It is the same for every view.
@@ -152,32 +152,34 @@ class WayOut:
     passed: F64
 
 
-def way_out(air: MediumGrid, directions: F64) -> WayOut:
+def exit_density(medium: MediumGrid, directions: F64) -> ExitDensity:
     """From a few points of the air's box, in steps of a sixth of its shortest side."""
     unit = (np.arange(_LEAVING) + 0.5) / _LEAVING
     z, y, x = np.meshgrid(unit, unit, unit, indexing="ij")
-    points = (np.stack([x, y, z], axis=-1) * air.extent)[..., None, :]
+    points = (np.stack([x, y, z], axis=-1) * medium.extent)[..., None, :]
     points = np.broadcast_to(points, (*x.shape, len(directions), 3))
-    step = float(air.extent.min()) / 6.0
-    passed = density_behind(air.fine, air.extent, points, -directions, step)
-    return WayOut(directions, passed.reshape(-1, len(directions)))
+    step = float(medium.extent.min()) / 6.0
+    passed = density_behind(medium.fine, medium.extent, points, -directions, step)
+    return ExitDensity(directions, passed.reshape(-1, len(directions)))
 
 
 def _nearness(place: F64) -> F64:
-    """(n, point): shares of the points of `way_out` at places (n, 3) in 0..1, trilinear."""
+    """(n, point): shares of the points of `exit_density` at places (n, 3) in 0..1, trilinear."""
     at = np.clip(place * _LEAVING - 0.5, 0.0, _LEAVING - 1.0)
     x, y, z = np.maximum(0.0, 1.0 - np.abs(at.T[..., None] - np.arange(_LEAVING)))
     shares = np.einsum("nz,ny,nx->nzyx", z, y, x)
     return np.asarray(shares.reshape(len(place), _LEAVING**3))
 
 
-def importance_map(lobes: Lobes, out: WayOut, air: MediumGrid, shape: tuple[int, int]) -> F64:
+def importance_map(
+    lobes: Lobes, out: ExitDensity, medium: MediumGrid, shape: tuple[int, int]
+) -> F64:
     """(h, w), mean 1 over the sphere: what leaves along `out.directions`, a map's row by row."""
     h, w = shape
-    passed = _nearness(lobes.point / air.extent) @ out.passed
+    passed = _nearness(lobes.point / medium.extent) @ out.passed
     mu = lobes.travel @ out.directions.T
     phase = henyey_greenstein(mu, lobes.a[:, None])
-    left = np.exp(-float(air.sigma_t[0]) * passed)
+    left = np.exp(-float(medium.sigma_t[0]) * passed)
     omega = np.repeat(latlong_row_solid_angles(h, w), w)
     # Lobes have what leaves at once; only what scatters again leaves evenly.
     at_once = float(lobes.power @ left @ omega) * ISOTROPIC

@@ -23,7 +23,7 @@ from ..scene.io.writing import whole_file
 from ..scene.scene import Scene
 
 LAYERS = ("direct", "one_bounce", "indirect")
-AIR_LAYERS = ("single_scatter", "multiple_scatter")
+MEDIUM_LAYERS = ("single_scatter", "multiple_scatter")
 SIZE_PX = (192, 108)
 
 
@@ -57,7 +57,7 @@ def save_kept(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> None
     """
     layers = {
         name: reference.layers[name]
-        for name in (*LAYERS, *AIR_LAYERS)
+        for name in (*LAYERS, *MEDIUM_LAYERS)
         if name in reference.layers and reference.layers[name].any()
     }
     errors = {_error_name(name): _standard_error(reference, name) for name in ("", *layers)}

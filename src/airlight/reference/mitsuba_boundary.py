@@ -104,7 +104,7 @@ def is_inside(volume: Volume, box: tuple[F64, F64]) -> bool:
     return bool((corners > box[0]).all() and (corners < box[1]).all())
 
 
-def refuse_crossings(volumes: list[Volume], air_box: tuple[F64, F64] | None) -> None:
+def refuse_crossings(volumes: list[Volume], medium_extent: tuple[F64, F64] | None) -> None:
     """Raise ReferenceFailure where volumes overlap or cross the air's border."""
 
     def name(volume: Volume) -> str:
@@ -117,11 +117,15 @@ def refuse_crossings(volumes: list[Volume], air_box: tuple[F64, F64] | None) -> 
                 "per point",
                 remedy="Move them apart, or render them one at a time.",
             )
-    if air_box is None:
+    if medium_extent is None:
         return
-    box = Volume(sigma_t=(1, 1, 1), shape="box", bounds=(_corner(air_box[0]), _corner(air_box[1])))
+    box = Volume(
+        sigma_t=(1, 1, 1),
+        shape="box",
+        bounds=(_corner(medium_extent[0]), _corner(medium_extent[1])),
+    )
     for volume in volumes:
-        if _overlap(_corners(volume), _corners(box)) and not is_inside(volume, air_box):
+        if _overlap(_corners(volume), _corners(box)) and not is_inside(volume, medium_extent):
             raise ReferenceFailure(
                 f"{name(volume)} reaches through the bounds of [medium], and Mitsuba knows one "
                 "medium per point",

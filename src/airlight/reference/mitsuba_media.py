@@ -61,25 +61,25 @@ def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
     media = Media()
     volumes = [volume for volume in scene.volumes if max(volume.sigma_t) > 0.0]
     air = scene.medium if scene.medium and max(scene.medium.sigma_t) > 0.0 else None
-    air_box = air_bounds(scene) if air else None
-    refuse_crossings(volumes, air_box)
+    medium_extent = medium_bounds(scene) if air else None
+    refuse_crossings(volumes, medium_extent)
     eye = np.array(scene.camera.position)
-    if air and air_box is not None:
+    if air and medium_extent is not None:
         media.mediums.append(_homogeneous(AIR, _coefficients(air)))
-        media.boundaries.append(boundary(world_from_cube(*air_box), AIR, ""))
+        media.boundaries.append(boundary(world_from_cube(*medium_extent), AIR, ""))
         media.is_colored = np.ptp(air.sigma_t) > 0.0
-        if np.all(eye > air_box[0]) and np.all(eye < air_box[1]):
+        if np.all(eye > medium_extent[0]) and np.all(eye < medium_extent[1]):
             media.camera_id = AIR
     for index, volume in enumerate(volumes):
         name = f"volume_{index}"
-        inside_air = air_box is not None and is_inside(volume, air_box)
-        _add_volume(media, volume, name, air if inside_air else None, files, notes)
+        inside_medium = medium_extent is not None and is_inside(volume, medium_extent)
+        _add_volume(media, volume, name, air if inside_medium else None, files, notes)
         if holds(volume, eye):
             media.camera_id = name
     return media
 
 
-def air_bounds(scene: Scene) -> tuple[F64, F64]:
+def medium_bounds(scene: Scene) -> tuple[F64, F64]:
     """The box of the scene's homogeneous medium, metres, a hair larger than said."""
     assert scene.medium is not None
     if scene.medium.bounds is not None:

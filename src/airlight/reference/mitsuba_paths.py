@@ -125,7 +125,7 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
     single, multiple = mi.Spectrum(0), mi.Spectrum(0)
     throughput = mi.Spectrum(1)
     events = mi.UInt32(0)
-    air_first = mi.Bool(False)
+    medium_first = mi.Bool(False)
     last = dr.zeros(mi.Interaction3f)
     last_pdf = mi.Float(1)
     last_delta = mi.Bool(True)
@@ -170,11 +170,11 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
         light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~last_delta)
         weight = dr.select(last_delta, 1.0, mis_weight(last_pdf, light_pdf))
         found = dr.select(shines, throughput * emitter.eval(si, shines) * weight, 0.0)
-        direct += dr.select((events == 0) | ((events == 1) & ~air_first), found, 0.0)
-        one += dr.select((events == 2) & ~air_first, found, 0.0)
-        indirect += dr.select((events > 1) & ~air_first, found, 0.0)
-        single += dr.select((events == 1) & air_first, found, 0.0)
-        multiple += dr.select((events > 1) & air_first, found, 0.0)
+        direct += dr.select((events == 0) | ((events == 1) & ~medium_first), found, 0.0)
+        one += dr.select((events == 2) & ~medium_first, found, 0.0)
+        indirect += dr.select((events > 1) & ~medium_first, found, 0.0)
+        single += dr.select((events == 1) & medium_first, found, 0.0)
+        multiple += dr.select((events > 1) & medium_first, found, 0.0)
 
         # Light sampled from this vertex: one event more.
         on_surface &= si.is_valid()
@@ -183,14 +183,14 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
         smooth = mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         next_event = events + 1
         allowed = next_event < max_depth
-        lit_surface, lit_air = on_surface & smooth & allowed, scatters & allowed
+        lit_surface, lit_medium = on_surface & smooth & allowed, scatters & allowed
         here = dr.zeros(mi.Interaction3f)
         here[lit_surface] = si
-        here[lit_air] = mei
+        here[lit_medium] = mei
         light, to_light = scene.sample_emitter_direction(
-            here, sampler.next_2d(lit_surface | lit_air), False, lit_surface | lit_air
+            here, sampler.next_2d(lit_surface | lit_medium), False, lit_surface | lit_medium
         )
-        lit = (lit_surface | lit_air) & (light.pdf != 0.0)
+        lit = (lit_surface | lit_medium) & (light.pdf != 0.0)
         to_shadow = here.spawn_ray_to(light.p)
         seen = mi.Spectrum(1)
         if dr.hint(has_media or has_masks, mode="scalar"):
@@ -204,17 +204,17 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
             phase = medium.phase_function()
             phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
             phase_context = mi.PhaseFunctionContext(sampler)
-            f_air, pdf_air = phase.eval_pdf(phase_context, mei, light.d, lit_air)
-            f = dr.select(lit_surface, f, f_air)
-            vertex_pdf = dr.select(lit_surface, vertex_pdf, pdf_air)
+            f_medium, pdf_medium = phase.eval_pdf(phase_context, mei, light.d, lit_medium)
+            f = dr.select(lit_surface, f, f_medium)
+            vertex_pdf = dr.select(lit_surface, vertex_pdf, pdf_medium)
         weight = dr.select(light.delta, 1.0, mis_weight(light.pdf, vertex_pdf))
         found = dr.select(lit, throughput * f * weight * to_light * seen, 0.0)
-        from_air = dr.select(events == 0, scatters, air_first)
-        direct += dr.select((next_event == 1) & ~from_air, found, 0.0)
-        one += dr.select((next_event == 2) & ~from_air, found, 0.0)
-        indirect += dr.select((next_event > 1) & ~from_air, found, 0.0)
-        single += dr.select((next_event == 1) & from_air, found, 0.0)
-        multiple += dr.select((next_event > 1) & from_air, found, 0.0)
+        from_medium = dr.select(events == 0, scatters, medium_first)
+        direct += dr.select((next_event == 1) & ~from_medium, found, 0.0)
+        one += dr.select((next_event == 2) & ~from_medium, found, 0.0)
+        indirect += dr.select((next_event > 1) & ~from_medium, found, 0.0)
+        single += dr.select((next_event == 1) & from_medium, found, 0.0)
+        multiple += dr.select((next_event > 1) & from_medium, found, 0.0)
 
         # Onward: the phase function, or the surface.
         if dr.hint(has_media, mode="scalar"):
@@ -234,7 +234,7 @@ def trace(  # a path tracer is one loop: cutting it would only hide its state
         reflects = on_surface & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
         medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
 
-        air_first |= scatters & (events == 0)
+        medium_first |= scatters & (events == 0)
         last[reflects] = si
         last_pdf[reflects] = bs.pdf
         last_delta[reflects] = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)

@@ -20,7 +20,7 @@ from ..scene.volume import Volume
 from .mitsuba_files import FileStore, is_written
 from .mitsuba_lights import environment_emitter, has_glow, light_elements, point_emitters
 from .mitsuba_material import is_masked
-from .mitsuba_media import Media, air_bounds, has_media, scene_media
+from .mitsuba_media import Media, has_media, medium_bounds, scene_media
 from .mitsuba_shapes import mesh_shapes
 from .mitsuba_xml import (
     add_integer,
@@ -173,8 +173,8 @@ def scene_diagonal(scene: Scene) -> float:
     eye = np.array(scene.camera.position)
     low, high = np.minimum(low, eye), np.maximum(high, eye)
     if scene.medium is not None and not scene.medium.endless:
-        air_low, air_high = air_bounds(scene)
-        low, high = np.minimum(low, air_low), np.maximum(high, air_high)
+        medium_low, medium_high = medium_bounds(scene)
+        low, high = np.minimum(low, medium_low), np.maximum(high, medium_high)
     return float(np.linalg.norm(high - low))
 
 

@@ -1,4 +1,4 @@
-// Light of endless air around the lattice on its straight way into it: each cell's fluence and flux,
+// Light of an endless medium around the lattice on its straight way into it: each cell's fluence and flux,
 // and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
 //! use media
 //! use open_line

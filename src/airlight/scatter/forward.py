@@ -1,6 +1,6 @@
-"""Light that similar isotropic air lets through: near its beam still, and in no other layer.
+"""Light that the reduced medium lets through: near its beam still, and in no other layer.
 
-The lattice solves for similar isotropic air (see similar), in which light scattered forwards goes
+The lattice solves for the reduced medium (see `reduced`), in which light scattered forwards goes
 on as if nothing had happened. What of a beam goes through that, Phi T', marching scatters towards
 the eye by fused_phase, light by light, and what the air itself would not have let through,
 Phi (T' - T), lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in the

@@ -1,5 +1,5 @@
-// Of each cell, the light that was scattered forwards only: what similar air lets through, less
-// what the air itself does. `store_light`, of the whole of what similar air lets through, is generated.
+// Of each cell, the light that was scattered forwards only: what the reduced medium lets through, less
+// what the air itself does. `store_light`, of the whole of what the reduced medium lets through, is generated.
 //! use lattice_space
 //! use media_light
 //! use cell_light
@@ -8,7 +8,7 @@
 const BLUR_CELLS = 6.0;         // that light spreads across its way at most
 
 struct Depths {
-    even: vec3f,        // optical depth of the similar air
+    even: vec3f,        // optical depth of the reduced medium
     forward: vec3f,     // what the air itself has besides
     scattering: vec3f,  // of it
     deviation: f32,     // m, of the light's spread across its way
@@ -61,7 +61,7 @@ fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
 
 struct Part {
     straight: vec3f,    // W m^-2, what the air itself lets through
-    gained: vec3f,      // what similar air does besides
+    gained: vec3f,      // what the reduced medium does besides
     depth: f32,         // optical, of scattering
 }
 

@@ -1,4 +1,4 @@
-"""Scattered light that comes into the lattice from endless air around it (media.half_space).
+"""Scattered light that comes into the lattice from an endless medium around it (media.half_space).
 
 Without it an open scene would be darker than the air beyond it. Only what was scattered already:
 beams of suns and of the sky shine into every cell by themselves. Hops would soon turn light that
@@ -19,8 +19,8 @@ from ..gpu.memory import Buffer, buffer_of
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.blockers import Blockers
 from ..lattice.placement import LatticeParams, Placement
+from ..maths.half_space import plane_light, plane_radiance
 from ..maths.lattice26_walls import returned_sharpness
-from ..maths.plane_air import plane_light, plane_radiance
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
 from ..media.march.half_space import directional
@@ -95,7 +95,7 @@ class InjectBorder:
         self._border = Buffer(gpu, "light from the border", 3 * cells * 16)
         self.beams = Buffer(gpu, "beams from the border", cells * 16)
         self.surface_beams = Buffer(gpu, "beams to surfaces", cells * 16)
-        self._radiance = Buffer(gpu, "light of endless air", LEVELS * ROWS * 16)
+        self._radiance = Buffer(gpu, "light of an endless medium", LEVELS * ROWS * 16)
         self._directions = buffer_of(gpu, "ways into the lattice", levels().astype(np.float32))
         self._key: object = None
 

@@ -1,4 +1,4 @@
-"""One step to 26 neighbours in an even medium without walls, for CPU adapters.
+"""One step to 26 neighbours in a homogeneous medium without walls, for CPU adapters.
 
 As propagate's columns, but a layer's sums over 3 x 3 cells are made once, for the layer below it,
 its own and the one above: a hop's power is linear in the state, so what nine cells send is a few

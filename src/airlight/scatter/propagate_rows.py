@@ -1,4 +1,4 @@
-"""One step to 26 neighbours in an even medium without walls, where lanes see one another.
+"""One step to 26 neighbours in a homogeneous medium without walls, where lanes see one another.
 
 As propagate_open, for CPU adapters of which gpu.lanes says that eight invocations along x are
 lanes of one vector. They share a row: each loads the cells of its own columns, two at a time as

@@ -14,7 +14,7 @@ from .checks import F64, Bounds, Rgb
 FILL_MARGIN = 1e-3
 """Of the diagonal: air that fills a scene ends outside its walls."""
 _ABOVE = 0.25
-"""Of a scene's height: how far endless air reaches above it."""
+"""Of a scene's height: how far an endless medium reaches above it."""
 _OPAQUE = 14.0
 """Optical depths of which a millionth of the light comes through: as good as endless."""
 _HORIZON = 2000.0
@@ -49,11 +49,11 @@ class Medium:
         if self.bounds is not None:
             put(self, "bounds", checks.bounds(self.bounds, "medium bounds"))
             if self.endless:
-                raise SceneError("endless air has no bounds", remedy="Give its top alone.")
+                raise SceneError("an endless medium has no bounds", remedy="Give its top alone.")
         if self.top is not None:
             put(self, "top", checks.number(self.top, "top"))
             if not self.endless:
-                raise SceneError("only endless air has a top", remedy="Add endless = true.")
+                raise SceneError("only an endless medium has a top", remedy="Add endless = true.")
 
     @property
     def sigma_s(self) -> Rgb:
@@ -95,7 +95,7 @@ def filled_box(low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
 def medium_box(medium: Medium, low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
     """The box that a medium fills in a scene of the box low..high seen from `eye`, metres.
 
-    Endless air has one so large that nothing is seen of its sides.
+    An endless medium has one so large that nothing is seen of its sides.
     """
     if medium.bounds is not None:
         return np.array(medium.bounds[0]), np.array(medium.bounds[1])

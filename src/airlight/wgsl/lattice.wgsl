@@ -35,7 +35,7 @@ fn ends(lattice: LatticeParams, cell: vec3f, way: vec3f) -> vec3<bool> {
 // lest what is looked up is its own back, or, of the foot of a wall, what is under the floor.
 const BEFORE = 0.15;
 
-// The foot of a wall may lie a little below the floor, as bent space has it, or its normal's relief
+// The foot of a wall may lie a little below the floor, as warped space has it, or its normal's relief
 // may lead there. The floor is known half a cell before the wall.
 fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     let is_facing = abs(n) > vec3f(0.5);

@@ -13,7 +13,7 @@ override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces betwee
 
 struct LatticeLight {
     sky: SkyReflected,
-    bounced: vec3f,     // radiance, W m^-2 sr^-1
+    indirect: vec3f,     // radiance, W m^-2 sr^-1
 }
 
 // What one lattice gives to a surface at the world point p; n, v and what is near are along its axes.
@@ -35,12 +35,12 @@ fn lattice_light(
         sky = SkyReflected(sky.shown + sky.returned, vec3f(0.0));
         e *= seen;
     } else {
-        // What the near surroundings hide comes back as their own light.
+        // What the near field hide comes back as their own light.
         let open = 1.0 - near.hidden;
         let returned = RETURNED * (interreflected(open, r.diffuse) - open) * e;
         e = replaced(e, from_occluders(lattice, uvw, near), near.light) + returned;
     }
-    return LatticeLight(sky, (diffuse * e + mirrors * mirror.bounced) / PI);
+    return LatticeLight(sky, (diffuse * e + mirrors * mirror.indirect) / PI);
 }
 
 // What reaches the eye at `position` in the image, at depth d, from p; v leads to the eye.
@@ -73,8 +73,8 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
         }
         let light = lattice_light(k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
         out.direct += weight * light.sky.shown;
-        out.bounced += weight * light.bounced;
-        out.bounced += weight * light.sky.returned;
+        out.indirect += weight * light.indirect;
+        out.indirect += weight * light.sky.returned;
         left -= weight;
         k++;
         if (k > last || left <= 0.0) {
@@ -84,7 +84,7 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     if (HAS_CACHED) {
         let sky = cached_sky_of(pixel);
         out.direct += vec3f(cached.w, sky.xy);
-        out.bounced += vec3f(sky.zw, cached_returned_of(pixel).x);
+        out.indirect += vec3f(sky.zw, cached_returned_of(pixel).x);
     }
     return out;
 }

@@ -50,7 +50,7 @@ fn sky_at(uvw: vec3f, n: vec3f) -> vec3f {
 
 struct Mirrored {
     sky: vec3f,         // irradiance, W m^-2
-    bounced: vec3f,
+    indirect: vec3f,
 }
 
 // What comes from around the mirrored direction, which is along the lattices' axes as the normal is: of the point's own cell (looked up at `own`, which
@@ -90,7 +90,7 @@ fn mirrored_light(
             + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattice_of(k), end, mirrored));
 }
 
-// How much of a surface's light is what it mirrors, as far as the near surroundings let it in.
+// How much of a surface's light is what it mirrors, as far as the near field let it in.
 fn mirror_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
     return specular_albedo(r, n_v) * specular_visibility(visibility, n_v, sqrt(r.alpha));
 }

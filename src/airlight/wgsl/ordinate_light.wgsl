@@ -1,7 +1,7 @@
 //! use medium_grid
 //! use ordinate_kind
 
-// An ordinate's light in a cell; see maths/delta_beam.py and maths/lamp_beam.py. The including pass
+// An ordinate's light in a cell; see maths/delta_beam.py and maths/point_light_beam.py. The including pass
 // binds `params` (MediumParams) and `ordinates` (OrdinateData).
 
 struct OrdinateLight {

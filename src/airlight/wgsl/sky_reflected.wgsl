@@ -3,12 +3,12 @@
 //! use occlusion
 
 struct SkyReflected {
-    shown: vec3f,       // radiance, W m^-2 sr^-1: of what near surroundings leave open
+    shown: vec3f,       // radiance, W m^-2 sr^-1: of what near field leave open
     returned: vec3f,    // what comes back from those
 }
 
 // `sky`, `mirrored`: irradiance on the surface, and around the mirrored direction; `open`: the share that
-// near surroundings leave, `mirrors`: how much of a surface's light is what it mirrors.
+// near field leave, `mirrors`: how much of a surface's light is what it mirrors.
 fn sky_reflected(
     r: Reflector, n_v: f32, sky: vec3f, mirrored: vec3f, open: f32, mirrors: vec3f,
 ) -> SkyReflected {

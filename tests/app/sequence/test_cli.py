@@ -118,7 +118,7 @@ def test_a_video_resumes_and_is_known_when_it_is_done(gpu, scene, tmp_path, monk
     assert made == [] and output.stat().st_mtime_ns == stamp
     assert not (tmp_path / "turn.mp4.frames").exists()
     scene.write_text(SCENE.format(exposure="exposure_stops = 1"))
-    assert sequence(scene, output, "--resume") == 0  # another scene: made anew
+    assert sequence(scene, output, "--resume") == 0  # another scene: recomputed
     assert made == [*range(10)] and output.stat().st_mtime_ns > stamp
 
 

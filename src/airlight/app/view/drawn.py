@@ -16,7 +16,7 @@ from ...scene.camera import Camera
 from ...scene.scene import Scene
 
 QUICK_COARSENESS = 2.0
-"""How much larger the texels of suns' shadows are: pixels are as much larger then, too."""
+"""How much larger the texels of directional lights' shadow maps are, as pixels are then."""
 QUICK_STEPS = 32
 """The fewest with an estimate of what later ones would add: living room, .86 of 64 steps' light."""
 
@@ -73,7 +73,7 @@ class Drawn:
 
 @contextmanager
 def _quickly(r: Renderer) -> Iterator[None]:
-    """Coarser shadows of suns; light propagation volumes make no more than QUICK_STEPS steps."""
+    """A context with coarser shadow maps, and no more than QUICK_STEPS steps of propagation."""
     lights, lattice = r.technique.kit.lights, r.technique.find(LpvSolver)
     steps = lattice.steps if lattice else 0
     lights.coarseness = QUICK_COARSENESS
@@ -106,7 +106,7 @@ def solved_by(r: Renderer) -> tuple[Any, ...]:
         place = None if np.all(place >= low) and np.all(place <= high) else place
     # Nested lattices follow the camera.
     nested = scene.camera if "cascades" in r.technique.stats else None
-    # What an error broke off is made anew by the renderer, with nothing solved.
+    # After an error the renderer recreates its resources, with nothing solved.
     return (r.technique, *parts, place, nested)
 
 

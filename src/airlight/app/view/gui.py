@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from ...maths.tone import TONE_CURVES
 from ...techniques import TECHNIQUES, settings_class
-from .gui_scene import air_controls, light_controls
+from .gui_scene import light_controls, media_controls
 from .panel import Control, checked, controls, shown_value
 from .save import Saver
 from .session import Session, reach_m
@@ -76,7 +76,7 @@ class Panel:
         if _header("light"):
             light_controls(state)
         if _header("air"):
-            air_controls(state)
+            media_controls(state)
         if _header("image"):
             self._look()
         if _header("camera", is_open=False):
@@ -85,7 +85,7 @@ class Panel:
             self._times()
         elif state.shows_times:
             state.shows_times = False
-        if _header("take home"):
+        if _header("export"):
             self._save()
 
     def _status(self) -> None:

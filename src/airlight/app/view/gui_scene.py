@@ -44,7 +44,7 @@ def light_controls(state: ViewState) -> None:
         state.scene = replace(state.scene, environment=replace(environment, **changes))
 
 
-def air_controls(state: ViewState) -> None:
+def media_controls(state: ViewState) -> None:
     """Fog and volumes: how much, how white, how far forwards."""
     scene = state.scene
     if scene.medium is None:

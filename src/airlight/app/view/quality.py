@@ -21,7 +21,7 @@ _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
 @dataclass(frozen=True)
 class Plan:
-    """The next image: its size in pixels, and its number among those averaged (0 starts anew).
+    """The next image: its size in pixels, and its number among those averaged (0 restarts).
 
     `sample` None: nothing is left to do.
     """

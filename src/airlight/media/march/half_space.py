@@ -3,7 +3,7 @@
 A table over the depth below the top of an endless medium holds the light of directional lights and
 the sky (local lights are left out): multiple scattering of the reduced medium (`scatter.reduced`),
 the light of the sky, and by direction what the medium scatters of that. Marching reads it where no
-lattice is, so that an endless medium has no visible border. See `maths.plane_air`.
+lattice is, so that an endless medium has no visible border. See `maths.half_space`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from ...fields import HalfSpaceLight
 from ...gpu.device import Gpu
 from ...gpu.memory import Buffer
 from ...gpu.slots import Slot, storage
+from ...maths.half_space import plane_light
 from ...maths.octahedron import octahedron_decode
 from ...maths.phase import henyey_greenstein
-from ...maths.plane_air import plane_light
 from ...maths.transforms import F64
 from ...scene.lights import DirectionalLight, Light
 from ...scene.medium import Medium

@@ -1,7 +1,7 @@
 """Light that has scattered once close to a local light, which beams and diffusion miss.
 
-See `maths.lamp_beam.near_fluence`; it is added to the diffuse fluence, whose net flux is right
-already.
+See `maths.point_light_beam.near_fluence`; it is added to the diffuse fluence, whose net flux is
+right already.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
 from ...maths.delta_beam import beam_loss, forward_share
-from ...maths.lamp_beam import NEAR_TABLE, near_table
+from ...maths.point_light_beam import NEAR_TABLE, near_table
 from ..light.incident import IncidentLight
 from ..light.table import OrdinateData
 from ..medium.grid_medium import GridMedium

@@ -24,7 +24,7 @@ fn length_in_box(begin: vec3f, direction: vec3f, r: f32) -> f32 {
 }
 
 // The share of a local light's surroundings that it lights, beside those towards a point r away: of
-// a spot, the part of its axis that lies in the medium; see maths/lamp_beam.py.
+// a spot, the part of its axis that lies in the medium; see maths/point_light_beam.py.
 fn axis_share(n: u32, point: vec3f, r: f32) -> f32 {
     let o = ordinates[n];
     let own = length_in_box(o.position.xyz, normalize(point - o.position.xyz + vec3f(1e-12)), r);
@@ -32,7 +32,7 @@ fn axis_share(n: u32, point: vec3f, r: f32) -> f32 {
     return select(min(1.0, lit / max(own, 1e-9)), 1.0, all(o.direction.xyz == vec3f(0.0)));
 }
 
-// Fluence that beam and diffusion miss around local light n; see maths/lamp_beam.py, near_fluence.
+// Fluence that beam and diffusion miss around local light n; see maths/point_light_beam.py, near_fluence.
 fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let o = ordinates[n];
     let shortest = 0.4 * (params.cell.x + params.cell.y + params.cell.z) / 3.0;

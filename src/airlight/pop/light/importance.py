@@ -16,12 +16,12 @@ from ...maths.latlong import latlong_from_direction, latlong_texel_directions
 from ...maths.transforms import F64
 from ...maths.view_importance import (
     ROWS,
+    ExitDensity,
     Frustum,
-    WayOut,
+    exit_density,
     importance_map,
     scattered_importance,
     view_grid,
-    way_out,
 )
 from ...maths.voxels import box_averaged, trilinear
 from ...scene.camera import Camera
@@ -63,7 +63,7 @@ class ViewImportance:
         self._map = np.ones(_SHAPE)
         self._volume: Volume | None = None
         self._medium: MediumGrid | None = None
-        self._out: WayOut | None = None
+        self._out: ExitDensity | None = None
 
     def of(
         self, volume: Volume, placement: MediumPlacement, look: Look, rotation_deg: float
@@ -80,7 +80,9 @@ class ViewImportance:
             self._map = _importance(medium, out, placement, look, rotation_deg)
         return self._map
 
-    def _of_medium(self, volume: Volume, placement: MediumPlacement) -> tuple[MediumGrid, WayOut]:
+    def _of_medium(
+        self, volume: Volume, placement: MediumPlacement
+    ) -> tuple[MediumGrid, ExitDensity]:
         """The coarse medium, and how light leaves it; cached while volume and box stay the same."""
         matrices = (placement.unit_from_medium.tobytes(), placement.extent.tobytes())
         key = (id(volume.density), volume.sigma_t, volume.albedo, volume.g, *matrices)
@@ -88,7 +90,7 @@ class ViewImportance:
             self._key, self._volume = key, volume
             self._medium = coarse_medium(volume, placement)
             towards = latlong_texel_directions(*_SHAPE).reshape(-1, 3)
-            self._out = way_out(self._medium, towards)
+            self._out = exit_density(self._medium, towards)
         return self._medium, self._out
 
 
@@ -110,7 +112,11 @@ def coarse_medium(volume: Volume, placement: MediumPlacement) -> MediumGrid:
 
 
 def _importance(
-    medium: MediumGrid, out: WayOut, placement: MediumPlacement, look: Look, rotation_deg: float
+    medium: MediumGrid,
+    out: ExitDensity,
+    placement: MediumPlacement,
+    look: Look,
+    rotation_deg: float,
 ) -> F64:
     """Importance by direction towards the rotated environment."""
     grid = view_grid(look.frustum(placement), medium.extent)

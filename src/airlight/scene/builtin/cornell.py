@@ -36,18 +36,18 @@ def cornell(*, light: str = "spot") -> Scene:
     panel glows: W m^-2 sr^-1 of the same intensity on its axis). No environment.
     Raises SceneError for another light.
     """
-    lamps: dict[str, Light | None] = {
+    kinds: dict[str, Light | None] = {
         "spot": SpotLight((0.0, HEIGHT_M - 0.06, 0.0), (0.0, -1.0, 0.0), _LAMP_INTENSITY, 50, 75),
         "point": PointLight((0.0, HEIGHT_M - 0.5, 0.0), _LAMP_INTENSITY),
         "area": None,
     }
-    if light not in lamps:
-        raise SceneError(f"cornell light '{light}' is unknown", remedy=nearest(light, lamps))
-    lamp = lamps[light]
+    if light not in kinds:
+        raise SceneError(f"cornell light '{light}' is unknown", remedy=nearest(light, kinds))
+    local = kinds[light]
     return Scene(
         name="cornell",
-        meshes=(*_walls(), *_blocks(), _panel(glows=lamp is None)),
-        lights=() if lamp is None else (lamp,),
+        meshes=(*_walls(), *_blocks(), _panel(glows=local is None)),
+        lights=() if local is None else (local,),
         camera=Camera((0.0, 2.73, 10.8), (0.0, 2.73, 0.0), fov_y_deg=39.3),
     )
 
@@ -61,8 +61,8 @@ def haze_box(*, light: str = "spot", sigma_s: float = 0.12, g: float = 0.0) -> S
     """The Cornell box full of white haze that scatters `sigma_s` per metre."""
     sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
     x, z = WIDTH_M / 2.0, DEPTH_M / 2.0
-    air = Medium(sigma_t, albedo, (g, g, g), ((-x, 0.0, -z), (x, HEIGHT_M, z)))
-    return replace(cornell(light=light), name="haze-box", medium=air)
+    medium = Medium(sigma_t, albedo, (g, g, g), ((-x, 0.0, -z), (x, HEIGHT_M, z)))
+    return replace(cornell(light=light), name="haze-box", medium=medium)
 
 
 def _lambert(name: str, color: Rgb) -> Finish:

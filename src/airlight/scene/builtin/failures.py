@@ -51,13 +51,13 @@ def _hall(
 ) -> Scene:
     sigma_t, albedo = extinction_and_albedo(_SIGMA_S, 0.0)
     # No bounds: the hall is closed, and the paper's scheme knows none.
-    air = Medium(sigma_t, albedo)
+    medium = Medium(sigma_t, albedo)
     return Scene(
         name=name,
         meshes=(*_walls(grey), _board(turned_deg)),
         lights=(lamp,),
         camera=camera,
-        medium=air,
+        medium=medium,
         settings=settings or {},
     )
 

@@ -54,8 +54,8 @@ def room(*, seed: int = 3) -> Scene:
 def foggy_room(*, sigma_s: float = 0.12, g: float = 0.0, seed: int = 3) -> Scene:
     """The room filled with white fog that scatters `sigma_s` per metre."""
     sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
-    air = Medium(sigma_t, albedo, (g, g, g), (room_shell.LOW_M, room_shell.HIGH_M))
-    return replace(room(seed=seed), name="foggy-room", medium=air)
+    medium = Medium(sigma_t, albedo, (g, g, g), (room_shell.LOW_M, room_shell.HIGH_M))
+    return replace(room(seed=seed), name="foggy-room", medium=medium)
 
 
 def _put(

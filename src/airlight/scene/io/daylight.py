@@ -23,7 +23,7 @@ _SUN_GLOW = np.array((1.6, 1.3, 0.8))
 
 _ELEVATIONS_DEG = (25.0, 40.0, 55.0)
 _AZIMUTHS = 16
-_OPEN_AIR_SHARE = 0.35
+_OUTDOOR_SHARE = 0.35
 _ENOUGH_SHARE = 0.15
 
 
@@ -71,7 +71,7 @@ def sun_for(probe: Probe, camera: Camera) -> tuple[F64, float]:
     if len(points) == 0:
         return shoulder, 1.0
     share = float(probe.sees_sky(points, shoulder).mean())
-    if share >= _OPEN_AIR_SHARE:
+    if share >= _OUTDOOR_SHARE:
         return shoulder, share
     azimuths = facing + 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     tried = [_direction(e, a) for e in _ELEVATIONS_DEG for a in azimuths]

@@ -28,7 +28,7 @@ from ..scene import Scene
 from .files import naming
 from .mitsuba_emitters import emitter, with_emission
 from .mitsuba_materials import NoSurface, material
-from .mitsuba_media import Held, air_and_volumes, held_medium
+from .mitsuba_media import Held, held_medium, medium_and_volumes
 from .mitsuba_shapes import shape_geometries
 from .mitsuba_textures import Source
 from .mitsuba_xml import Node, read_tree, walk
@@ -99,7 +99,7 @@ def _scene(tree: Node, source: Source) -> Scene:
         source.note(f"{len(sensors)} sensors: the first one is used")
     camera = _camera(sensors[0], source) if sensors else None
     around = next((c for c in sensors[0].children if c.tag == "medium"), None) if sensors else None
-    medium, volumes = air_and_volumes(found.held, around, source)
+    medium, volumes = medium_and_volumes(found.held, around, source)
     integrator = tree.first("integrator")
     if integrator is not None and integrator.get("hide_emitters", False) and found.environment:
         found.environment = replace(found.environment, visible=False)
@@ -117,10 +117,10 @@ def _scene(tree: Node, source: Source) -> Scene:
 
         source.note("there is no sensor: the camera frames the scene")
         scene = with_default_camera(scene)
-    return _with_filling_air(scene)
+    return _with_filling_medium(scene)
 
 
-def _with_filling_air(scene: Scene) -> Scene:
+def _with_filling_medium(scene: Scene) -> Scene:
     """Air in a box that `reference.write_mitsuba` gives to air without bounds, without them."""
     medium = scene.medium
     if medium is None or medium.bounds is None or not (scene.meshes or scene.volumes):

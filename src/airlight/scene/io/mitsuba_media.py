@@ -78,7 +78,7 @@ def held_medium(shape: Node, interior: Node, exterior: Node | None, source: Sour
     )
 
 
-def air_and_volumes(
+def medium_and_volumes(
     held: list[Held], around_camera: Node | None, source: Source
 ) -> tuple[Medium | None, tuple[Volume, ...]]:
     """The scene's one homogeneous air, and everything else as volumes."""
@@ -111,7 +111,7 @@ def _endless(node: Node, source: Source) -> Medium | None:
 
 
 def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
-    sigma_t, albedo, g = _without_air(held, air, source)
+    sigma_t, albedo, g = _without_medium(held, air, source)
     if float(sigma_t.max()) <= 0.0:
         return None
     if held.is_homogeneous:
@@ -135,7 +135,7 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
     )
 
 
-def _without_air(held: Held, air: Held | None, source: Source) -> tuple[F64 | F32, F64, float]:
+def _without_medium(held: Held, air: Held | None, source: Source) -> tuple[F64 | F32, F64, float]:
     """Coefficients less those of the air around, where the shape lies in it."""
     if air is None or held.exterior is None or held.exterior.id != air.node.id:
         if air is not None and _lies_inside(held, air):

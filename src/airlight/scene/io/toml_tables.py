@@ -259,8 +259,8 @@ MEDIUM = Table(
             "top",
             checks.number,
             "number",
-            "height above which there is none; only of endless air, by default the scene's and a "
-            "quarter more",
+            "height above which there is none; only of an endless medium, by default the "
+            "scene's and a quarter more",
             "m",
         ),
     ),

@@ -21,7 +21,7 @@ NEAR_TABLE = 64
 THIN_GAIN = 2.5  # fitted to Monte Carlo in balls of radius 0.1 to 3 mean free paths
 
 
-def lamp(medium: MediumGrid, position: ArrayLike, intensity: ArrayLike) -> Beam:
+def point_light_beam(medium: MediumGrid, position: ArrayLike, intensity: ArrayLike) -> Beam:
     """The beam of a point light at `position` (3,), m in the medium's box; W sr^-1 (channel,).
 
     `intensity` may differ by cell: (z, y, x, channel), for spot lights.

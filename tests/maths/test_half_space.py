@@ -1,4 +1,4 @@
-"""Endless air below a plane: what is known of half spaces."""
+"""An endless medium below a plane: what is known of half spaces."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expn
 
-from airlight.maths.plane_air import _exponential_integral, plane_light, plane_radiance
+from airlight.maths.half_space import _exponential_integral, plane_light, plane_radiance
 
 ONE = np.array([1.0])
 

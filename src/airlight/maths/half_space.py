@@ -1,4 +1,4 @@
-"""Light in a half space of even air that parallel light enters from above.
+"""Light in a homogeneous half-space that parallel light enters from above.
 
 What a lattice cannot hold of air that goes on for ever: far from everything, light depends on the
 depth alone. Scattering counts as isotropic; coefficients of air that scatters forwards are scaled

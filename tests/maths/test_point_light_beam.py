@@ -7,13 +7,13 @@ import pytest
 
 from airlight.maths import delta_beam as db
 from airlight.maths.diffusion import largest_diffusivity
-from airlight.maths.lamp_beam import (
+from airlight.maths.point_light_beam import (
     NEAR_TABLE,
     axis_share,
-    lamp,
     mean_inverse_square,
     near_fluence,
     near_table,
+    point_light_beam,
 )
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
@@ -34,7 +34,7 @@ def ball(g: float) -> db.MediumGrid:
 
 def scattered(air: db.MediumGrid, position: tuple[float, float, float]) -> F64:
     """Fluence of light scattered at least once by a lamp of 1 W sr^-1."""
-    one = lamp(air, np.array(position) + RADIUS, np.ones(3))
+    one = point_light_beam(air, np.array(position) + RADIUS, np.ones(3))
     radius = 3.0 * largest_diffusivity(air.density, air.cell)
     away = np.linalg.norm(air.centres - position - RADIUS, axis=-1)
     near = near_fluence(air, one, away, np.ones(3), radius, 1.0)
