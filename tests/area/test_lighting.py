@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from airlight.errors import SceneError
 from airlight.maths import area_light
 from airlight.maths.sampling import orthonormal_frame
-from airlight.rendering import render
+from airlight.rendering import Renderer, render
 from airlight.scene import AreaLight, Camera, Material, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.shapes import quad
 
@@ -186,3 +189,25 @@ def test_a_frame_is_axes_at_right_angles() -> None:
         assert 0.0 <= clip[2] / clip[3] <= 1.0
     side, up = orthonormal_frame(np.array(light.direction))
     assert abs(side @ up) < 1e-12
+
+
+def test_a_light_that_moves_grows_and_dims_is_as_if_made_so() -> None:
+    first = AreaLight((0, 1, 0), 5.0)
+    then = AreaLight((0.4, 1.3, 0.2), 2.0, size=(2.0, 0.5))
+    scene = Scene(meshes=(FLOOR,), lights=(first,), camera=CAMERA)
+    with Renderer(scene, "lpv", SIZE, settings=SMALL) as renderer:
+        renderer.frame()
+        moved = renderer.frame(lights=[then])
+        again = renderer.frame(lights=[first])
+    fresh = render(replace(scene, lights=(then,)), "lpv", SIZE, samples=1, settings=SMALL)
+    np.testing.assert_allclose(moved.radiance, fresh.radiance, rtol=1e-4, atol=1e-5)
+    before = render(scene, "lpv", SIZE, samples=1, settings=SMALL)
+    np.testing.assert_allclose(again.radiance, before.radiance, rtol=1e-4, atol=1e-5)
+
+
+def test_a_mesh_keeps_its_material_but_for_its_emission() -> None:
+    scene = Scene(meshes=(FLOOR,), lights=(PointLight((0, 1, 0), 1.0),), camera=CAMERA)
+    with Renderer(scene, "direct", SIZE, settings=SMALL) as renderer:
+        renderer.frame()
+        with pytest.raises(SceneError, match="another material"):
+            renderer.frame(meshes=[replace(FLOOR, material=Material(base_color=0.1))])

@@ -86,7 +86,7 @@ class LightMeshes:
     """
 
     def __init__(self) -> None:
-        self._materials: dict[tuple[object, ...], Material] = {}
+        self._materials: dict[int, tuple[AreaLight, Material]] = {}
         self._last: tuple[tuple[Light, ...], tuple[Mesh, ...], tuple[Mesh, ...]] | None = None
 
     def of(self, scene: Scene) -> Scene:
@@ -96,10 +96,14 @@ class LightMeshes:
             return scene
         last = self._last
         if last is None or last[0] != scene.lights or last[1] is not scene.meshes:
-            made = tuple(light_mesh(light, self._material(light)) for light in lights)
+            made = tuple(light_mesh(x, self._material(row, x)) for row, x in enumerate(lights))
             last = self._last = (scene.lights, scene.meshes, (*scene.meshes, *made))
         return replace(scene, meshes=last[2])
 
-    def _material(self, light: AreaLight) -> Material:
-        key = (light.radiance, light.two_sided)
-        return self._materials.setdefault(key, light_material(light))
+    def _material(self, row: int, light: AreaLight) -> Material:
+        known = self._materials.get(row)
+        wanted = (light.radiance, light.two_sided)
+        if known is None or (known[0].radiance, known[0].two_sided) != wanted:
+            known = (light, light_material(light))
+        self._materials[row] = known
+        return known[1]

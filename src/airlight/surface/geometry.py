@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import groupby
 from typing import Any
 
@@ -106,6 +106,7 @@ class GpuScene:
         materials = {id(m.material): m.material for m in scene.meshes}
         self._material_index = {key: i for i, key in enumerate(materials)}
         self._materials = list(materials.values())
+        self._shown = list(self._materials)
         self._is_packable: dict[int, bool] = {}
         self._triangle_table: TriangleTable | None = None
         self.materials = buffer_of(
@@ -145,15 +146,16 @@ class GpuScene:
     def move(self, meshes: tuple[Mesh, ...]) -> None:
         """Update to `meshes`: the meshes of creation, in their order, as they are in this frame.
 
-        Only their transforms and their vertices may differ. Raises SceneError for meshes with other
-        triangles.
+        Only their transforms, their vertices and their materials' emission may differ. Raises
+        SceneError for meshes with other triangles or materials.
         """
         deformed = self._deform(meshes)
+        deformed = self._relight(meshes) or deformed
         rows = [
             {
                 "world_from_object": m.world_from_object,
                 "normal_from_object": _normal_matrix(m.world_from_object),
-                "material": self._material_index[id(m.material)],
+                "material": self._material_index[id(first.material)],
                 "size": _size(m, first),
             }
             for m, first in ((meshes[i], self._first[i]) for i in self.order)
@@ -169,6 +171,26 @@ class GpuScene:
         self._middles, self._halves = boxes.mean(axis=1), 0.5 * (boxes[:, 1] - boxes[:, 0])
         self._visible.clear()
         self.version += 1
+
+    def _relight(self, meshes: tuple[Mesh, ...]) -> bool:
+        """Upload the emission of materials that glow otherwise than before; whether any do."""
+        changed = False
+        for mesh, first in zip(meshes, self._first, strict=True):
+            row = self._material_index[id(first.material)]
+            if mesh.material is self._shown[row]:
+                continue
+            if not _differ_in_emission_alone(mesh.material, first.material):
+                raise SceneError(
+                    f"mesh '{mesh.name}' has another material than before",
+                    remedy="Make a new Renderer",
+                )
+            self._shown[row] = mesh.material
+            record = pack_array(MaterialData, [_fields(mesh.material)])
+            self.materials.write(record, row * MaterialData.dtype.itemsize)
+            if self._triangle_table:
+                self._triangle_table.relight(row, mesh.material)
+            changed = True
+        return changed
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
         """Upload the vertices of geometries that changed; returns whether any did."""
@@ -213,11 +235,14 @@ class GpuScene:
                 self._uploaded,
                 self._materials,
                 [
-                    (self.first_vertices[i], self._material_index[id(self.current[i].material)])
+                    (self.first_vertices[i], self._material_index[id(self._first[i].material)])
                     for i in self.order
                 ],
                 self.store,
             )
+            for row, (shown, first) in enumerate(zip(self._shown, self._materials, strict=True)):
+                if shown is not first:
+                    self._triangle_table.relight(row, shown)
         return self._triangle_table
 
     @property
@@ -286,6 +311,14 @@ class GpuScene:
             bound[f"{name}_map"] = self.store.get(texture, defaults.get(name, self.store.white))
             bound[f"{name}_sampler"] = self.store.sampler(texture)
         return self._texture_sets.setdefault(tuple(map(id, bound.values())), bound)
+
+
+def _differ_in_emission_alone(a: Material, b: Material) -> bool:
+    names = [field.name for field in fields(Material) if field.name not in ("emission", "name")]
+    return all(
+        getattr(a, name) is getattr(b, name) or getattr(a, name) == getattr(b, name)
+        for name in names
+    )
 
 
 def _check_same_triangles(old: Geometry, new: Geometry) -> None:

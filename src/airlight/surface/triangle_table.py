@@ -128,6 +128,11 @@ class TriangleTable:
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
         return packed
 
+    def relight(self, row: int, material: Material) -> None:
+        """Show the emission of a material that glows otherwise than before."""
+        self._rows["emission"][row] = np.minimum(material.emission, _HALF_MAX)
+        self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
+
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
         maps = PackedMaps(store.chain, most_texels(gpu))
         self._is_packed = {id(m): maps.of(m) is not None for m in materials}
@@ -136,6 +141,7 @@ class TriangleTable:
         for index, m in enumerate(materials):
             rows[index], uv_transforms[index] = _fields(m, maps), _uv_transform(m)
         self.materials = buffer_of(gpu, "seen materials", rows)
+        self._rows = rows
         self.uv_transforms = buffer_of(gpu, "uv_transforms of maps", uv_transforms)
         self.has_map_transforms = bool((uv_transforms != _IDENTITY_UV).any())
         self.texels = buffer_of(gpu, "packed maps", maps.texels)

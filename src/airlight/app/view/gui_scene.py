@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from imgui_bundle import imgui
 
-from ...scene.lights import DirectionalLight, Light, PointLight, SpotLight
+from ...scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from ...scene.medium import Medium
 from ...scene.scene import Scene
 from ...scene.volume import Volume
@@ -78,14 +78,27 @@ def _edited(light: Light, scene: Scene) -> Light | None:
             changed, outer = imgui.slider_float("half angle", light.outer_deg, 1.0, 89.0)
             if changed:
                 edited = replace(edited, outer_deg=outer, inner_deg=min(light.inner_deg, outer))
-    unit, name = (
-        ("W/m2", "irradiance") if isinstance(light, DirectionalLight) else ("W/sr", "intensity")
-    )
+        if isinstance(edited, AreaLight):
+            edited = _extent(edited, step)
+    unit, name = "W/sr", "intensity"
+    if isinstance(light, DirectionalLight):
+        unit, name = "W/m2", "irradiance"
+    elif isinstance(light, AreaLight):
+        unit, name = "W/m2/sr", "radiance"
     changed, colour = _strength(f"{name} ({unit})", getattr(light, name))
     if changed:
         changes: dict[str, Any] = {name: colour}
         edited = replace(edited, **changes)
     return None if edited is light else edited
+
+
+def _extent(light: AreaLight, step: float) -> AreaLight:
+    """The width and height of a rectangle, or the radius of a disk or sphere."""
+    if light.shape == "rectangle":
+        changed, size = imgui.drag_float2("size (m)", list(light.size), step, step, 1e4)
+        return replace(light, size=(float(size[0]), float(size[1]))) if changed else light
+    changed, radius = imgui.drag_float("radius (m)", light.radius, step, step, 1e4)
+    return replace(light, radius=float(radius)) if changed else light
 
 
 def _sun(light: DirectionalLight) -> DirectionalLight:
@@ -163,6 +176,8 @@ def _scattering(of: Any, label: str) -> Any:
 def _kind(light: Light) -> str:
     if isinstance(light, DirectionalLight):
         return "sun"
+    if isinstance(light, AreaLight):
+        return light.shape
     return "lamp" if isinstance(light, PointLight) else "spot"
 
 
