@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -11,13 +11,20 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec3f, vec4f
+from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
 from ..scene.along import meshes_along
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
+from .materials import (
+    IDENTITY_UV,
+    MaterialData,
+    differ_in_emission_alone,
+    material_fields,
+    uv_transform,
+)
 from .packed_maps import is_packable
 from .textures import TextureStore
 from .triangle_table import TriangleTable
@@ -26,7 +33,6 @@ F64 = NDArray[np.float64]
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
 
 
-_IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)  # scale and offset of a map
 MOST_CACHED_VIEWS = 256
 """Whose culling is remembered."""
 
@@ -40,23 +46,6 @@ class InstanceData(Struct):
     normal_from_object = mat4x4f()
     material = u32("index into materials")
     size = f32("m, longest side of its box; negative where it never moved")
-
-
-class MaterialData(Struct):
-    """The factors of a material; textures multiply them."""
-
-    base_color = vec3f()
-    alpha = f32()
-    emission = vec3f("W m^-2 sr^-1")
-    alpha_cutoff = f32()
-    roughness = f32()
-    metallic = f32()
-    specular = f32()
-    normal_scale = f32()
-    uv_base_color = vec4f("scale, offset")
-    uv_metallic_roughness = vec4f("scale, offset")
-    uv_normal = vec4f("scale, offset")
-    uv_emission = vec4f("scale, offset")
 
 
 @dataclass(frozen=True)
@@ -110,7 +99,9 @@ class GpuScene:
         self._is_packable: dict[int, bool] = {}
         self._triangle_table: TriangleTable | None = None
         self.materials = buffer_of(
-            gpu, "materials", pack_array(MaterialData, [_fields(m) for m in materials.values()])
+            gpu,
+            "materials",
+            pack_array(MaterialData, [material_fields(m) for m in materials.values()]),
         )
         self.instances = Buffer(
             gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes)), vertex=True
@@ -132,7 +123,7 @@ class GpuScene:
                     mesh.material,
                     self._bound_textures(mesh.material),
                     frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
-                    any(_uv_transform(_map(mesh.material, n)) != _IDENTITY_UV for n in MAPS),
+                    any(uv_transform(_map(mesh.material, n)) != IDENTITY_UV for n in MAPS),
                     is_mirrored(mesh),
                 )
             )
@@ -179,13 +170,13 @@ class GpuScene:
             row = self._material_index[id(first.material)]
             if mesh.material is self._shown[row]:
                 continue
-            if not _differ_in_emission_alone(mesh.material, first.material):
+            if not differ_in_emission_alone(mesh.material, first.material):
                 raise SceneError(
                     f"mesh '{mesh.name}' has another material than before",
                     remedy="Make a new Renderer",
                 )
             self._shown[row] = mesh.material
-            record = pack_array(MaterialData, [_fields(mesh.material)])
+            record = pack_array(MaterialData, [material_fields(mesh.material)])
             self.materials.write(record, row * MaterialData.dtype.itemsize)
             if self._triangle_table:
                 self._triangle_table.relight(row, mesh.material)
@@ -313,14 +304,6 @@ class GpuScene:
         return self._texture_sets.setdefault(tuple(map(id, bound.values())), bound)
 
 
-def _differ_in_emission_alone(a: Material, b: Material) -> bool:
-    names = [field.name for field in fields(Material) if field.name not in ("emission", "name")]
-    return all(
-        getattr(a, name) is getattr(b, name) or getattr(a, name) == getattr(b, name)
-        for name in names
-    )
-
-
 def _check_same_triangles(old: Geometry, new: Geometry) -> None:
     same = len(old.positions) == len(new.positions) and (
         np.shares_memory(old.indices, new.indices) or np.array_equal(old.indices, new.indices)
@@ -358,27 +341,6 @@ def _draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
         return (m.alpha_cutoff > 0.0, sides, maps, first_use[id(m)], first_use[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]
-
-
-def _uv_transform(texture: SceneTexture | None) -> tuple[float, ...]:
-    return (*texture.scale, *texture.offset) if texture else _IDENTITY_UV
-
-
-def _fields(m: Material) -> dict[str, Any]:
-    return {
-        "base_color": m.base_color,
-        "alpha": m.alpha,
-        "emission": m.emission,
-        "alpha_cutoff": m.alpha_cutoff,
-        "roughness": m.roughness,
-        "metallic": m.metallic,
-        "specular": m.specular,
-        "normal_scale": m.normal_scale,
-        "uv_base_color": _uv_transform(m.base_color_texture),
-        "uv_metallic_roughness": _uv_transform(m.metallic_roughness_texture),
-        "uv_normal": _uv_transform(m.normal_texture),
-        "uv_emission": _uv_transform(m.emission_texture),
-    }
 
 
 def _vertex_data(g: Geometry) -> NDArray[Any]:

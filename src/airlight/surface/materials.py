@@ -1,0 +1,61 @@
+"""Materials as shaders see them."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from ..gpu.layout import Struct, f32, vec3f, vec4f
+from ..scene.material import Material, Texture
+
+IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
+"""Scale and offset of a map that lies as its mesh says."""
+
+
+class MaterialData(Struct):
+    """The factors of a material; textures multiply them."""
+
+    base_color = vec3f()
+    alpha = f32()
+    emission = vec3f("W m^-2 sr^-1")
+    alpha_cutoff = f32()
+    roughness = f32()
+    metallic = f32()
+    specular = f32()
+    normal_scale = f32()
+    uv_base_color = vec4f("scale, offset")
+    uv_metallic_roughness = vec4f("scale, offset")
+    uv_normal = vec4f("scale, offset")
+    uv_emission = vec4f("scale, offset")
+
+
+def material_fields(m: Material) -> dict[str, Any]:
+    """The values of `MaterialData`."""
+    return {
+        "base_color": m.base_color,
+        "alpha": m.alpha,
+        "emission": m.emission,
+        "alpha_cutoff": m.alpha_cutoff,
+        "roughness": m.roughness,
+        "metallic": m.metallic,
+        "specular": m.specular,
+        "normal_scale": m.normal_scale,
+        "uv_base_color": uv_transform(m.base_color_texture),
+        "uv_metallic_roughness": uv_transform(m.metallic_roughness_texture),
+        "uv_normal": uv_transform(m.normal_texture),
+        "uv_emission": uv_transform(m.emission_texture),
+    }
+
+
+def uv_transform(texture: Texture | None) -> tuple[float, ...]:
+    """Scale and offset of a map's coordinates."""
+    return (*texture.scale, *texture.offset) if texture else IDENTITY_UV
+
+
+def differ_in_emission_alone(a: Material, b: Material) -> bool:
+    """Whether two materials are the same but for their emission (and their names)."""
+    names = [field.name for field in fields(Material) if field.name not in ("emission", "name")]
+    return all(
+        getattr(a, name) is getattr(b, name) or getattr(a, name) == getattr(b, name)
+        for name in names
+    )
