@@ -92,17 +92,7 @@ class GpuScene:
         offsets = self._upload(list(geometries.values()))
         self.first_vertices = [offsets[id(m.geometry)][1] for m in scene.meshes]
         self._uploaded = {offsets[key][1]: g for key, g in geometries.items()}
-        materials = {id(m.material): m.material for m in scene.meshes}
-        self._material_index = {key: i for i, key in enumerate(materials)}
-        self._materials = list(materials.values())
-        self._shown = list(self._materials)
-        self._is_packable: dict[int, bool] = {}
-        self._triangle_table: TriangleTable | None = None
-        self.materials = buffer_of(
-            gpu,
-            "materials",
-            pack_array(MaterialData, [material_fields(m) for m in materials.values()]),
-        )
+        self._take_materials(scene.meshes)
         self.instances = Buffer(
             gpu, "instances", InstanceData.dtype.itemsize * max(1, len(scene.meshes)), vertex=True
         )
@@ -133,6 +123,16 @@ class GpuScene:
         self._visible: dict[bytes, list[Draw]] = {}
         self._along: tuple[Any, tuple[F64, F64] | None] = (None, None)
         self.move(scene.meshes)
+
+    def _take_materials(self, meshes: tuple[Mesh, ...]) -> None:
+        materials = {id(m.material): m.material for m in meshes}
+        self._material_index = {key: i for i, key in enumerate(materials)}
+        self._materials = list(materials.values())
+        self._shown = list(self._materials)
+        self._is_packable: dict[int, bool] = {}
+        self._triangle_table: TriangleTable | None = None
+        rows = [material_fields(m) for m in self._materials]
+        self.materials = buffer_of(self.gpu, "materials", pack_array(MaterialData, rows))
 
     def move(self, meshes: tuple[Mesh, ...]) -> None:
         """Update to `meshes`: the meshes of creation, in their order, as they are in this frame.
