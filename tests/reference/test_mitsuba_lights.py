@@ -7,8 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from airlight import PointLights
-from airlight.reference.mitsuba_lights import point_emitters, spot_falloff, spot_falloff_pixels
+from airlight import AreaLight, PointLight, PointLights, SpotLight
+from airlight.reference.mitsuba_files import FileStore
+from airlight.reference.mitsuba_lights import (
+    light_elements,
+    point_emitters,
+    spot_falloff,
+    spot_falloff_pixels,
+)
 
 
 def test_the_fall_off_is_the_smoothstep_of_the_cosine() -> None:
@@ -44,3 +50,24 @@ def test_a_group_is_a_point_emitter_for_each_of_its_lights() -> None:
     assert [[float(p.get(axis)) for axis in "xyz"] for p in places] == group.positions.tolist()
     colour = emitters[1].find("rgb[@name='intensity']").get("value")
     assert [float(c) for c in colour.replace(",", " ").split()] == [0.5, 0.25, 0.0]
+
+
+def test_area_lights_are_shapes_that_glow(tmp_path):
+    notes: list[str] = []
+    files = FileStore(tmp_path, ".")
+    both = AreaLight((1, 2, 3), 5.0, direction=(0, 0, 1), up=(0, 1, 0), size=(2, 4), two_sided=True)
+    front, back = light_elements(both, files, notes)
+    assert front.get("type") == back.get("type") == "rectangle"
+    matrix = front.find("transform/matrix").get("value")
+    placed = np.array([float(x) for x in matrix.split()]).reshape(4, 4)
+    np.testing.assert_allclose(placed[:3, 2], (0, 0, 1), atol=1e-9)
+    np.testing.assert_allclose(placed[:3, 3], (1, 2, 3), atol=1e-9)
+    # Mitsuba's rectangle is 2 m across: half of the width and height, right-handed.
+    assert sorted(np.linalg.norm(placed[:3, :2], axis=0)) == pytest.approx([1.0, 2.0])
+    assert np.linalg.det(placed[:3, :3]) > 0.0
+    (ball,) = light_elements(PointLight((0, 1, 0), np.pi, radius=0.5), files, notes)
+    assert ball.get("type") == "sphere"
+    radiance = ball.find("emitter/rgb").get("value")
+    assert float(radiance.split()[0].rstrip(",")) == pytest.approx(4.0)
+    light_elements(SpotLight((0, 1, 0), (0, -1, 0), 1.0, radius=0.1), files, notes)
+    assert len(notes) == 2

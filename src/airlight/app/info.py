@@ -42,6 +42,11 @@ def command(file: str, as_json: bool) -> None:
     click.echo(json_text(facts) if as_json else _text(facts))
 
 
+_NO_RADIUS = ("radius", 0.0)
+_MOST_EMITTERS = 20
+"""As many as techniques tell apart by default."""
+
+
 def scene_facts(scene: Scene) -> dict[str, Any]:
     """Counts, bounds in metres, and every light, as plain values."""
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}.values()
@@ -59,6 +64,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "texture_bytes": sum(texture.pixels.nbytes for texture in textures),
         "bounds_m": [np.round(low, 6).tolist(), np.round(high, 6).tolist()],
         "lights": [_light_facts(light) for light in scene.lights],
+        "surfaces_that_light": _emitter_facts(scene),
         "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
         "camera": {
             "position": scene.camera.position,
@@ -116,7 +122,26 @@ def _textures(material: Material) -> list[Texture]:
 
 
 def _light_facts(light: Light) -> dict[str, Any]:
-    return {"type": type(light).__name__.removesuffix("Light").lower(), **vars(light)}
+    known = {name: value for name, value in vars(light).items() if (name, value) != _NO_RADIUS}
+    return {"type": type(light).__name__.removesuffix("Light").lower(), **known}
+
+
+def _emitter_facts(scene: Scene) -> list[dict[str, Any]]:
+    """Glowing surfaces and lights with extent as techniques group them; power in W, by channel."""
+    from ..area.emitters import Emitters
+
+    found = Emitters(scene, samples=1, most=_MOST_EMITTERS)
+    found.of(scene)
+    return [
+        {
+            "type": emitter.shape.kind.name.lower(),
+            "centre": np.round(emitter.shape.centre, 4).tolist(),
+            "power": [
+                float(sum(sample.light.power[c] for sample in emitter.samples)) for c in range(3)
+            ],
+        }
+        for emitter in found.list
+    ]
 
 
 def _animation_facts(scene: Scene) -> dict[str, Any] | None:
