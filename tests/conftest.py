@@ -146,7 +146,7 @@ def _no_switches(
 
 @pytest.fixture(autouse=True)
 def _same_numbers(request: pytest.FixtureRequest) -> None:
-    """A file's own random numbers begin anew for each test: none depends on those run before."""
+    """A file's own random numbers restart for each test: none depends on those run before."""
     for name, value in vars(request.module).items():
         if isinstance(value, np.random.Generator):
             bits = value.bit_generator

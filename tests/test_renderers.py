@@ -243,7 +243,7 @@ def test_a_renderer_that_cannot_be_made_leaves_nothing(gpu, scene, monkeypatch, 
     assert gpu.allocated_bytes == before
 
 
-def test_a_lost_device_is_opened_anew_for_the_next_frame(child):
+def test_a_lost_device_is_reopened_for_the_next_frame(child):
     said = child("""
     renderer = made()
     before = renderer.frame(samples=2).radiance

@@ -1,4 +1,4 @@
-"""Air: what it lets through, what it scatters once, and that it makes no light."""
+"""Air: transmittance, single scattering, and that it makes no light."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WHITE = (1.0, 1.0, 1.0)
 PX = 16
 
 
-def test_a_slab_lets_through_what_beer_and_lambert_say(judged, square, camera_rays, error):
+def test_a_slab_has_the_transmittance_of_beer_and_lambert(judged, square, camera_rays, error):
     glow = Material(base_color=(0, 0, 0), specular=0.0, emission=(1.0, 2.0, 3.0))
     lamp = square((0, 0, -1.5), (3, 0, 0), (0, 3, 0), glow)
     slab = Medium(tuple(SIGMA), (0, 0, 0), bounds=((-4, -4, -0.5), (4, 4, 0.7)))
@@ -107,7 +107,7 @@ AROUND = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0)
 """The lattice, said aloud: see test_the_lattice_holds_air_without_surfaces."""
 
 
-def test_even_air_is_a_grid_of_one_density(judged, error):
+def test_a_homogeneous_medium_is_a_grid_of_one_density(judged, error):
     if judged.name == "auto":
         pytest.skip("auto gives a homogeneous medium and grids to different techniques")
     sun = DirectionalLight((0.36, -0.8, 0.48), (3.0, 2.0, 1.0))
@@ -150,7 +150,7 @@ def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
 
 @pytest.mark.parametrize("g", [0.0, 0.7])
 def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
-    """White air in parallel light: what was not let through leaves again, to all sides.
+    """White air in parallel light: what was not transmitted leaves again, to all sides.
 
     Measured 2026-11-21: pop .99 (g 0) and .97 (.7); lpv-scatter 1.08 and .92.
     """

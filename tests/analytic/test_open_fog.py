@@ -54,7 +54,7 @@ def test_energies_beside_the_path_tracer(gpu, plain):
 @pytest.mark.slow
 @pytest.mark.parametrize(("way", "g"), [(-0.8, 0.7), (0.8, 0.7), (-0.8, 0.9), (0.8, 0.9)])
 @pytest.mark.needs("mitsuba")
-def test_far_air_that_scatters_forwards(gpu, way, g):
+def test_the_half_space_that_scatters_forwards(gpu, way, g):
     """The sun behind the eye and before it. Measured 1.03, .94, 1.11, .94; noise .03 at most."""
     black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
     scene = Scene(

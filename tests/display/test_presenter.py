@@ -76,7 +76,7 @@ def test_one_layer_and_the_raw_ones(gpu):
     assert np.all(screen.shown([images], Look("depth")) == 0)  # nothing drawn: infinitely far
 
 
-def test_samples_are_averaged_and_index_0_starts_anew(gpu):
+def test_samples_are_averaged_and_index_0_restarts(gpu):
     parts = [radiance(seed) for seed in range(3)]
     screen, look = Screen(gpu), Look(curve="none", exposure_stops=-3.0)
     screen.shown([{"direct": layer(gpu, parts[0] * 100.0)}], look)

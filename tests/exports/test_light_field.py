@@ -83,7 +83,7 @@ def test_nothing_is_mixed_in_through_a_closed_face():
     assert lattice(states, openness=0.0).irradiance(point, UP).max() == 0.0
 
 
-def test_a_wall_bends_space_to_the_face_it_was_counted_on():
+def test_a_wall_warps_the_lattice_to_the_face_it_was_counted_on():
     states = np.zeros((*SHAPE, 3, 4))
     states[:, :, :2, :, 0] = 1.0  # light before the face between x cells 1 and 2 ...
     walls = np.zeros((*SHAPE, 3))

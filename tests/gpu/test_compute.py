@@ -42,7 +42,7 @@ def test_dispatches_of_one_submit_keep_their_own_parameters(gpu, commands, put, 
     np.testing.assert_array_equal(results.read(), np.arange(100.0, 140.0))
 
 
-def test_the_next_submit_starts_anew(gpu, commands, put, owned):
+def test_the_next_submit_restarts(gpu, commands, put, owned):
     results = owned(Buffer(gpu, "results", 16))
     for value in (1.0, 2.0):
         put.dispatch(commands, (1,), params=Put(index=0, value=value), results=results)

@@ -10,7 +10,7 @@ from airlight.gpu.device import open_gpu
 from airlight.gpu.pipelines import Pipelines
 
 
-def test_what_differs_in_text_or_parts_is_made_anew_and_what_does_not_is_kept():
+def test_what_differs_in_text_or_parts_is_made_again_and_what_does_not_is_kept():
     made, kept = [], Pipelines()
 
     def make():

@@ -57,7 +57,7 @@ def struct(attachment):
     return {name: value for name, value in attachment.items() if name != "view"}
 
 
-def test_structs_of_render_passes_are_made_once_and_anew_where_anything_differs() -> None:
+def test_structs_of_render_passes_are_made_once_and_again_where_anything_differs() -> None:
     assert keep_attachments(Encoder)
     assert keep_attachments(Encoder)  # twice is once
     encoder, views = Encoder(), [View(), View()]

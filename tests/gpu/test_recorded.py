@@ -77,7 +77,7 @@ def fresh(results: Buffer) -> None:
 
 
 class Runs:
-    """A recording of `run`, and how often that was encoded anew."""
+    """A recording of `run`, and how often that was encoded again."""
 
     def __init__(self, gpu, run, results, added) -> None:
         self.count, self.run, self.results, self.added = 0, run, results, added
@@ -86,12 +86,12 @@ class Runs:
     def encoded(self, commands: Commands, results: Buffer | None = None) -> list[float]:
         results = results or self.results
         fresh(results)
-        found = self.recorded.encode(commands, (results,), lambda: self.anew(commands, results))
+        found = self.recorded.encode(commands, (results,), lambda: self.record(commands, results))
         assert found == "done"
         commands.submit()
         return results.read()[:2].tolist()
 
-    def anew(self, commands: Commands, results: Buffer) -> str:
+    def record(self, commands: Commands, results: Buffer) -> str:
         self.count += 1
         return self.run(commands, results, self.added)
 
@@ -114,7 +114,7 @@ def test_a_library_whose_functions_are_known_is_called_itself():
     assert recorded._CALLS is not None
 
 
-def test_other_resources_and_other_commands_are_recorded_anew(gpu, runs, commands, owned):
+def test_other_resources_and_other_commands_are_recorded_again(gpu, runs, commands, owned):
     other = owned(Buffer(gpu, "other results", 16))
     for results, count in ((runs.results, 1), (other, 2), (other, 2), (runs.results, 2)):
         assert runs.encoded(commands, results) == pytest.approx(expected(0.25))
@@ -128,14 +128,14 @@ def test_as_many_recordings_are_kept_as_were_used_last(gpu, runs, commands, owne
     held = gpu.allocated_bytes
     fresh(results[0])
     for k in (*range(recorded._MOST), 0):  # all in one submit, the first twice
-        runs.recorded.encode(commands, (results[k],), lambda k=k: runs.anew(commands, results[k]))
+        runs.recorded.encode(commands, (results[k],), lambda k=k: runs.record(commands, results[k]))
     each = (gpu.allocated_bytes - held) // recorded._MOST
     assert each >= 256
     assert runs.count == recorded._MOST
     # One more, in the same submit: that of results 1 makes room.
     fresh(results[1])
     fresh(results[-1])
-    runs.recorded.encode(commands, ("more",), lambda: runs.anew(commands, results[-1]))
+    runs.recorded.encode(commands, ("more",), lambda: runs.record(commands, results[-1]))
     commands.submit()
     assert gpu.allocated_bytes == held + recorded._MOST * each
     for one in (results[1], results[-1]):
@@ -186,7 +186,7 @@ def test_what_a_recording_names_lives_as_long_as_it(gpu, runs, commands, kernel)
 
 def test_numbers_are_compared_by_value(runs, commands):
     def encode(key: tuple[object, ...]) -> None:
-        runs.recorded.encode(commands, key, lambda: runs.anew(commands, runs.results))
+        runs.recorded.encode(commands, key, lambda: runs.record(commands, runs.results))
 
     for key in ((3, (0.5, 0.25)), (3, (0.5, 2 * 0.125)), (2 + 1, (1 / 2, 0.25))):
         encode(key)
@@ -205,7 +205,7 @@ def test_two_beside_each_other_in_one_submit_keep_their_own(gpu, run, owned, com
         for one in both:
             fresh(one.results)
             for _ in range(2):  # one replayed twice, too
-                one.recorded.encode(commands, (), lambda r=one: r.anew(commands, r.results))
+                one.recorded.encode(commands, (), lambda r=one: r.record(commands, r.results))
         commands.submit()
         for one in both:
             once = expected(one.added.record["value"])
@@ -230,7 +230,7 @@ def test_a_recording_inside_a_recording_belongs_to_it(gpu, runs, commands):
     outer = Recorded(gpu, "outer")
 
     def inside() -> str:
-        runs.recorded.encode(commands, (), lambda: runs.anew(commands, runs.results))
+        runs.recorded.encode(commands, (), lambda: runs.record(commands, runs.results))
         return "outer"
 
     for _ in range(3):

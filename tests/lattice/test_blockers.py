@@ -125,7 +125,7 @@ def enclosed_faces(blockers):
 
 
 @pytest.mark.parametrize("gap", [None, 0.3, 0.05])
-def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
+def test_a_floor_is_an_enclosed_face_for_what_hangs_over_it(blocked, square, gap):
     one_sided = Material(two_sided=False)
     floor = square((4 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
     over = (
@@ -142,7 +142,7 @@ def test_a_floor_is_a_dead_end_for_what_hangs_over_it(blocked, square, gap):
     np.testing.assert_array_equal(enclosed_faces(blocked(floor, *over)), expected)
 
 
-def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
+def test_a_board_is_an_enclosed_face_from_both_its_sides(blocked, square):
     one_sided = Material(two_sided=False)
     front = square((4.1 * CELL, 2, 2), (0, 3, 0), (0, 0, 3), one_sided)  # faces +x
     back = square((3.9 * CELL, 2, 2), (0, 0, 3), (0, 3, 0), one_sided)
@@ -151,7 +151,7 @@ def test_a_board_is_a_dead_end_from_both_its_sides(blocked, square):
     np.testing.assert_array_equal(enclosed_faces(blocked(front, back)), expected)
 
 
-def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
+def test_what_stands_on_a_floor_leaves_it_an_enclosed_face(blocked, square):
     # A pot on it (its underside, its top) and a leaf: closed things and sheets cancel out.
     one_sided = Material(two_sided=False)
     spread = (0, 3, 0), (0, 0, 3)
@@ -164,7 +164,7 @@ def test_what_stands_on_a_floor_leaves_it_a_dead_end(blocked, square):
     assert not ends[0].any()
 
 
-def test_a_sheet_is_no_dead_end(blocked, square):
+def test_a_sheet_is_no_enclosed_face(blocked, square):
     assert not enclosed_faces(blocked(wall(square, 4 * CELL))).any()
 
 

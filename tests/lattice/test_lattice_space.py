@@ -1,4 +1,4 @@
-"""Bent space: walls come to lie on cell faces, and back."""
+"""The wall-aligned lattice warp: walls come to lie on cell faces, and back."""
 
 from __future__ import annotations
 

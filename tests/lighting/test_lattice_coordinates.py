@@ -67,7 +67,7 @@ def test_kept_or_looked_up_with_the_light(
         np.testing.assert_array_equal(kept[name], looked_up[name])
 
 
-def test_what_they_depend_on_makes_them_anew(
+def test_what_they_depend_on_recomputes_them(
     gpu: Gpu, corner: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[int] = []
@@ -131,7 +131,7 @@ def test_an_image_that_was_not_drawn_is_not_kept(
 
 
 @pytest.mark.parametrize("changed", ["medium", "volumes"])
-def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed: str) -> None:
+def test_in_fog_they_are_made_again_with_the_air(gpu: Gpu, corner: Scene, changed: str) -> None:
     """The sky's light comes through the air: the camera stands, the air gets thicker."""
     rng, bounds = np.random.default_rng(3), ((-2.0, 0.0, -2.5), (2.0, 2.0, 0.5))
     thin, thick = (rng.random((4, 5, 6)).astype(np.float32) ** power for power in (4.0, 0.3))
@@ -158,7 +158,7 @@ def test_in_fog_they_are_made_anew_with_the_air(gpu: Gpu, corner: Scene, changed
             np.testing.assert_array_equal(image.layers[name], fresh.layers[name])
 
 
-def test_blockers_that_lights_see_make_them_anew(gpu: Gpu, corner: Scene) -> None:
+def test_blockers_that_lights_see_recompute_them(gpu: Gpu, corner: Scene) -> None:
     """With another light other surfels are seen, and walls are bent otherwise."""
     settings = {
         **SETTINGS,
@@ -188,7 +188,7 @@ def test_another_size_and_back(corner: Scene) -> None:
         np.testing.assert_array_equal(image.radiance, expected.radiance)
 
 
-def test_two_views_by_turns(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]) -> None:
+def test_two_views_interleaved(gpu: Gpu, corner: Scene, owned: Callable[[Any], Any]) -> None:
     aside = dataclasses.replace(corner.camera, target=(-0.5, 0.2, -1.0))  # from the same eye
     with Renderer(corner, "lpv", SIZE, settings=SETTINGS) as renderer:
         technique, commands = renderer.technique, renderer.commands

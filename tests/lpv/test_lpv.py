@@ -77,7 +77,7 @@ def test_steps_follow_the_cells_unless_they_are_given(gpu, resolution, asked, ma
         assert renderer.stats()["iterations"] == made
 
 
-def test_lattices_are_filled_anew_only_where_their_light_changes(gpu, monkeypatch):
+def test_lattices_are_filled_again_only_where_their_light_changes(gpu, monkeypatch):
     small = {
         "resolution": 8,
         "shadow_resolution": 64,
@@ -102,7 +102,7 @@ def test_lattices_are_filled_anew_only_where_their_light_changes(gpu, monkeypatc
         assert len(filled) == 1
         made.timed_passes()
         assert len(filled) == 2
-        dimmer = [_dimmed(light) for light in scene.lights]
+        dimmer = [_dimmer(light) for light in scene.lights]
         darker = made.frame(lights=dimmer).radiance
         assert len(filled) == 3
         made.scene = dataclasses.replace(made.scene, medium=scene.medium)
@@ -110,6 +110,6 @@ def test_lattices_are_filled_anew_only_where_their_light_changes(gpu, monkeypatc
         assert darker.mean() < first.mean()
 
 
-def _dimmed(light):
+def _dimmer(light):
     name = "irradiance" if hasattr(light, "irradiance") else "intensity"
     return dataclasses.replace(light, **{name: tuple(0.5 * v for v in getattr(light, name))})

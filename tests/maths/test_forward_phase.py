@@ -39,7 +39,7 @@ def test_in_thin_air_light_scatters_twice():
     assert fused_phase(-1.0, g, u) > 0.0  # and backwards, too
 
 
-def test_even_air_has_none():
+def test_a_homogeneous_medium_has_none():
     np.testing.assert_allclose(fused_phase(MU, 0.0, 3.0), 0.0, atol=1e-12)
     assert not fused_table(0.0).any() and not fused_table(-0.5).any()
 

@@ -1,4 +1,4 @@
-"""Openness of 26 hops by face paths, and what walls give back."""
+"""Visibility of 26 hops by face paths, and what walls give back."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def faces_with_wall(x: int) -> np.ndarray:
 
 
 def test_a_closed_wall_stops_every_hop_through_it_and_no_other():
-    openness = lattice26_walls.open_hops(faces_with_wall(3))
+    visibility = lattice26_walls.open_hops(faces_with_wall(3))
     offsets = lattice26.hops().offsets
     for j, (dx, _, _) in enumerate(offsets.tolist()):
         expected = np.ones(SHAPE)
@@ -26,7 +26,7 @@ def test_a_closed_wall_stops_every_hop_through_it_and_no_other():
         if dx < 0:
             expected[:, :, 3] = 0.0
         # Hops that leave the lattice may pass beside the wall.
-        np.testing.assert_array_equal(openness[j][1:-1, 1:-1], expected[1:-1, 1:-1])
+        np.testing.assert_array_equal(visibility[j][1:-1, 1:-1], expected[1:-1, 1:-1])
 
 
 def test_an_edge_hop_takes_the_mean_of_its_two_paths():

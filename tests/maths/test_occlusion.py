@@ -1,4 +1,4 @@
-"""Openness of slices against the hemisphere's integral; WGSL against NumPy."""
+"""Visibility of slices against the hemisphere's integral; WGSL against NumPy."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def test_slices_add_up_to_the_cosine_weighted_hemisphere():
     along, axis = np.sin(tilt) * np.cos(phi), np.sin(tilt) * np.sin(phi)
     size = np.sqrt(1.0 - axis**2)
     gamma = np.sign(along) * np.arccos(np.cos(tilt) / size)
-    openness = visible_arc(gamma + np.pi / 2, gamma) + visible_arc(gamma - np.pi / 2, gamma)
-    np.testing.assert_allclose(openness, np.cos(gamma) + gamma * np.sin(gamma), atol=1e-12)
-    assert (size * openness).mean() == pytest.approx(1.0, abs=1e-6)
+    visibility = visible_arc(gamma + np.pi / 2, gamma) + visible_arc(gamma - np.pi / 2, gamma)
+    np.testing.assert_allclose(visibility, np.cos(gamma) + gamma * np.sin(gamma), atol=1e-12)
+    assert (size * visibility).mean() == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("half_angle", [0.2, 0.8, 1.3])
 def test_a_cone_of_sky_overhead_counts_its_sine_squared(half_angle):
-    openness = visible_arc(half_angle, 0.0) + visible_arc(-half_angle, 0.0)
-    assert openness == pytest.approx(np.sin(half_angle) ** 2, rel=1e-12)
+    visibility = visible_arc(half_angle, 0.0) + visible_arc(-half_angle, 0.0)
+    assert visibility == pytest.approx(np.sin(half_angle) ** 2, rel=1e-12)
 
 
 def test_white_occluders_hide_little_and_black_ones_all():

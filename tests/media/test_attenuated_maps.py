@@ -18,7 +18,7 @@ from airlight.surface.light_views import light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 
-def test_flux_is_what_the_air_lets_through(
+def test_flux_is_attenuated_by_media(
     gpu: Gpu, square: Callable[..., Mesh], owned: Callable[[Any], Any]
 ) -> None:
     """A slab of 1 m, optical depth .5 along y, between a sun from above and the floor."""
@@ -31,7 +31,7 @@ def test_flux_is_what_the_air_lets_through(
     meshes, commands = owned(GpuScene(gpu, scene)), Commands(gpu)
     lights = owned(Lights(gpu, scene.lights, None, 16, 16))
     lights.encode(commands, meshes, scene.lights, None, low, high)
-    maps = owned(ReflectiveShadowMaps(gpu, "suns", 16, 1))
+    maps = owned(ReflectiveShadowMaps(gpu, "directional", 16, 1))
     maps.encode(commands, meshes, [sun], light_views([sun], low, high, 16))
     air = owned(GpuMedia(gpu, scene, light_count=2))
     air.update(commands, scene, low, high)

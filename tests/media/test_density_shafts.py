@@ -1,4 +1,4 @@
-"""Lit runs through density grids against fine quadrature: suns, lamps, spots, beside a sheet."""
+"""Lit intervals through density grids against fine quadrature, for every kind of light."""
 
 from __future__ import annotations
 

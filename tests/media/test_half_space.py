@@ -63,7 +63,7 @@ def along_rays(scene: Scene, emission) -> np.ndarray:
 
 
 @pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
-def test_a_sun_in_endless_air_is_a_half_spaces(gpu, technique):
+def test_a_sun_in_an_endless_medium_is_a_half_spaces(gpu, technique):
     scene = small_plate()
     with Renderer(scene, technique, SIZE, settings=_known(technique)) as renderer:
         image = renderer.frame()
@@ -87,7 +87,7 @@ def test_a_sun_in_endless_air_is_a_half_spaces(gpu, technique):
         assert np.linalg.norm(many - truth) < 0.02 * np.linalg.norm(truth)
 
 
-def test_a_skys_light_scatters_once_in_far_air(gpu):
+def test_a_skys_light_scatters_once_in_the_half_space(gpu):
     """A bright even sky: the light of the upper half of all directions, each through its depth."""
     scene = small_plate((), Environment(radiance=(1.0, 1.0, 1.0)))
     with Renderer(scene, "single", SIZE, settings=_known("single")) as renderer:

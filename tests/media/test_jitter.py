@@ -62,7 +62,7 @@ def test_both_schemes_agree(
 
 
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
-def test_a_grid_of_ones_is_even_air(
+def test_a_grid_of_ones_is_a_homogeneous_medium(
     look: Any, scattered_once: Any, square: Callable[..., Mesh], light: Light
 ) -> None:
     scene = fog(square, light)

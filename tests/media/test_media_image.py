@@ -138,7 +138,7 @@ def test_without_air_nothing_happens(gpu: Gpu, look: Any, owned: Any, foggy: Sce
 
 
 @pytest.mark.usefixtures("as_if_large")
-def test_pixels_are_drawn_anew_where_texels_differ(
+def test_pixels_are_redrawn_where_texels_differ(
     gpu: Gpu, look: Any, owned: Any, foggy: Scene
 ) -> None:
     seen = look(foggy, SIZE)

@@ -1,4 +1,4 @@
-"""The scene's distant light: suns first, then the map, turned with it."""
+"""The scene's distant light: directional lights first, then the map, turned with it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from airlight.scene.lights import DirectionalLight, PointLight
 from airlight.scene.volume import Volume
 
 
-def test_suns_come_first_and_lamps_not_at_all():
+def test_directional_lights_come_first_and_local_ones_not_at_all():
     sun = DirectionalLight((0, -1, 0), (1, 2, 3))
     got = SceneOrdinates(4).of((PointLight((0, 0, 0), (1, 1, 1)), sun), Environment((1, 1, 1)))
     assert got.count == 5

@@ -86,7 +86,7 @@ def test_a_wide_plate_keeps_the_upper_sky_out(gpu):
 
 
 def test_every_light_of_the_sky_belongs_to_one_ordinate():
-    suns = parallel([(0, -1, 0), (1, 0, 0)], np.ones((2, 3)))
+    parallel_lights = parallel([(0, -1, 0), (1, 0, 0)], np.ones((2, 3)))
     sky = even_sky(6)
     toward = np.random.default_rng(3).standard_normal((40, 3))
     lamps = [
@@ -94,7 +94,7 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
         for d, e in zip(toward, np.random.default_rng(4).random(40), strict=True)
     ]
     lights = (SUN, LAMP, DirectionalLight((1, 0, 0), (1, 1, 1)))
-    rows, parts = shadow_rows(joined([suns, sky]), lights, lamps)
+    rows, parts = shadow_rows(joined([parallel_lights, sky]), lights, lamps)
     assert list(rows["light"]) == [1, 3, 0, 0, 0, 0, 0, 0, 2]
     assert rows["count"].sum() == len(parts) == 40
     assert sorted(parts["layer"]) == list(range(40))

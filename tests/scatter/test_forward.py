@@ -139,7 +139,7 @@ def test_a_sky_lights_forward_air_evenly(gpu):
     assert np.abs(middle[1:]).max() < 0.03 * middle[0]
 
 
-def test_a_suns_spread_stops_at_walls(gpu):
+def test_a_directional_lights_spread_stops_at_walls(gpu):
     """Half the air lies under a roof and behind a wall: light spreads into it only where it may."""
 
     def under_a_roof(wall):

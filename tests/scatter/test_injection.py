@@ -186,7 +186,7 @@ def test_stratified_points_are_less_noisy(place):
 
 
 def test_reflected_light_is_attenuated_on_its_way(place):
-    """A floor reflects what a metre of fog lets through to it."""
+    """A floor reflects what reaches it through a metre of fog."""
     got = place(LIGHTS["sun down an axis"], meshes=(sheet(-0.5, 1.0),))
     got = got.from_maps(side=256)
     passed = np.exp(-np.array(FOG.sigma_t) * 1.5)

@@ -107,7 +107,7 @@ def test_the_step_among_walls_is_numpys(gpu, lattice, commands, walls, is_marche
         np.testing.assert_allclose(got, expected, atol=1e-5 * np.abs(expected).max())
 
 
-def test_openness_of_hops_is_numpys_and_incoming_is_the_neighbours_outgoing(walls):
+def test_visibility_of_hops_is_numpys_and_incoming_is_the_neighbours_outgoing(walls):
     _, outgoing, exact, incoming = walls
     np.testing.assert_allclose(outgoing, exact, atol=0.51 / 255)
     offsets = lattice26.hops().offsets

@@ -21,7 +21,7 @@ ALBEDO = np.array([1.0, 0.95, 0.6])
 
 
 def faces(seed: int) -> np.ndarray:
-    """Openness of a lattice with a third of its faces shut or half shut."""
+    """Visibility of a lattice with a third of its faces shut or half shut."""
     shut = np.random.default_rng(seed).random((6, *SHAPE))
     return np.where(shut < 0.2, 0.0, np.where(shut < 0.33, 0.5, 1.0))
 

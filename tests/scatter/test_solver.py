@@ -35,7 +35,7 @@ def test_walls_that_reflect_keep_the_fog_bright(gpu):
     assert 1.5 < white / dark < 8.0
 
 
-def test_half_linear_is_deposit_in_even_air(gpu):
+def test_half_linear_is_deposit_in_a_homogeneous_medium(gpu):
     scene = lamp_scene(*room())
     even, varied = (
         Solved(gpu, scene, scheme=s, acceleration="none").mean_radiance
@@ -55,7 +55,7 @@ def test_a_volume_of_the_same_air_is_the_medium(gpu):
     np.testing.assert_allclose(other, one, rtol=0.02, atol=1e-3 * one.max())
 
 
-def test_clear_air_scatters_nothing_but_carries_bounced_light(gpu):
+def test_clear_air_scatters_nothing_but_carries_indirect_light(gpu):
     clear = Medium((0.0, 0.0, 0.0))
     got = Solved(gpu, lamp_scene(*room(), medium=clear))
     assert np.isfinite(got.mean_radiance).all()
@@ -83,7 +83,7 @@ def test_emissive_walls_light_the_fog(gpu):
     assert power[2] == 0.0
 
 
-def test_forward_scattering_is_solved_as_its_similar_isotropic_air(gpu):
+def test_forward_scattering_is_solved_as_its_reduced_isotropic_medium(gpu):
     forward = Medium((5.0, 5.0, 5.0), (0.99, 0.99, 0.99), (0.9, 0.9, 0.9))
     s, t = 5.0 * 0.99 * 0.1, 5.0 * (0.99 * 0.1 + 0.01)
     similar = Medium((t,) * 3, (s / t,) * 3)
@@ -105,7 +105,7 @@ def test_the_paper_scheme_is_near_in_thin_air_and_refused_in_dense(gpu):
         Solved(gpu, dense, scheme="paper")
 
 
-def test_a_scheme_for_even_air_refuses_volumes_and_bounded_media():
+def test_a_scheme_for_a_homogeneous_medium_refuses_volumes_and_bounded_media():
     settings = ScatterSettings(scheme="deposit")
     scene = lamp_scene(volumes=(Volume(FOG.sigma_t, shape="sphere"),))
     from airlight.lattice.placement import fitted

@@ -46,7 +46,7 @@ def test_impossible_media_are_refused(values, expected):
 LOW, HIGH, EYE = np.array([-5.0, 0.0, -5.0]), np.array([5.0, 8.0, 5.0]), (0.0, 2.0, 20.0)
 
 
-def test_endless_air_has_a_top_and_no_other_end():
+def test_an_endless_medium_has_a_top_and_no_other_end():
     low, high = medium_box(Medium(0.05, endless=True), LOW, HIGH, EYE)
     assert high[1] == pytest.approx(10.0)  # the scene's height and a quarter of it
     # From the eye, a millionth of the light comes through to any other side.

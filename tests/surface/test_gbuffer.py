@@ -265,7 +265,7 @@ def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, mon
     np.testing.assert_array_equal(made.depth.read() > 0.0, on_square(1.0, 1.0))
 
 
-def test_views_by_turns_are_recorded(gpu, commands, owned, on_device, square, monkeypatch):
+def test_views_interleaved_are_recorded(gpu, commands, owned, on_device, square, monkeypatch):
     squares = [square((x, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for x in (0.0, 90.0)]
     glowing = Texture(np.full((2, 2, 4), 255, np.uint8))
     squares += [

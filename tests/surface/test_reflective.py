@@ -93,7 +93,7 @@ def test_normals_face_the_light_on_either_side(gpu, commands, owned, on_device, 
     assert total[0] > 0.0
 
 
-def test_only_what_changed_is_drawn_anew(gpu, commands, owned, on_device, square):
+def test_only_what_changed_is_redrawn(gpu, commands, owned, on_device, square):
     scene = on_device(square((0, 0, 0), (2, 0, 0), (0, 0, -2), RED))
     maps = owned(ReflectiveShadowMaps(gpu, "maps", 16, 1))
 

@@ -90,7 +90,7 @@ def test_holes_of_cut_out_materials_let_light_through(gpu, commands, owned, on_d
     assert not is_solid[(x < -0.3) & (reach < 0.8)].any()
 
 
-def test_only_what_changed_is_drawn_anew(gpu, commands, owned, room, monkeypatch):
+def test_only_what_changed_is_redrawn(gpu, commands, owned, room, monkeypatch):
     maps = owned(ShadowMaps(gpu, "shadows", SIDE, 3))
     drawn = []
     original = type(commands).render

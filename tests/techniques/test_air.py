@@ -90,7 +90,7 @@ def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
 
 
 def test_the_sky_s_air_follows_blockers_that_views_see(foggy_box):
-    """Where cells are bent by walls, others seen by a moved camera make them anew."""
+    """Where cells are bent by walls, a moved camera that sees others recomputes the warp."""
     scene = replace(foggy_box, environment=Environment((0.3, 0.4, 0.5)))
     scene = replace(scene, medium=Medium((0.2,) * 3, bounds=((-1, 0, -1), (1, 1, 1))))
     settings = {

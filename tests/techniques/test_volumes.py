@@ -66,7 +66,7 @@ def test_light_that_bounces_has_the_energy_of_a_path_tracer():
 
 
 def test_black_smoke_only_takes_away():
-    """Of the light on walls that only see the floor, about what the smoke lets through to it."""
+    """Walls that only see the floor get about the transmittance of the smoke above it."""
     scene = court()
     black = dataclasses.replace(scene.volumes[0], albedo=(0.0,) * 3, sigma_t=(60.0,) * 3)
     clear = dataclasses.replace(black, sigma_t=(1e-6,) * 3)
@@ -96,7 +96,7 @@ def test_volumes_light_surfaces_in_every_cascade():
     assert 0.85 < image.layers["indirect"][..., 0].mean() / 0.0415 < 1.15
 
 
-def test_what_bounces_of_the_sky_is_dimmed():
+def test_what_bounces_of_the_sky_is_attenuated():
     """Beneath a white sky with black smoke; Mitsuba 3, 256 samples: .0127 of red light, .0241 where
     smoke does not dim what the sky's maps hold.
     """

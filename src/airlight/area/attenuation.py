@@ -1,4 +1,4 @@
-"""What lighting asks of media: how much of a light they let through."""
+"""What lighting asks of media: the transmittance between a light and a surface."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Sample:
 class Emitter:
     """A group of pieces: its analytic shape, its samples, and how its light fades (spots).
 
-    `row`: of the light that stands for it in the scene's table, for what media let through.
+    `row`: of the light that stands for it in the scene's table, for the transmittance of media.
     """
 
     shape: Shape

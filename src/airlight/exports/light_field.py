@@ -142,9 +142,9 @@ class LatticeLight:
     def _bent(self, p: F64, n: F64) -> F64:
         """Twin: warped_surface_coordinates in wgsl/lattice_space.wgsl."""
         place = (p - np.array(self.origin)) / self.cell
-        return np.stack([self._bent_axis(place, n, axis) for axis in range(3)], axis=1)
+        return np.stack([self._warped_axis(place, n, axis) for axis in range(3)], axis=1)
 
-    def _bent_axis(self, place: F64, n: F64, axis: int) -> F64:
+    def _warped_axis(self, place: F64, n: F64, axis: int) -> F64:
         """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
         beyond = WHOLE_BEFORE * n
         beyond[:, axis] = 0.0

@@ -71,7 +71,7 @@ def leaked_share(indirect: F32, truth: F32) -> float:
 
 
 def leak_image(indirect: F32, truth: F32, stops: float) -> U8:
-    """The reference dimmed to grey, what leaked in red over it; (H, W, 3)."""
+    """The reference toned down to grey, what leaked in red over it; (H, W, 3)."""
     grey = 0.25 * luminance(displayed(truth, stops))
     leak = leaked(indirect, truth)
     red = luminance(displayed(np.repeat(leak[..., None], 3, -1).astype(np.float32), stops))

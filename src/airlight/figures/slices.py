@@ -30,8 +30,8 @@ _LINE_PX = 1.0  # half width of a wall's line and of an arrow
 class SolvedLattice:
     """`intensity` (Z, Y, X, 3, 4): per cell and channel (a, bx, by, bz), W/sr.
 
-    `openness` (Z, Y, X, 6): the share in [0, 1] that each incoming hop +x -x +y -y +z -z lets
-    through.
+    `openness` (Z, Y, X, 6): the share in [0, 1] of light on each incoming hop (+x -x +y -y +z -z)
+    that passes.
     """
 
     intensity: F64

@@ -1,6 +1,6 @@
 """Parameters that the triangle of a full-screen pass carries to its pixels, on CPU adapters.
 
-Such drivers read a parameter from a buffer for every pixel anew, lane by lane (a vec4 about 4 ns);
+Such drivers read a parameter from a buffer again for every pixel, lane by lane (a vec4 about 4 ns);
 what a triangle carries unchanged they read once for eight pixels, and next to nothing.
 """
 

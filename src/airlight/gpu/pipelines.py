@@ -1,4 +1,4 @@
-"""Pipelines kept by what they are made of, so that a second renderer compiles nothing anew."""
+"""Pipelines cached by what they are made of, so that a second renderer compiles nothing again."""
 
 from __future__ import annotations
 

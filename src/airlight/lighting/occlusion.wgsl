@@ -136,8 +136,8 @@ fn slice_along(across: vec2f, p: vec3f, v: vec3f, n: vec3f) -> Slice {
         radius_at(p));
 }
 
-// Openness of a slice, and without occluders. The nearest sample is a pixel, all others are texels.
-fn slice_openness(
+// Visibility of a slice, and without occluders. The nearest sample is a pixel, all others are texels.
+fn slice_visibility(
     s: Slice, pixel: vec2i, texel: vec2i, across: vec2f, offset: f32, radius_px: f32,
 ) -> vec2f {
     var found = Horizons(s.lowest, s.lowest, visible_arcs(s.lowest, s.facing));
@@ -187,7 +187,7 @@ fn slice_openness(
         let angle = (f32(i) + turn) / f32(SLICES) * OCCLUSION_PI;
         let across = vec2f(cos(angle), sin(angle));
         let s = slice_along(across, p, v, n);
-        open += slice_openness(s, vec2i(pixel), vec2i(texel), across, offset, radius_px);
+        open += slice_visibility(s, vec2i(pixel), vec2i(texel), across, offset, radius_px);
         i++;
         if (i >= SLICES) { break; }
     }

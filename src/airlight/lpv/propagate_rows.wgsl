@@ -80,7 +80,7 @@ fn lane_after(v: mat3x4f) -> mat3x4f {
     var below = pair_if(select(cell, cell - layer, z_first > 0u), z_first > 0u);
     var here = pair_at(cell);
     var z = z_first;
-    // The loop is tested at its end: CPU adapters run a body once more than a test before it lets through.
+    // The loop is tested at its end: CPU adapters run a body once more than a test before it passes.
     loop {
         // Neighbours along y and z are read; beyond the border the own pair, as nothing.
         let south = pair_if(select(cell, cell - n.x, has_south), has_south);

@@ -58,19 +58,19 @@ def open_hops(faces: ArrayLike) -> F64:
 
     `faces` (6, Z, Y, X): the open shares of each cell's incoming face hops in the order FACE_HOPS.
     A hop takes the mean over its face-by-face paths (1, 2 or 6) of the product of the faces'
-    openness; what leaves the lattice is never stopped.
+    visibility; what leaves the lattice is never stopped.
     """
     leaving = _leaving_faces(np.asarray(faces, dtype=np.float64))
     made = []
     for offset in hops().offsets.tolist():
         axes = [axis for axis in range(3) if offset[axis]]
-        paths = [_path_openness(leaving, offset, order) for order in permutations(axes)]
+        paths = [_path_visibility(leaving, offset, order) for order in permutations(axes)]
         made.append(np.mean(paths, axis=0))
     return np.array(made)
 
 
 def _leaving_faces(faces: F64) -> F64:
-    """(6, Z, Y, X): openness of each cell's outgoing face hops, 1 where they leave the lattice."""
+    """(6, Z, Y, X): visibility of each cell's outgoing faces, 1 where hops leave the lattice."""
     leaving = np.ones_like(faces)
     for index, offset in enumerate(FACE_HOPS):
         leaving[index] = _seen_at(faces[index], offset)
@@ -85,7 +85,7 @@ def _seen_at(cells: F64, offset: tuple[int, ...] | list[int]) -> F64:
     return padded[1 + dz : 1 + dz + nz, 1 + dy : 1 + dy + ny, 1 + dx : 1 + dx + nx]
 
 
-def _path_openness(leaving: F64, offset: list[int], order: tuple[int, ...]) -> F64:
+def _path_visibility(leaving: F64, offset: list[int], order: tuple[int, ...]) -> F64:
     product: F64 = np.ones(leaving.shape[1:])
     at = [0, 0, 0]
     for axis in order:

@@ -9,7 +9,7 @@ F64 = NDArray[np.float64]
 
 
 def visible_arc(horizon: ArrayLike, normal: ArrayLike) -> F64:
-    """Cosine-weighted openness of a slice from the eye's direction to a horizon.
+    """Cosine-weighted visibility of a slice from the eye's direction to a horizon.
 
     Both angles (...) in rad, signed, from the direction to the eye; the normal is the one
     projected on the slice. The two arcs of an open slice sum to cos(n) + n sin(n).

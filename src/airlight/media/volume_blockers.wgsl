@@ -1,4 +1,4 @@
-// What a hop between two cells meets: rgb turned back, a not let through.
+// What a hop between two cells meets: rgb reflected, a blocked.
 fn met(one: vec4f, other: vec4f) -> vec4f {
     let depth = 0.5 * (one + other) * lattice.cell;
     let collided = 1.0 - exp(-depth.a);

@@ -1,14 +1,14 @@
 """Multiple scattering on a lattice of 26 neighbours (Billeter2012).
 
-settings         what it can be told                similar         isotropic air for forward air
+settings         what it can be told                reduced         isotropic media for forward ones
 hop_wgsl         the unrolled gather, generated     coefficients    media -> numbers of a step
 propagate        one step, homogeneous media        propagate_varied  and media that vary
-cell_medium        the air's coefficients per cell    walls           openness of all 26 hops
+cell_medium        the air's coefficients per cell    walls           visibility of all 26 hops
 propagate_open   the same without walls, faster     map_blockers    walls from six shadow maps
 levels           sums of states, coarser lattices   schedule        how many steps on which
 correction       how long a coarse correction is
 inject_single    first-scattered light -> cells     inject_maps     reflected light; sampled rays
-forward          light that the reduced medium lets through, light by light
+forward          unscattered light of the reduced medium, per light
 emission         the track, for marching            surface_light   summed states, for surfaces
 solver           all of it, top to bottom
 

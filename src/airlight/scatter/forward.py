@@ -1,8 +1,8 @@
-"""Light that the reduced medium lets through: near its beam still, and in no other layer.
+"""Light that is unscattered in the reduced medium: near its beam still, and in no other layer.
 
 The lattice solves for the reduced medium (see `reduced`), in which light scattered forwards goes
 on as if nothing had happened. What of a beam goes through that, Phi T', marching scatters towards
-the eye by fused_phase, light by light, and what the air itself would not have let through,
+the eye by fused_phase, light by light, and what the true medium would have attenuated,
 Phi (T' - T), lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in the
 air, as far as walls let it.
 Source: ours. differs: Billeter2012 knows isotropic media only.
@@ -36,7 +36,7 @@ class ForwardParams(Struct):
 
     light_count = u32()
     stride = u32("every so many of a cell's eight parts")
-    is_blurred = u32("1: suns spread across their way")
+    is_blurred = u32("1: directional lights are blurred across their direction")
     scale = f32("stored units per W m^-2")
 
 

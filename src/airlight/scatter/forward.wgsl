@@ -1,5 +1,5 @@
-// Of each cell, the light that was scattered forwards only: what the reduced medium lets through, less
-// what the air itself does. `store_light`, of the whole of what the reduced medium lets through, is generated.
+// Of each cell, the light that was scattered forwards only: the transmittance of the reduced medium, less
+// that of the true medium. `store_light`, of all light that is unscattered in the reduced medium, is generated.
 //! use lattice_space
 //! use media_light
 //! use cell_light
@@ -49,7 +49,7 @@ fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
         let to_cell = vec3i(floor(next));
         for (var axis = 0u; axis < 3u; axis++) {
             let step = to_cell[axis] - from_cell[axis];
-            // Openness is of the hops that enter a cell: + of a pair first.
+            // Visibility is of the hops that enter a cell: + of a pair first.
             if (step != 0 && is_shut(to_cell, 2u * axis + select(1u, 0u, step > 0))) {
                 return at;
             }
@@ -60,7 +60,7 @@ fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
 }
 
 struct Part {
-    straight: vec3f,    // W m^-2, what the air itself lets through
+    straight: vec3f,    // W m^-2, attenuated by the true medium
     gained: vec3f,      // what the reduced medium does besides
     depth: f32,         // optical, of scattering
 }

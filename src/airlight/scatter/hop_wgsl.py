@@ -103,7 +103,7 @@ def gathered() -> str:
 
 
 def gathered_blocked() -> str:
-    """The same among walls: openness packs of incoming and outgoing hops, and reflectance."""
+    """The same among walls: visibility packs of incoming and outgoing hops, and reflectance."""
     states = ", ".join(f"n{j}: vec4f" for j in range(COUNT))
     lines = [
         f"fn gathered_blocked(c: StepCoefficients, own: vec4f, {states}, in0: vec4u, in1: vec4u, "
@@ -174,7 +174,7 @@ def returned(k: int, gain: str) -> list[str]:
 
 
 def leaving_shares() -> list[str]:
-    """`o0` .. `o25`: openness of the cell's own hops; `s0` .. `s5`: how closed its faces are."""
+    """`o0` .. `o25`: visibility of the cell's own hops; `s0` .. `s5`: how closed its faces are."""
     lines = [f"    let o{j} = {opened('out', j)};" for j in range(COUNT)]
     floor = literal(SPLIT_FLOOR)
     return lines + [f"    let s{j} = 1.0 - o{j} + {floor};" for j in range(6)]

@@ -1,8 +1,9 @@
 """Scattered light that comes into the lattice from an endless medium around it (media.half_space).
 
 Without it an open scene would be darker than the air beyond it. Only what was scattered already:
-beams of suns and of the sky shine into every cell by themselves. Hops would soon turn light that
-comes in flat out of a thin layer of fog; so it goes straight to the cells, and hops from there.
+directional lights and the sky are injected into every cell separately. Hops would soon deflect
+light that comes in flat out of a thin layer of fog, so it is traced straight to the cells and
+propagates from there.
 """
 
 from __future__ import annotations

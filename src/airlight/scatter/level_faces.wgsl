@@ -1,4 +1,4 @@
-// Openness of a coarse cell's incoming face hops: walls on the face, and whole those half a coarse
+// Visibility of a coarse cell's incoming face hops: walls on the face, and whole those half a coarse
 // cell before or behind it. A wall through the middle of a coarse cell closes both its faces: a
 // correction may be too small, but is never handed through a wall.
 

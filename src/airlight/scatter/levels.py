@@ -53,7 +53,7 @@ class Level:
             Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track", "answer")
         )
         self.packs = new_packs(gpu, cells if is_blocked else 1)
-        # Level 0's source, air and openness are its owner's.
+        # Level 0's source, air and visibility are its owner's.
         self.source = Buffer(gpu, f"residual {count}", nbytes if is_coarse else 16)
         self.medium = Buffer(gpu, "air", CHANNELS * cells * 8 if is_coarse and is_varied else 16)
         walls = cells if is_coarse and is_blocked else 1

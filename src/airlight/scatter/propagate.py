@@ -58,7 +58,7 @@ class _Columns(ComputePass):
 
 
 class Step:
-    """Runs steps on lattices of any size; `is_blocked` reads openness packs (see walls)."""
+    """Runs steps on lattices of any size; `is_blocked` reads visibility packs (see walls)."""
 
     def __init__(self, gpu: Gpu, *, is_blocked: bool, is_marched: bool | None = None) -> None:
         """`is_marched` chooses the kernel; by default columns on CPU adapters."""

@@ -26,7 +26,7 @@ _COLUMNS = WIDTH + 2
 
 
 class WallRows(ComputePass):
-    """after = source + K before, K by openness packs (see walls), on rows of an even number."""
+    """after = source + K before, K by visibility packs (see walls), on rows of an even number."""
 
     slots = (
         uniform("params", StepParams),

@@ -18,7 +18,7 @@ AnyMedium = TypeVar("AnyMedium", Medium, Volume)
 
 
 def reduced_scene(scene: Scene) -> Scene:
-    """`scene` with similar isotropic media; the very same where they are isotropic already."""
+    """`scene` with reduced isotropic media; itself where they are isotropic already."""
     if not is_forward(scene):
         return scene
     return dataclasses.replace(

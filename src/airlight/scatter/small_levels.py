@@ -120,7 +120,7 @@ class SmallLevels:
         )
         cells = self._cells[-1] if is_blocked else 1
         self._packs = Buffer(gpu, "hops of small lattices", 64 * cells)
-        self._face_visibility = Buffer(gpu, "openness of small lattices", 8 * cells)
+        self._face_visibility = Buffer(gpu, "visibility of small lattices", 8 * cells)
         self._steps: list[dict[str, Any]] = []
         self._stages: list[dict[str, Any]] = []
         self._plan_visits()

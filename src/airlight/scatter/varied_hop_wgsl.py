@@ -24,7 +24,7 @@ from .hop_wgsl import (
 def gathered_varied(*, is_track: bool, is_blocked: bool) -> str:
     """`gathered(own, n0, ..., n25, ...)`: the next state, or the track.
 
-    Among walls it takes openness packs, too; `u`, `w` are times sigma_s where it is the state.
+    Among walls it takes visibility packs, too; `u`, `w` are times sigma_s where it is the state.
     """
     cells = ", ".join(f"n{j}: Cell" for j in range(COUNT))
     packs = "in0: vec4u, in1: vec4u, out0: vec4u, out1: vec4u, " if is_blocked else ""

@@ -1,4 +1,4 @@
-"""Openness of all 26 hops of every cell, packed once for as long as the geometry stands.
+"""Visibility of all 26 hops of every cell, packed once for as long as the geometry stands.
 
 maths.lattice26_walls.open_hops is the NumPy twin.
 differs: Billeter2012 section 4.2 renders six shadow maps for it in every frame.
@@ -68,7 +68,7 @@ class CellReflectance(ComputePass):
 
 
 class Walls:
-    """Makes `packs` (4 vec4u per cell) of a lattice from the openness of its faces."""
+    """Makes `packs` (4 vec4u per cell) of a lattice from the visibility of its faces."""
 
     def __init__(self, gpu: Gpu) -> None:
         self._outgoing = _Outgoing(gpu, generated=_path_functions())
@@ -97,11 +97,11 @@ class Walls:
 
 def new_packs(gpu: Gpu, cells: int) -> Buffer:
     """Memory for `Walls.encode`."""
-    return Buffer(gpu, "openness of 26 hops", cells * PACKS * 16)
+    return Buffer(gpu, "visibility of 26 hops", cells * PACKS * 16)
 
 
 def _path_functions() -> str:
-    """`path_j(at)`: the mean over face-by-face paths of the product of openness."""
+    """`path_j(at)`: the mean over face-by-face paths of the product of visibility."""
     return "\n".join(_path_function(j) for j in range(COUNT))
 
 
@@ -116,7 +116,7 @@ def _path_function(j: int) -> str:
 def _path_product(offset: tuple[int, int, int], order: tuple[int, ...]) -> str:
     at, parts = [0, 0, 0], []
     for axis in order:
-        # Openness belongs to the cell that a hop enters.
+        # Visibility belongs to the cell that a hop enters.
         at[axis] += offset[axis]
         face = 2 * axis + (0 if offset[axis] > 0 else 1)
         parts.append(f"entered(at + vec3i({at[0]}, {at[1]}, {at[2]}), {face}u)")
@@ -124,7 +124,7 @@ def _path_product(offset: tuple[int, int, int], order: tuple[int, ...]) -> str:
 
 
 def _transposition() -> str:
-    """`incoming_word_k(at)`: openness of the hops that arrive from four neighbours."""
+    """`incoming_word_k(at)`: visibility of the hops that arrive from four neighbours."""
     words = []
     for word in range(-(-COUNT // 4)):
         parts = []

@@ -99,7 +99,7 @@ class TriangleTable:
         laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
         self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
         rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
-        self.triangles = buffer_of(gpu, "seen triangles", rows)
+        self.triangles = buffer_of(gpu, "triangle table", rows)
         self._take_materials(gpu, materials, store)
         self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
         self._last = dict(geometries)

@@ -2,7 +2,7 @@
 // homogeneous media. The ray is cut into steps that do not depend on what is lit. Media are homogeneous within a
 // step, so a lit piece of it has its exact share of the step's light.
 // The including pass adds lit_interval_wgsl (media/shafts/shadow_rays.py). Loops are tested at their ends: CPU
-// adapters run a body once more than a test before it lets through.
+// adapters run a body once more than a test before it passes.
 //! use media
 //! use media_light
 //! use light_reach

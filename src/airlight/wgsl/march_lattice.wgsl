@@ -1,7 +1,7 @@
 // What lattices scatter towards the eye. The including pass binds what `lattice` needs and the
 // table `lattices`, the finest first, and adds LATTICES_AT_ONCE, how many fade into each other at one
 // place, and what samples their textures (media/march/march.py). Loops are tested at their ends: CPU
-// adapters run a body once more than a test before it lets through.
+// adapters run a body once more than a test before it passes.
 //! use media
 //! use lattice
 
@@ -48,7 +48,7 @@ fn weight_alone(p: vec3f) -> f32 {
     return saturate(min(inside.x, min(inside.y, inside.z)));
 }
 
-// bent_axis on all three, one division each.
+// warped_axis on all three, one division each.
 fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
     let t = place - cell;
     let is_below = t < low;

@@ -37,7 +37,7 @@ fn cut_sides(u: vec2f, c: vec4f, dc: vec4f) -> vec2f {
     return cut(cut(x, c.w + c.y, dc.w + dc.y), c.w - c.y, dc.w - dc.y);
 }
 
-// The light that one shadow map lets through to the interval t0..t1 of the eye ray, scattered to the eye. Squares
+// The light that is visible in one shadow map from the interval t0..t1 of the eye ray, scattered to the eye. Squares
 // of the map that are wholly lit or dark are crossed at once, others are opened, and adjacent lit intervals are
 // integrated as one.
 fn view_radiance(

@@ -132,7 +132,7 @@ def test_half_videos_of_killed_runs_go_and_others_stay(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == others
 
 
-def test_a_folder_without_frames_is_begun_anew(tmp_path):
+def test_a_folder_without_frames_is_begun_again(tmp_path):
     opened(tmp_path / "out")
     assert opened(tmp_path / "out", technique="pop").manifest["asked"]["technique"] == "pop"
 

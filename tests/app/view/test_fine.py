@@ -91,7 +91,7 @@ def test_it_is_the_image_that_its_settings_make(gpu, fine):
     assert np.abs(mean - expected).max() < 1e-4 * expected.max()
 
 
-def test_what_moves_takes_it_back_and_only_samples_are_made_anew(gpu, fine):
+def test_what_moves_takes_it_back_and_only_samples_are_made_again(gpu, fine):
     scene, made = load(BOX), []
 
     def make() -> Renderer:

@@ -22,7 +22,7 @@ def test_coarse_while_moving_then_all_samples_then_nothing():
     assert quality.share == 1.0
 
 
-def test_a_change_starts_anew():
+def test_a_change_restarts():
     quality = Quality(is_cpu=False, samples=3)
     quality.plan(0.0, FULL, changed=True)
     quality.plan(1.0, FULL, changed=False)
@@ -30,7 +30,7 @@ def test_a_change_starts_anew():
     assert quality.plan(2.0, FULL, changed=False).sample == 0
 
 
-def test_a_resized_window_starts_anew():
+def test_a_resized_window_restarts():
     quality = Quality(is_cpu=False, samples=2)
     for now in (1.0, 2.0, 3.0):
         quality.plan(now, FULL, changed=False)

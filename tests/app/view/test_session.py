@@ -127,7 +127,7 @@ def test_solving_is_skipped_while_only_the_camera_moves(screen):
     assert len(solved) == (2 if screen.session.renderer.gpu.is_cpu else 1)
 
 
-def test_exposure_and_curve_only_tone_anew(screen):
+def test_exposure_and_curve_only_tone_map_again(screen):
     before = screen.settle()
     state = screen.session.state
     drawn = screen.session._seen

@@ -18,7 +18,7 @@ def row_solid_angles(height: int) -> np.ndarray:
     return (edges[:-1] - edges[1:]) * np.pi / height
 
 
-def test_the_sky_gives_open_ground_a_quarter_of_the_suns_light():
+def test_the_sky_gives_open_ground_a_quarter_of_its_light():
     sky = clear_sky(np.array([0.6, 0.8, 0.0]))
     assert sky.shape == (32, 64, 3)
     assert sky.dtype == np.float32

@@ -66,7 +66,7 @@ def test_triangles_of_a_grid():
 
 def test_triangles_in_another_order_are_the_same_grid():
     found = meshopt.decode_triangles(stream("reordered"), grid().size).reshape(-1, 3)
-    # Vertices are numbered anew: each has as many triangles around it as before.
+    # Vertices are renumbered: each has as many triangles around it as before.
     around = [np.sort(np.bincount(t.reshape(-1))) for t in (found, grid())]
     np.testing.assert_array_equal(*around)
 

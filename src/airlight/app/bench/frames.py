@@ -47,7 +47,7 @@ def spread(times_ms: Sequence[float]) -> dict[str, float]:
 
 
 def moved(lights: Sequence[Light], step: int) -> tuple[Light, ...]:
-    """The lights `step` frames on: suns turned about +Y, lamps moved along +x."""
+    """The lights `step` frames on: directional ones turned about +Y, local ones moved along +x."""
     return tuple(_moved(light, step) for light in lights)
 
 

@@ -5,7 +5,7 @@
 
 const BARELY_LIT = 1e-3;    // visibility below which its changes say nothing of surfaces
 
-// The share of an ordinate's light that surfaces let through to a point: that of the medium's cell
+// Visibility of an ordinate's light from a point: that of the medium's cell
 // there.
 fn visibility_at(row: u32, point: vec3f) -> f32 {
     let cell = vec3u(clamp(point / params.cell, vec3f(0.0), vec3f(params.count) - 1.0));

@@ -2,6 +2,6 @@
 
 lights, environment -> ordinates (importance: directed to what the camera sees)
 ordinates, density  -> paths: density before every cell, an entry per ordinate and cell
-shadow maps         -> visibility: share of each ordinate that surfaces let through
+shadow maps         -> visibility of each ordinate past surfaces
 environment map     -> sky_correction: exact single scattering of the sky in clear media
 """

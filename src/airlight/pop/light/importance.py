@@ -1,6 +1,6 @@
 """Importance of the light around a medium for one view, as a map; see `maths.view_importance`.
 
-The host computes it, where volumes are known: on about twelve cells a side, anew where the medium
+The host computes it, where volumes are known: on about twelve cells a side, again where the medium
 changed, and in 30 ms of propagation and sums for a new view. Nothing is read back.
 """
 

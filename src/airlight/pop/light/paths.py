@@ -46,7 +46,7 @@ class Paths(ComputePass):
     """Fills `passed`, f32 [2 * media][ordinate][z][y][x].
 
     First the medium's own column density, m at density 1, see `maths.voxels.density_behind`; then
-    the share of light that surfaces let through: 1 until `Visibility` overwrites it; then the
+    the visibility of the light past surfaces: 1 until `Visibility` overwrites it; then the
     column densities of each other medium, in the medium's own box and beyond it.
     """
 

@@ -1,4 +1,4 @@
-// The share of an ordinate's light that surfaces let through to a cell: the mean of four samples.
+// Visibility of an ordinate's light from a cell: the mean of four samples.
 //! use medium_grid
 //! use lights
 //! use shadow

@@ -113,7 +113,7 @@ class _Visibility(ComputePass):
 
 
 class VirtualLights:
-    """Writes rows of a medium's ordinates, and the share of them that surfaces let through."""
+    """Writes rows of a medium's ordinates, and their visibility past surfaces."""
 
     def __init__(self, medium: GridMedium, reflected: ReflectedLights, *, in_grids: bool) -> None:
         """`in_grids`: each propagates in a grid of its own, else it is a beam of the medium."""

@@ -1,4 +1,4 @@
-// The share of a virtual point light that surfaces let through to a cell, by the lattice.
+// Visibility of a virtual point light from a cell, by the lattice.
 //! use medium_grid
 //! use open_line
 

@@ -134,7 +134,7 @@ def part_words(target: Path) -> tuple[str, str]:
 
 
 def _create(part: Path) -> None:
-    """Make the file anew: whatever had its name before is not followed."""
+    """Create a new file: whatever had its name before is not followed."""
     part.unlink(missing_ok=True)
     os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
 

@@ -1,0 +1,125 @@
+"""One term per thing, the field's own: words that were replaced do not come back.
+
+The test reads names, docstrings, comments, messages and docs alike. A word that is right somewhere
+(a picture on a wall, a key of a file that programs read) is allowed there by name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+READ = ("src/**/*.py", "src/**/*.wgsl", "tests/**/*.py", "docs/**/*.md", "*.md", "examples/*.py")
+
+INSTEAD = {
+    "pictures?": "image; frame where it is one of many",
+    "software (driver|adapter)s?": "CPU adapter",
+    "suns": "directional lights",
+    "(suns (and|or) lamps?|lamps (and|or) suns?)": "directional, local lights",
+    "similar (even |isotropic )?(air|medi(um|a))": "reduced medium (similarity theory)",
+    "even (air|medi(um|a))": "homogeneous medium",
+    "(far|faced|endless) air": "analytic half-space medium, volume blockers, endless medium",
+    "dimmed": "attenuated",
+    "near surroundings": "near field (screen-space occlusion and near-field radiance)",
+    "lit runs?": "lit interval",
+    "dead ends?": "enclosed faces",
+    "(bent|bends) (space|place|surface place|axis)": "wall-aligned lattice warp",
+    "openness": "face visibility",
+    "anew": "redrawn, recomputed, again",
+    "by turns": "interleaved",
+    "take home": "export",
+    "lets? through": "transmittance, visibility",
+    "bounced light": "indirect light; one bounce, all bounces",
+    "carried parameters?": "flat interpolants",
+    "light that bends once": "single forward deflection",
+    "seen triangles?": "visibility buffer, triangle ids",
+    "given light": "inter-medium irradiance",
+}
+"""A word or two as they are said in prose or joined in a name, and what to write instead."""
+
+ALLOWED = {
+    "pictures?": {
+        "src/airlight/app/info.py": "a value of --json",
+        "src/airlight/figures/registry.py": "a key of figures' JSON",
+        "src/airlight/scene/builtin/room.py": "a picture on the wall",
+        "src/airlight/scene/builtin/furniture.py": "its frame",
+        "tests/scene/builtin": "both",
+    },
+    "openness": {
+        "src/airlight/exports": "an array of light field files",
+        "src/airlight/figures": "reads that array",
+        "tests/exports": "reads that array",
+        "tests/figures": "reads that array",
+        "docs/exports.md": "names that array",
+    },
+    "dead ends?": {
+        "src/airlight/exports": "an array of light field files",
+        "tests/exports": "reads that array",
+        "docs/exports.md": "names that array",
+    },
+}
+"""Where a word stays, by the folder or the file, and why."""
+
+
+def words_of(text: str) -> str:
+    """Text in lower case, names split into their words: SeenTriangles, seen_triangles."""
+    split = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", text)
+    return re.sub(r"[_\s]+", " ", split).lower()
+
+
+def found_in(text: str) -> Iterator[tuple[str, str]]:
+    """(pattern, what it matched) of each replaced word in `text`."""
+    plain = words_of(text)
+    for pattern in INSTEAD:
+        for match in re.finditer(rf"(?<![a-z]){pattern}(?![a-z])", plain):
+            yield pattern, match[0]
+
+
+def is_allowed(pattern: str, name: str) -> bool:
+    return any(name == place or name.startswith(place + "/") for place in ALLOWED.get(pattern, ()))
+
+
+def files() -> list[Path]:
+    own = {Path(__file__).resolve()}
+    return sorted({path for glob in READ for path in REPOSITORY.glob(glob)} - own)
+
+
+def test_replaced_words_do_not_come_back():
+    found: dict[str, int] = {}
+    for path in files():
+        name = path.relative_to(REPOSITORY).as_posix()
+        for text in (path.read_text(encoding="utf-8"), path.stem):
+            for pattern, word in found_in(text):
+                if not is_allowed(pattern, name):
+                    line = f"{name}: '{word}'; write: {INSTEAD[pattern]}"
+                    found[line] = found.get(line, 0) + 1
+    assert not found, "\n".join(f"{line} ({count} times)" for line, count in found.items())
+
+
+def test_what_is_allowed_is_there():
+    """A use that is gone needs no permission."""
+    text = {path.relative_to(REPOSITORY).as_posix(): path for path in files()}
+    for pattern, places in ALLOWED.items():
+        for place in places:
+            inside = [path for name, path in text.items() if is_allowed(pattern, name)]
+            used = [p for p in inside if place in p.as_posix()]
+            assert any(
+                known == pattern for p in used for known, _ in found_in(p.read_text("utf-8"))
+            ), f"'{pattern}' is not used in {place}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["SeenTriangles", "a picture\n    of it", "has_suns", "even\nair", "drawn anew", "dead_ends"],
+)
+def test_the_check_catches_what_it_forbids(text):
+    assert list(found_in(text))
+
+
+@pytest.mark.parametrize("text", ["pictured", "evening air", "sunset", "a fair", "renewed"])
+def test_the_check_passes_other_words(text):
+    assert not list(found_in(text))
