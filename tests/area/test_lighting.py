@@ -11,7 +11,16 @@ from airlight.errors import SceneError
 from airlight.maths import area_light
 from airlight.maths.sampling import orthonormal_frame
 from airlight.rendering import Renderer, render
-from airlight.scene import AreaLight, Camera, Material, Mesh, PointLight, Scene, SpotLight
+from airlight.scene import (
+    AreaLight,
+    Camera,
+    Material,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    SpotLight,
+)
 from airlight.scene.shapes import quad
 
 SIZE = (32, 24)
@@ -211,3 +220,16 @@ def test_a_mesh_keeps_its_material_but_for_its_emission() -> None:
         renderer.frame()
         with pytest.raises(SceneError, match="another material"):
             renderer.frame(meshes=[replace(FLOOR, material=Material(base_color=0.1))])
+
+
+def test_every_technique_scatters_a_lights_light_in_fog() -> None:
+    fog = Medium((0.3,) * 3, (0.9,) * 3, (0.0,) * 3, ((-3, 0, -3), (3, 3, 3)))
+    light = AreaLight((0, 1.5, 0), 9.0, size=(0.5, 0.5))
+    scene = Scene(meshes=(FLOOR,), lights=(light,), medium=fog, camera=CAMERA)
+    found = {}
+    for name, layer in (("single", "single_scatter"), ("pop", "scattered")):
+        image = render(scene, name, SIZE, samples=1, settings={"resolution": 8, "surfels": 100})
+        found[name] = float(image.layers[layer].mean())
+    # What was scattered once, and what was any number of times, on a coarse grid.
+    assert found["single"] > 0.0
+    assert 0.9 < found["pop"] / found["single"] < 2.5
