@@ -134,19 +134,24 @@ class Renderer:
                 light_groups=light_groups,
             )
             with self.whole():
-                self._draw(scene, samples, progress)
+                # Light transport, independent of the view; then the view, once per sample.
+                self.technique.solve(self.commands, self._take(scene))
+                self._draw(samples, progress)
                 encoded = perf_counter()
                 self.gpu.wait()
                 self._count(begin, encoded, perf_counter())
                 return self._image(samples) if read else None
 
-    def _draw(self, scene: Scene, samples: int, progress: Progress | None) -> None:
-        """Encode and submit all work for an image of `scene`."""
+    def _take(self, scene: Scene) -> Scene:
+        """Make `scene` the one that is shown; returns it with the meshes of its lights."""
         shown = self._light_meshes.of(scene)
         if shown.meshes is not self.meshes.current:
             self.meshes.move(shown.meshes)
         self.scene = scene
-        self.technique.solve(self.commands, shown)
+        return shown
+
+    def _draw(self, samples: int, progress: Progress | None) -> None:
+        """Draw the solved scene once per sample, and submit all work."""
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)

@@ -76,9 +76,12 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    from ..scene.io.ledger import recorded
+
     try:
-        with interrupts.taken_up(), guarded():
-            code = _invoked(arguments)
+        # Files that the command reads are recorded, so that it does not write over them.
+        with interrupts.taken_up(), guarded(), recorded():
+            code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
         return code if isinstance(code, int) else 0
     except AirlightError as error:
         if error.__cause__ is not None and env.is_on("AIRLIGHT_DEBUG"):
@@ -102,14 +105,6 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 2
     except Exception as error:
         return _report(error)
-
-
-def _invoked(arguments: Sequence[str] | None) -> object:
-    """What the command returns. What it reads is recorded, so that it is not written over."""
-    from ..scene.io.ledger import recorded
-
-    with recorded():
-        return airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
 
 
 def _report(error: Exception) -> int:

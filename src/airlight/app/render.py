@@ -82,8 +82,11 @@ def command(scene: str, output: Path, **options: Any) -> None:
         loaded = load_scene(scene)
         load_s = time.perf_counter() - started_s
         check_outputs(output, stats_path)
+        from ..rendering import render
+
         finished_s: list[float] = []
-        image = _rendered(loaded, options, _stamped(report, finished_s))
+        asked = _asked(loaded, options)
+        image = _shown(render(loaded, **asked, progress=_stamped(report, finished_s)), options)
         first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
         report("writing", 0.0)
         image.save(output, layers=options["layers"])
@@ -117,24 +120,26 @@ def _stamped(report: Report, finished_s: list[float]) -> Report:
     return stamped
 
 
-def _rendered(scene: Scene, options: dict[str, Any], report: Report) -> Image:
-    from ..rendering import render
+def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `render`, checked against the scene. Raises SettingsError."""
     from ..techniques import checked_settings
 
     checked_settings(options["technique"], scene, options["settings"])
     if options["time_s"] is not None and scene.animation is None:
         raise SettingsError(f"nothing moves in '{scene.name}'", remedy="Leave --time out.")
-    image = render(
-        scene,
-        technique=options["technique"],
-        size=options["size"],
-        settings=options["settings"],
-        adapter=options["adapter"],
-        progress=report,
-        timed=options["stats"] is not None,
-        time=options["time_s"],
+    return {
+        "technique": options["technique"],
+        "size": options["size"],
+        "settings": options["settings"],
+        "adapter": options["adapter"],
+        "timed": options["stats"] is not None,
+        "time": options["time_s"],
         **({"samples": options["samples"]} if options["samples"] else {}),
-    )
+    }
+
+
+def _shown(image: Image, options: dict[str, Any]) -> Image:
+    """The image with the exposure and the display curve that the options ask for."""
     if options["exposure"] is not None:
         image = replace(image, exposure_stops=options["exposure"])
     if options["tone_map"] is not None:
