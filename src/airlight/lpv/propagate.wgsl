@@ -1,6 +1,7 @@
 // One propagation step, a cell an invocation (Kaplanyan2010 section 3.3; blockers 3.2, bounces 7).
-//! use step6
+//! use stencil6
 //! use cell_states
+//! needs fn stepped(s: Stencil, faces: Faces) -> mat3x4f
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {

@@ -2,8 +2,9 @@
 // A lane has a pair of cells along x, one load of 64-bit integers, and its neighbours along x from the lanes beside
 // it (gpu.lanes); it marches LAYERS pairs along z and keeps those below and here in registers. Counts of cells along
 // x are even.
-//! use step6
+//! use stencil6
 //! use cell_pairs
+//! needs fn stepped(s: Stencil, faces: Faces) -> mat3x4f
 
 override LAYERS: u32 = 8;
 override IS_ADDED: bool = false;        // `added` to what is stored
@@ -30,9 +31,9 @@ fn pair_at(cell: u32) -> Pair {
     return channels(cell_pair(before[at.x]), cell_pair(before[at.y]), cell_pair(before[at.z]));
 }
 
-fn store_pair(cell: u32, stepped: Pair) {
+fn store_pair(cell: u32, light: Pair) {
     let at = pair_index(cell);
-    var state = stepped;
+    var state = light;
     if (IS_ADDED) {
         let more = channels(cell_pair(added[at.x]), cell_pair(added[at.y]), cell_pair(added[at.z]));
         state = Pair(state.a + more.a, state.b + more.b);

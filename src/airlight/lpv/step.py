@@ -1,8 +1,9 @@
 """One propagation step of all cells to their six face neighbours (Kaplanyan2010 section 3.3).
 
-propagate        a cell an invocation, on any device and in any storage
+propagate        the kernel: a cell an invocation, on any device and in any storage
 propagate_rows   the same for CPU adapters, whose lanes share rows of cells (gpu.lanes)
-propagate_paper  scheme "paper": the step as it is printed
+
+Both call `stepped` of a scheme: wgsl/step6_centroid, or wgsl/step6_paper, the step as printed.
 """
 
 from __future__ import annotations
@@ -58,6 +59,11 @@ class StepKind:
     kept: float = SPREAD_KEPT
 
     @property
+    def wgsl(self) -> str:
+        """The scheme's `stepped`."""
+        return f"//! use step6_{self.scheme}\n"
+
+    @property
     def constants(self) -> dict[str, float]:
         """The shader's overrides."""
         is_centroid = self.scheme == "centroid"
@@ -77,11 +83,7 @@ class _PropagateCells(ComputePass):
         self.slots = _slots(format.element, "vec4u")  # type: ignore[misc]
         # One run of lanes: a CPU adapter runs groups without work, too.
         self.workgroup = (LANES, 1, 1) if gpu.takes_cpu_paths else (32, 8, 1)  # type: ignore[misc]
-        super().__init__(gpu, constants=kind.constants, generated=format.wgsl)
-
-
-class _PropagatePaper(_PropagateCells):
-    file = "propagate_paper.wgsl"
+        super().__init__(gpu, constants=kind.constants, generated=format.wgsl + kind.wgsl)
 
 
 class _PropagateRows(ComputePass):
@@ -92,7 +94,8 @@ class _PropagateRows(ComputePass):
     file = "propagate_rows.wgsl"
 
     def __init__(self, gpu: Gpu, kind: StepKind, layers: int) -> None:
-        super().__init__(gpu, constants={**kind.constants, "LAYERS": float(layers)})
+        constants = {**kind.constants, "LAYERS": float(layers)}
+        super().__init__(gpu, constants=constants, generated=kind.wgsl)
 
 
 class Step:
@@ -102,15 +105,14 @@ class Step:
         self, gpu: Gpu, count: tuple[int, int, int], kind: StepKind, format: Format = FLOAT
     ) -> None:
         self._count = count
-        if takes_rows(gpu, count, kind.scheme, format):
+        if takes_rows(gpu, count, format):
             x, y, z = count
             layers = max(2, _MARCHED_CELLS // (x * y))
             self._invocations = (x // 2, y, -(-z // layers))
             self._pass: ComputePass = _PropagateRows(gpu, kind, layers)
         else:
             self._invocations = count
-            is_paper = kind.scheme == "paper"
-            self._pass = (_PropagatePaper if is_paper else _PropagateCells)(gpu, kind, format)
+            self._pass = _PropagateCells(gpu, kind, format)
 
     def encode(
         self,
@@ -133,10 +135,9 @@ class Step:
         )
 
 
-def takes_rows(gpu: Gpu, count: tuple[int, int, int], scheme: Scheme, format: Format) -> bool:
+def takes_rows(gpu: Gpu, count: tuple[int, int, int], format: Format) -> bool:
     """Whether a lattice of `count` cells is propagated in rows of lanes."""
-    is_paired = count[0] % 2 == 0 and format is FLOAT
-    return is_paired and scheme == "centroid" and has_row_lanes(gpu)
+    return count[0] % 2 == 0 and format is FLOAT and has_row_lanes(gpu)
 
 
 def hop_constants(kept: float = SPREAD_KEPT) -> dict[str, float]:

@@ -25,9 +25,9 @@ fn neighbour(cell: vec3u, axis: u32, is_high: bool) -> mat3x4f {
     return state_at(cell_index(beside));
 }
 
-fn store_state(cell: u32, stepped: mat3x4f) {
+fn store_state(cell: u32, light: mat3x4f) {
     let channel = params.count.x * params.count.y * params.count.z;
-    var state = stepped;
+    var state = light;
     if (IS_ADDED) {
         state += mat3x4f(unpacked(added[cell]), unpacked(added[cell + channel]),
             unpacked(added[cell + 2u * channel]));

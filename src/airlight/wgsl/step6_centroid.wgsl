@@ -1,21 +1,8 @@
 // One step of a cell among blockers, in all channels: what its six neighbours send through the open shares of the
-// faces, and what its own closed faces return (Kaplanyan2010 sections 3.3 and 7).
-// The including pass binds `params` (lpv.step.StepParams).
+// faces, and what its own closed faces return (Kaplanyan2010 sections 3.3 and 7). maths.lattice6.hops("centroid") is
+// the NumPy twin. The including pass binds `params` (lpv.step.StepParams).
 //! use hops6
-
-override IS_BLOCKED: bool = true;       // faces block; else all are open
-override IS_REFLECTING: bool = false;   // blocked light bounces
-
-const BOUNCE_LOBE = 2.0;                // |b| / a of a cosine lobe off the face
-
-// The light of the cell and of its neighbours in red, green and blue: (a, b) a column each.
-struct Stencil {
-    here: mat3x4f, west: mat3x4f, east: mat3x4f, south: mat3x4f, north: mat3x4f, below: mat3x4f, above: mat3x4f,
-}
-
-// Faces as lattice.blockers.Blockers.faces: for hops +x -x +y -y | +z -z what blocks light that leaves (reflectance
-// and share in 8 bits), then in `rest.zw` the open shares of light that enters.
-struct Faces { side: vec4u, rest: vec4u }
+//! use stencil6
 
 // What a face returns of the power p that goes to it. The two-band light of a stream has the wrong sign behind it:
 // such power is handed back whole, so that energy does not grow. What was handed back is negative all over, and
@@ -51,13 +38,6 @@ fn all_received(s: Stencil) -> mat3x4f {
         received_x(s.west[0], s.east[0]) + received_y(s.south[0], s.north[0]) + received_z(s.below[0], s.above[0]),
         received_x(s.west[1], s.east[1]) + received_y(s.south[1], s.north[1]) + received_z(s.below[1], s.above[1]),
         received_x(s.west[2], s.east[2]) + received_y(s.south[2], s.north[2]) + received_z(s.below[2], s.above[2]));
-}
-
-// What the neighbours send through the open shares of the faces.
-fn entering(s: Stencil, faces: Faces) -> Stencil {
-    let xy = unpack4x8unorm(faces.rest.z);
-    let z = unpack4x8unorm(faces.rest.w);
-    return Stencil(s.here, xy.x * s.west, xy.y * s.east, xy.z * s.south, xy.w * s.north, z.x * s.below, z.y * s.above);
 }
 
 // The cell's light after the step.
