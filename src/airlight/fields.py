@@ -27,8 +27,9 @@ from .maths.transforms import F64
 from .scene.scene import Scene
 
 ABSOLUTE, ALL_MEDIA = -1, -2
-FORWARD_BLOCK = 4
-_FORWARD_BLUR_CELLS = 2.0  # deviation of what is interpolated between such blocks
+FORWARD_REACH = 3
+"""Cells to each side over which forward light is averaged."""
+_FORWARD_BLUR_CELLS = 2.0  # deviation of a mean over so many cells to each side
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +95,9 @@ class ForwardSource:
     """Light that was only scattered forwards, per light: rgb * `scale` in W m^-2.
 
     Its alpha is the optical depth of scattering; `slabs` lights lie one behind the other along z.
-    `blurred`: the same on blocks of FORWARD_BLOCK^3 cells of side `cell_m`, metres. `table`: the
-    lights' rows of LightData, of which the first `count` are in use.
+    `blurred`: the same, averaged over FORWARD_REACH cells of side `cell_m`, metres, to each side,
+    as far as no wall stands between. `table`: the lights' rows of LightData, of which the first
+    `count` are in use.
     """
 
     texture: Texture
@@ -108,7 +110,7 @@ class ForwardSource:
 
     @property
     def spread(self) -> float:
-        """In m^-2: `spread` (1 - g) distance^2 nears 1 where a beam is as wide as a block."""
+        """In m^-2: `spread` (1 - g) distance^2 nears 1 where a beam is as wide as that."""
         return 2.0 * (0.29 / (_FORWARD_BLUR_CELLS * self.cell_m)) ** 2
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..fields import FORWARD_BLOCK, ForwardSource
+from ..fields import FORWARD_REACH, ForwardSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -68,19 +68,21 @@ class _Forward(ComputePass):
 
 
 class BlurParams(Struct):
-    """What is averaged."""
+    """What is averaged, and along which axis."""
 
     count = vec3u("cells")
     lights = u32()
+    axis = u32()
 
 
 class _Blur(ComputePass):
     slots = (
         uniform("params", BlurParams),
-        texture("kept", "3d"),
+        storage("face_visibility", "vec2u"),
+        texture("light", "3d"),
         image("blurred", "rgba16float", "3d"),
     )
-    workgroup = (8, 8, 4)
+    workgroup = (32, 4, 2)
     file = "forward_blur.wgsl"
 
 
@@ -107,25 +109,12 @@ class ForwardLight:
         cells = x * y * z
         self.sky = Buffer(gpu, "forward light of the sky", 3 * cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * cells * 16)
-        self.kept = Texture(
-            gpu,
-            "forward light by light",
-            (x, y, z * max(1, light_count)),
-            "rgba16float",
-            dimension="3d",
-            written=True,
+        size = (x, y, z * max(1, light_count))
+        self.kept, self.blurred, self._between = (
+            Texture(gpu, name, size, "rgba16float", dimension="3d", written=True)
+            for name in ("forward light by light", "blurred forward light", "half blurred light")
         )
-        self._blocks = tuple(-(-n // FORWARD_BLOCK) for n in (x, y, z))
-        a, b, c = self._blocks
-        self._blur = _Blur(gpu, generated=f"const BLOCK = {FORWARD_BLOCK}u;")
-        self.blurred = Texture(
-            gpu,
-            "blurred forward light",
-            (a, b, c * max(1, light_count)),
-            "rgba16float",
-            dimension="3d",
-            written=True,
-        )
+        self._blur = _Blur(gpu, generated=f"const REACH = {FORWARD_REACH}u;")
         self.scale = 1.0
 
     def encode_sky(
@@ -179,10 +168,22 @@ class ForwardLight:
             face_visibility=face_visibility,
         )
         if count:
-            a, b, c = self._blocks
-            blur = BlurParams(count=self.placement.count, lights=count)
+            self._encode_blur(commands, count, face_visibility)
+
+    def _encode_blur(self, commands: Commands, lights: int, face_visibility: Buffer) -> None:
+        x, y, z = self.placement.count
+        # Along x, y and z in turn.
+        kept, blurred, between = self.kept, self.blurred, self._between
+        for axis, (light, target) in enumerate(
+            ((kept, blurred), (blurred, between), (between, blurred))
+        ):
             self._blur.dispatch(
-                commands, (a, b, c * count), params=blur, kept=self.kept, blurred=self.blurred
+                commands,
+                (x, y, z * lights),
+                params=BlurParams(count=self.placement.count, lights=lights, axis=axis),
+                face_visibility=face_visibility,
+                light=light,
+                blurred=target,
             )
 
     def _dispatch(

@@ -1,23 +1,37 @@
-// Each light's forward light over blocks of cells; the slabs of both textures along z are lights.
+// Each light's forward light, averaged along one axis of the lattice over REACH cells to each side, as
+// far as the faces between are open: what is lit beyond a wall stays there. The slabs of both textures
+// along z are lights.
+
+// The open share of a hop that enters a cell: +x -x +y -y +z -z.
+fn entering(cell: vec3u, hop: u32) -> f32 {
+    let packed = face_visibility[(cell.z * params.count.y + cell.y) * params.count.x + cell.x];
+    return select(unpack4x8unorm(packed.y)[hop & 3u], unpack4x8unorm(packed.x)[hop & 3u], hop < 4u);
+}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let blocks = (params.count + BLOCK - 1u) / BLOCK;
-    let size = vec3u(blocks.xy, blocks.z * params.lights);
-    if (any(id >= size)) {
+    if (any(id >= vec3u(params.count.xy, params.count.z * params.lights))) {
         return;
     }
-    let light = id.z / blocks.z;
-    let first = vec3u(id.xy, id.z % blocks.z) * BLOCK;
-    let end = min(first + BLOCK, params.count);
-    var sum = vec4f(0.0);
-    var counted = 0.0;
-    for (var z = first.z; z < end.z; z++) {
-        for (var y = first.y; y < end.y; y++) {
-            for (var x = first.x; x < end.x; x++) {
-                sum += textureLoad(kept, vec3u(x, y, z + light * params.count.z), 0);
-                counted += 1.0;
+    let own = vec3u(id.xy, id.z % params.count.z);
+    let slab = vec3u(0u, 0u, id.z - own.z);
+    var sum = textureLoad(light, id, 0);
+    var weight = 1.0;
+    for (var side = 0u; side < 2u; side++) {
+        // From the neighbour at the high side light comes on the hop along the negative axis.
+        let is_high = side == 1u;
+        let hop = 2u * params.axis + side;
+        var cell = own;
+        var open = 1.0;
+        for (var k = 0u; k < REACH; k++) {
+            let end = select(0u, params.count[params.axis] - 1u, is_high);
+            if (cell[params.axis] == end || open < 0.01) {
+                break;
             }
+            open *= entering(cell, hop);
+            cell[params.axis] = select(cell[params.axis] - 1u, cell[params.axis] + 1u, is_high);
+            sum += open * textureLoad(light, cell + slab, 0);
+            weight += open;
         }
     }
-    textureStore(blurred, id, sum / max(counted, 1.0));
+    textureStore(blurred, id, sum / weight);
 }

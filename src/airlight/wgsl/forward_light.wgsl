@@ -1,6 +1,5 @@
 // Emission of light that the reduced medium transmits, light by light; see
-// media/march/forward_source.py. The including pass binds forward_slots and what march.wgsl does,
-// and declares FORWARD_BLOCK.
+// media/march/forward_source.py. The including pass binds forward_slots and what march.wgsl does.
 //! use lights
 //! use fused_phase
 //! use march_lattice
@@ -14,17 +13,11 @@ fn forward_light(
 ) -> ForwardLight {
     var sum = ForwardLight(vec3f(0.0), vec3f(0.0));
     if (lattice_at[0].w <= 0.0) { return sum; }
-    // Coordinates in the texture of blocks of cells, which holds the blurred light.
-    let blocks = vec3f(textureDimensions(forward_blurred)) / vec3f(1.0, 1.0, own.forward_slabs);
-    let cells = vec3f(textureDimensions(forward_lights)) / vec3f(1.0, 1.0, own.forward_slabs);
-    let block = clamp(lattice_at[0].xyz * cells / FORWARD_BLOCK, vec3f(0.5), blocks - 0.5);
     for (var i = 0u; i < own.forward_count; i++) {
         // What arrives of a light, in the cell and around it.
         let uvw = vec3f(lattice_at[0].xy, (lattice_at[0].z + f32(i)) / own.forward_slabs);
         let light = textureSampleLevel(forward_lights, linear_clamp, uvw, 0.0);
-        let around = vec3f(block.xy, block.z + f32(i) * blocks.z)
-            / vec3f(textureDimensions(forward_blurred));
-        let wide = textureSampleLevel(forward_blurred, linear_clamp, around, 0.0).rgb;
+        let wide = textureSampleLevel(forward_blurred, linear_clamp, uvw, 0.0).rgb;
         if (all(light.rgb + wide <= vec3f(0.0))) { continue; }
         var direction = forward_table[i].direction;
         if (forward_table[i].kind != LIGHT_DIRECTIONAL) {

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ...fields import FORWARD_BLOCK
 from ...gpu.slots import Slot, storage, texture
 from ...maths.forward_phase import fused_table
 from ...scene.checks import F32
@@ -38,5 +37,5 @@ def fused_rows(rows: Sequence[dict[str, Any]]) -> F32:
     return np.concatenate(tables).astype(np.float32)
 
 
-FORWARD_WGSL = f"const FORWARD_BLOCK = {FORWARD_BLOCK}.0;\n//! use forward_light\n"
+FORWARD_WGSL = "//! use forward_light\n"
 NO_FORWARD_WGSL = "//! use no_forward_light\n"
