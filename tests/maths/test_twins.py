@@ -48,6 +48,8 @@ def test_phase_rgb_and_caps(wgsl: Evaluate) -> None:
     g3 = single(RNG.uniform(-0.9, 0.9, (COUNT, 3)))
     rgb = wgsl("phase", "henyey_greenstein_rgb", MU, g3, returns="vec3f")
     np.testing.assert_allclose(rgb, phase.henyey_greenstein(MU[:, None], g3), rtol=1e-4)
+    rgb = wgsl("phase", "scattering_phase", MU, g3, returns="vec3f")
+    np.testing.assert_allclose(rgb, phase.scattering_phase(MU[:, None], g3), rtol=1e-4)
     caps = wgsl("phase", "cap_fractions", G, returns="vec3f")
     np.testing.assert_allclose(caps, np.stack(phase.cap_fractions(G), axis=1), atol=2e-6)
 

@@ -53,6 +53,7 @@ def test_a_recipe_yields_its_fields(name: str, foggy_box: Scene, smoke_over_floo
         assert renderer.stats()["chosen"] == name
     assert fields is not None
     yielded = {key for key, value in vars(fields).items() if value} - {"sky"}
+    assert name in FIELDS, "say in FIELDS which fields the new recipe yields"
     assert yielded == FIELDS[name]
 
 

@@ -18,7 +18,7 @@ from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.lattice6 import hops
-from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ..scene.lights import AreaLight, Light
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -199,18 +199,8 @@ def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[flo
     """An upper bound, W, of the flux that `lights` bring into the box low..high (metres)."""
     extent = [b - a for a, b in zip(low, high, strict=True)]
     cross_section = math.pi / 4.0 * sum(e * e for e in extent)  # of the circumscribed sphere
-    total = 0.0
-    for light in lights:
-        match light:
-            case DirectionalLight():
-                total += max(light.irradiance) * cross_section
-            case PointLight():
-                total += 4.0 * math.pi * max(light.intensity)
-            case LightSample():
-                total += max(light.power)
-            case SpotLight():
-                total += 2.0 * math.pi * max(light.intensity)
-    return total
+    # Lights with extent come as samples.
+    return sum(x.most_power(cross_section) for x in lights if not isinstance(x, AreaLight))
 
 
 def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:

@@ -36,6 +36,15 @@ def henyey_greenstein(mu: ArrayLike, g: ArrayLike) -> F64:
     return np.asarray(ISOTROPIC * (1.0 - k) * (1.0 + k) / _reach(m, k) ** 3)
 
 
+def scattering_phase(mu: ArrayLike, g: ArrayLike) -> F64:
+    """The phase function of media, sr^-1: what single scattering calls.
+
+    Twin: scattering_phase in wgsl/phase.wgsl; another phase function is written in these two
+    alone. What expands it (beams, lobes, the reduced medium) knows its mean cosine g only.
+    """
+    return henyey_greenstein(mu, g)
+
+
 def henyey_greenstein_cumulative(mu: ArrayLike, g: ArrayLike) -> F64:
     """Share of light scattered to cosines from -1 up to mu, for all |g| <= 1.
 

@@ -1,4 +1,8 @@
-"""Lights, without extent and with. Directions are travel directions: away from the light."""
+"""Lights, without extent and with. Directions are travel directions: away from the light.
+
+Each kind without extent says what the passes need that know no kinds: `most_power` bounds its flux
+into a box, `half_angle_deg` is the cone that it lights (None: all directions).
+"""
 
 from __future__ import annotations
 
@@ -23,6 +27,10 @@ class DirectionalLight:
         put(self, "direction", checks.unit_vec3(self.direction, "light direction"))
         put(self, "irradiance", checks.rgb(self.irradiance, "light irradiance"))
 
+    def most_power(self, cross_section: float) -> float:
+        """The most, W, of its light that crosses `cross_section`, m^2."""
+        return max(self.irradiance) * cross_section
+
 
 @dataclass(frozen=True)
 class PointLight:
@@ -40,6 +48,15 @@ class PointLight:
         put(self, "position", checks.vec3(self.position, "light position"))
         put(self, "intensity", checks.rgb(self.intensity, "light intensity"))
         put(self, "radius", checks.number(self.radius, "radius", low=0.0, high=checks.MOST_M))
+
+    def most_power(self, cross_section: float) -> float:
+        """The most, W, that it sends anywhere."""
+        return 4.0 * math.pi * max(self.intensity)
+
+    @property
+    def half_angle_deg(self) -> float | None:
+        """None: it sends light in all directions."""
+        return None
 
 
 @dataclass(frozen=True)
@@ -68,6 +85,15 @@ class SpotLight:
             raise SceneError(
                 f"inner_deg = {self.inner_deg:g} is above outer_deg = {self.outer_deg:g}"
             )
+
+    def most_power(self, cross_section: float) -> float:
+        """The most, W, that it sends anywhere."""
+        return 2.0 * math.pi * max(self.intensity)
+
+    @property
+    def half_angle_deg(self) -> float | None:
+        """Half the opening angle of the cone that it lights."""
+        return self.outer_deg
 
 
 AreaShape = Literal["rectangle", "disk", "sphere"]
@@ -148,6 +174,15 @@ class LightSample:
         share = math.pi * (self.front + 4.0 * self.even)
         r, g, b = self.intensity
         return (share * r, share * g, share * b)
+
+    def most_power(self, cross_section: float) -> float:
+        """The most, W, that it sends anywhere."""
+        return max(self.power)
+
+    @property
+    def half_angle_deg(self) -> float | None:
+        """None: its shadow map has all directions."""
+        return None
 
 
 Light = DirectionalLight | PointLight | SpotLight | AreaLight | LightSample

@@ -21,7 +21,14 @@ from ..maths.transforms import (
     transformed,
     view_from_world,
 )
-from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ..scene.lights import (
+    AreaLight,
+    DirectionalLight,
+    Light,
+    LightSample,
+    PointLight,
+    SpotLight,
+)
 
 Vec3 = tuple[float, float, float]
 _CUBE = (  # forward, up: faces +x -x +y -y +z -z
@@ -85,17 +92,21 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
         match light:
             case DirectionalLight():
                 views.append(_parallel(light, index, low, high, resolution))
-            case SpotLight() if view_count(light) == 1:
-                views.append(_spot(light, index, low, high, resolution))
-            case PointLight() | SpotLight() | LightSample():
+            case AreaLight():  # comes as samples
+                continue
+            case _ if view_count(light) == 1:
+                views.append(_cone(light, index, low, high, resolution))
+            case _:
                 views += _cube(light, index, low, high, resolution)
     return views
 
 
 def view_count(light: Light) -> int:
-    """The number of views of a light; wide spots have six, as points do."""
-    is_wide = isinstance(light, SpotLight) and light.outer_deg > _WIDE_DEG
-    return 6 if is_wide or isinstance(light, PointLight | LightSample) else 1
+    """The number of views of a light: six, as the faces of a cube, but for narrow cones."""
+    if isinstance(light, DirectionalLight | AreaLight):
+        return 1
+    angle = light.half_angle_deg
+    return 6 if angle is None or angle > _WIDE_DEG else 1
 
 
 def _parallel(
@@ -124,8 +135,11 @@ def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64
     return view, corners.min(axis=0), corners.max(axis=0)
 
 
-def _spot(light: SpotLight, index: int, low: F64, high: F64, resolution: int) -> LightView:
-    fov = np.radians(2.0 * light.outer_deg) * 1.01
+def _cone(
+    light: PointLight | SpotLight | LightSample, index: int, low: F64, high: F64, resolution: int
+) -> LightView:
+    assert light.half_angle_deg is not None and not isinstance(light, PointLight)
+    fov = np.radians(2.0 * light.half_angle_deg) * 1.01
     return _perspective(
         light.position, light.direction, (0, 1, 0), fov, index, low, high, resolution
     )

@@ -17,7 +17,7 @@ var<private> is_light_inside: bool;       // whether a local light is in the one
 
 // Once per eye ray and light.
 fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
-    let phase = henyey_greenstein_rgb(-dot(light.direction, direction), media[0].g);
+    let phase = scattering_phase(-dot(light.direction, direction), media[0].g);
     medium_sigma_t = media[0].sigma_t;
     parallel_sent = media[0].albedo * medium_sigma_t * phase;
     medium_has_shafts = media[0].has_shafts != 0u;
@@ -76,7 +76,7 @@ fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, mu: f32, path
     } else {
         depth = homogeneous_depth(0.0, t) + media_light_depth(light, index, p);
     }
-    return media[m].sigma_t * media[m].albedo * henyey_greenstein_rgb(mu, media[m].g) * exp(-depth);
+    return media[m].sigma_t * media[m].albedo * scattering_phase(mu, media[m].g) * exp(-depth);
 }
 
 // A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).

@@ -27,7 +27,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     media_hull = vec2f(MEDIUM_FAR, 0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
         parallel_phase[m] = f32(media[m].has_shafts)
-            * henyey_greenstein_rgb(-dot(light.direction, direction), media[m].g);
+            * scattering_phase(-dot(light.direction, direction), media[m].g);
         media_hull = vec2f(min(media_hull.x, medium_intervals[m].x), max(media_hull.y, medium_intervals[m].y));
     }
     step_end = -1.0;
@@ -84,7 +84,7 @@ fn sent_by(light: LightData, t: f32, path: f32, mu: f32) -> vec3f {
     let towards = path * mix(step_light[0], step_light[1], along);
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += f32(media[m].has_shafts) * step_scattering[m] * henyey_greenstein_rgb(mu, media[m].g);
+        sum += f32(media[m].has_shafts) * step_scattering[m] * scattering_phase(mu, media[m].g);
     }
     return sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }

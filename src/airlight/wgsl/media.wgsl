@@ -78,7 +78,7 @@ fn media_phase_scattering(p: vec3f, mu: f32) -> vec3f {
     for (var m = 0u; m < MEDIA_COUNT; m++) {
         if (media[m].has_shafts != 0u) {
             sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo
-                * henyey_greenstein_rgb(mu, media[m].g);
+                * scattering_phase(mu, media[m].g);
         }
     }
     return sum;

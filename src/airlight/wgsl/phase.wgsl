@@ -38,3 +38,9 @@ fn cap_fractions(g: f32) -> vec3f {
     let side = (henyey_greenstein_cumulative(PHASE_HALF_OCTANT_COSINE, g) - back) / 4.0;
     return vec3f(1.0 - 4.0 * side - back, side, back);
 }
+
+// The phase function of media, per colour channel: what single scattering calls. Its twin is
+// maths.phase.scattering_phase; another phase function is written here and there alone.
+fn scattering_phase(mu: f32, g: vec3f) -> vec3f {
+    return henyey_greenstein_rgb(mu, g);
+}

@@ -18,7 +18,7 @@ from ...gpu.memory import Buffer
 from ...gpu.slots import Slot, storage
 from ...maths.half_space import plane_light
 from ...maths.octahedron import octahedron_decode
-from ...maths.phase import henyey_greenstein
+from ...maths.phase import scattering_phase
 from ...maths.transforms import F64
 from ...scene.lights import DirectionalLight, Light
 from ...scene.medium import Medium
@@ -108,7 +108,7 @@ def sky_single_scatter(medium: Medium, sky: Sequence[Light]) -> F64:
         directions, irradiances = _from_above(sky, c)
         depth = medium.sigma_t[c] * metres[:, None] / directions[:, 1]
         arriving = np.exp(depth) * irradiances
-        made[..., c] = arriving @ henyey_greenstein(directions @ out.T, cosine * medium.g[c])
+        made[..., c] = arriving @ scattering_phase(directions @ out.T, cosine * medium.g[c])
     return made
 
 
