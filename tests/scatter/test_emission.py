@@ -10,6 +10,7 @@ from airlight.maths.lattice26_levels import mean_track
 from airlight.maths.lattice26_walls import returned_sharpness
 from airlight.reference.quadrature import polygon_irradiance
 from airlight.scatter.emission import Emission
+from airlight.scatter.level import LatticeKind
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
 from airlight.scatter.surface_light import SurfaceLight
@@ -92,9 +93,13 @@ def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
     want = np.abs(polygon_irradiance(points, normals, corners, 1.0))
     for iterations, worst in ((16, 0.18), (32, 0.09)):
         levels = Levels(
-            gpu, count, 1.0, schedule("none", iterations, count), is_blocked=False, is_varied=False
+            gpu,
+            count,
+            1.0,
+            schedule("none", iterations, count),
+            LatticeKind(has_walls=False, is_varied=False),
         )
-        levels.set_air([0.0] * 3, [0.0] * 3)
+        levels.set_homogeneous([0.0] * 3, [0.0] * 3)
         total, _ = levels.encode(commands, lattice(wall))
         commands.submit()
         state = total.read().reshape(wall.shape)[0, 4:24, 0, :16] / (4 * np.pi)

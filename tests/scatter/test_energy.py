@@ -5,8 +5,7 @@ import pytest
 
 from airlight.gpu.layout import pack_array
 from airlight.scatter.coefficients import StepCoefficients, step_rows
-from airlight.scatter.propagate import MOVE, Step
-from airlight.scatter.propagate_varied import VariedStep
+from airlight.scatter.propagate import Operator, Step, StepMedium
 
 from .test_propagate import (  # type: ignore[import-not-found]
     COUNT,
@@ -18,26 +17,17 @@ from .test_propagate import (  # type: ignore[import-not-found]
 
 def run(gpu, lattice, commands, state, sigma_s, sigma_t, steps, packs=None, is_varied=False):
     """The states after each of `steps` iterations in cells of 1 m."""
-    zero = np.zeros_like(state)
-    source, buffers = lattice(zero), [lattice(state), lattice(zero)]
+    source, buffers = lattice(np.zeros_like(state)), [lattice(state), lattice(np.zeros_like(state))]
     rows = pack_array(StepCoefficients, step_rows(sigma_s, sigma_t, 1.0))
-    coefficients = lattice(rows.view(np.uint32))
     shape = state.shape[:-1]
-    air = [np.broadcast_to(np.reshape(v, (3, 1, 1, 1)), shape) for v in (sigma_s, sigma_t)]
-    medium = lattice(np.stack(air, axis=-1))
-    step = (VariedStep if is_varied else Step)(gpu, is_blocked=packs is not None)
+    sigmas = [np.broadcast_to(np.reshape(v, (3, 1, 1, 1)), shape) for v in (sigma_s, sigma_t)]
+    medium = lattice(np.stack(sigmas, axis=-1))
+    cells = StepMedium(COUNT, 1.0, medium, lattice(rows.view(np.uint32)), 0, packs or source)
+    step = Step(gpu, has_walls=packs is not None, is_varied=is_varied)
     seen = []
     for _ in range(steps):
-        given = {
-            "before": buffers[0],
-            "source": source,
-            "after": buffers[1],
-            "packs": packs or source,
-        }
-        if is_varied:
-            step.encode(commands, COUNT, 1.0, medium, is_track=False, **given)
-        else:
-            step.encode(commands, COUNT, coefficients, MOVE, **given)
+        before, after = buffers
+        step.encode(commands, cells, Operator.MOVE, before=before, source=source, after=after)
         commands.submit()
         buffers.reverse()
         seen.append(buffers[0].read().reshape(state.shape).astype(np.float64))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from airlight.scatter.level import LatticeKind
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import ACCELERATIONS, schedule
 
@@ -16,8 +17,8 @@ ALBEDOS = (0.0, 0.3, 0.9, 0.99, 1.0)
 
 def track_of(gpu, commands, lattice, source, plan, sigma_t, albedo, is_blocked):
     """(3, Z, Y, X): W m of track in cells of 1 m; walls half open at random, white 0.9."""
-    levels = Levels(gpu, COUNT, 1.0, plan, is_blocked=is_blocked, is_varied=False)
-    levels.set_air(albedo * sigma_t, sigma_t)
+    levels = Levels(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=is_blocked, is_varied=False))
+    levels.set_homogeneous(albedo * sigma_t, sigma_t)
     if is_blocked:
         rng = np.random.default_rng(3)
         faces = np.clip(3.0 * rng.random((6, *SHAPE)) - 1.0, 0.0, 1.0)

@@ -8,10 +8,11 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.gpu.memory import Buffer
 from airlight.maths import lattice26, lattice26_levels, lattice26_walls
+from airlight.scatter.level import LatticeKind
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import Schedule, schedule
 
-from .test_propagate import packed_faces  # type: ignore[import-not-found]
+from .test_propagate import HOP_NUMBERS, packed_faces  # type: ignore[import-not-found]
 
 COUNT = (8, 6, 7)
 SHAPE = COUNT[::-1]
@@ -21,11 +22,13 @@ ALBEDO = np.array([1.0, 0.9, 0.5])
 
 def solved(gpu, commands, lattice, source, plan, sigma_s, sigma_t, **kind):
     count = source.shape[1:4][::-1]
-    levels = Levels(gpu, count, 1.0, plan, is_blocked=False, is_varied=sigma_s.ndim > 1, **kind)
+    levels = Levels(
+        gpu, count, 1.0, plan, LatticeKind(has_walls=False, is_varied=sigma_s.ndim > 1, **kind)
+    )
     if sigma_s.ndim > 1:
-        levels.set_medium(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
+        levels.set_varied(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
     else:
-        levels.set_air(sigma_s, sigma_t)
+        levels.set_homogeneous(sigma_s, sigma_t)
     _, track = levels.encode(commands, lattice(source))
     commands.submit()
     return track.read().reshape(source.shape)
@@ -97,8 +100,10 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
     faces = np.round(np.clip(rng.random((6, *shape)) * 2 - 0.5, 0, 1) * 255) / 255
     air = rng.random((3, *shape, 2))
     white = rng.integers(0, 256, (*shape, 4)).astype(np.uint8)
-    levels = Levels(gpu, count, 1.0, Schedule((1, 1), (0, 0)), is_blocked=True, is_varied=True)
-    levels.set_medium(commands, lattice(air))
+    levels = Levels(
+        gpu, count, 1.0, Schedule((1, 1), (0, 0)), LatticeKind(has_walls=True, is_varied=True)
+    )
+    levels.set_varied(commands, lattice(air))
     levels.set_walls(commands, lattice(packed_faces(faces)), lattice(white.view(np.uint32)))
     commands.submit()
     coarse = levels.levels[1]
@@ -113,7 +118,7 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
     medium = coarse.medium.read().reshape(3, 2, 3, 4, 2)
     np.testing.assert_allclose(medium, lattice26_levels.restricted(air, is_mean=True), rtol=1e-5)
     packs = coarse.packs.read(np.uint8).reshape(2, 3, 4, 4, 16)
-    outgoing = packs[..., 2:, :].reshape(2, 3, 4, 32)[..., :26] / 255
+    outgoing = packs[..., 2:, :].reshape(2, 3, 4, 32)[..., HOP_NUMBERS] / 255
     exact = lattice26_walls.open_hops(np.moveaxis(got, -1, 0))
     np.testing.assert_allclose(outgoing, np.moveaxis(exact, 0, -1), atol=0.51 / 255)
     mean = packs[:, :, 0, 3, 12:15].astype(float)
@@ -125,7 +130,7 @@ def test_coarse_walls_and_air_are_numpys(gpu, commands, lattice):
 def test_cycles_replayed_follow_light_and_air(gpu, commands, lattice, owned, is_varied):
     # Solved again and again by one, and each time by a fresh one.
     plan = schedule("cycle", 4, COUNT)
-    levels = owned(Levels(gpu, COUNT, 1.0, plan, is_blocked=False, is_varied=is_varied))
+    levels = owned(Levels(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=False, is_varied=is_varied)))
     source = owned(Buffer(gpu, "source", 3 * np.prod(COUNT) * 16))
     for factor, light in ((1.0, 1.0), (1.0, 3.0), (0.5, 3.0)):
         sigma_t = factor * SIGMA_T
@@ -137,9 +142,9 @@ def test_cycles_replayed_follow_light_and_air(gpu, commands, lattice, owned, is_
         given = light * sparks()
         source.write(given.astype(np.float32))
         if is_varied:
-            levels.set_medium(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
+            levels.set_varied(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
         else:
-            levels.set_air(sigma_s, sigma_t)
+            levels.set_homogeneous(sigma_s, sigma_t)
         _, track = levels.encode(commands, source)
         commands.submit()
         want = solved(gpu, Commands(gpu), lattice, given, plan, sigma_s, sigma_t)

@@ -1,13 +1,14 @@
-"""The device's step against the NumPy truth: media, walls, both kernels; energy."""
+"""The device's steps against the NumPy truth: media, walls, tracks, and the kernel of rows."""
 
 import numpy as np
 import pytest
 
+from airlight.gpu.lanes import has_row_lanes
 from airlight.gpu.layout import pack_array
 from airlight.maths import lattice26, lattice26_walls
 from airlight.scatter.coefficients import StepCoefficients, step_rows
-from airlight.scatter.propagate import MOVE, TRACK, Step
-from airlight.scatter.walls import Walls, new_packs
+from airlight.scatter.hop_visibility import HopVisibility, new_packs
+from airlight.scatter.propagate import Operator, Step, StepMedium
 
 pytestmark = pytest.mark.both_paths
 
@@ -16,6 +17,7 @@ SHAPE = COUNT[::-1]
 CELL_M = 0.7
 SIGMA_T = np.array([0.05, 0.8, 4.0])
 SIGMA_S = np.array([1.0, 0.9, 0.5]) * SIGMA_T
+HOP_NUMBERS = lattice26.hops().offsets @ [1, 3, 9] + 13  # wgsl/hops26
 WHITE = np.array([0.8, 0.4, 0.0])
 
 
@@ -35,7 +37,7 @@ def packed_faces(faces: np.ndarray) -> np.ndarray:
 def unpacked(packs: np.ndarray, first: int) -> np.ndarray:
     """(26, Z, Y, X) open shares of two packs."""
     units = packs.view(np.uint8).reshape(*SHAPE, 4, 16)[..., first : first + 2, :]
-    return np.moveaxis(units.reshape(*SHAPE, 32)[..., :26], -1, 0) / 255.0
+    return np.moveaxis(units.reshape(*SHAPE, 32)[..., HOP_NUMBERS], -1, 0) / 255.0
 
 
 def reflectance_words() -> np.ndarray:
@@ -49,7 +51,7 @@ def walls(gpu, lattice, commands):
     faces = np.random.default_rng(7).random((6, *SHAPE)) * 1.6
     faces = np.clip(faces - 0.3, 0.0, 1.0)
     packs = new_packs(gpu, int(np.prod(SHAPE)))
-    Walls(gpu).encode(
+    HopVisibility(gpu).encode(
         commands, COUNT, lattice(packed_faces(faces)), lattice(reflectance_words()), packs
     )
     commands.submit()
@@ -59,29 +61,36 @@ def walls(gpu, lattice, commands):
     packs.release()
 
 
-def stepped(gpu, lattice, commands, state, row, packs=None, is_marched=False):
+def stepped(gpu, lattice, commands, state, operator, packs=None, medium=None, has_rows=False):
+    """K before, in the homogeneous medium, or in `medium` (sigma_s, sigma_t) (C, Z, Y, X)."""
     rows = pack_array(StepCoefficients, step_rows(SIGMA_S, SIGMA_T, CELL_M))
-    coefficients = lattice(rows.view(np.uint32))
     before, source, after = (lattice(v) for v in (state, np.zeros_like(state), state))
-    step = Step(gpu, is_blocked=packs is not None, is_marched=is_marched)
-    step.encode(
-        commands,
-        COUNT,
-        coefficients,
-        row,
-        before=before,
-        source=source,
-        after=after,
-        packs=packs or before,
+    varied = None if medium is None else lattice(np.stack(medium, axis=-1))
+    step = Step(gpu, has_walls=packs is not None, is_varied=medium is not None, has_rows=has_rows)
+    cells = StepMedium(
+        COUNT, CELL_M, varied or before, lattice(rows.view(np.uint32)), 0, packs or before
     )
+    step.encode(commands, cells, operator, before=before, source=source, after=after)
     commands.submit()
     return after.read().reshape(state.shape)
 
 
-def truth(state, blocked=None):
-    """(state, track) after one iteration: half-linear steps and what walls return."""
+def constant_medium(state):
     shape = state.shape[:-1]
-    s, t = (np.broadcast_to(v.reshape(3, 1, 1, 1), shape) for v in (SIGMA_S, SIGMA_T))
+    return tuple(np.broadcast_to(v.reshape(3, 1, 1, 1), shape) for v in (SIGMA_S, SIGMA_T))
+
+
+def random_medium(state, seed=3):
+    """Six orders of magnitude, a part of it empty."""
+    rng = np.random.default_rng(seed)
+    sigma_t = 10.0 ** rng.uniform(-3, 1, state.shape[:-1])
+    sigma_t[..., :2] = 0.0
+    return rng.random(state.shape[:-1]) * sigma_t, sigma_t
+
+
+def truth(state, medium, blocked=None):
+    """(state, track) after one iteration: half-linear steps and what walls return."""
+    s, t = medium
     after, _, track = lattice26.half_linear_step(state, s, t, CELL_M, blocked)
     if blocked is not None:
         white = np.round(WHITE * 255).reshape(3, 1, 1, 1) / 255.0
@@ -90,20 +99,28 @@ def truth(state, blocked=None):
     return after, track
 
 
-@pytest.mark.parametrize("is_marched", [False, True])
-def test_the_free_step_is_numpys(gpu, lattice, commands, is_marched):
+@pytest.mark.parametrize("has_rows", [False, True], ids=["cells", "rows"])
+@pytest.mark.parametrize("has_walls", [False, True], ids=["open", "walls"])
+@pytest.mark.parametrize("medium", ["homogeneous", "constant", "varied"])
+def test_the_step_is_numpys(gpu, lattice, commands, walls, medium, has_walls, has_rows):
+    if has_rows and not has_row_lanes(gpu):
+        pytest.skip("this driver's lanes are not in rows")
+    packs, openness, _, _ = walls
     state = random_state()
-    for row, expected in zip((MOVE, TRACK), truth(state), strict=True):
-        got = stepped(gpu, lattice, commands, state, row, is_marched=is_marched)
-        np.testing.assert_allclose(got, expected, atol=1e-5 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("is_marched", [False, True])
-def test_the_step_among_walls_is_numpys(gpu, lattice, commands, walls, is_marched):
-    packs, face_visibility, _, _ = walls
-    state = random_state()
-    for row, expected in zip((MOVE, TRACK), truth(state, 1.0 - face_visibility), strict=True):
-        got = stepped(gpu, lattice, commands, state, row, packs, is_marched)
+    sigmas = random_medium(state) if medium == "varied" else constant_medium(state)
+    wanted = truth(state, sigmas, 1.0 - openness if has_walls else None)
+    for operator, expected in zip((Operator.MOVE, Operator.TRACK), wanted, strict=True):
+        got = stepped(
+            gpu,
+            lattice,
+            commands,
+            state,
+            operator,
+            packs if has_walls else None,
+            None if medium == "homogeneous" else sigmas,
+            has_rows,
+        )
+        # float32: some 50 terms, each of a few roundings.
         np.testing.assert_allclose(got, expected, atol=1e-5 * np.abs(expected).max())
 
 

@@ -27,7 +27,6 @@ from ..media.gpu_media import GpuMedia
 from ..media.march.half_space import directional
 from ..scene.lights import Light
 from ..scene.medium import Medium
-from .hop_wgsl import literal
 
 TURNS = 6
 """Directions around the vertical, on each of LEVELS levels."""
@@ -174,5 +173,5 @@ def incoming_light(medium: Medium, lights: list[Light]) -> F64:
 
 _CONSTANTS = (
     f"const LEVELS = {LEVELS}u;\nconst TURNS = {TURNS}u;\nconst ROWS = {ROWS}u;\n"
-    f"const LAST = {literal(_LAST)};\nconst SHARPNESS = {literal(returned_sharpness())};\n"
+    f"const LAST = {_LAST:.9e};\nconst SHARPNESS = {returned_sharpness():.9e};\n"
 )

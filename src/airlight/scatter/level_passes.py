@@ -13,8 +13,8 @@ class LevelParams(Struct):
     fine = vec3u("cells")
     cell = f32("m, of the finer")
     coarse = vec3u("cells")
-    flags = u32("1: there are walls; 2: the air varies")
-    way = vec3f("m of track per hop of isotropic light, by channel, where the air is even")
+    flags = u32("1: there are walls; 2: the medium varies")
+    track = vec3f("m, of isotropic light per hop, by channel, in a homogeneous medium")
 
 
 _PAIR = uniform("params", LevelParams)
@@ -48,12 +48,12 @@ class Prolong(ComputePass):
     file = "level_prolong.wgsl"
 
 
-class RestrictAir(ComputePass):
+class RestrictMedium(ComputePass):
     """The medium of eight cells, as one cell has it."""
 
     slots = (_PAIR, storage("medium", "vec2f"), storage("coarse_medium", "vec2f", "read_write"))
     workgroup = (32, 4, 2)
-    file = "level_air.wgsl"
+    file = "level_medium.wgsl"
 
 
 class RestrictFaces(ComputePass):

@@ -2,6 +2,8 @@
 // runs through a coarse cell its light goes to the fine cells by what they hold already, so that
 // none appears behind the wall.
 
+//! use hops26
+
 const CLOSED = 0.05;
 
 // The smallest open share among the faces inside the coarse cell that holds `at`.
@@ -51,11 +53,11 @@ fn held_share(at: vec3u, channel: u32) -> f32 {
     let index = ((channel * f.z + at.z) * f.y + at.y) * f.x + at.x;
     let c = at / 2u;
     let n = params.coarse;
-    var way = params.way[channel];
+    var per_hop = params.track[channel];
     if ((params.flags & 2u) != 0u) {
-        way = way_m(vec3f(medium[index].y), params.cell).x;
+        per_hop = mean_track(vec3f(medium[index].y), params.cell).x;
     }
-    var share = 0.125 / way;
+    var share = 0.125 / per_hop;
     if ((params.flags & 1u) != 0u && inner_face_visibility(at) < 1.0 - CLOSED) {
         share *= held_share(at, channel);
     }

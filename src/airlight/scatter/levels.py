@@ -1,9 +1,14 @@
-"""The sum of all states on a lattice, hurried along by coarser ones.
+"""The sum of all states on a lattice, accelerated by coarser ones (geometric multigrid).
 
-Q = I + M Q is stepped; what is missing after that is solved for where hops are twice as long and
-cells an eighth as many, and handed back as a correction (maths.lattice26_levels is the NumPy
-truth). `Schedule` says how often: a fixed number of dispatches, so a frame never waits for a
-residual to come back from the device.
+Q = I + M Q is stepped; the residual that is left is solved for on a lattice whose hops are twice as
+long and whose cells are an eighth as many, and handed back as a correction
+(maths.lattice26_levels is the NumPy twin). `Schedule` says how often: a fixed number of dispatches,
+so that a frame never waits for a residual to come back from the device.
+
+    source I -> step -> ... -> step --residual--> coarser level, likewise
+                                 ^                       |
+                    line search +--- prolonged track <---+
+    after the last cycle: global power rescaling -> Q, and its track T Q
 """
 
 from __future__ import annotations
@@ -17,191 +22,116 @@ from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
 from ..maths.lattice26 import RHO, persistence
 from ..maths.lattice26_levels import mean_track
-from .balance import Balance
 from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
-from .correction import Correction
-from .doubling import summed_states
-from .hop_wgsl import constants
-from .hop_wgsl import mean_track as mean_track_wgsl
-from .level_passes import LevelParams, Prolong, Restrict, RestrictAir, RestrictFaces
-from .propagate import MOVE, TRACK, Count, Step
-from .propagate_varied import VariedStep
+from .hop_visibility import HopVisibility
+from .level import LatticeKind, Level
+from .level_passes import LevelParams, Prolong, Restrict, RestrictFaces, RestrictMedium
+from .line_search import LineSearch
+from .power_rescaling import PowerRescaling
+from .propagate import Count, Operator, Step, StepMedium
 from .schedule import Schedule
-from .small_levels import Part, SmallLevels, first_small
-from .walls import Walls, new_packs
-
-
-class Level:
-    """One lattice of the stack and its buffers."""
-
-    def __init__(
-        self,
-        gpu: Gpu,
-        count: Count,
-        cell_size_m: float,
-        *,
-        is_blocked: bool,
-        is_varied: bool,
-        is_coarse: bool,
-        is_small: bool,
-    ) -> None:
-        """`is_small`: its light is SmallLevels'."""
-        cells = count[0] * count[1] * count[2]
-        nbytes = 16 if is_small else CHANNELS * cells * 16
-        self.count, self.cell, self.cells = count, cell_size_m, cells
-        self.sum, self.spare, self.track, self.answer = (
-            Buffer(gpu, f"{name} {count}", nbytes) for name in ("sum", "spare", "track", "answer")
-        )
-        self.packs = new_packs(gpu, cells if is_blocked else 1)
-        # Level 0's source, air and visibility are its owner's.
-        self.source = Buffer(gpu, f"residual {count}", nbytes if is_coarse else 16)
-        self.medium = Buffer(gpu, "air", CHANNELS * cells * 8 if is_coarse and is_varied else 16)
-        walls = cells if is_coarse and is_blocked else 1
-        self.face_visibility = Buffer(gpu, "face_visibility", walls * 8)
-        self.reflectance = Buffer(gpu, "reflectance", walls * 4)
 
 
 class Levels:
     """Solves Q = I + M Q and hands on its track T Q."""
 
     def __init__(
-        self,
-        gpu: Gpu,
-        count: Count,
-        cell_size_m: float,
-        schedule: Schedule,
-        *,
-        is_blocked: bool,
-        is_varied: bool,
-        scheme: str = "deposit",
-        is_straight: bool = True,
+        self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, kind: LatticeKind
     ) -> None:
-        self.schedule, self.scheme = schedule, scheme
-        self.is_blocked, self.is_varied = is_blocked, is_varied
-        counts = schedule.counts(count)
-        small = None if is_varied else first_small(counts)
+        self.schedule, self.kind = schedule, kind
         self.levels = [
-            Level(
-                gpu,
-                size,
-                cell_size_m * 2**k,
-                is_blocked=is_blocked,
-                is_varied=is_varied,
-                is_coarse=k > 0,
-                is_small=small is not None and k >= small,
-            )
-            for k, size in enumerate(counts)
+            Level(gpu, size, cell_size_m * 2**k, kind, is_finest=k == 0)
+            for k, size in enumerate(schedule.counts(count))
         ]
-        self._kept = persistence(max(count)) if is_straight else RHO**2
+        self._persistence = persistence(max(count)) if kind.is_straight else RHO**2
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
-        self._correction, self._balance = Correction(gpu), Balance(gpu)
-        rows = 2 * CHANNELS * (len(self.levels) + 1)
+        rows = 2 * CHANNELS * len(self.levels)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
-        self._step = (
-            VariedStep(gpu, is_blocked=is_blocked)
-            if is_varied
-            else Step(gpu, is_blocked=is_blocked)
-        )
-        self._walls = Walls(gpu) if is_blocked else None
-        self._restrict, self._prolong = (
-            Restrict(gpu),
-            Prolong(gpu, generated=f"{constants()}\n{mean_track_wgsl()}"),
-        )
-        self._restrict_air = RestrictAir(gpu) if is_varied else None
-        self._restrict_faces = RestrictFaces(gpu) if is_blocked else None
-        self._ways = [(1.0, 1.0, 1.0) for _ in self.levels]
+        self._tracks = [(1.0, 1.0, 1.0) for _ in self.levels]
+        self._step = Step(gpu, has_walls=kind.has_walls, is_varied=kind.is_varied)
+        self._visibility = HopVisibility(gpu) if kind.has_walls else None
+        self._restrict, self._prolong = Restrict(gpu), Prolong(gpu)
+        self._restrict_medium = RestrictMedium(gpu) if kind.is_varied else None
+        self._restrict_faces = RestrictFaces(gpu) if kind.has_walls else None
+        self._line_search, self._rescaling = LineSearch(gpu), PowerRescaling(gpu)
         self._recorded = Recorded(gpu, "cycles of a lattice")
-        self._small = (
-            SmallLevels(gpu, counts, schedule, small, is_blocked=is_blocked) if small else None
-        )
-        self._source, self._medium = self._zero, self.levels[0].medium
-        self._face_visibility = self.levels[0].face_visibility
 
-    def set_air(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
+    def set_homogeneous(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
         """Take on a homogeneous medium, (3,) m^-1 each. Raises SettingsError (scheme paper)."""
         rows = []
         for k, level in enumerate(self.levels):
-            if self.scheme == "deposit":
-                rows += step_rows(sigma_s, sigma_t, level.cell, level=k, kept=self._kept)
+            if self.kind.scheme == "deposit":
+                rows += step_rows(
+                    sigma_s, sigma_t, level.cell, level=k, persistence=self._persistence
+                )
             else:
-                fixed = self.scheme == "paper-gamma"
+                fixed = self.kind.scheme == "paper-gamma"
                 rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
-        # The finest once more, for corrections, which have either sign.
-        rows += step_rows(
-            sigma_s, sigma_t, self.levels[0].cell, keeps_deficits=False, kept=self._kept
-        )
         self._coefficients.write(pack_array(StepCoefficients, rows))
-        self._ways = [tuple(mean_track(sigma_t, level.cell).tolist()) for level in self.levels]
-        if self._small:
-            self._small.set_air(self._ways)
+        self._tracks = [tuple(mean_track(sigma_t, level.cell).tolist()) for level in self.levels]
 
-    def set_medium(self, commands: Commands, medium: Buffer) -> None:
-        """Take on varying air, (sigma_s, sigma_t) m^-1 per channel and cell, and its means."""
-        self._medium = medium
+    def set_varied(self, commands: Commands, medium: Buffer) -> None:
+        """Take on a medium, (sigma_s, sigma_t) m^-1 per channel and cell, and its coarser means."""
+        self.levels[0].medium = medium
         for k in range(1, len(self.levels)):
-            assert self._restrict_air
-            coarse = self.levels[k]
-            self._restrict_air.dispatch(
+            assert self._restrict_medium
+            self._restrict_medium.dispatch(
                 commands,
-                (*coarse.count[:2], CHANNELS * coarse.count[2]),
+                self.levels[k].grid,
                 params=self._pair(k),
-                medium=self._air(k - 1),
-                coarse_medium=coarse.medium,
+                medium=self.levels[k - 1].medium,
+                coarse_medium=self.levels[k].medium,
             )
 
     def set_walls(self, commands: Commands, face_visibility: Buffer, reflectance: Buffer) -> None:
         """Take on walls, as `lattice.blockers` has them; `reflectance` u32 rgb unorm8 per cell."""
-        if self._walls is None or self._restrict_faces is None:
+        if self._visibility is None or self._restrict_faces is None:
             return
-        self._face_visibility, white = face_visibility, reflectance
+        self.levels[0].face_visibility, self.levels[0].reflectance = face_visibility, reflectance
         for k, level in enumerate(self.levels):
             if k:
+                finer = self.levels[k - 1]
                 self._restrict_faces.dispatch(
                     commands,
                     level.count,
                     params=self._pair(k),
-                    face_visibility=face_visibility,
-                    reflectance=white,
+                    face_visibility=finer.face_visibility,
+                    reflectance=finer.reflectance,
                     coarse_face_visibility=level.face_visibility,
                     coarse_reflectance=level.reflectance,
                 )
-                face_visibility, white = level.face_visibility, level.reflectance
-            self._walls.encode(commands, level.count, face_visibility, white, level.packs)
-            if self._small and k >= self._small.first:
-                self._small.set_walls(commands, k, level.packs, face_visibility)
+            self._visibility.encode(
+                commands, level.count, level.face_visibility, level.reflectance, level.packs
+            )
 
     def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
-        self._source = source
-        key = (source, self._medium, self._face_visibility, *self._ways)
-        return self._recorded.encode(commands, key, lambda: self._solved(commands, source))
+        finest = self.levels[0]
+        finest.source = source
+        key = (source, finest.medium, finest.face_visibility, *self._tracks)
+        return self._recorded.encode(commands, key, lambda: self._solved(commands))
 
-    def _solved(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
+    def _solved(self, commands: Commands) -> tuple[Buffer, Buffer]:
         level = self.levels[0]
         if self.schedule.is_empty:
-            return source, self._zero
-        current = source
+            return level.source, self._zero
+        # Cycles bring the sum close to what endless iteration would find.
+        current = level.source
         for _ in range(self.schedule.cycles):
             current = self._cycle(commands, 0, current)
-        if self.schedule.is_balanced:
-            current = self._balance.encode(
-                commands,
-                level.count,
-                source=source,
-                current=current,
-                stepped=self._smoothed(commands, 0, current),
-            )
-        self._apply(commands, 0, TRACK, current, self._zero, level.track)
+        # What is still under way is a smooth global mode: the power that was lost says how much.
+        if self.schedule.is_rescaled:
+            stepped = self._smoothed(commands, 0, current)
+            self._rescaling.encode(commands, level, current=current, stepped=stepped)
+        # The track of the sum is what media and surfaces see.
+        self._apply(commands, 0, Operator.TRACK, current, self._zero, level.track)
         return current, level.track
 
     def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
-        """Smooth, correct by the next level, smooth; returns where the sum now is."""
+        """Smooth, correct by the next level, smooth; returns where the sum is."""
         plan = self.schedule
-        if self._is_doubled(k, current):
-            current = self._doubled(commands, plan.before[k] + 1)
-        else:
-            for _ in range(plan.before[k]):
-                current = self._smoothed(commands, k, current)
+        for _ in range(plan.before[k]):
+            current = self._smoothed(commands, k, current)
         left = plan.after[k]
         if k + 1 < len(self.levels):
             current = self._corrected(commands, k, current)
@@ -210,133 +140,64 @@ class Levels:
             current = self._smoothed(commands, k, current)
         return current
 
-    def _is_doubled(self, k: int, current: Buffer) -> bool:
-        """Where a step that adds nothing is cheaper: without walls, whose steps are not linear."""
-        is_first = k == 0 and current is self._source
-        step = self._step
-        return is_first and isinstance(step, Step) and step.leaves_out_zeros(self.levels[k].count)
-
-    def _doubled(self, commands: Commands, states: int) -> Buffer:
-        level = self.levels[0]
-
-        def step(before: Buffer, added: Buffer | None, after: Buffer, number: int) -> None:
-            self._apply(commands, 0, MOVE, before, added or self._zero, after, steps=number)
-
-        # The track and the answer are free until a correction.
-        sums, spare = (level.sum, level.spare), (level.track, level.answer)
-        at_once = self._step.at_once(level.count) if isinstance(self._step, Step) else 1
-        return summed_states(states, self._source, sums, spare, step, at_once)
+    def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        level = self.levels[k]
+        target = level.other(current)
+        operator = Operator.MOVE if level.is_finest else Operator.CHANGE
+        self._apply(commands, k, operator, current, level.source, target)
+        return target
 
     def _corrected(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         level, coarse = self.levels[k], self.levels[k + 1]
-        stepped = self._other(k, current)
-        self._apply(commands, k, MOVE, current, self._source_of(k), stepped)
-        track = self._solved_coarser(commands, k + 1, stepped, current)
-        # The track is free until the end.
-        change = level.track
-        nx, ny, nz = level.count
-        self._prolong.dispatch(
-            commands,
-            (nx, ny, CHANNELS * nz),
-            params=self._pair(k + 1),
-            track=track,
-            medium=self._air(k),
-            face_visibility=self._face_visibility if k == 0 else level.face_visibility,
-            sum=current,
-            change=change,
-        )
-        self._apply(commands, k, MOVE, change, self._zero, level.answer, is_change=True)
-        corrected = self._other(k, stepped)
-        self._correction.encode(
-            commands,
-            level.count,
-            coarse.count,
-            current=current,
-            stepped=stepped,
-            change=change,
-            answer=level.answer,
-            corrected=corrected,
-            is_finest=k == 0,
-        )
-        return corrected
-
-    def _solved_coarser(
-        self, commands: Commands, k: int, stepped: Buffer, current: Buffer
-    ) -> Buffer | Part:
-        """The track of what level k finds for the residual of the finer `current`."""
-        coarse = self.levels[k]
-        small = self._small if self._small and self._small.first == k else None
-        nx, ny, nz = coarse.count
+        # The residual, I + M Q - Q, is the source of the coarser level.
+        stepped = self._smoothed(commands, k, current)
+        pair = self._pair(k + 1)
         self._restrict.dispatch(
-            commands,
-            (nx, ny, CHANNELS * nz),
-            params=self._pair(k),
-            stepped=stepped,
-            sum=current,
-            residual=small.source if small else coarse.source,
+            commands, coarse.grid, params=pair, stepped=stepped, sum=current, residual=coarse.source
         )
-        if small:
-            small.encode(commands, self._coefficients)
-            return small.track
         found = coarse.source
         for _ in range(self.schedule.visits):
-            found = self._cycle(commands, k, found)
-        self._apply(commands, k, TRACK, found, self._zero, coarse.track)
-        return coarse.track
-
-    def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
-        target = self._other(k, current)
-        self._apply(commands, k, MOVE, current, self._source_of(k), target)
-        return target
+            found = self._cycle(commands, k + 1, found)
+        # Its track is handed to the finer cells as states; the finer track is free until the end.
+        self._apply(commands, k + 1, Operator.CHANGE_TRACK, found, self._zero, coarse.track)
+        self._prolong.dispatch(
+            commands,
+            level.grid,
+            params=pair,
+            track=coarse.track,
+            medium=level.medium,
+            face_visibility=level.face_visibility,
+            sum=current,
+            change=level.track,
+        )
+        # As much of the correction as leaves the least residual, taken one step on.
+        self._apply(commands, k, Operator.CHANGE, level.track, self._zero, level.answer)
+        corrected = level.other(stepped)
+        self._line_search.encode(
+            commands, level, coarse, current=current, stepped=stepped, corrected=corrected
+        )
+        return corrected
 
     def _apply(
         self,
         commands: Commands,
         k: int,
-        row: int,
+        operator: Operator,
         before: Buffer,
         source: Buffer,
         after: Buffer,
-        *,
-        is_change: bool = False,
-        steps: int = 1,
     ) -> None:
         level = self.levels[k]
-        keeps_deficits = k == 0 and not is_change
-        buffers = {"before": before, "source": source, "after": after, "packs": level.packs}
-        if isinstance(self._step, VariedStep):
-            self._step.encode(
-                commands,
-                level.count,
-                level.cell,
-                self._air(k),
-                is_track=row == TRACK,
-                keeps_deficits=keeps_deficits,
-                kept=self._kept,
-                **buffers,
-            )
-        else:
-            # The finest level's rows for corrections come last.
-            first = 2 * CHANNELS * (len(self.levels) if is_change and k == 0 else k) + row
-            self._step.encode(
-                commands,
-                level.count,
-                self._coefficients,
-                first,
-                **buffers,
-                is_added=source is not self._zero,
-                steps=steps,
-            )
-
-    def _other(self, k: int, current: Buffer) -> Buffer:
-        level = self.levels[k]
-        return level.spare if current is level.sum else level.sum
-
-    def _source_of(self, k: int) -> Buffer:
-        return self.levels[k].source if k else self._source
-
-    def _air(self, k: int) -> Buffer:
-        return self.levels[k].medium if k else self._medium
+        medium = StepMedium(
+            level.count,
+            level.cell,
+            level.medium,
+            self._coefficients,
+            2 * CHANNELS * k,
+            level.packs,
+            self._persistence,
+        )
+        self._step.encode(commands, medium, operator, before=before, source=source, after=after)
 
     def _pair(self, k: int) -> LevelParams:
         """Parameters for level k and the finer one before it."""
@@ -344,6 +205,6 @@ class Levels:
             fine=self.levels[k - 1].count,
             cell=self.levels[k - 1].cell,
             coarse=self.levels[k].count,
-            way=self._ways[k - 1],
-            flags=int(self.is_blocked) + 2 * int(self.is_varied),
+            track=self._tracks[k - 1],
+            flags=int(self.kind.has_walls) + 2 * int(self.kind.is_varied),
         )

@@ -1,191 +1,183 @@
-"""One step to 26 neighbours in a homogeneous medium (Billeter2012 eq. 3, ours by default).
+"""One iteration of propagation to 26 neighbours (Billeter2012 eq. 3, ours by default).
 
-A step computes after = source + K before, where K is M (the state one iteration on) or T (the
-track length that a state leaves), by the rows of StepCoefficients it is given. So the sum of all
-states, Q = I + M Q, is stepped itself, and its track T Q taken once at the end.
+A step computes after = source + K before. K is M, which makes the next state of one, or T, which
+gives the track that a state leaves behind. The sum of all states, Q = I + M Q, is stepped itself,
+and its track T Q is taken once at the end.
 differs: Billeter2012 section 4.2 accumulates every state into a third lattice.
 
-GPUs run a cell and channel per invocation. The CPU adapter pays for loads: there each
-invocation marches columns of 2 x 2 cells along z and loads four neighbours a cell, not 26.
+    wgsl/hops26          the 26 hops: weights, lengths, numbers
+    wgsl/hop_exchange    what a cell and one neighbour exchange; the sum over all
+    propagate.wgsl       a cell and channel per invocation
+    propagate_rows.wgsl  the same for CPU adapters whose lanes see one another (`gpu.lanes`)
 """
 
 from __future__ import annotations
 
+import enum
+import os
+from dataclasses import dataclass
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.lanes import Rows, has_row_lanes
+from ..gpu.lanes import LANES, has_row_lanes
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
-from .coefficients import CHANNELS, StepCoefficients, StepParams
-from .hop_wgsl import COUNT, constants, gathered, gathered_blocked, offsets
-from .propagate_open import TILES, OpenColumns, fitting
-from .propagate_pairs import OpenPairs, pairs_for
-from .propagate_rows import OpenRows, RowPass, rows_for
-from .propagate_walls import WallRows
+from ..gpu.slots import Slot, storage, uniform
+from ..maths.lattice26 import RHO
+from .coefficients import CHANNELS, StepCoefficients
 
 Count = tuple[int, int, int]
-SLAB = 8
-"""Layers that one invocation marches through."""
-MOVE, TRACK = 0, CHANNELS
-"""Where the rows of M and T stand in `step_rows`."""
+TILE = (4, 2)
+"""Columns and rows of cells that a lane of propagate_rows.wgsl marches."""
+_GROUPS, _THINNEST = 6, 8
+"""Workgroups that a processor should have at least, and the layers of the thinnest slab."""
 
 
-_SLOTS = (
-    uniform("params", StepParams),
-    storage("coefficients", StepCoefficients),
-    storage("before", "vec4f"),
-    storage("source", "vec4f"),
-    storage("after", "vec4f", "read_write"),
-    storage("packs", "vec4u"),
-)
+class Operator(enum.Enum):
+    """What a step applies to a state."""
+
+    MOVE = enum.auto()
+    """M, for states of the finest lattice: walls give back negative power whole."""
+    CHANGE = enum.auto()
+    """M, for corrections, whose power has either sign: walls reflect all of it alike."""
+    TRACK = enum.auto()
+    """T, for states of the finest lattice."""
+    CHANGE_TRACK = enum.auto()
+    """T, for corrections."""
+
+    @property
+    def is_track(self) -> bool:
+        """Whether it gives the track, W m, and not the next state, W."""
+        return self in (Operator.TRACK, Operator.CHANGE_TRACK)
+
+    @property
+    def keeps_deficits(self) -> bool:
+        """Whether walls give back negative power whole."""
+        return self in (Operator.MOVE, Operator.TRACK)
+
+
+class StepParams(Struct):
+    """A lattice's size, and what a step makes of it."""
+
+    count = vec3u("cells")
+    row = u32("of the coefficients, for channel 0")
+    slabs = u32("slabs along z, which invocations march, of equally many layers")
+    cell = f32("m")
+    straight = f32("net direction of what arrives, per 3 W")
+    deficit = f32("least reflectance of negative power: 1, or 0 for corrections of either sign")
+    is_track = u32("1: the track, not the next state")
+
+
+@dataclass(frozen=True)
+class StepMedium:
+    """A lattice and what is in its cells."""
+
+    count: Count
+    cell_m: float
+    medium: Buffer
+    """Where it varies: (sigma_s, sigma_t), m^-1, per channel and cell."""
+    coefficients: Buffer
+    """Where it is homogeneous: rows of StepCoefficients."""
+    row: int
+    """The first of its six rows: M of three channels, then T of them."""
+    packs: Buffer
+    """Visibility of the hops (see hop_visibility); read where there are walls."""
+    persistence: float = RHO**2
+    """Share of its net direction that light keeps on a hop (maths.lattice26.persistence)."""
+
+
+def _slots(light: str, medium: str, packs: str) -> tuple[Slot, ...]:
+    return (
+        uniform("params", StepParams),
+        storage("coefficients", StepCoefficients),
+        storage("medium", medium),
+        storage("packs", packs),
+        storage("before", light),
+        storage("source", light),
+        storage("after", light, "read_write"),
+    )
 
 
 class _Cells(ComputePass):
-    """Plain gather: x, y and z of a workgroup run over cells, channels stacked along z."""
+    """x, y and z of a workgroup run over cells, channels stacked along z."""
 
-    slots = _SLOTS
+    slots = _slots("vec4f", "vec2f", "vec4u")
     workgroup = (32, 4, 2)
     file = "propagate.wgsl"
 
 
-class _Columns(ComputePass):
-    """Columns of 2 x 2 cells marched along z."""
+class _Rows(ComputePass):
+    """A workgroup's lanes share rows of cells; all is read in pairs of cells."""
 
-    slots = _SLOTS
-    workgroup = (8, 8, 4)
-    file = "propagate_columns.wgsl"
+    slots = _slots("vec4<u64>", "vec2<u64>", "vec4<u64>")
+    workgroup = (LANES, 1, 1)
+    file = "propagate_rows.wgsl"
 
 
 class Step:
-    """Runs steps on lattices of any size; `is_blocked` reads visibility packs (see walls)."""
+    """Runs steps on lattices of any size, all of them with walls or none, varying or none."""
 
-    def __init__(self, gpu: Gpu, *, is_blocked: bool, is_marched: bool | None = None) -> None:
-        """`is_marched` chooses the kernel; by default columns on CPU adapters."""
-        self.is_marched = gpu.takes_cpu_paths if is_marched is None else is_marched
-        text = "\n".join([constants(), gathered_blocked() if is_blocked else gathered()])
-        self._cells = _Cells(gpu, generated=f"{text}\n{_cell_call(is_blocked)}")
-        self._columns: _Columns | None = None
-        self._gpu, self._is_open = gpu, self.is_marched and not is_blocked
-        self._has_rows = self._is_open and has_row_lanes(gpu)
-        self._open = {tile: OpenColumns(gpu, tile) for tile in TILES if self._is_open}
-        self._rows: dict[tuple[Rows, int, bool], RowPass] = {}
-        has_walls = self.is_marched and is_blocked and has_row_lanes(gpu)
-        self._walls = WallRows(gpu) if has_walls else None
-        if self.is_marched:
-            self._columns = _Columns(gpu, generated=f"{text}\n{_column_functions(is_blocked)}")
+    def __init__(
+        self, gpu: Gpu, *, has_walls: bool, is_varied: bool, has_rows: bool | None = None
+    ) -> None:
+        """`has_rows` chooses the kernel of rows; by default on CPU adapters that have the lanes."""
+        self._gpu = gpu
+        self._has_rows = has_row_lanes(gpu) if has_rows is None else has_rows
+        self._constants = {"HAS_WALLS": float(has_walls), "IS_VARIED": float(is_varied)}
+        # Compiled when first needed: most lattices need one of the two.
+        self._kernels: dict[type[ComputePass], ComputePass] = {}
 
     def encode(
         self,
         commands: Commands,
-        count: Count,
-        coefficients: Buffer,
-        row: int,
+        lattice: StepMedium,
+        operator: Operator,
         *,
         before: Buffer,
         source: Buffer,
         after: Buffer,
-        packs: Buffer,
-        is_added: bool = True,
-        steps: int = 1,
     ) -> None:
-        """after = source + K before, K by the rows `row` .. `row` + 2 of `coefficients`.
-
-        Where not `is_added`, `source` holds zeros, which need not be read. `steps` are as many as
-        `at_once` allows: K K for 2.
-        """
-        nx, ny, nz = count
-        slabs = -(-nz // SLAB)
-        tile, rows = fitting(count), rows_for(count)
-        given = {"before": before, "source": source, "after": after}
-        values = {
-            "params": StepParams.of(count=count, row=row, slabs=slabs, own=0.0),
-            "coefficients": coefficients,
-            "packs": packs,
-            **given,
-        }
-        if self._has_rows and rows:
-            # What is read anyway need not be read once more to be added.
-            own = float(is_added and source is before and steps == 1)
-            kernel = self._row_kernel(count, steps, is_added and not own)
-            kernel.encode(commands, count, coefficients, row, **given, own=own)
-        elif self._walls and rows:
-            self._walls.encode(commands, count, coefficients, row, **given, packs=packs)
-        elif tile in self._open:
-            self._open[tile].encode(commands, count, coefficients, row, **given)
-        # Columns come in pairs; a coarse lattice of odd size takes the plain kernel.
-        elif self._columns and nx % 2 == 0 and ny % 2 == 0:
-            self._columns.dispatch(commands, (nx // 2, ny // 2, CHANNELS * slabs), **values)
-        else:
-            self._cells.dispatch(commands, (nx, ny, CHANNELS * nz), **values)
-
-    def leaves_out_zeros(self, count: Count) -> bool:
-        """Whether a step without `is_added` is cheaper on such a lattice."""
-        return self._has_rows and rows_for(count) is not None
-
-    def at_once(self, count: Count) -> int:
-        """How many steps may be taken at once on such a lattice."""
-        return 2 if self._has_rows and pairs_for(count) else 1
-
-    def _row_kernel(self, count: Count, steps: int, is_added: bool) -> RowPass:
-        kind = OpenRows if steps == 1 else OpenPairs
-        rows = rows_for(count) if steps == 1 else pairs_for(count)
-        assert rows
-        found = self._rows.get((rows, steps, is_added))
-        if found is None:
-            found = self._rows[rows, steps, is_added] = kind(self._gpu, rows, is_added=is_added)
-        return found
-
-
-def _arguments(names: list[str], is_blocked: bool) -> str:
-    walls = ["packs[p]", "packs[p + 1u]", "packs[p + 2u]", "packs[p + 3u]", "channel"]
-    return ", ".join(names + (walls if is_blocked else []))
-
-
-def _function(is_blocked: bool) -> str:
-    return "gathered_blocked" if is_blocked else "gathered"
-
-
-def _cell_call(is_blocked: bool) -> str:
-    """`stepped(at, channel, cell)`: what the cell holds next, its neighbours loaded one by one."""
-    loads = [f"at_neighbour(at + vec3i({x}, {y}, {z}), channel)" for x, y, z in offsets()]
-    names = ["c", "before[index] * c.gain", *loads]
-    return (
-        "fn stepped(c: StepCoefficients, at: vec3i, channel: u32, cell: u32, index: u32) -> vec4f "
-        f"{{\n    let p = 4u * cell;\n    return {_function(is_blocked)}(\n        "
-        f"{_arguments(names, is_blocked)});\n}}"
-    )
-
-
-def _column_functions(is_blocked: bool) -> str:
-    """A layer's 4 x 4 columns, how they are loaded, and the step of the four in the middle."""
-    fields = "".join(f"    v{k}: vec4f,\n" for k in range(16))
-    lines = [f"struct Layer {{\n{fields}}}"]
-    lines.append("fn loaded(base: u32, x: vec4u, y: vec4u, gain: mat4x4f, along: vec4f) -> Layer {")
-    lines.append("    var layer: Layer;")
-    for k in range(16):
-        # Rows of `gain` weight what lies beyond the border, by column in x; `along` by row in y.
-        lines.append(
-            f"    layer.v{k} = before[base + y.{'xyzw'[k // 4]} + x.{'xyzw'[k % 4]}]"
-            f" * (gain[{k % 4}] * along.{'xyzw'[k // 4]});"
+        """after = source + K before; W per cell and channel, W m where the operator is a track."""
+        nx, ny, nz = lattice.count
+        # Rows are read in pairs of cells, so that all of them must begin with a pair.
+        by_rows = self._has_rows and nx % 2 == 0
+        x, y, slabs = tiles(lattice.count, os.cpu_count() or 1) if by_rows else (nx, ny, nz)
+        params = StepParams.of(
+            count=lattice.count,
+            row=lattice.row + CHANNELS * operator.is_track,
+            slabs=slabs,
+            cell=lattice.cell_m,
+            straight=lattice.persistence / RHO,
+            deficit=float(operator.keeps_deficits),
+            is_track=int(operator.is_track),
         )
-    lines += ["    return layer;", "}"]
-    for tile in range(4):
-        lines.append(_column_call(tile, is_blocked))
-    return "\n".join(lines)
+        self._kernel(_Rows if by_rows else _Cells).dispatch(
+            commands,
+            (x, y, CHANNELS * slabs),
+            params=params,
+            coefficients=lattice.coefficients,
+            medium=lattice.medium,
+            packs=lattice.packs,
+            before=before,
+            source=source,
+            after=after,
+        )
+
+    def _kernel(self, kind: type[ComputePass]) -> ComputePass:
+        if kind not in self._kernels:
+            self._kernels[kind] = kind(self._gpu, constants=self._constants)
+        return self._kernels[kind]
 
 
-def _column_call(tile: int, is_blocked: bool) -> str:
-    i, k = tile % 2, tile // 2
-    layers = {-1: "below", 0: "here", 1: "above"}
+def tiles(count: Count, processors: int) -> Count:
+    """Tiles along x and y, and slabs along z: as few as leave every processor some of them.
 
-    def value(x: int, y: int, z: int) -> str:
-        return f"{layers[z]}.v{4 * (1 + k + y) + 1 + i + x}"
-
-    names = ["c", value(0, 0, 0), *(value(*o) for o in offsets())]
-    assert len(names) == COUNT + 2
-    return (
-        f"fn stepped_{tile}(c: StepCoefficients, below: Layer, here: Layer, above: Layer, "
-        f"channel: u32, cell: u32) -> vec4f {{\n    let p = 4u * cell;\n"
-        f"    return {_function(is_blocked)}(\n        {_arguments(names, is_blocked)});\n}}"
-    )
+    Slabs read the layers beside them, too.
+    """
+    nx, ny, nz = count
+    x, y = -(-nx // TILE[0]), -(-ny // TILE[1])
+    groups = CHANNELS * -(-x // LANES) * y
+    slabs = min(-(-_GROUPS * processors // groups), max(1, nz // _THINNEST))
+    # As many as layers are left for.
+    return x, y, -(-nz // -(-nz // slabs))

@@ -1,13 +1,30 @@
-// One step, a cell and channel per invocation. Cells beyond the lattice hold no light.
+// One iteration of propagation to 26 neighbours, a cell and channel per invocation:
+// after = source + K before, where K makes the next state of one, or the track that it leaves.
+//! use hop_exchange
 
-fn at_neighbour(at: vec3i, channel: u32) -> vec4f {
-    if (any(at < vec3i(0)) || any(at >= vec3i(params.count))) {
-        return vec4f(0.0);
-    }
+// Beyond the lattice there is no light, and the medium goes on as at its border.
+fn cell_at(at: vec3i, channel: u32) -> Cell {
     let n = params.count;
-    let p = vec3u(at);
-    return before[((channel * n.z + p.z) * n.y + p.y) * n.x + p.x]
-        * coefficients[params.row + channel].gain;
+    let inside = vec3u(clamp(at, vec3i(0), vec3i(n) - 1));
+    let index = ((channel * n.z + inside.z) * n.y + inside.y) * n.x + inside.x;
+    let state = select(vec4f(0.0), before[index], all(vec3i(inside) == at));
+    if (IS_VARIED) {
+        return varied_cell(state, medium[index]);
+    }
+    return homogeneous_cell(state * coefficients[params.row + channel].gain);
+}
+
+fn walls_at(cell: u32, channel: u32) -> Walls {
+    if (!HAS_WALLS) {
+        return no_walls();
+    }
+    let p = 4u * cell;
+    return unpacked_walls(array<vec4u, 4>(packs[p], packs[p + 1u], packs[p + 2u], packs[p + 3u]),
+        channel);
+}
+
+fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell {
+    return cell_at(at + step, channel);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -16,9 +33,16 @@ fn at_neighbour(at: vec3i, channel: u32) -> vec4f {
     if (id.x >= n.x || id.y >= n.y || channel >= 3u) {
         return;
     }
+    // The cell, what its medium does to light, and the walls around it.
     let at = vec3u(id.xy, id.z % n.z);
     let cell = (at.z * n.y + at.y) * n.x + at.x;
+    let own = cell_at(vec3i(at), channel);
+    var c = coefficients[params.row + channel];
+    if (IS_VARIED) {
+        c = varied_coefficients(own);
+    }
+    var walls = walls_at(cell, channel);
+    // Whatever its 26 neighbours send, and what it keeps of what it sends them.
     let index = channel * n.x * n.y * n.z + cell;
-    after[index] = source[index]
-        + stepped(coefficients[params.row + channel], vec3i(at), channel, cell, index);
+    after[index] = source[index] + gathered(Here(vec3i(at), channel, own, c), &walls);
 }

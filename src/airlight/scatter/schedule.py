@@ -31,7 +31,8 @@ class Schedule:
     """Steps `before` and `after` the correction by the next coarser level, per level.
 
     `visits` of the coarser level per correction (2 makes W cycles), `cycles` in all;
-    `iterations` is what was asked for; `is_balanced`: the sum is scaled at last (see balance).
+    `iterations` is what was asked for; `is_rescaled`: the sum's power is rescaled at last (see
+    power_rescaling).
     """
 
     before: tuple[int, ...]
@@ -40,7 +41,7 @@ class Schedule:
     cycles: int = 1
     iterations: int = 0
     is_empty: bool = False
-    is_balanced: bool = False
+    is_rescaled: bool = False
 
     def counts(self, count: Count) -> list[Count]:
         """The cells of each level's lattice."""
@@ -75,7 +76,7 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
     ones = (1,) * coarser
     cycles = max(1, round(iterations / _CYCLE_ITERATIONS))
     return Schedule(
-        (*ones, 8), (*ones, 0), visits=2, cycles=cycles, iterations=iterations, is_balanced=True
+        (*ones, 8), (*ones, 0), visits=2, cycles=cycles, iterations=iterations, is_rescaled=True
     )
 
 

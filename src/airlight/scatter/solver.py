@@ -28,15 +28,16 @@ from ..surface.light_table import LightData, packed_lights
 from .cell_medium import CellMedium
 from .emission import Emission
 from .forward import ForwardLight
+from .hop_visibility import CellReflectance
 from .inject_border import InjectBorder
 from .inject_rays import InjectRays, Sampling, owner_rows
 from .inject_single import InjectSingle
+from .level import LatticeKind
 from .levels import Levels
 from .reduced import is_forward, reduced_scene
 from .schedule import Schedule, cycles_to, iterations_to, schedule
 from .settings import ScatterSettings, densest_air, is_varied
 from .surface_light import SurfaceLight
-from .walls import CellReflectance
 
 _RETURNED = Lobe(returned_sharpness())
 _SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
@@ -80,7 +81,6 @@ class ScatterSolver(Solver):
 
     def _make_passes(self, scene: Scene) -> None:
         gpu, cells = self.gpu, self.placement.cells
-        is_blocked = self.settings.occlusion
         self.inject_reflected = Inject(gpu, self.air)
         self.inject_rays = InjectRays(gpu, self.air)
         self.inject_single = InjectSingle(gpu, self.air)
@@ -102,16 +102,14 @@ class ScatterSolver(Solver):
         self.medium = Buffer(gpu, "air of cells", 3 * cells * 8 if self.is_varied else 16)
         self.reflectance = Buffer(gpu, "reflectance of cells", cells * 4)
         scheme = self.settings.scheme
-        self.levels = Levels(
-            gpu,
-            self.placement.count,
-            self.placement.cell,
-            self._schedule(reduced_scene(scene)),
-            is_blocked=is_blocked,
+        kind = LatticeKind(
+            has_walls=self.settings.occlusion,
             is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
             is_straight=any(densest_air(scene)[1]),
         )
+        plan = self._schedule(reduced_scene(scene))
+        self.levels = Levels(gpu, self.placement.count, self.placement.cell, plan, kind)
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
         self._sigma_s = self._sigma_t = self._densest = (0.0, 0.0, 0.0)
@@ -185,10 +183,10 @@ class ScatterSolver(Solver):
         self._densest = densest_air(even)[1]
         if self.cell_medium is None:
             self._sigma_s, self._sigma_t = densest_air(even)
-            self.levels.set_air(self._sigma_s, self._sigma_t)
+            self.levels.set_homogeneous(self._sigma_s, self._sigma_t)
             return True
         self.cell_medium.encode(commands, self.placement, self.medium, self._places())
-        self.levels.set_medium(commands, self.medium)
+        self.levels.set_varied(commands, self.medium)
         return True
 
     def _places(self) -> int:
@@ -335,7 +333,7 @@ class ScatterSolver(Solver):
         if any(densest_air(even)[1]):
             return plan
         # What area lights send is too bright in clear air; finished, it would be more so.
-        return dataclasses.replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_balanced=False)
+        return dataclasses.replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_rescaled=False)
 
     @property
     def stats(self) -> dict[str, object]:

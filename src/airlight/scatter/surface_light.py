@@ -19,7 +19,6 @@ from ..lattice.lookup import ChannelTextures
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length, scattered_lookup_scale
 from ..scene.checks import Rgb
-from .hop_wgsl import constants, literal, mean_track
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
@@ -57,8 +56,8 @@ class SurfaceLight(ChannelTextures):
     def __init__(self, gpu: Gpu, placement: Placement) -> None:
         super().__init__(gpu, "surface", placement.count)
         self.placement, self.scale = placement, 1.0
-        gain = f"const SCATTERED_GAIN = {literal(scattered_lookup_scale() / LOOKUP_SCALE - 1.0)};"
-        self._pack = _Pack(gpu, generated=f"{constants()}\n{mean_track()}\n{gain}")
+        gain = scattered_lookup_scale() / LOOKUP_SCALE - 1.0
+        self._pack = _Pack(gpu, constants={"SCATTERED_GAIN": gain})
 
     def encode(
         self,
@@ -73,8 +72,8 @@ class SurfaceLight(ChannelTextures):
     ) -> None:
         """From the sum of states; `flux`, W, bounds what came in.
 
-        `medium` as for VariedStep, or None for even `sigma_s`, `sigma_t`. `forward`: fluence and
-        flux, W m, of beams that the lattice does not hold.
+        `medium` as for Step, or None for a homogeneous one of `sigma_s`, `sigma_t`. `forward`: fluence
+        and flux, W m, of beams that the lattice does not hold.
         """
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
         clear_m = mean_hop_length() * self.placement.cell

@@ -1,3 +1,6 @@
+//! use hops26
+
+override SCATTERED_GAIN: f32;
 const LARGEST_HALF = 65504.0;
 
 fn stored(index: u32, weight: f32) -> vec4f {
@@ -26,7 +29,7 @@ fn stored(index: u32, weight: f32) -> vec4f {
     }
     // Of the light that reaches a wall, this share comes from the air.
     let scattered = 1.0 - exp(-sigma_s * params.chord);
-    let weight = way_m(sigma_t, params.cell) * (1.0 + SCATTERED_GAIN * scattered);
+    let weight = mean_track(sigma_t, params.cell) * (1.0 + SCATTERED_GAIN * scattered);
     textureStore(red, id, stored(cell, weight.r));
     textureStore(green, id, stored(cell + cells, weight.g));
     textureStore(blue, id, stored(cell + 2u * cells, weight.b));

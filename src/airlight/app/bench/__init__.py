@@ -1,6 +1,6 @@
 """The benchmark: `frames` says what is timed, `child` times a first image in a process of its own.
 
-`scatter`, `pop`, `kernel` and `growth` are its parts, `tables` writes them down.
+`pop`, `kernel` and `growth` are its parts, `tables` writes them down.
 """
 
 from __future__ import annotations

@@ -117,8 +117,6 @@ def measured(
     if "propagation" in wanted:
         report("propagation", 0.0)
         results["propagation"] = _propagation(plan, adapter)
-        report("propagation to 26 neighbours", 0.5)
-        results["scattering"] = _scattering(plan, adapter)
     if "first-image" in wanted:
         results["first_image"] = _first_images(cases, adapter, report)
     if "frames" in wanted:
@@ -184,13 +182,6 @@ def _has_all(technique: str, settings: dict[str, str]) -> bool:
 def _propagation(plan: Plan, adapter: str) -> dict[str, Any]:
     from ...gpu.device import open_gpu
     from .kernel import measure
-
-    return measure(open_gpu(adapter), plan.kernel_runs, plan.kernel_sides)
-
-
-def _scattering(plan: Plan, adapter: str) -> dict[str, Any]:
-    from ...gpu.device import open_gpu
-    from .scatter import measure
 
     return measure(open_gpu(adapter), plan.kernel_runs, plan.kernel_sides)
 

@@ -28,8 +28,6 @@ def tables(results: Mapping[str, Any]) -> list[Table]:
         found += [_frames(results["frames"]), _stages(results["frames"])]
     if results.get("propagation"):
         found.append(_propagation(results["propagation"], "propagation steps"))
-    if results.get("scattering"):
-        found.append(_propagation(results["scattering"], "steps to 26 neighbours in air"))
     if results.get("first_image"):
         found.append(_first_images(results["first_image"]))
     found += [_growth(table) for table in results.get("growth", ())]

@@ -6,5 +6,5 @@
         return;
     }
     let index = (id.z * n.y + id.y) * n.x + id.x;
-    balanced[index] = mix(source[index], stepped[index], scales[id.z / n.z]);
+    rescaled[index] = mix(source[index], stepped[index], scales[id.z / n.z]);
 }

@@ -1,8 +1,8 @@
-"""The sum of all states scaled so that all light that came in has been lost somewhere.
+"""Global power rescaling: the sum of all states, scaled so that all power that came in is lost.
 
-Of Q = I + M Q a sum Q has lost the power of Q - M Q to air, walls and the world outside; in the end
-that is all of I. What is under way after a few cycles is smooth and wanders on where the sum
-already is, so a scale is what it lacks most. Another step costs nothing more: I + s M Q.
+Of Q = I + M Q a sum Q has lost the power of Q - M Q to media, walls and the world outside; in the
+end that is all of I. What is under way after a few cycles is a smooth global mode, which a scale
+per channel corrects. Another step costs nothing more: I + s M Q.
 Source: the coarsest correction of iterative aggregation (Koury, McAllister and Stewart 1984).
 """
 
@@ -15,19 +15,19 @@ from ..gpu.layout import Struct, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS
-from .propagate import Count
+from .level import Level
 
 _PARTS = 512  # partial sums of a channel
 _MOST = 2.0  # a scale beyond which a sum knows too little of where light goes
 
 
-class BalanceParams(Struct):
+class RescalingParams(Struct):
     """The lattice's size."""
 
     count = vec3u("cells")
 
 
-_PARAMS = uniform("params", BalanceParams)
+_PARAMS = uniform("params", RescalingParams)
 
 
 class _Sum(ComputePass):
@@ -39,13 +39,13 @@ class _Sum(ComputePass):
         storage("parts", "vec2f", "read_write"),
     )
     workgroup = (64, 1, 1)
-    file = "balance_sum.wgsl"
+    file = "power_sum.wgsl"
 
 
 class _Scale(ComputePass):
     slots = (storage("parts", "vec2f"), storage("scales", "f32", "read_write"))
     workgroup = (4, 1, 1)
-    file = "balance_scale.wgsl"
+    file = "power_scale.wgsl"
 
 
 class _Apply(ComputePass):
@@ -54,13 +54,13 @@ class _Apply(ComputePass):
         storage("source", "vec4f"),
         storage("stepped", "vec4f"),
         storage("scales", "f32"),
-        storage("balanced", "vec4f", "read_write"),
+        storage("rescaled", "vec4f", "read_write"),
     )
     workgroup = (32, 4, 2)
-    file = "balance_apply.wgsl"
+    file = "power_apply.wgsl"
 
 
-class Balance:
+class PowerRescaling:
     """Finds the scale per channel and takes the scaled sum one step on."""
 
     def __init__(self, gpu: Gpu) -> None:
@@ -70,23 +70,15 @@ class Balance:
         self._parts = Buffer(gpu, "partial powers", CHANNELS * _PARTS * 8)
         self.scales = Buffer(gpu, "scales of the sum", CHANNELS * 4)
 
-    def encode(
-        self,
-        commands: Commands,
-        count: Count,
-        *,
-        source: Buffer,
-        current: Buffer,
-        stepped: Buffer,
-    ) -> Buffer:
+    def encode(self, commands: Commands, level: Level, *, current: Buffer, stepped: Buffer) -> None:
         """`current` becomes source + s (stepped - source); `stepped` = source + M current."""
-        nx, ny, nz = count
-        params = BalanceParams(count=count)
+        params = RescalingParams(count=level.count)
+        # What came in, and what of it is still under way.
         self._sum.dispatch(
             commands,
             (_PARTS, CHANNELS),
             params=params,
-            source=source,
+            source=level.source,
             stepped=stepped,
             sum=current,
             parts=self._parts,
@@ -94,11 +86,10 @@ class Balance:
         self._scale.dispatch(commands, (CHANNELS,), parts=self._parts, scales=self.scales)
         self._apply.dispatch(
             commands,
-            (nx, ny, CHANNELS * nz),
+            level.grid,
             params=params,
-            source=source,
+            source=level.source,
             stepped=stepped,
             scales=self.scales,
-            balanced=current,
+            rescaled=current,
         )
-        return current

@@ -1,9 +1,8 @@
-"""A coarse lattice's correction, as long as leaves the least residual, taken one step on.
+"""How much of a coarse lattice's correction to take: the line search of a minimal-residual method.
 
 With r = I + M Q - Q and the correction e, Q + t e leaves r - t (e - M e); t minimises its square.
 Walls that a coarse lattice cannot hold make e too long or wrong: t is then small, and no cycle
 makes the residual grow. Another smoothing step of Q + t e costs nothing more: (I + M Q) + t M e.
-Source: the one step of a minimal-residual method along e.
 """
 
 from __future__ import annotations
@@ -15,10 +14,10 @@ from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .coefficients import CHANNELS
-from .propagate import Count
+from .level import Level
 
 _PARTS = 512  # partial sums of a channel
-_SAFE, BOLD = 1.8, 4.0  # on the finest lattice, which decides; and on others
+_SAFE, _BOLD = 1.8, 4.0  # on the finest lattice, which decides; and on others
 
 
 class SearchParams(Struct):
@@ -34,13 +33,13 @@ class LengthParams(Struct):
     most = f32("of the length that leaves the least residual; beyond 2 it grows")
 
 
-class CorrectParams(Struct):
+class ApplyParams(Struct):
     """The lattice's size."""
 
     count = vec3u("cells")
 
 
-class _Search(ComputePass):
+class _Sum(ComputePass):
     slots = (
         uniform("params", SearchParams),
         storage("stepped", "vec4f"),
@@ -50,7 +49,7 @@ class _Search(ComputePass):
         storage("parts", "vec2f", "read_write"),
     )
     workgroup = (64, 1, 1)
-    file = "level_search.wgsl"
+    file = "line_search_sum.wgsl"
 
 
 class _Length(ComputePass):
@@ -60,69 +59,69 @@ class _Length(ComputePass):
         storage("lengths", "f32", "read_write"),
     )
     workgroup = (4, 1, 1)
-    file = "level_length.wgsl"
+    file = "line_search_length.wgsl"
 
 
-class _Correct(ComputePass):
+class _Apply(ComputePass):
     slots = (
-        uniform("params", CorrectParams),
+        uniform("params", ApplyParams),
         storage("stepped", "vec4f"),
         storage("answer", "vec4f"),
         storage("lengths", "f32"),
         storage("corrected", "vec4f", "read_write"),
     )
     workgroup = (32, 4, 2)
-    file = "level_correct.wgsl"
+    file = "line_search_apply.wgsl"
 
 
-class Correction:
-    """Finds the length per channel and takes the corrected sum one step on."""
+class LineSearch:
+    """Finds the length of a correction per channel, and takes the corrected sum one step on."""
 
     def __init__(self, gpu: Gpu) -> None:
         parts = f"const PARTS = {_PARTS}u;"
-        self._search, self._length = _Search(gpu, generated=parts), _Length(gpu, generated=parts)
-        self._correct = _Correct(gpu)
+        self._sum, self._length = _Sum(gpu, generated=parts), _Length(gpu, generated=parts)
+        self._apply = _Apply(gpu)
         self._parts = Buffer(gpu, "partial sums", CHANNELS * _PARTS * 8)
         self._lengths = Buffer(gpu, "correction lengths", CHANNELS * 4)
 
     def encode(
         self,
         commands: Commands,
-        count: Count,
-        coarse: Count,
+        level: Level,
+        coarse: Level,
         *,
         current: Buffer,
         stepped: Buffer,
-        change: Buffer,
-        answer: Buffer,
         corrected: Buffer,
-        is_finest: bool,
     ) -> None:
-        """corrected = stepped + t answer; `stepped` = I + M current, `answer` = M change."""
-        nx, ny, nz = count
-        self._search.dispatch(
+        """corrected = stepped + t M e, where `stepped` = I + M current.
+
+        `level.track` holds the correction e, `level.answer` M e.
+        """
+        # Sums of r.d and d.d over the cells of the coarser lattice, d = e - M e.
+        self._sum.dispatch(
             commands,
             (_PARTS, CHANNELS),
-            params=SearchParams.of(fine=count, coarse=coarse),
+            params=SearchParams.of(fine=level.count, coarse=coarse.count),
             stepped=stepped,
             sum=current,
-            change=change,
-            answer=answer,
+            change=level.track,
+            answer=level.answer,
             parts=self._parts,
         )
         self._length.dispatch(
             commands,
             (CHANNELS,),
-            params=LengthParams.of(most=_SAFE if is_finest else BOLD),
+            params=LengthParams.of(most=_SAFE if level.is_finest else _BOLD),
             parts=self._parts,
             lengths=self._lengths,
         )
-        self._correct.dispatch(
+        self._apply.dispatch(
             commands,
-            (nx, ny, CHANNELS * nz),
-            params=CorrectParams.of(count=count),
+            level.grid,
+            params=ApplyParams.of(count=level.count),
             stepped=stepped,
-            answer=answer,
+            answer=level.answer,
             lengths=self._lengths,
             corrected=corrected,
         )

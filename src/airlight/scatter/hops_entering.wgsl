@@ -1,0 +1,35 @@
+// Packs 0 and 1 of every cell: the open shares of the hops that its neighbours send it, by the number of
+// the hop that goes to the neighbour.
+//! use hops26
+
+// The open share of a neighbour's hop, as hops_leaving has packed it.
+fn open_leaving(cell: vec3i, hop: u32) -> f32 {
+    if (any(cell < vec3i(0)) || any(cell >= vec3i(params.count))) {
+        return 1.0;
+    }
+    let c = vec3u(cell);
+    let index = (c.z * params.count.y + c.y) * params.count.x + c.x;
+    let word = packs[4u * index + 2u + hop / 16u][(hop / 4u) & 3u];
+    return unpack4x8unorm(word)[hop & 3u];
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.count)) {
+        return;
+    }
+    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    var words: array<u32, 8>;
+    for (var word = 0u; word < 7u; word++) {
+        var shares = vec4f(1.0);
+        for (var k = 0u; k < 4u; k++) {
+            let j = 4u * word + k;
+            // The neighbour's hop back is the opposite one.
+            if (j != 13u && j < 27u) {
+                shares[k] = open_leaving(vec3i(id) + hop_offset(j), 26u - j);
+            }
+        }
+        words[word] = pack4x8unorm(shares);
+    }
+    packs[4u * cell] = vec4u(words[0], words[1], words[2], words[3]);
+    packs[4u * cell + 1u] = vec4u(words[4], words[5], words[6], 0u);
+}

@@ -1,0 +1,71 @@
+// Packs 2 and 3 of every cell: the open shares of its own hops by their number, and the walls'
+// reflectance. maths.lattice26_walls.open_hops is the NumPy twin.
+//! use hops26
+
+// The open share of the face that a step of `step` along an axis crosses into a cell; outside,
+// nothing stops light.
+fn open_face(cell: vec3i, axis: u32, step: i32) -> f32 {
+    if (any(cell < vec3i(0)) || any(cell >= vec3i(params.count))) {
+        return 1.0;
+    }
+    let c = vec3u(cell);
+    let packed = face_visibility[(c.z * params.count.y + c.y) * params.count.x + c.x];
+    let face = 2u * axis + select(0u, 1u, step < 0);    // +x -x +y -y +z -z
+    return select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face & 3u],
+        face < 4u);
+}
+
+fn part_along(step: vec3i, axis: u32) -> vec3i {
+    var part = vec3i(0);
+    part[axis] = step[axis];
+    return part;
+}
+
+// Along one axis of a hop from `at`; 1 where the hop does not go along it.
+fn open_one(at: vec3i, step: vec3i, axis: u32) -> f32 {
+    return select(1.0, open_face(at + part_along(step, axis), axis, step[axis]), step[axis] != 0);
+}
+
+// Along two axes of it: either first, equally likely.
+fn open_two(at: vec3i, step: vec3i, a: u32, b: u32) -> f32 {
+    if (step[a] == 0 || step[b] == 0) {
+        return open_one(at, step, a) * open_one(at, step, b);
+    }
+    let end = at + part_along(step, a) + part_along(step, b);
+    return 0.5 * (open_one(at, step, a) * open_face(end, b, step[b])
+        + open_one(at, step, b) * open_face(end, a, step[a]));
+}
+
+// Along all its axes: each of them last, equally likely.
+fn open_hop(at: vec3i, step: vec3i) -> f32 {
+    if (any(step == vec3i(0))) {
+        let first = select(0u, 1u, step.x == 0);
+        let second = select(1u, 2u, step.x == 0 || step.y == 0);
+        return open_two(at, step, first, second);
+    }
+    let end = at + step;
+    return (open_two(at, step, 0u, 1u) * open_face(end, 2u, step.z)
+        + open_two(at, step, 0u, 2u) * open_face(end, 1u, step.y)
+        + open_two(at, step, 1u, 2u) * open_face(end, 0u, step.x)) / 3.0;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.count)) {
+        return;
+    }
+    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    var words: array<u32, 8>;
+    for (var word = 0u; word < 7u; word++) {
+        var shares = vec4f(1.0);
+        for (var k = 0u; k < 4u; k++) {
+            let j = 4u * word + k;
+            // Hop 13 would be the cell itself; there are 27 numbers.
+            if (j != 13u && j < 27u) {
+                shares[k] = open_hop(vec3i(id), hop_offset(j));
+            }
+        }
+        words[word] = pack4x8unorm(shares);
+    }
+    packs[4u * cell + 2u] = vec4u(words[0], words[1], words[2], words[3]);
+    packs[4u * cell + 3u] = vec4u(words[4], words[5], words[6], reflectance[cell]);
+}
