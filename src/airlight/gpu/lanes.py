@@ -7,8 +7,6 @@ the order of lanes (eight in a row along x) ask here first.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from .commands import Commands
@@ -18,25 +16,7 @@ from .memory import Buffer
 from .slots import storage
 
 LANES = 8
-_WIDTHS = (4, 8)
 _FEATURES = ("subgroup", "shader-int64")
-
-
-class Rows(NamedTuple):
-    """Columns along x and y that an invocation takes, and what it has to ask for."""
-
-    width: int
-    height: int
-    is_whole: bool
-    """A row's lanes hold all of it: nothing beside them is loaded."""
-    is_ragged: bool
-    """The last lane has fewer columns than `width`."""
-
-    @classmethod
-    def of(cls, row: int, height: int) -> Rows:
-        """For a row of so many cells, an even number: the narrowest tile whose lanes hold it."""
-        width = next((w for w in _WIDTHS if row <= LANES * w), _WIDTHS[0])
-        return cls(width, height, row <= LANES * width, row % width != 0)
 
 
 class _Probe(ComputePass):

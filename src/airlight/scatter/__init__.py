@@ -16,8 +16,9 @@
                       |                                    |
                   fields.irradiance              fields.scattered, fields.reflected
 
-`solver` runs all of it, `settings` says what it can be told, `reduced` makes isotropic media of those
-that scatter forwards, `map_blockers` takes walls from six shadow maps. `propagate` has the stencil.
+`solver` runs all of it, `settings` says what it can be told, `reduced` makes isotropic media of
+those that scatter forwards, `map_blockers` takes walls from six shadow maps. `propagate` has the
+stencil.
 
 A lattice is a storage buffer of vec4f (A, Bx, By, Bz) laid out [channel][z][y][x], in power units:
 (A, B) = 4pi (a, b) of the intensity a + b.w, so A is the cell's power, W.

@@ -113,7 +113,7 @@ def paper_rows(
     # gamma_j <Gamma_j|1> summed over the neighbours.
     printed = float(np.sqrt(4.0 * np.pi) / np.sqrt(table.weights).sum())
     handed_on = 1.0 if is_gamma_fixed else printed
-    nothing = {name: np.zeros(3) for name in StepCoefficients.fields}
+    nothing: dict[str, Any] = {name: np.zeros(3) for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
         passed = 1.0 - distance_m * t

@@ -6,7 +6,7 @@ and its track T Q is taken once at the end.
 differs: Billeter2012 section 4.2 accumulates every state into a third lattice.
 
     wgsl/hops26          the 26 hops: weights, lengths, numbers
-    wgsl/hop_exchange    what a cell and one neighbour exchange; the sum over all
+    wgsl/step26          what a cell and one neighbour exchange; the sum over all
     propagate.wgsl       a cell and channel per invocation
     propagate_rows.wgsl  the same for CPU adapters whose lanes see one another (`gpu.lanes`)
 """

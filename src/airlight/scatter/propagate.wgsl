@@ -1,6 +1,6 @@
 // One iteration of propagation to 26 neighbours, a cell and channel per invocation:
 // after = source + K before, where K makes the next state of one, or the track that it leaves.
-//! use hop_exchange
+//! use step26
 
 // Beyond the lattice there is no light, and the medium goes on as at its border.
 fn cell_at(at: vec3i, channel: u32) -> Cell {

@@ -2,7 +2,7 @@
 // is loads: lanes share a row of cells. Each marches a tile of 4 x 2 columns along z, reads two cells at
 // once, and has those beside its tile from the lanes beside it. The lattice's x is even.
 //! use cell_pairs
-//! use hop_exchange
+//! use step26
 
 const WIDTH = 4u;
 const HEIGHT = 2u;

@@ -72,8 +72,8 @@ class SurfaceLight(ChannelTextures):
     ) -> None:
         """From the sum of states; `flux`, W, bounds what came in.
 
-        `medium` as for Step, or None for a homogeneous one of `sigma_s`, `sigma_t`. `forward`: fluence
-        and flux, W m, of beams that the lattice does not hold.
+        `medium` as for Step, or None for a homogeneous one of `sigma_s`, `sigma_t`. `forward`:
+        fluence and flux, W m, of beams that the lattice does not hold.
         """
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
         clear_m = mean_hop_length() * self.placement.cell

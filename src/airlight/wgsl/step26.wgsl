@@ -4,8 +4,8 @@
 // NumPy twins: maths.lattice26.half_linear_step and deposit_step, maths.lattice26_walls.bounced.
 // differs: Billeter2012 has homogeneous media, deposits in the cell that light enters alone, and
 // drops what walls stop.
-// Kernels have `fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell`.
 //! use hops26
+//! needs fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell
 
 override IS_VARIED = false;     // the medium differs from cell to cell
 override HAS_WALLS = false;
