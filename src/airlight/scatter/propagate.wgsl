@@ -23,7 +23,7 @@ fn walls_at(cell: u32, channel: u32) -> Walls {
         channel);
 }
 
-fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell {
+fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
     return cell_at(at + step, channel);
 }
 
@@ -44,5 +44,5 @@ fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell {
     var walls = walls_at(cell, channel);
     // Whatever its 26 neighbours send, and what it keeps of what it sends them.
     let index = channel * n.x * n.y * n.z + cell;
-    after[index] = source[index] + gathered(Here(vec3i(at), channel, own, c), &walls);
+    after[index] = source[index] + exchanged(Here(vec3i(at), channel, own, c), &walls);
 }

@@ -18,7 +18,7 @@ var<private> above: Layer;
 var<private> table: StepCoefficients;
 
 // `at` is a column and row of the tile.
-fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell {
+fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
     let y = at.y + 1 + step.y;
     let x = at.x + 1 + step.x;
     switch step.z {
@@ -129,13 +129,13 @@ fn walls_at(cell: u32, channel: u32) -> Walls {
 
 // K before in the tile's cell at `at`, of the lattice's number `cell`.
 fn stepped(cell: u32, at: vec3i, channel: u32) -> vec4f {
-    let own = neighbour(at, channel, vec3i(0));
+    let own = cell_beside(at, channel, vec3i(0));
     var c = table;
     if (IS_VARIED) {
         c = varied_coefficients(own);
     }
     var walls = walls_at(cell, channel);
-    return gathered(Here(at, channel, own, c), &walls);
+    return exchanged(Here(at, channel, own, c), &walls);
 }
 
 // Steps the tile's two cells from column x of row y on, the first of which has the number `cell`.

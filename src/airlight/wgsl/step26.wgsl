@@ -5,7 +5,7 @@
 // differs: Billeter2012 has homogeneous media, deposits in the cell that light enters alone, and
 // drops what walls stop.
 //! use hops26
-//! needs fn neighbour(at: vec3i, channel: u32, step: vec3i) -> Cell
+//! needs fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell
 
 override IS_VARIED = false;     // the medium differs from cell to cell
 override HAS_WALLS = false;
@@ -121,7 +121,7 @@ fn exchange(sum: ptr<function, vec4f>, c: StepCoefficients, own: Cell, far: Cell
 struct Here { at: vec3i, channel: u32, own: Cell, c: StepCoefficients }
 
 fn visit(sum: ptr<function, vec4f>, here: Here, walls: ptr<function, Walls>, step: vec3i) {
-    exchange(sum, here.c, here.own, neighbour(here.at, here.channel, step), walls, step);
+    exchange(sum, here.c, here.own, cell_beside(here.at, here.channel, step), walls, step);
 }
 
 fn visit_row(sum: ptr<function, vec4f>, here: Here, walls: ptr<function, Walls>, y: i32, z: i32) {
@@ -139,7 +139,7 @@ fn visit_layer(sum: ptr<function, vec4f>, here: Here, walls: ptr<function, Walls
 }
 
 // K before in one cell. Calls in place of loops: drivers that unroll none would look up every number.
-fn gathered(here: Here, walls: ptr<function, Walls>) -> vec4f {
+fn exchanged(here: Here, walls: ptr<function, Walls>) -> vec4f {
     var sum = vec4f(0.0);
     visit_layer(&sum, here, walls, -1);
     visit_layer(&sum, here, walls, 0);
