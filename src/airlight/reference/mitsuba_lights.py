@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import assert_never
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ..scene.checks import F32, Vec3
 from ..scene.environment import Environment
 from ..scene.light_shapes import world_from_unit
-from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..scene.lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
 from ..scene.point_lights import PointLights
 from ..scene.scene import Scene
 from .mitsuba_files import FileStore, write_exr
@@ -44,10 +45,12 @@ def light_elements(light: Light, files: FileStore, notes: list[str]) -> list[Ele
         return _area(ball, notes)
     if isinstance(light, AreaLight):
         return _area(light, notes)
-    assert isinstance(light, SpotLight)
-    if light.radius > 0.0:
-        notes.append("a spot light's radius: Mitsuba's spots are points, its shadows are hard")
-    return [_spot(light, files)]
+    if isinstance(light, SpotLight):
+        if light.radius > 0.0:
+            notes.append("a spot light's radius: Mitsuba's spots are points, its shadows are hard")
+        return [_spot(light, files)]
+    assert not isinstance(light, LightSample), "the device's own"
+    assert_never(light)
 
 
 def _area(light: AreaLight, notes: list[str]) -> list[Element]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
-from ..scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ..scene.lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
 from .light_views import view_count
 
 DIRECTIONAL, POINT, SPOT, SAMPLE = 0, 1, 2, 3
@@ -69,6 +69,10 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
                 "cos_outer": light.even,
                 "nearest": max(light.extent**2, 1e-8),
             }
+        case AreaLight():  # comes as samples
+            pass
+        case _:
+            assert_never(light)
     return fields
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import assert_never
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ...maths.ordinates import (
 from ...maths.transforms import F64
 from ...maths.view_ordinates import view_partition, view_samples
 from ...scene.environment import Environment
-from ...scene.lights import DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ...scene.lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
 from ...surface.sky import environment_map
 from .sky_correction import SkyLight
 from .table import LocalLight
@@ -125,6 +126,8 @@ def local_lights(lights: tuple[Light, ...]) -> list[LocalLight]:
             found.append(light)
         elif isinstance(light, LightSample):
             found.append(_as_cone(light))
+        elif not isinstance(light, DirectionalLight | AreaLight):
+            assert_never(light)
     return found
 
 

@@ -11,13 +11,13 @@ import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 
 from ..camera import Camera
 from ..environment import Environment
-from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
 from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
@@ -137,19 +137,21 @@ def _light(light: Light) -> dict[str, Any]:
         }
     if isinstance(light, AreaLight):
         return _area_light(light)
-    assert isinstance(light, PointLight | SpotLight)
+    assert not isinstance(light, LightSample), "the device's own"
     table = {"position": light.position, "intensity": _colour(light.intensity)}
     if light.radius > 0.0:
         table["radius"] = light.radius
     if isinstance(light, PointLight):
         return {"type": "point", **table}
-    return {
-        "type": "spot",
-        **table,
-        "direction": light.direction,
-        "inner_deg": light.inner_deg,
-        "outer_deg": light.outer_deg,
-    }
+    if isinstance(light, SpotLight):
+        return {
+            "type": "spot",
+            **table,
+            "direction": light.direction,
+            "inner_deg": light.inner_deg,
+            "outer_deg": light.outer_deg,
+        }
+    assert_never(light)
 
 
 def _area_light(light: AreaLight) -> dict[str, Any]:
