@@ -185,4 +185,6 @@ class LightSample:
         return None
 
 
-Light = DirectionalLight | PointLight | SpotLight | AreaLight | LightSample
+LightFromPoint = PointLight | SpotLight | LightSample
+"""Lights that shadow maps see from one point."""
+Light = DirectionalLight | AreaLight | LightFromPoint

@@ -25,9 +25,8 @@ from ..scene.lights import (
     AreaLight,
     DirectionalLight,
     Light,
-    LightSample,
+    LightFromPoint,
     PointLight,
-    SpotLight,
 )
 
 Vec3 = tuple[float, float, float]
@@ -135,9 +134,7 @@ def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64
     return view, corners.min(axis=0), corners.max(axis=0)
 
 
-def _cone(
-    light: PointLight | SpotLight | LightSample, index: int, low: F64, high: F64, resolution: int
-) -> LightView:
+def _cone(light: LightFromPoint, index: int, low: F64, high: F64, resolution: int) -> LightView:
     assert light.half_angle_deg is not None and not isinstance(light, PointLight)
     fov = np.radians(2.0 * light.half_angle_deg) * 1.01
     return _perspective(
@@ -146,7 +143,7 @@ def _cone(
 
 
 def _cube(
-    light: PointLight | SpotLight | LightSample, index: int, low: F64, high: F64, resolution: int
+    light: LightFromPoint, index: int, low: F64, high: F64, resolution: int
 ) -> list[LightView]:
     return [
         _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
