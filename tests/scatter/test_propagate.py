@@ -105,10 +105,10 @@ def truth(state, medium, blocked=None):
 def test_the_step_is_numpys(gpu, lattice, commands, walls, medium, has_walls, has_rows):
     if has_rows and not has_row_lanes(gpu):
         pytest.skip("this driver's lanes are not in rows")
-    packs, openness, _, _ = walls
+    packs, visibility, _, _ = walls
     state = random_state()
     sigmas = random_medium(state) if medium == "varied" else constant_medium(state)
-    wanted = truth(state, sigmas, 1.0 - openness if has_walls else None)
+    wanted = truth(state, sigmas, 1.0 - visibility if has_walls else None)
     for operator, expected in zip((Operator.MOVE, Operator.TRACK), wanted, strict=True):
         got = stepped(
             gpu,

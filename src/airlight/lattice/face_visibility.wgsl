@@ -1,6 +1,7 @@
 //! use blocker_sums
 
-// What propagation knows of a cell's six faces, eight u32 a cell: for each outgoing hop
+// What propagation knows of a cell's six faces (Kaplanyan2010 section 3.2; twin:
+// maths.lattice6.blocked_shares), eight u32 a cell: for each outgoing hop
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 

@@ -1,3 +1,5 @@
+// Every texel of a reflective shadow map is a virtual point light, whose cosine lobe enters the cell
+// half a cell in front of it (Kaplanyan2010 section 3.1; twin of the lobe: maths.sh.cosine_lobe).
 // The including pass says what of a layer's light arrives at a point: light_arriving(layer, p).
 //! use lattice_space
 //! use lobes

@@ -1,4 +1,4 @@
-// Packs 0 and 1 of every cell: the open shares of the hops that its neighbours send it, by the number of
+// Packs 0 and 1 of every cell (1 - b of Billeter2012 eq. 2): the open shares of the hops that its neighbours send it, by the number of
 // the hop that goes to the neighbour.
 //! use hops26
 

@@ -1,3 +1,4 @@
+// Light that media scatter once, as the isotropic power of each cell (Billeter2012 section 4.1).
 //! use lattice_space
 //! use media_light
 //! use cell_light

@@ -1,5 +1,5 @@
 // Light that scatters once in the cells of a grid, column by column along its light: the first
-// state.
+// state (Elek2014 section 4.1).
 //! use hop_light
 //! use ordinate_kind
 

@@ -1,4 +1,5 @@
-// The column density between a cell and an ordinate inside the medium's box, by the midpoint rule.
+// The column density between a cell and an ordinate inside the medium's box, by the midpoint rule:
+// the transmittance that starts an ordinate's light (Elek2014 section 4.1; maths.delta_beam.light).
 //! use ordinate_light
 //! use medium
 

@@ -1,0 +1,70 @@
+"""The map from the papers to the code names what is there, and the code cites the papers."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SOURCE = REPOSITORY / "src" / "airlight"
+PAGE = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
+
+
+def rows(heading: str) -> list[list[str]]:
+    """Cells of the first table under a heading."""
+    _, _, rest = PAGE.partition(f"## {heading}\n")
+    section = rest.partition("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")][2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+PAPERS = rows("From the papers to the code")
+
+
+def test_ten_equations_and_three_papers():
+    keys = [row[0].split()[0] for row in PAPERS]
+    assert len(keys) >= 10
+    assert set(keys) == {"Kaplanyan2010", "Billeter2012", "Elek2014"}
+
+
+@pytest.mark.parametrize("row", PAPERS, ids=lambda row: row[0].partition(":")[0])
+def test_the_truth_exists_and_cites(row):
+    for name in re.findall(r"`([\w.]+)`", row[1]):
+        module, _, function = name.rpartition(".")
+        found = importlib.import_module(f"airlight.{module}")
+        assert callable(getattr(found, function)), name
+        if module != "reference.quadrature":  # knows no technique: the light itself
+            assert row[0].split()[0] in Path(found.__file__).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("row", PAPERS, ids=lambda row: row[0].partition(":")[0])
+def test_the_line_on_the_device_exists_and_cites(row):
+    named = re.findall(r"`([\w/]+\.(?:wgsl|py))`: ((?:`\w+`(?:, )?)+)", row[2])
+    assert named or row[2] == "on the host"
+    for path, functions in named:
+        text = (SOURCE / path).read_text(encoding="utf-8")
+        assert row[0].split()[0] in text, f"{path} does not cite {row[0].split()[0]}"
+        for function in re.findall(r"`(\w+)`", functions):
+            assert re.search(rf"\b(fn|def) {function}\(", text), f"{path}: {function}"
+
+
+def test_the_calls_from_the_command_to_the_stencil_exist():
+    calls = [
+        re.fullmatch(r"`([\w.]+)`", row[0])[1] for row in rows("From the command to the stencil")
+    ]
+    assert 8 <= len(calls) <= 12
+    for name in calls:
+        parts = name.split(".")
+        for cut in range(len(parts), 0, -1):
+            path = SOURCE.joinpath(*parts[:cut]).with_suffix(".py")
+            if path.exists():
+                found = importlib.import_module("airlight." + ".".join(parts[:cut]))
+                for part in parts[cut:]:
+                    found = getattr(found, part)
+                assert found is not None
+                break
+        else:
+            raise AssertionError(name)
