@@ -64,6 +64,8 @@ class Solved:
         )
         context = Context(gpu, scene, GpuScene(gpu, scene), (8, 8))
         kit = Kit(context, surfaces, nested(LOW, HIGH, cells + 2))
+        # As a technique has it: surfaces that emit are lights.
+        scene = kit.emitters.of(scene)
         self.placement = kit.placement
         chosen = dataclasses.replace(ScatterSettings(map_resolution=64), **settings)
         self.solver = ScatterSolver(kit, chosen)

@@ -1,9 +1,9 @@
-// Light of an endless medium around the lattice on its straight way into it: each cell's fluence and flux,
+// Light of an endless medium around the lattice on its straight path into it: each cell's fluence and flux,
 // and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
 //! use media
 //! use open_line
 
-// W m^-2 sr^-1 that the air outside sends from a place on the border, seen on a level of directions.
+// W m^-2 sr^-1 that the medium outside sends from a point of the border, seen on a level of directions.
 fn incoming(level: u32, depth: f32) -> vec3f {
     let row = min(depth / (1.0 + depth) / LAST, 1.0) * f32(ROWS - 1u);
     let i = min(u32(row), ROWS - 2u);
@@ -12,9 +12,10 @@ fn incoming(level: u32, depth: f32) -> vec3f {
 }
 
 // To where a ray from p leaves the lattice, m.
-fn leaving(p: vec3f, way: vec3f) -> f32 {
+fn leaving(p: vec3f, direction: vec3f) -> f32 {
     let low = lattice.origin;
-    return ray_box_interval(lattice_from_world(lattice, p), lattice_from_world(lattice, way), low,
+    return ray_box_interval(lattice_from_world(lattice, p), lattice_from_world(lattice, direction),
+        low,
         low + lattice.cell * vec3f(lattice.count)).y;
 }
 
@@ -26,6 +27,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
     var fluence = vec3f(0.0);
     var flux = mat3x3f();                   // columns x, y, z of rgb
     var against: array<vec3f, 6>;           // irradiance of faces +x -x +y -y +z -z from within
+    // Rays into all directions: what comes in at their ends, attenuated, past walls.
     for (var k = 0u; k < LEVELS * TURNS; k++) {
         let level = k / TURNS;
         let up = directions[level].x;
@@ -36,18 +38,19 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         let passed = exp(-media_optical_depth(p, out, 0.0, reach));
         let sent = directions[level].y * passed
             * incoming(level, params.sigma * max(params.top - end.y, 0.0));
-        // No way to walk where nothing comes from, as from above all air.
+        // Nothing is walked where nothing comes from, as from above the medium.
         let begin = vec3f(id) + 0.5;
         let light = sent
             * open_line(begin, select(begin, warped_coordinates(lattice, end), any(sent > vec3f(0.0))));
         fluence += light;
-        let way = lattice_from_world(lattice, out);
-        flux -= mat3x3f(light * way.x, light * way.y, light * way.z);
+        let away = lattice_from_world(lattice, out);
+        flux -= mat3x3f(light * away.x, light * away.y, light * away.z);
         for (var axis = 0u; axis < 3u; axis++) {
-            against[2u * axis] += light * max(-way[axis], 0.0);
-            against[2u * axis + 1u] += light * max(way[axis], 0.0);
+            against[2u * axis] += light * max(-away[axis], 0.0);
+            against[2u * axis + 1u] += light * max(away[axis], 0.0);
         }
     }
+    // The cell's power: what its medium scatters, and what its walls reflect along their normals.
     let colour = unpack4x8unorm(reflectance[cell_of(id)]).rgb;
     let area = lattice.cell * lattice.cell;
     let volume = lattice.cell * area;
@@ -63,12 +66,12 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         walls[face / 2u] += shut;
     }
     // Two bands would read flat light on a floor as too bright: what the cell's walls get of it is
-    // known, and so surfaces are told of light as even as would bring them that.
-    var even = vec3f(0.0);
+    // known, and so surfaces are told of a constant term that would bring them that.
+    var constant = vec3f(0.0);
     for (var axis = 0u; axis < 3u; axis++) {
-        even += walls[axis] * 2.0 * (against[2u * axis] + against[2u * axis + 1u]);
+        constant += walls[axis] * 2.0 * (against[2u * axis] + against[2u * axis + 1u]);
     }
-    even /= walls.x + walls.y + walls.z;
+    constant /= walls.x + walls.y + walls.z;
     let share = walls / max(walls.x, max(walls.y, walls.z));
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;
     for (var c = 0u; c < 3u; c++) {
@@ -76,7 +79,7 @@ fn leaving(p: vec3f, way: vec3f) -> f32 {
         let along = vec3f(flux[0][c], flux[1][c], flux[2][c]);
         border[index] = vec4f(power[c], turned[0][c], turned[1][c], turned[2][c]);
         border[3u * cells + index] = volume * vec4f(fluence[c], along);
-        border[6u * cells + index] = volume * vec4f(even[c], share * along);
+        border[6u * cells + index] = volume * vec4f(constant[c], share * along);
     }
 }
 

@@ -1,4 +1,4 @@
-"""The air's coefficients averaged over cells, for propagation through varying air."""
+"""Coefficients of the media averaged over cells, for propagation where they vary."""
 
 from __future__ import annotations
 
@@ -12,34 +12,36 @@ from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 
 
-class AirCellParams(Struct):
+class CellMediumParams(Struct):
     """How finely a cell is sampled."""
 
-    places = u32("per axis")
+    samples = u32("per axis")
 
 
 class CellMedium(ComputePass):
-    """(sigma_s, sigma_t), m^-1, per channel and cell: the mean over places^3 points."""
+    """(sigma_s, sigma_t), m^-1, per channel and cell: the mean over samples^3 points."""
 
     workgroup = (32, 4, 2)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
-        self._air = air
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        self._media = media
         self.slots = (  # type: ignore[misc]
-            uniform("params", AirCellParams),
+            uniform("params", CellMediumParams),
             uniform("lattice", LatticeParams),
-            *air.medium_slots,
+            *media.medium_slots,
             storage("medium", "vec2f", "read_write"),
         )
-        super().__init__(gpu, generated=air.medium_wgsl)
+        super().__init__(gpu, generated=media.medium_wgsl)
 
-    def encode(self, commands: Commands, placement: Placement, medium: Buffer, places: int) -> None:
+    def encode(
+        self, commands: Commands, placement: Placement, medium: Buffer, samples: int
+    ) -> None:
         """Fill `medium`, laid out [channel][z][y][x]."""
         self.dispatch(
             commands,
             placement.count,
-            params=AirCellParams(places=places),
+            params=CellMediumParams(samples=samples),
             lattice=placement.params(),
             medium=medium,
-            **self._air.medium_bound,
+            **self._media.medium_bound,
         )

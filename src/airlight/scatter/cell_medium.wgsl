@@ -5,7 +5,7 @@
     if (any(id >= lattice.count)) {
         return;
     }
-    let n = params.places;
+    let n = params.samples;
     var scattering = vec3f(0.0);
     var extinction = vec3f(0.0);
     for (var k = 0u; k < n * n * n; k++) {

@@ -6,8 +6,8 @@ fn stored(index: u32, share: f32) -> vec4f {
         v += forward[index];
     }
     // A two-band state may dip below zero beside a strong source; light does not.
-    let even = max(v.x, 0.0);
-    return clamp(vec4f(even, 3.0 * v.yzw) * params.scale, vec4f(-LARGEST_HALF),
+    let power = max(v.x, 0.0);
+    return clamp(vec4f(power, 3.0 * v.yzw) * params.scale, vec4f(-LARGEST_HALF),
         vec4f(LARGEST_HALF));
 }
 

@@ -1,10 +1,10 @@
-"""Light that is unscattered in the reduced medium: near its beam still, and in no other layer.
+"""Light that is unscattered in the reduced medium, light by light.
 
-The lattice solves for the reduced medium (see `reduced`), in which light scattered forwards goes
-on as if nothing had happened. What of a beam goes through that, Phi T', marching scatters towards
-the eye by fused_phase, light by light, and what the true medium would have attenuated,
-Phi (T' - T), lights surfaces. A sun's spreads across its way, .29 sqrt(2 (1 - g)) of its way in the
-air, as far as walls let it.
+The lattice solves for the reduced medium (see `reduced`), in which light that is scattered forwards
+counts as unscattered. Marching scatters its irradiance Phi T' towards the eye by fused_phase; the
+part that the true medium would have attenuated, Phi (T' - T), lights surfaces. Light of directional
+lights is blurred across their direction by .29 sqrt(2 (1 - g)) of its path in the medium, as far as
+walls let it.
 Source: ours. differs: Billeter2012 knows isotropic media only.
 """
 
@@ -41,13 +41,13 @@ class ForwardParams(Struct):
 
 
 class _Forward(ComputePass):
-    """forward = base + fluence and flux per cell, W m; `keeps` each light's in a texture."""
+    """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture."""
 
     workgroup = (32, 4, 2)
     file = "forward.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia, *, keeps: bool) -> None:
-        own: tuple[Slot, ...] = (image("kept", "rgba16float", "3d"),) if keeps else ()
+    def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool) -> None:
+        own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) if stores else ()
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
@@ -59,12 +59,12 @@ class _Forward(ComputePass):
             sampler("shadow_compare", "comparison"),
             texture("lattice_walls", "3d"),
             storage("face_visibility", "vec2u"),
-            *air.slots,
+            *media.slots,
             storage("base", "vec4f"),
             storage("forward", "vec4f", "read_write"),
             *own,
         )
-        super().__init__(gpu, generated=air.wgsl + (_KEEP if keeps else _DROP))
+        super().__init__(gpu, generated=media.wgsl + (_KEEP if stores else _DROP))
 
 
 class BlurParams(Struct):
@@ -90,7 +90,7 @@ _DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
 _KEEP = """
 fn store_light(id: vec3u, i: u32, light: vec4f) {
     let stored = clamp(light.rgb * params.scale, vec3f(0.0), vec3f(65504.0));
-    textureStore(kept, vec3u(id.xy, id.z + i * lattice.count.z), vec4f(stored, light.a));
+    textureStore(unblurred, vec3u(id.xy, id.z + i * lattice.count.z), vec4f(stored, light.a));
 }
 """
 
@@ -99,18 +99,18 @@ class ForwardLight:
     """The sky's and all lights' forward light in cells, W m, and each light's own for marching."""
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, air: GpuMedia, sky_air: GpuMedia, light_count: int
+        self, gpu: Gpu, placement: Placement, media: GpuMedia, sky_media: GpuMedia, light_count: int
     ) -> None:
         self.placement, self.light_count = placement, light_count
-        self._lights = _Forward(gpu, air, keeps=True)
-        self._sky = _Forward(gpu, sky_air, keeps=False)
-        self._air, self._sky_air = air, sky_air
+        self._lights = _Forward(gpu, media, stores=True)
+        self._sky = _Forward(gpu, sky_media, stores=False)
+        self._media, self._sky_media = media, sky_media
         x, y, z = placement.count
         cells = x * y * z
         self.sky = Buffer(gpu, "forward light of the sky", 3 * cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * cells * 16)
         size = (x, y, z * max(1, light_count))
-        self.kept, self.blurred, self._between = (
+        self.unblurred, self.blurred, self._between = (
             Texture(gpu, name, size, "rgba16float", dimension="3d", written=True)
             for name in ("forward light by light", "blurred forward light", "half blurred light")
         )
@@ -132,7 +132,7 @@ class ForwardLight:
         self._dispatch(
             commands,
             self._sky,
-            self._sky_air,
+            self._sky_media,
             params,
             bound,
             base=black,
@@ -158,12 +158,12 @@ class ForwardLight:
         self._dispatch(
             commands,
             self._lights,
-            self._air,
+            self._media,
             params,
             bound,
             base=base,
             forward=self.all,
-            kept=self.kept,
+            unblurred=self.unblurred,
             lattice_walls=walls,
             face_visibility=face_visibility,
         )
@@ -173,9 +173,9 @@ class ForwardLight:
     def _encode_blur(self, commands: Commands, lights: int, face_visibility: Buffer) -> None:
         x, y, z = self.placement.count
         # Along x, y and z in turn.
-        kept, blurred, between = self.kept, self.blurred, self._between
+        unblurred, blurred, between = self.unblurred, self.blurred, self._between
         for axis, (light, target) in enumerate(
-            ((kept, blurred), (blurred, between), (between, blurred))
+            ((unblurred, blurred), (blurred, between), (between, blurred))
         ):
             self._blur.dispatch(
                 commands,
@@ -190,7 +190,7 @@ class ForwardLight:
         self,
         commands: Commands,
         step: _Forward,
-        air: GpuMedia,
+        media: GpuMedia,
         params: ForwardParams,
         bound: dict[str, Any],
         **values: Any,
@@ -209,7 +209,7 @@ class ForwardLight:
             params=params,
             lattice=self.placement.params(),
             **{name: bound[name] for name in names},
-            **air.bound,
+            **media.bound,
             **values,
         )
 
@@ -217,7 +217,7 @@ class ForwardLight:
         """For marching; `table` of lights."""
         count = self.light_count
         return ForwardSource(
-            self.kept,
+            self.unblurred,
             self.blurred,
             table,
             count,
@@ -228,7 +228,7 @@ class ForwardLight:
 
 
 def _scale(lights: tuple[Light, ...], cell_size_m: float) -> float:
-    """Such that no sun, and no lamp half a cell away, is too bright for half floats."""
+    """Stored units per W m^-2: no light half a cell away is too bright for half floats."""
     largest = max(
         (
             max(x.irradiance)

@@ -5,28 +5,28 @@
 //! use cell_light
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
-const BLUR_CELLS = 6.0;         // that light spreads across its way at most
+const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
 
 struct Depths {
-    even: vec3f,        // optical depth of the reduced medium
-    forward: vec3f,     // what the air itself has besides
+    reduced: vec3f,     // optical depth of the reduced medium
+    forward: vec3f,     // what the true medium has besides
     scattering: vec3f,  // of it
-    deviation: f32,     // m, of the light's spread across its way
+    deviation: f32,     // m, of the light's spread across its direction
 }
 
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
-    let way = media_light_path(light, p);
+    let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let column = media_light_column(m, index, p, way);
-        let even = media[m].sigma_t * column;
-        let kept = max(vec3f(1e-4), 1.0 - media[m].g);
-        sum.even += even;
-        let scattering = even * media[m].albedo / kept;
+        let column = media_light_column(m, index, p, path);
+        let reduced = media[m].sigma_t * column;
+        let isotropic = max(vec3f(1e-4), 1.0 - media[m].g);
+        sum.reduced += reduced;
+        let scattering = reduced * media[m].albedo / isotropic;
         sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
         // Of the green of spread; lengths of several media add up.
-        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * kept.g) * column, media[m].g.g > 0.0);
+        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * isotropic.g) * column, media[m].g.g > 0.0);
     }
     return sum;
 }
@@ -39,12 +39,12 @@ fn is_shut(cell: vec3i, face: u32) -> bool {
     return open < 0.5;
 }
 
-// From a place among the cells by `way` cells, but not through walls.
-fn moved_freely(place: vec3f, way: vec3f) -> vec3f {
-    let steps = ceil(length(way));
-    var at = place;
+// From lattice coordinates by an `offset` in cells, but not through walls.
+fn moved_freely(start: vec3f, offset: vec3f) -> vec3f {
+    let steps = ceil(length(offset));
+    var at = start;
     for (var i = 0.0; i < steps; i += 1.0) {
-        let next = at + way / steps;
+        let next = at + offset / steps;
         let from_cell = vec3i(floor(at));
         let to_cell = vec3i(floor(next));
         for (var axis = 0u; axis < 3u; axis++) {
@@ -72,7 +72,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     var depths = depths_towards(light, i, p);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let own = incoming(light, p);
-    let straight = own.irradiance * exp(-depths.even - depths.forward);
+    let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit_point(light, own.to_light, p), vec3f(0.0), depth);
     let radius = depths.deviation / lattice.cell;
     if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
@@ -81,11 +81,11 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
             select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
         let turn = (f32(k) + 0.5) * 0.7853981634;
         let ring = min(radius, BLUR_CELLS) * select(0.83, 1.82, (k & 1u) == 1u);
-        let way = lattice_from_world(lattice,
+        let offset = lattice_from_world(lattice,
             ring * (cos(turn) * across + sin(turn) * cross(light.direction, across)));
-        let place = moved_freely(vec3f(id) + half, way);
+        let moved = moved_freely(vec3f(id) + half, offset);
         // Beyond the lattice cells go on.
-        p = world_from_cells(lattice, place);
+        p = world_from_cells(lattice, moved);
         depths = depths_towards(light, i, p);
     }
     let in = incoming(light, p);
@@ -97,7 +97,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     if (all(irradiance * depths.forward == vec3f(0.0))) {
         return seen;
     }
-    let gained = exp(-depths.even) * (1.0 - exp(-depths.forward));
+    let gained = exp(-depths.reduced) * (1.0 - exp(-depths.forward));
     return Part(seen.straight, lit_point(light, in.to_light, p) * irradiance * gained, depth);
 }
 
@@ -115,6 +115,7 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
     }
     var fluence = vec3f(0.0);
     var flux = mat3x3f();   // columns x, y, z of rgb
+    // Each light at eight points of the cell, or at a few where there are many lights.
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
         var sum = vec3f(0.0);
@@ -128,10 +129,11 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
         }
         sum *= f32(params.stride) / 8.0;
         store_light(id, i, f32(params.stride) / 8.0 * passed);
-        let way = lattice_from_world(lattice, travel_of(light, id));
+        let along = lattice_from_world(lattice, travel_of(light, id));
         fluence += sum;
-        flux += mat3x3f(sum * way.x, sum * way.y, sum * way.z);
+        flux += mat3x3f(sum * along.x, sum * along.y, sum * along.z);
     }
+    // Power units: fluence and flux times the cell's volume, W m.
     let volume = lattice.cell * lattice.cell * lattice.cell;
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;

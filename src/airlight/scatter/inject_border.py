@@ -1,6 +1,6 @@
 """Scattered light that comes into the lattice from an endless medium around it (media.half_space).
 
-Without it an open scene would be darker than the air beyond it. Only what was scattered already:
+Without it an open scene would be darker than the medium beyond it. Only what was scattered already:
 directional lights and the sky are injected into every cell separately. Hops would soon deflect
 light that comes in flat out of a thin layer of fog, so it is traced straight to the cells and
 propagates from there.
@@ -32,11 +32,11 @@ TURNS = 6
 """Directions around the vertical, on each of LEVELS levels."""
 LEVELS = 8
 ROWS = 48
-_LAST = 0.975  # of depth/(1 + depth), which rows are even in
+_LAST = 0.975  # of depth/(1 + depth), in which rows are equally spaced
 
 
 class BorderParams(Struct):
-    """The air around the lattice."""
+    """The medium around the lattice."""
 
     top = f32("m, where it begins")
     sigma = f32("m^-1, of its densest channel")
@@ -53,7 +53,7 @@ class _Beams(ComputePass):
     workgroup = (32, 4, 1)
     file = "border_beams.wgsl"
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self.slots = (  # type: ignore[misc]
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
@@ -61,13 +61,13 @@ class _Beams(ComputePass):
                 texture(f"lattice_{name}", "3d")
                 for name in ("visibility_a", "visibility_b", "walls")
             ),
-            *air.medium_slots,
+            *media.medium_slots,
             storage("reflectance", "u32"),
             storage("directions", "vec2f"),
             storage("radiance", "vec4f"),
             storage("border", "vec4f", "read_write"),
         )
-        super().__init__(gpu, generated=air.medium_wgsl + _CONSTANTS)
+        super().__init__(gpu, generated=media.medium_wgsl + _CONSTANTS)
 
 
 class _AddBorder(ComputePass):
@@ -84,19 +84,21 @@ class _AddBorder(ComputePass):
 
 
 class InjectBorder:
-    """What comes in, W, into `cells`; its track on the straight way to them, W m, in `beams`, and
+    """What comes in, W, into `cells`; its track on the straight path to them, W m, in `beams`, and
     in `surface_beams` such that two bands of it bring walls what they get.
     """
 
-    def __init__(self, gpu: Gpu, placement: Placement, air: GpuMedia) -> None:
-        self._find, self._add = _Beams(gpu, air), _AddBorder(gpu)
-        self._air, self.placement = air, placement
+    def __init__(self, gpu: Gpu, placement: Placement, media: GpuMedia) -> None:
+        self._find, self._add = _Beams(gpu, media), _AddBorder(gpu)
+        self._media, self.placement = media, placement
         cells = 3 * placement.cells
         self._border = Buffer(gpu, "light from the border", 3 * cells * 16)
         self.beams = Buffer(gpu, "beams from the border", cells * 16)
         self.surface_beams = Buffer(gpu, "beams to surfaces", cells * 16)
         self._radiance = Buffer(gpu, "light of an endless medium", LEVELS * ROWS * 16)
-        self._directions = buffer_of(gpu, "ways into the lattice", levels().astype(np.float32))
+        self._directions = buffer_of(
+            gpu, "directions into the lattice", levels().astype(np.float32)
+        )
         self._key: object = None
 
     def find(
@@ -110,24 +112,24 @@ class InjectBorder:
         *,
         is_new: bool,
     ) -> None:
-        """`medium`, endless below the height `top` (m), scatters evenly; `lights` reach it.
+        """`medium`, endless below the height `top` (m), is isotropic; `lights` reach it.
 
-        `is_new`: walls or air are others than before. Without `reflectance` walls are black.
+        `is_new`: walls or media are others than before. Without `reflectance` walls are black.
         """
         key = (medium, top, tuple(lights))
         if key == self._key and not is_new:
             return
         self._key = key
         self._radiance.write(incoming_light(medium, lights).astype(np.float32))
-        place = self.placement
+        placement = self.placement
         has_walls = float(reflectance is not None)
         params = BorderParams(top=top, sigma=max(medium.sigma_t), has_walls=has_walls)
-        bound: dict[str, Any] = {**blockers.bound, **self._air.medium_bound}
+        bound: dict[str, Any] = {**blockers.bound, **self._media.medium_bound}
         self._find.dispatch(
             commands,
-            place.count,
+            placement.count,
             params=params,
-            lattice=place.params(),
+            lattice=placement.params(),
             reflectance=reflectance or self._radiance,
             directions=self._directions,
             radiance=self._radiance,
@@ -164,8 +166,8 @@ def incoming_light(medium: Medium, lights: list[Light]) -> F64:
     depth = share / (1.0 - share)
     table = np.zeros((LEVELS, ROWS, 4))
     for c in range(3):
-        ways, irradiances = directional(lights, c)
-        light = plane_light(medium.albedo[c], -ways[:, 1], irradiances)
+        directions, irradiances = directional(lights, c)
+        light = plane_light(medium.albedo[c], -directions[:, 1], irradiances)
         own = depth * medium.sigma_t[c] / max(medium.sigma_t)
         table[..., c] = plane_radiance(light, own, levels()[:, 0]).T
     return table.reshape(-1, 4)

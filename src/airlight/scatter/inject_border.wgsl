@@ -1,4 +1,4 @@
-// `border` holds what comes into cells, W, then the track of the light on its way there, as it is and
+// `border` holds what comes into cells, W, then the track of the light on its path there, as it is and
 // as surfaces may read it.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {

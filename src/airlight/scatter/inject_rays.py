@@ -46,16 +46,16 @@ class InjectRays(ComputePass):
 
     workgroup = (16, 16, 1)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
-        self._air = air
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        self._media = media
         self.slots = (  # type: ignore[misc]
             uniform("params", RayPointParams),
             *MAP_SLOTS,
             *MAP_LIGHT_SLOTS,
             *TARGET_SLOTS,
-            *air.slots,
+            *media.slots,
         )
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=media.wgsl)
 
     def encode(
         self,
@@ -80,7 +80,7 @@ class InjectRays(ComputePass):
             **map_bound(maps),
             **lights.bound,
             **target.bound(_ISOTROPIC),
-            **self._air.bound,
+            **self._media.bound,
         )
 
 

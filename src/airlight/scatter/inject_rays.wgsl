@@ -5,8 +5,8 @@
 //! use sampling
 
 // What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
-fn carried(light: LightData, way: vec3f) -> vec3f {
-    return light.color * select(1.0, sent_share(light, way), light.kind >= LIGHT_SPOT);
+fn carried(light: LightData, direction: vec3f) -> vec3f {
+    return light.color * select(1.0, sent_share(light, direction), light.kind >= LIGHT_SPOT);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -24,10 +24,10 @@ fn carried(light: LightData, way: vec3f) -> vec3f {
         start = light.position;
     }
     let reach = length(hit - start);
-    let way = (hit - start) / max(reach, 1e-12);
-    let power = carried(light, way) * texel_measure(view, centre, params.resolution);
+    let direction = (hit - start) / max(reach, 1e-12);
+    let power = carried(light, direction) * texel_measure(view, centre, params.resolution);
     let low = lattice.origin;
-    let span = ray_box_interval(lattice_from_world(lattice, start), lattice_from_world(lattice, way),
+    let span = ray_box_interval(lattice_from_world(lattice, start), lattice_from_world(lattice, direction),
         low, low + lattice.cell * vec3f(lattice.count));
     let t0 = max(0.0, span.x);
     let stretch = min(span.y, select(MEDIUM_FAR, reach, textureLoad(depth, vec2i(id.xy), id.z, 0)
@@ -42,7 +42,7 @@ fn carried(light: LightData, way: vec3f) -> vec3f {
         hash = pcg_hash(hash + i);
         let u = uniform_from_hash(hash);
         let share = select(u, (f32(i) + u) / count, params.is_stratified != 0u);
-        let p = start + (t0 + share * stretch) * way;
+        let p = start + (t0 + share * stretch) * direction;
         let gained = media_scattering(p) * media_light_transmittance(light, owner, p);
         add_lobe(warped_coordinates(lattice, p), vec3f(0.0), power * gained * (stretch / count));
     }

@@ -34,8 +34,8 @@ class InjectSingle(ComputePass):
 
     workgroup = (32, 4, 2)
 
-    def __init__(self, gpu: Gpu, air: GpuMedia) -> None:
-        self._air = air
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        self._media = media
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),
             uniform("lattice", LatticeParams),
@@ -46,11 +46,11 @@ class InjectSingle(ComputePass):
             texture("local_shadows", "2d-array", "depth"),
             sampler("shadow_compare", "comparison"),
             texture("lattice_walls", "3d"),
-            *air.slots,
+            *media.slots,
             storage("base", "vec4f"),
             storage("cells", "vec4f", "read_write"),
         )
-        super().__init__(gpu, generated=air.wgsl)
+        super().__init__(gpu, generated=media.wgsl)
 
     def encode(
         self,
@@ -65,7 +65,7 @@ class InjectSingle(ComputePass):
     ) -> None:
         """`lights`: `lights`, views, shadows and `shadow_compare` as in Lights.bound.
 
-        `count` of them shine; `cells` must not be `base`. The air's coefficients count as
+        `count` of them shine; `cells` must not be `base`. The media's coefficients count as
         isotropic.
         """
         names = (
@@ -85,5 +85,5 @@ class InjectSingle(ComputePass):
             base=base,
             cells=cells,
             **{name: lights[name] for name in names},
-            **self._air.bound,
+            **self._media.bound,
         )

@@ -22,8 +22,8 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
 // The light's mean over a box of sides `size` about p, where it is attenuated by depth x = sigma |d|
 // size per axis, d its direction along the box's axes: exp(-depth) times the product of
 // sinh(x/2)/(x/2).
-fn box_transmittance(depth: vec3f, sigma_t: vec3f, way: vec3f, size: vec3f) -> vec3f {
-    let across = abs(way) * size;
+fn box_transmittance(depth: vec3f, sigma_t: vec3f, direction: vec3f, size: vec3f) -> vec3f {
+    let across = abs(direction) * size;
     var result = vec3f(1.0);
     for (var axis = 0u; axis < 3u; axis++) {
         result *= mean_transmittance_rgb(sigma_t * across[axis]);
@@ -50,8 +50,8 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
         if (is_near) {
             sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
         } else {
-            let way = lattice_from_world(lattice, in.to_light);
-            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, way, size);
+            let direction = lattice_from_world(lattice, in.to_light);
+            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, direction, size);
         }
     }
     return sum;

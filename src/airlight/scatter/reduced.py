@@ -1,4 +1,4 @@
-"""Media that scatter evenly, standing for media that scatter forwards.
+"""Reduced media: isotropic ones that stand for media that scatter forwards (similarity theory).
 
 What matters for the spread of light scattered many times is sigma_s (1 - g): a lattice solves for
 that, while light scattered once is drawn with the true phase function.
@@ -34,12 +34,12 @@ def is_forward(scene: Scene, *, least: float = -1.0) -> bool:
     return any(c != 0.0 and c > least for m in media for c in m.g)
 
 
-def reduced(air: AnyMedium) -> AnyMedium:
+def reduced(medium: AnyMedium) -> AnyMedium:
     """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a. Its g says what it stands for."""
-    kept = [1.0 - w * g for w, g in zip(air.albedo, air.g, strict=True)]
-    r, g, b = (t * k for t, k in zip(air.sigma_t, kept, strict=True))
+    kept = [1.0 - w * g for w, g in zip(medium.albedo, medium.g, strict=True)]
+    r, g, b = (t * k for t, k in zip(medium.sigma_t, kept, strict=True))
     x, y, z = (
         min(1.0, w * (1.0 - c) / k) if k > 0.0 else 0.0
-        for w, c, k in zip(air.albedo, air.g, kept, strict=True)
+        for w, c, k in zip(medium.albedo, medium.g, kept, strict=True)
     )
-    return dataclasses.replace(air, sigma_t=(r, g, b), albedo=(x, y, z))
+    return dataclasses.replace(medium, sigma_t=(r, g, b), albedo=(x, y, z))

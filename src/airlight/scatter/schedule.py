@@ -23,7 +23,7 @@ ACCELERATIONS = ("none", "finish", "cycle")
 _SMALLEST = 4  # cells along the longest side of the coarsest lattice
 _MOST = 512
 _CYCLE_ITERATIONS = 4  # that a cycle costs about as much as
-_CYCLE_LEAVES = 0.3  # of what was under way, in thick air; measured
+_CYCLE_LEAVES = 0.3  # of the light under way, in a dense medium; measured
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
         )
     if iterations < 1:
         return Schedule((0,), (0,), is_empty=True)
+    # Levels are halved until the longest side has _SMALLEST cells.
     coarser = 0
     while max(count) / 2**coarser > _SMALLEST:
         coarser += 1
@@ -73,6 +74,7 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
         depth = min(coarser, 2)
         before, after = (iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1]
         return Schedule(before, after, iterations=iterations)
+    # A W(1, 1) cycle, with eight steps on the coarsest lattice in place of a solution.
     ones = (1,) * coarser
     cycles = max(1, round(iterations / _CYCLE_ITERATIONS))
     return Schedule(
@@ -99,8 +101,8 @@ def iterations_to(
     longest, after the light has crossed the lattice once. Between 1 and 512.
     """
     crossing = max(count) / mean_hop_length()
-    air = zip(sigma_s, sigma_t, strict=True)
-    rate = min(_decay(s, t, cell_size_m, count) for s, t in air)
+    channels = zip(sigma_s, sigma_t, strict=True)
+    rate = min(_decay(s, t, cell_size_m, count) for s, t in channels)
     needed = crossing + math.log(1.0 / max(residual, 1e-6)) / max(rate, 1e-9)
     return int(min(max(math.ceil(needed), 1), _MOST))
 
@@ -112,8 +114,8 @@ def _decay(sigma_s: float, sigma_t: float, cell_size_m: float, count: Count) -> 
     passed = np.exp(-x)
     albedo = sigma_s / sigma_t if sigma_t > 0.0 else 0.0
     kept = float(table.weights @ (passed + albedo * (1.0 - passed)))
-    # Mean squared way of a hop, cells: whole if passed on, and by the share deposited ahead if
-    # scattered; what is passed on keeps rho^2 of its direction, so ways add up in line.
+    # Mean squared length of a hop, cells: whole if passed on, and by the share deposited ahead if
+    # scattered; what is passed on keeps rho^2 of its direction, so lengths add up in line.
     ahead = passed + (1.0 - passed) * mean_absorption_depth(x)
     moved = float(table.weights @ (ahead * table.lengths**2))
     in_line = RHO**2 * float(table.weights @ passed)

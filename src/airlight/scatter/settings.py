@@ -1,4 +1,4 @@
-"""What multiple scattering can be told, and what the scene's air asks of it."""
+"""What multiple scattering can be told, and what the scene's media ask of it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ScatterSettings:
 
     scheme: str = setting(
         "auto",
-        "how a hop scatters; auto: deposit, or half-linear where the air varies; paper: "
+        "how a hop scatters; auto: deposit, or half-linear where the medium varies; paper: "
         "eq. 3 as printed; paper-gamma: with what it loses put back",
         choices=SCHEMES,
     )
@@ -76,7 +76,7 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
     return varies or settings.scheme == "half-linear"
 
 
-def densest_air(scene: Scene) -> tuple[Rgb, Rgb]:
+def densest_medium(scene: Scene) -> tuple[Rgb, Rgb]:
     """(sigma_s, sigma_t), m^-1, of the scene's densest medium; zero without any."""
     found: list[tuple[Rgb, Rgb]] = []
     if scene.medium:

@@ -36,7 +36,7 @@ from .level import LatticeKind
 from .levels import Levels
 from .reduced import is_forward, reduced_scene
 from .schedule import Schedule, cycles_to, iterations_to, schedule
-from .settings import ScatterSettings, densest_air, is_varied
+from .settings import ScatterSettings, densest_medium, is_varied
 from .surface_light import SurfaceLight
 
 _RETURNED = Lobe(returned_sharpness())
@@ -56,12 +56,12 @@ class ScatterSolver(Solver):
         self.lights, self.sky, self.blockers = kit.lights, kit.sky, kit.blockers
         scene = self._seen(kit.context.scene)
         self.is_varied = is_varied(scene, self.placement, settings)
-        even = reduced_scene(scene)
-        self.air = GpuMedia(self.gpu, even, light_count=self.lights.count)
-        sky_scene = dataclasses.replace(even, lights=tuple(self.sky.lights))
+        reduced = reduced_scene(scene)
+        self.media = GpuMedia(self.gpu, reduced, light_count=self.lights.count)
+        sky_scene = dataclasses.replace(reduced, lights=tuple(self.sky.lights))
         # A turning sky may bring more lights.
         most = max(len(self.sky.lights), self.sky.maps.layers)
-        self.sky_air = GpuMedia(
+        self.sky_media = GpuMedia(
             self.gpu, sky_scene, light_count=most, column_resolution=_SKY_COLUMNS
         )
         self.maps = LightMaps(self.gpu, scene.lights, settings.map_resolution)
@@ -81,40 +81,42 @@ class ScatterSolver(Solver):
 
     def _make_passes(self, scene: Scene) -> None:
         gpu, cells = self.gpu, self.placement.cells
-        self.inject_reflected = Inject(gpu, self.air)
-        self.inject_rays = InjectRays(gpu, self.air)
-        self.inject_single = InjectSingle(gpu, self.air)
-        self.sky_reflected = Inject(gpu, self.sky_air)
-        self.sky_single = InjectSingle(gpu, self.sky_air)
-        self.forward = ForwardLight(gpu, self.placement, self.air, self.sky_air, self.lights.count)
+        self.inject_reflected = Inject(gpu, self.media)
+        self.inject_rays = InjectRays(gpu, self.media)
+        self.inject_single = InjectSingle(gpu, self.media)
+        self.sky_reflected = Inject(gpu, self.sky_media)
+        self.sky_single = InjectSingle(gpu, self.sky_media)
+        self.forward = ForwardLight(
+            gpu, self.placement, self.media, self.sky_media, self.lights.count
+        )
         self._is_forward = self._is_reduced = False
         self.resolve = Resolve(gpu)
         self.points = InjectPoints(gpu)
         is_endless = scene.medium is not None and scene.medium.endless
-        self.border = InjectBorder(gpu, self.placement, self.air) if is_endless else None
+        self.border = InjectBorder(gpu, self.placement, self.media) if is_endless else None
         self.reflectance_of = CellReflectance(gpu)
-        self.cell_medium = CellMedium(gpu, self.air) if self.is_varied else None
+        self.cell_medium = CellMedium(gpu, self.media) if self.is_varied else None
         self.sums = new_sums(gpu, self.placement)
-        self.black, self.steady, self.reflected, self.source = (
+        self.black, self.static, self.reflected, self.source = (
             Buffer(gpu, name, 3 * cells * 16)
-            for name in ("no light", "steady light", "reflected", "source")
+            for name in ("no light", "static light", "reflected", "source")
         )
-        self.medium = Buffer(gpu, "air of cells", 3 * cells * 8 if self.is_varied else 16)
+        self.medium = Buffer(gpu, "medium of cells", 3 * cells * 8 if self.is_varied else 16)
         self.reflectance = Buffer(gpu, "reflectance of cells", cells * 4)
         scheme = self.settings.scheme
         kind = LatticeKind(
             has_walls=self.settings.occlusion,
             is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
-            is_straight=any(densest_air(scene)[1]),
+            is_straight=any(densest_medium(scene)[1]),
         )
         plan = self._schedule(reduced_scene(scene))
         self.levels = Levels(gpu, self.placement.count, self.placement.cell, plan, kind)
         self.emission = Emission(gpu, self.placement)
         self.surfaces = SurfaceLight(gpu, self.placement)
         self._sigma_s = self._sigma_t = self._densest = (0.0, 0.0, 0.0)
-        self._air_version = -1
-        self._walls_key = self._steady_key = b""
+        self._media_version = -1
+        self._walls_key = self._static_key = b""
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Inject what surfaces reflect and media scatter once, propagate, make textures of it.
@@ -125,24 +127,29 @@ class ScatterSolver(Solver):
         flux = flux_bound([*scene.lights, *self.sky.lights], low, high)
         flux += self.points.take(scene.light_groups)
         scale = fixed_point_scale(flux, returned_sharpness())
+        # What the lattice's cells hold: the reduced media, and the walls between them.
         with commands.stage("air"):
-            is_new = self._take_air(commands, scene, low, high)
+            is_new = self._take_media(commands, scene, low, high)
         with commands.stage("prepare blockers"):
             is_new = self._take_walls(commands) or is_new
+        # Light that surfaces reflect, of lights and of the sky, as virtual point lights.
         with commands.stage("reflective shadow maps"):
             self.maps.encode(commands, self.meshes, scene.lights, low, high)
         with commands.stage("sky"):
-            self._inject_steady(commands, scale, is_new=is_new)
+            self._inject_static(commands, scale, is_new=is_new)
         with commands.stage("reflected"):
             self._inject_reflected(commands, scale)
         with commands.stage("aggregate"):
-            self._resolve(commands, self.steady, self.reflected, scale)
+            self._resolve(commands, self.static, self.reflected, scale)
+        # Light that media scatter for the first time, or that comes in scattered from outside.
         with commands.stage("single-scattered"):
             self._inject_single(commands)
             self._inject_border(commands, scene, low, high, is_new=is_new)
             self._take_forward(commands, scene)
+        # Everything that follows: scattered and reflected again and again.
         with commands.stage("propagate"):
             total, track = self.levels.encode(commands, self.source)
+        # The track becomes mean radiance in media, the states irradiance of surfaces.
         with commands.stage("copy"):
             forward = self.forward if self._is_forward else None
             self.emission.encode(commands, track, flux, self._beams, sigma_t=self._densest)
@@ -171,27 +178,27 @@ class ScatterSolver(Solver):
         """The lattice does not depend on the eye."""
         return fields
 
-    def _take_air(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
-        even, self._is_forward = reduced_scene(scene), is_forward(scene)
+    def _take_media(self, commands: Commands, scene: Scene, low: F64, high: F64) -> bool:
+        reduced, self._is_forward = reduced_scene(scene), is_forward(scene)
         self._is_reduced = is_forward(scene, least=0.0)
-        self.air.update(commands, even, low, high)
-        sky = dataclasses.replace(even, lights=tuple(self.sky.lights))
-        self.sky_air.update(commands, sky, low, high)
-        if self.air.version == self._air_version:
+        self.media.update(commands, reduced, low, high)
+        sky = dataclasses.replace(reduced, lights=tuple(self.sky.lights))
+        self.sky_media.update(commands, sky, low, high)
+        if self.media.version == self._media_version:
             return False
-        self._air_version = self.air.version
-        self._densest = densest_air(even)[1]
+        self._media_version = self.media.version
+        self._densest = densest_medium(reduced)[1]
         if self.cell_medium is None:
-            self._sigma_s, self._sigma_t = densest_air(even)
+            self._sigma_s, self._sigma_t = densest_medium(reduced)
             self.levels.set_homogeneous(self._sigma_s, self._sigma_t)
             return True
-        self.cell_medium.encode(commands, self.placement, self.medium, self._places())
+        self.cell_medium.encode(commands, self.placement, self.medium, self._samples())
         self.levels.set_varied(commands, self.medium)
         return True
 
-    def _places(self) -> int:
+    def _samples(self) -> int:
         """Sample points per cell and axis: one per voxel of the finest grid, within reason."""
-        fine = self.placement.cell / self.air.finest_voxel_m
+        fine = self.placement.cell / self.media.finest_voxel_m
         return int(min(max(np.ceil(fine), 3), 6))
 
     def _take_walls(self, commands: Commands) -> bool:
@@ -206,13 +213,13 @@ class ScatterSolver(Solver):
             self.levels.set_walls(commands, self.blockers.face_visibility, self.reflectance)
         return True
 
-    def _inject_steady(self, commands: Commands, scale: float, *, is_new: bool) -> None:
-        """What changes only with environment, air or geometry: the sky and emissive surfaces."""
+    def _inject_static(self, commands: Commands, scale: float, *, is_new: bool) -> None:
+        """Inject what changes only with environment, media or geometry: the sky's light."""
         table = packed_lights(tuple(self.sky.lights))
         key = table.tobytes() + np.float64(scale).tobytes()
-        if key == self._steady_key and not is_new:
+        if key == self._static_key and not is_new:
             return
-        self._steady_key = key
+        self._static_key = key
         place, walls = self.placement, self.blockers.walls
         base = self.black
         if self.sky.lights and self.sky.maps.layers:
@@ -241,7 +248,7 @@ class ScatterSolver(Solver):
                 commands, maps, self._target(scale), _RETURNED, lights=self._sky_lights
             )
             base = self.source
-        self._resolve(commands, base, self.steady, scale)
+        self._resolve(commands, base, self.static, scale)
 
     def _target(self, scale: float) -> InjectionTarget:
         return InjectionTarget(self.placement, self.blockers.walls, self.sums, scale)
@@ -272,12 +279,12 @@ class ScatterSolver(Solver):
     def _inject_border(
         self, commands: Commands, scene: Scene, low: F64, high: F64, *, is_new: bool
     ) -> None:
-        even = reduced_scene(scene).medium
-        if self.border and even:
-            top = float(medium_box(even, low, high, scene.camera.position)[1][1])
+        reduced = reduced_scene(scene).medium
+        if self.border and reduced:
+            top = float(medium_box(reduced, low, high, scene.camera.position)[1][1])
             lights = [*scene.lights, *self.sky.lights]
             walls = self.reflectance if self.settings.occlusion else None
-            self.border.find(commands, even, top, lights, self.blockers, walls, is_new=is_new)
+            self.border.find(commands, reduced, top, lights, self.blockers, walls, is_new=is_new)
             self.border.encode(commands, self.source, self._sky_forward)
 
     @property
@@ -287,7 +294,7 @@ class ScatterSolver(Solver):
 
     @property
     def _beams(self) -> Buffer | None:
-        """Light on straight ways that marching reads from cells, besides what lights send."""
+        """Unscattered light that marching reads from cells, besides that of the scene's lights."""
         if self.border:
             return self.border.beams
         return self._sky_forward if self._is_forward else None
@@ -319,7 +326,7 @@ class ScatterSolver(Solver):
         unit = scale / (4.0 * np.pi)
         self.resolve.encode(commands, self.placement, self.sums, base, cells, unit)
 
-    def _schedule(self, even: Scene) -> Schedule:
+    def _schedule(self, reduced: Scene) -> Schedule:
         s, count = self.settings, self.placement.count
         # The paper has one lattice.
         faster = "none" if s.scheme.startswith("paper") else s.acceleration
@@ -327,12 +334,12 @@ class ScatterSolver(Solver):
         if s.residual > 0.0 and faster == "cycle":
             steps = cycles_to(s.residual)
         elif s.residual > 0.0:
-            sigma_s, sigma_t = densest_air(even)
+            sigma_s, sigma_t = densest_medium(reduced)
             steps = iterations_to(s.residual, sigma_s, sigma_t, self.placement.cell, count)
         plan = schedule(faster, steps, count)
-        if any(densest_air(even)[1]):
+        if any(densest_medium(reduced)[1]):
             return plan
-        # What area lights send is too bright in clear air; finished, it would be more so.
+        # In clear air the light of area lights is too bright; converged, it would be more so.
         return dataclasses.replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_rescaled=False)
 
     @property

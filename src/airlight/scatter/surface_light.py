@@ -1,8 +1,8 @@
 """The summed states as textures, for lighting surfaces as lattice.lookup's are.
 
-Air shortens the track that a state leaves, and so the light that reaches a wall, by mean_track's
-share. The more of it comes from the air and not from a few lit surfaces, the nearer is what lights
-a wall to what the hops bring to it (maths.lattice26.scattered_lookup_scale).
+The medium shortens the track that a state leaves, and so the light that reaches a wall, by
+mean_track's share. The more of it comes from the medium and not from a few lit surfaces, the nearer
+is what lights a wall to what the hops bring to it (maths.lattice26.scattered_lookup_scale).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
 
 class SurfaceLightParams(Struct):
-    """The lattice's size, its scale and its air."""
+    """The lattice's size, its scale and its medium."""
 
     count = vec3u("cells")
     cell = f32("m")
-    sigma_t = vec3f("m^-1, where the air is even")
-    chord = f32("m, mean way through the lattice")
+    sigma_t = vec3f("m^-1, where the medium is homogeneous")
+    chord = f32("m, mean path through the lattice")
     sigma_s = vec3f("m^-1, likewise")
     scale = f32("stored units per W of state in clear air, and per m of mean track there")
     is_varied = u32()

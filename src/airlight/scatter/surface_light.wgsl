@@ -27,7 +27,7 @@ fn stored(index: u32, weight: f32) -> vec4f {
         sigma_s = vec3f(r.x, g.x, b.x);
         sigma_t = vec3f(r.y, g.y, b.y);
     }
-    // Of the light that reaches a wall, this share comes from the air.
+    // Of the light that reaches a wall, this share comes from the medium.
     let scattered = 1.0 - exp(-sigma_s * params.chord);
     let weight = mean_track(sigma_t, params.cell) * (1.0 + SCATTERED_GAIN * scattered);
     textureStore(red, id, stored(cell, weight.r));
