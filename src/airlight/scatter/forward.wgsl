@@ -1,5 +1,5 @@
-// Of each cell, the light that was scattered forwards only: the transmittance of the reduced medium, less
-// that of the true medium. `store_light`, of all light that is unscattered in the reduced medium, is generated.
+// Of each cell, the light that was scattered forwards only: what the reduced medium transmits beyond
+// the true medium. `store_light`, of all light that is unscattered in the reduced medium, is generated.
 //! use lattice_space
 //! use media_light
 //! use cell_light
