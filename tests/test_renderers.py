@@ -294,5 +294,5 @@ def test_interrupted_at_any_moment_it_goes_on(child):
             broken += 1
     print(broken > 20, np.array_equal(renderer.frame(samples=2).radiance, before))
     """)
-    assert said[0] == "True True"
+    assert "True True" in said  # among what Python says of interrupts that destructors lost
     assert not any(line.startswith("exit code") for line in said)
