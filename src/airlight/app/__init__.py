@@ -1,6 +1,9 @@
-"""What a person runs: one module per command, each with a click command named `command`.
+"""The command line: one module or folder per command, each with a click command `command`.
 
-cli          finds the commands, turns errors into messages and exit codes
-render       a scene in, an image out       scenes, info, validate     look before rendering
-doctor       adapters and what is missing
+cli       finds the commands, turns errors into messages and exit codes
+render    a scene in, an image out            sequence/   frames, videos, clusters
+view/     the viewer                          compare/    techniques beside a reference
+bench/    frames timed, costs measured        figure      figures of the papers
+scenes, info, validate, convert, doctor, export_lattice
+scene_argument, options, outputs, progress, streams, cache: what commands share
 """

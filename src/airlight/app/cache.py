@@ -1,4 +1,4 @@
-"""What is costly to make again, kept on disk between runs.
+"""Results that are costly to compute, cached on disk between runs.
 
 A cache that cannot be written costs its user a warning and the same work next time, never the
 result. (`env.cache_folder` refuses a name that leads nowhere, AIRLIGHT_CACHE=~nobody, before that.)
@@ -15,9 +15,9 @@ _REMEDY = "Set AIRLIGHT_CACHE to a folder that can be written."
 
 
 def keep(path: Path, what: str, write: Callable[[Path], None]) -> str:
-    """Have `write(part)` make the file at `path` in the cache, whole or not at all.
+    """Have `write(part)` create the file at `path` in the cache, whole or not at all.
 
-    Empty where that was done; else a warning that names `what` is not kept, and why.
+    Returns an empty text, or a warning that names `what` is not cached, and why.
     """
     from ..scene.io.writing import whole_file
 

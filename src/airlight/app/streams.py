@@ -1,4 +1,4 @@
-"""Standard output and standard error that say it when they take no more: full, or closed."""
+"""Standard output and standard error that report when they are full or closed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAMES = {"stdout": "standard output", "stderr": "standard error"}
 
 
 class ClosedPipe(Exception):
-    """Whoever read standard output or standard error has gone. Nobody needs to be told."""
+    """Whoever read standard output or standard error has gone; nobody needs to be told."""
 
 
 @contextmanager

@@ -1,6 +1,6 @@
-"""The papers' figures and tables, ours: each an image and the JSON of its numbers.
+"""Figures and tables of the papers, drawn by this package: an image and a JSON of numbers each.
 
-registry   every figure by name       panels   rendering panels and joining them
-slices     a solved lattice, cut open, as an image
-clpv_*     Kaplanyan2010
+registry   every figure by name          gallery   one page of all
+panels     renderings joined             slices, polar, truths   what several figures draw
+clpv_* Kaplanyan2010     lpvms_* Billeter2012     pop_* Elek2014
 """

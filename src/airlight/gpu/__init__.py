@@ -1,9 +1,11 @@
 """The device and how to talk to it; the only importer of wgpu.
 
-device     which adapter, and why; limits; one queue          frame    what is encoded and submitted
-layout     uniforms declared once: NumPy dtype and WGSL       slots    what a shader binds
-source     WGSL files, `//! use`, errors at the real line     memory   textures and buffers
-scope      who gives memory back
-compute    a compute pass                                     raster   a render pass
-failures   what is refused, said once               process, one_thread    who may ask
+device (asked, code_paths)   which adapter, its limits and features, the paths that suit it
+scope, memory                who releases what; textures and buffers
+layout, slots, source        structs declared once, bindings, WGSL files and `//! use`
+   -> compute, raster        passes: one class beside its WGSL; bindings, pipelines: cached
+   -> commands, recorded     what a frame encodes; what stays the same is replayed
+failures, demands            what the device refuses, with pass, limit and remedy
+process, one_thread          which process and which thread may use it
+carried, lanes               flat interpolants and lanes of vectors, on CPU adapters
 """

@@ -77,7 +77,10 @@ _CPU_MORE: Mapping[str, int] = {  # what a triangle carries to its pixels, see c
 
 
 def chosen_asked(wanted: str | None = None) -> Asked:
-    """What `wanted` (auto or default; AIRLIGHT_LIMITS if None) says. SettingsError for another."""
+    """What `wanted` asks for: auto or default; AIRLIGHT_LIMITS if None.
+
+    Raises SettingsError for another word.
+    """
     text = env.value(SWITCH) if wanted is None else wanted
     if text.lower() not in _KNOWN:
         raise SettingsError(
@@ -89,12 +92,12 @@ def chosen_asked(wanted: str | None = None) -> Asked:
 
 
 def asked_features(asked: Asked, there: Collection[str]) -> list[str]:
-    """The optional features to ask an adapter that has `there` for."""
+    """The optional features to request from an adapter that has those in `there`."""
     return [] if asked == "default" else [f for f in FEATURES if f in there]
 
 
 def asked_limits(asked: Asked, paths: Paths, there: Mapping[str, int]) -> dict[str, int]:
-    """Every limit to ask an adapter that has `there` for."""
+    """The limits to request from an adapter that has those in `there`."""
     more = {} if asked == "default" else {**_MORE, **(_CPU_MORE if paths == "cpu" else {})}
     wanted = {**DEFAULT_LIMITS, **more}
     return {name: min(value, there[name]) for name, value in wanted.items() if name in there}

@@ -12,7 +12,7 @@ _MOST_KEPT = 256
 
 
 class Bindings:
-    """The bind groups of one set of slots; each combination of resources is made once."""
+    """The bind groups of one set of slots, cached for each combination of resources."""
 
     def __init__(self, gpu: Gpu, slots: tuple[Slot, ...], *, compute: bool, label: str) -> None:
         self.slots, self.label, self.device = slots, label, gpu.device
@@ -42,7 +42,7 @@ class Bindings:
     def _made(
         self, commands: Commands, values: dict[str, Any], resources: list[Any]
     ) -> tuple[Any, list[Any]]:
-        """A new group for the cache, which then has room for it."""
+        """A new bind group for the cache, which makes room for it."""
         # What was released since, by a resize or with another map, is not bound again.
         for key, (_, held) in list(self._groups.items()):
             if any(getattr(resource, "handle", resource) is None for resource in held):

@@ -1,4 +1,4 @@
-"""The texture of a window, a browser's image or a notebook's, to draw into; and imgui on it."""
+"""A canvas to draw into (a window, a browser's image, a notebook's), and imgui on it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Parameters that the triangle of a full-screen pass carries to its pixels, on CPU adapters.
+"""Parameters as flat interpolants of the triangle of a full-screen pass, on CPU adapters.
 
-Such drivers read a parameter from a buffer again for every pixel, lane by lane (a vec4 about 4 ns);
-what a triangle carries unchanged they read once for eight pixels, and next to nothing.
+A CPU adapter loads a uniform again for every pixel, lane by lane (a vec4 takes about 4 ns); a flat
+interpolant it loads once for eight pixels, at next to no cost.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _KINDS = {"f": "f32", "u": "u32", "i": "i32"}
 
 @dataclass(frozen=True)
 class _Part:
-    """A struct that is carried: the variable that pixels read, where vertices read it from."""
+    """One interpolated struct: the variable that pixels read, the buffer of the vertices."""
 
     variable: str
     source: str
@@ -32,7 +32,7 @@ class _Part:
 
     @property
     def words(self) -> list[str]:
-        """WGSL of each of its numbers as a u32, as vertices read them."""
+        """WGSL expressions for each of its numbers as u32, as the vertex shader reads them."""
         return [
             f"bitcast<u32>({self.source}.{name}{component})"
             for name, field in self.struct.fields.items()
@@ -41,7 +41,7 @@ class _Part:
         ]
 
     def built(self, first: int) -> str:
-        """WGSL that makes it of the carried words from `first` on; zeros for what is left out."""
+        """WGSL that rebuilds the struct from the interpolants from `first` on; the rest is zero."""
         values, at = [], first
         for name, field in self.struct.fields.items():
             if name in self.left_out:
@@ -57,7 +57,7 @@ class _Part:
 
 @dataclass(frozen=True)
 class Carried:
-    """What a pass is made of: its slots, the WGSL before its file, the file's, and its entry."""
+    """What a pass is compiled from: slots, WGSL before its file, the file's, entry point."""
 
     slots: tuple[Slot, ...]
     generated: str
@@ -71,7 +71,7 @@ def carried(
     text: str,
     most_words: int = MOST_WORDS,
 ) -> Carried:
-    """The pass `text` with what it reads of its parameters carried, as far as that fits.
+    """The pass `text` with its parameters as flat interpolants, as many as fit.
 
     Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
     each with the fields of it that the pass does not read: `first_NAME()` in the pass.

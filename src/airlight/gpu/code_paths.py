@@ -21,9 +21,9 @@ _KNOWN = ("auto", "gpu", "cpu")
 
 
 def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> Paths:
-    """The paths for `wanted` (auto, gpu or cpu; AIRLIGHT_PATHS if None) on an adapter.
+    """The code paths for `wanted` (auto, gpu or cpu; AIRLIGHT_PATHS if None) on an adapter.
 
-    auto: those made for it, by whether it `is_cpu`. Raises SettingsError for another word.
+    auto: those made for the adapter, by whether it `is_cpu`. Raises SettingsError for another word.
     """
     text = env.value(SWITCH) if wanted is None else wanted
     key = text.lower()

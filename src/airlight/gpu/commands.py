@@ -1,7 +1,7 @@
-"""What a frame encodes: passes, their uniforms, and how long each stage took.
+"""The command encoder of a frame: passes, their uniforms, and the time of each stage.
 
-Uniforms of one frame lie in one buffer, each dispatch at an offset of its own: a buffer rewritten
-between dispatches of one submit would show only its last value to all of them.
+The uniforms of a frame lie in one buffer, each dispatch's at an offset of its own, because a buffer
+rewritten between dispatches of one submit would show only its last value to all of them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _MAX_TIMESTAMPS = 512
 
 
 class Commands:
-    """Encodes one frame after the other; reused, so that nothing is allocated per frame."""
+    """Encodes one frame after the other; it is reused, so that a frame allocates nothing."""
 
     is_recordable = True
     """Whether dispatches in a row may share a pass, and so be replayed (see recorded)."""
@@ -87,9 +87,9 @@ class Commands:
             render_pass.end()
 
     def put(self, params: object) -> int:
-        """Keep `params` until the submit; returns their offset in the arena.
+        """Store `params` until the submit; returns their offset in the arena.
 
-        The same Struct has one place, however often a frame uses it.
+        The same Struct has one offset, however often a frame uses it.
         """
         found = self._places.get(id(params))
         if found is not None:
@@ -108,7 +108,7 @@ class Commands:
         return offset
 
     def submit(self) -> None:
-        """Hand everything encoded so far to the device."""
+        """Submit all that was encoded to the device."""
         if self.recording is not None:
             raise RuntimeError("only dispatches can be recorded")
         self._close_compute()
@@ -125,10 +125,10 @@ class Commands:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Everything encoded inside counts as `name`, and is timed where `is_timed`.
+        """A context whose passes count as `name`, and are timed where `is_timed`.
 
-        A CPU adapter's timestamps mean nothing, so there each stage is a submit of its own
-        and the wall clock is read; on a GPU the passes carry timestamp queries.
+        A CPU adapter's timestamps mean nothing, so there each stage is a submit of its own and the
+        wall clock is read; on a GPU the passes carry timestamp queries.
         """
         outer, self._stage = self._stage, name
         on_wall = self.is_timed and (self.gpu.is_cpu or self._clock is None)

@@ -25,7 +25,7 @@ _GRIDS_KEPT = 64
 
 
 class ComputePass:
-    """Subclass it: `slots`, `workgroup`, and a `.wgsl` of the module's name."""
+    """A compute pass: subclasses give `slots`, `workgroup`, and a `.wgsl` of the module's name."""
 
     slots: ClassVar[tuple[Slot, ...]]
     workgroup: ClassVar[tuple[int, int, int]] = (8, 8, 1)
@@ -55,7 +55,7 @@ class ComputePass:
 
     @cached_property
     def pipeline(self) -> Any:
-        """Compiled when the pass first runs. Raises ShaderError, DeviceError."""
+        """The pipeline, compiled when the pass first runs. Raises ShaderError, DeviceError."""
         return self.gpu.pipelines.get(
             self._source.text,
             self._made_of,

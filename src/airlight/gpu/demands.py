@@ -1,6 +1,6 @@
-"""What a pass needs of a device, held against its limits before anything is made of it.
+"""What a pass needs of a device, checked against its limits before the pass is created.
 
-A driver's own refusal names neither the pass nor what to do.
+A driver's own refusal names neither the pass nor a remedy.
 """
 
 from __future__ import annotations
@@ -104,7 +104,10 @@ def check_targets(gpu: Gpu, label: str, formats: tuple[str, ...]) -> None:
 
 
 def compiled(gpu: Gpu, label: str, make: Callable[[], Any]) -> Any:
-    """What `make` makes of the pass `label`; a driver's refusal is a DeviceError that names it."""
+    """The pipeline that `make` creates for the pass `label`.
+
+    A driver's refusal is raised as a DeviceError that names the pass.
+    """
     try:
         return make()
     except wgpu.GPUError as error:

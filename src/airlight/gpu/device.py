@@ -59,9 +59,10 @@ _opened: dict[tuple[AdapterInfo, Paths, Asked], Gpu] = {}
 
 
 def _enumerate() -> list[Any]:
-    """What adapters there are, asked for once: they are let go by any thread, which not all bear.
+    """All adapters, enumerated once.
 
-    OpenGL's end the process so, where two threads ask at once.
+    Any thread may drop them later, which not all drivers bear; OpenGL's end the process where two
+    threads enumerate at once.
     """
     enter_driver()
     with _OPENING:
@@ -162,7 +163,7 @@ class Gpu(Scope):
 
     @property
     def is_cpu(self) -> bool:
-        """Whether this is a CPU adapter; which code is run is for `takes_cpu_paths` to say."""
+        """Whether this is a CPU adapter. Code paths ask `takes_cpu_paths` instead."""
         return self.info.is_cpu
 
     @property

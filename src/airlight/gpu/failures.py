@@ -1,7 +1,4 @@
-"""What the device refuses, said as DeviceError: lost devices and memory that has run out.
-
-The one place that knows how wgpu says so.
-"""
+"""Lost devices and exhausted memory as DeviceError; the one place that knows wgpu's messages."""
 
 from __future__ import annotations
 
@@ -33,9 +30,9 @@ _LOGGED = ("DEVICE LOST!", "The WGPU device was lost")  # by wgpu-py, beside our
 
 
 class Guarded:
-    """A context for whatever asks `gpu` for something: what it refuses becomes DeviceError.
+    """A context that turns what the device of `gpu` refuses into DeviceError.
 
-    Raises that, too, in a process that was forked from the device's.
+    It raises one, too, in a process that was forked from the device's.
     """
 
     def __init__(self, gpu: Gpu) -> None:
@@ -57,7 +54,7 @@ class Guarded:
 
 
 def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
-    """What `error` says about the device; None where it is about something else."""
+    """The DeviceError that `error` stands for; None where it is about something else."""
     if isinstance(error, MemoryError):
         return DeviceError(f"no memory is left: {error or 'of any size'}", remedy=MEMORY_REMEDY)
     is_memory = isinstance(error, (wgpu.GPUError, RuntimeError)) and _NO_MEMORY.search(str(error))
@@ -73,7 +70,7 @@ def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
 
 
 def lost(gpu: Gpu) -> DeviceError:
-    """That the device is gone, and what to do."""
+    """The error of a lost device, with its remedy."""
     return DeviceError(f"the device was lost: {gpu.info.name}", remedy=LOST_REMEDY)
 
 

@@ -1,8 +1,8 @@
-"""Whether invocations run in lanes of one vector that may look at one another's values.
+"""Whether invocations are lanes of one vector that can exchange values.
 
-CPU adapters run eight invocations as lanes of a vector and make each lane's loads one by one,
-while what the lane beside it has loaded costs a shuffle, a sixth of a load. Kernels that rely on
-the order of lanes (eight in a row along x) ask here first.
+CPU adapters run eight invocations as lanes of a vector and make each lane's loads one by one, while
+a value that the neighbouring lane has loaded costs a shuffle, a sixth of a load. Kernels that rely
+on the order of lanes (eight in a row along x) ask here first.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def has_row_lanes(gpu: Gpu) -> bool:
 
 
 def _found_row_lanes(gpu: Gpu) -> bool:
-    """Whether invocations find their neighbours' numbers where they are looked for."""
+    """Run the probe: whether invocations find their neighbours' numbers beside them."""
     groups = 2
     found = Buffer(gpu, "lanes", groups * LANES * 8)
     commands = Commands(gpu)

@@ -51,14 +51,14 @@ _DTYPES = {
 
 
 class _Counted:
-    """What takes the device's memory, counted for as long as it does."""
+    """A resource of the device whose bytes are counted while it exists."""
 
     gpu: Gpu
     handle: Any = None
     nbytes: int
 
     def _hold(self, gpu: Gpu) -> None:
-        """Count the memory, and let the scope `gpu` give it back."""
+        """Count the memory, and let the scope `gpu` own the resource."""
         gpu.memory.count(self.nbytes)
         gpu.own(self)
 

@@ -1,4 +1,4 @@
-"""What one thread at a time may use, and what says so to a second one."""
+"""A guard for what one thread at a time may use."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ THREADS_REMEDY = "Make a Renderer for each thread, or a lock around the one that
 
 
 class OneThread:
-    """A context that only one thread at a time may be in; it may be in it more than once.
+    """A context for one thread at a time, which may enter it more than once.
 
-    Raises DeviceError in a thread that comes while another is in it: to wait would hide that the
-    two change what the other draws.
+    A thread that comes while another is inside gets a DeviceError: waiting would hide that the two
+    change each other's drawing.
     """
 
     def __init__(self, what: str) -> None:

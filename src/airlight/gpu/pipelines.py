@@ -12,7 +12,7 @@ MOST_KEPT = 1024
 
 
 class Pipelines:
-    """Of one device; the one unused for longest goes first."""
+    """The pipelines of one device; the least recently used are dropped first."""
 
     def __init__(self, most: int = MOST_KEPT) -> None:
         self._most = most
@@ -20,10 +20,10 @@ class Pipelines:
         self._kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
 
     def get(self, text: str, parts: Any, make: Callable[[], Any]) -> Any:
-        """The pipeline of the WGSL `text` and of `parts` (whatever else it is made of, compared by
-        its repr), made by `make` where there is none.
+        """The pipeline of the WGSL `text` and of `parts`, created by `make` where it is not cached.
 
-        Two threads may make the same one at once; either serves.
+        `parts`: whatever else it is made of, compared by its repr. Two threads may create the same
+        one at once; either serves.
         """
         key = (text, repr(parts))
         with self._changing:

@@ -1,6 +1,6 @@
-"""The one process that may use the graphics driver: a fork of it has none of the driver's threads.
+"""The one process that may use the graphics driver: a fork of it lacks the driver's threads.
 
-Whatever a forked child asks of the driver waits for ever, its very exit included.
+Whatever a forked child asks of the driver waits for ever, its exit included.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ _user: int | None = None  # the process that uses the driver, by its number
 
 
 def enter_driver() -> None:
-    """To be called before the driver is. Raises DeviceError in a child forked since the first time.
+    """Note that this process uses the driver; call it before the driver.
 
-    Parents that never called it may be forked: the driver is not there yet.
+    Raises DeviceError in a child that was forked after the first call. Parents that never called it
+    may be forked.
     """
     global _user
     if _user is None:
@@ -33,12 +34,12 @@ def enter_driver() -> None:
 
 
 def is_forked() -> bool:
-    """Whether this process has its parent's devices, which it can neither use nor give back."""
+    """Whether this process has devices of its parent's, which it can neither use nor release."""
     return _user is not None and _user != os.getpid()
 
 
 def _leave_driver() -> None:
-    """In a forked child: what it has of its parent's is let go without the driver being told."""
+    """In a forked child: forget the parent's devices without telling the driver."""
     if _user is None:
         return
     _api.libf = None  # wgpu-py then releases nothing when objects go

@@ -1,4 +1,4 @@
-"""Shorter ways through wgpu-py: C types looked up and C structs kept, not made every time.
+"""Shortcuts through wgpu-py: C types and C structs that are cached, not created every time.
 
 cffi compiles every C type that wgpu-py names when it is first used, and writes all 450 typedefs of
 the header before each: about two seconds of a program's start. Only those named in it are needed.

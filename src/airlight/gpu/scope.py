@@ -1,8 +1,8 @@
-"""Who gives memory of the device back: scopes, each of which owns what is made with it.
+"""Scopes: who releases memory of the device. Each owns what is created with it.
 
 device   the outermost scope; counts the bytes of all
 scope    of a Renderer, a technique, or a part that is dropped before its owner
-resource a buffer, a texture, a recording: owned by the scope that it was made with
+resource a buffer, a texture, a recording: owned by the scope that it was created with
 """
 
 from __future__ import annotations

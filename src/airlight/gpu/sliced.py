@@ -1,4 +1,4 @@
-"""Commands for work behind a viewer's back: pass by pass, so that its frames come in between."""
+"""Commands for work in the background of a viewer: pass by pass, between its frames."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .device import Gpu
 
 
 class SlicedCommands(Commands):
-    """Hands every pass over by itself and waits for it; the results are the same bits.
+    """Submits each pass by itself and waits for it; the results are the same bits.
 
-    `turn` makes a context in which a pass is handed over and waited for. What it raises, to break
-    the work off, goes through whatever is encoding, which is then good for nothing but `release`.
+    `turn` makes a context in which a pass is submitted and waited for. An exception from it, which
+    stops the work, goes through whatever is encoding; that can then only be released.
     """
 
     is_recordable = False

@@ -1,8 +1,8 @@
-"""WGSL source: files, the library they use, and errors at the line a person wrote.
+"""WGSL source: files, the shared library, and errors at the line a person wrote.
 
-A line `//! use phase` pulls in `wgsl/phase.wgsl` once, before the file that uses it. Library
-files hold functions and constants only. The compiler sees one joined text; its messages are
-mapped back to file and line.
+A line `//! use phase` pulls in `wgsl/phase.wgsl` once, before the file that uses it. Library files
+hold functions and constants only. The compiler sees one joined text; its messages are mapped back
+to file and line.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""The formulas of the package as NumPy float64 truths; no GPU, nothing of ours imported.
+"""The formulas of the package as NumPy float64 truths; no GPU, nothing else of the package.
 
-sh           spherical harmonics          solid_angle   polygons seen from a point
-lattice6     6-neighbour propagation      lattice26     26-neighbour propagation with scattering
-phase        Henyey-Greenstein            medium        transmittance, ray intervals
-airlight     single scattering on a ray   octahedron    directions on a square
-sampling     sequences and hashes         latlong       environment-map orientation
-colour       sRGB, luminance              tone          tone mapping, exposure
+   light       sh, phase, reflection, solid_angle, area_light, occlusion, sampling
+   lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels (Billeter2012)
+   ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
+               radial_grid: propagation; delta_beam, point_light_beam, diffusion: beams (Elek2014)
+   media       medium, voxels, solid_voxels, half_space, forward_phase, sky_phase, beam_phase
+   space       transforms, octahedron, latlong, weld, keyframes; colour, tone, half, chunks
 
-Where a shader needs the same formula, a WGSL function of the same name stands in `wgsl/` and a
-test holds the two together.
+Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in
+`wgsl/`, and a test holds the two together.
 """

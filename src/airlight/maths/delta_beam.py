@@ -1,12 +1,4 @@
-"""Distant light in scattering air: a forward-scaled beam per ordinate and one diffusion solve.
-
-The share f of scattered light stays in the beam (the delta-Eddington idea); what leaves it is
-deposited where it leaves, and spreads by diffusion. Light is then drawn in three parts: the
-unscattered beam, quasi-forward light (scattered, but only forwards so far) and diffuse light.
-differs: Elek2014 hops light from cell to cell in a grid per ordinate (section 4.2). Here the
-optical depth towards each ordinate is marched from every cell of the medium's own grid: a turned
-grid in between misses a tenth to a half of the light where it is interpolated back.
-"""
+"""Directional light in a scattering medium: a delta-scaled beam per ordinate and one diffusion."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""Diffuse light in a box of air: one linear solve per colour.
-
-div J + sigma_a Phi = P/V with J = -D grad Phi + 3 D B/V: B is the net power along each axis that
-a deposit P still carries (W).
-Faces of the box are open: what comes back through them is 0 (Marshak's condition).
-Arrays are (z, y, x, channel); vectors have their components x, y, z first: (3, z, y, x, channel).
-"""
+"""Diffusion in a box of a medium: one linear solve per colour channel."""
 
 from __future__ import annotations
 

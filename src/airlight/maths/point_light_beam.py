@@ -1,10 +1,12 @@
-"""Lamps in scattering air: beams that spread from a point, and the light right around them.
+"""Beams of point lights in scattering media, and their light close to the source.
 
-A lamp is an ordinate whose direction and strength differ from cell to cell. Diffusion alone loses
-a quarter of its light, most of it near by: what has scattered once there still flies straight.
-That part is added in closed form, from infinite homogeneous air, where the fluence of a point
-source is known (Case et al. 1953, Introduction to the Theory of Neutron Diffusion).
-differs: Elek2014 section 6 propagates in a radial grid around each lamp.
+A local light is an ordinate whose direction and strength differ from cell to cell. Diffusion alone
+loses a quarter of its light, most of it close by, where light that has scattered once still flies
+straight. That part is added in closed form, from an infinite homogeneous medium, in which the
+fluence of a point source is known (Case et al. 1953, Introduction to the Theory of Neutron
+Diffusion).
+
+differs: Elek2014 section 6 propagates in a radial grid around each light.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What a sky scatters once, exactly, against what its ordinates make of it.
+"""The exact single scattering of a sky over that of its ordinates.
 
-A few ordinates and a narrow phase function show as spots. Where the sky's transmittance varies
-less than its light, the exact sum over the sky differs from the ordinates' by a factor of the
-direction alone: the map convolved with the phase function, over the ordinates' sum. Multiplied by
-it, single scattering in clear air is exact at any number of ordinates.
+A few ordinates and a narrow phase function show as spots. Where the sky's transmittance varies less
+than its light, the exact sum over the sky differs from the ordinates' by a factor of the direction
+alone: the map convolved with the phase function, over the ordinates' sum. Multiplied by it, single
+scattering in thin media is exact at any number of ordinates.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What a camera sees of light from everywhere: importance, light that the eye sends out.
+"""Importance of directions for a camera (Elek2014 section 5.2): adjoint light from the eye.
 
-Elek2014 section 5.2. Importance enters the air along the eye's rays, scatters as light does and
-leaves towards the sky; where it leaves says which parts of the sky matter to the image. It hops
-in a grid that is warped into the view, as light does in `ordinate_hops`. Everything follows
-smoothly from the camera and the air: nothing is remembered between frames.
+Importance enters the medium along the eye's rays, scatters as light does and leaves towards the
+sky; where it leaves says which parts of the sky matter to the image. It propagates in a grid that
+is warped into the view, as light does in `ordinate_hops`. It depends smoothly on the camera and the
+medium, and on no earlier frame.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _SHARPEST = 0.98
 
 @dataclass(frozen=True, eq=False)
 class Frustum:
-    """A camera in the air's frame: `eye` (3,) m, unit `right`, `up`, `forward` (3,).
+    """A camera in the medium's frame: `eye` (3,) m, unit `right`, `up`, `forward` (3,).
 
     `tangents` of half the field of view: across, up.
     """
@@ -46,7 +46,7 @@ class Frustum:
 
 @dataclass(frozen=True, eq=False)
 class ViewGrid:
-    """The part of a view that the air's box fills: SIDE columns and rows of rays, SIDE layers.
+    """The part of a view that the medium's box fills: SIDE columns and rows, SIDE layers.
 
     `centres` (z, y, x, 3) m, `ray` (y, x, 3) unit; `hops`: its geometry.
     """

@@ -1,8 +1,8 @@
-"""Ordinates by a map's light and what a camera sees of it: Elek2014's product sampling, sec. 5.2.
+"""Ordinates by a map's light and its importance to a camera: product sampling (Elek2014, 5.2).
 
-The parts of `ordinates.partition`, drawn together where importance is. They overlap a little
-(fuzzy c-means), and begin from centres of the map alone, so that they move as smoothly as the
-camera does and no memory of earlier frames is needed.
+The parts of `ordinates.partition`, attracted by importance. They overlap a little (fuzzy c-means)
+and start from centres of the map alone, so that they move as smoothly as the camera and need no
+memory of earlier frames.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""The truth, by ways that share no code with the techniques they judge.
+"""References that share no code with the techniques that they judge.
 
-mitsuba      any scene, path traced          tracer    fluence, exits, directions in a box of air
-quadrature   exact and numerical answers     metrics   how far an image is from the truth
+   mitsuba      any scene, path traced          tracer    fluence, exits, directions in a box
+   quadrature   closed forms and integrals      shdom, flatland, harmonics   other solvers
+   metrics      errors of an image              kept      references stored with the tests
 
 Imports scene and maths only. Mitsuba, Numba and FLIP come with the `reference` extra and are
 imported when they are used; without them a ReferenceFailure says what to install.

@@ -1,11 +1,11 @@
-"""What is to be rendered: frozen values, no GPU.
+"""Scenes: frozen values that say what is to be rendered; no GPU.
 
-scene        everything in one value        camera, lights, environment   what sees, what shines
-mesh         triangles and their places     material                      how they reflect
-point_lights thousands of lights in arrays
-medium       homogeneous air                volume                        smoke, clouds, any density
-image        a rendered image             settings                      a technique's knobs
-io/          files <-> these                builtin/                      scenes that ship
+scene        all of it in one value           camera, environment
+mesh         triangles and their transforms   material   how they reflect
+lights       point, spot, directional, area   point_lights   thousands of them in arrays
+medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
+image        a rendered image                 settings   the settings of techniques
+io/          files <-> these    builtin/   scenes that ship    animation/   scenes in time
 """
 
 from .camera import Camera

@@ -1,4 +1,4 @@
-"""Boxes around scenes along axes that need not be the world's."""
+"""Bounding boxes of scenes along axes other than the world's."""
 
 from __future__ import annotations
 

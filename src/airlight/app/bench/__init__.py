@@ -1,6 +1,8 @@
-"""The benchmark: `frames` says what is timed, `child` times a first image in a process of its own.
+"""`airlight bench`: what frames cost, where, and how that grows.
 
-`pop`, `kernel` and `growth` are its parts, `tables` writes them down.
+frames  scenes in steady state, per stage      child   the first image, in a process of its own
+growth  cells, lights, triangles, ...          pop     the stages of Elek2014
+tables  all of it for a terminal or a page     cli     which of it is measured
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Comparisons with a reference: `reference` renders it, `result` holds what was found.
+"""`airlight compare`: techniques beside an unbiased reference.
 
-`images` makes images of differences, `page` and `style` the sheet that shows them.
+reference  rendered once, then cached -> result  images, scores, errors of each technique
+-> images  differences and FLIP maps -> page, style  one HTML file; cli: the command
 """
 
 from __future__ import annotations

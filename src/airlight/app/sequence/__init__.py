@@ -1,6 +1,8 @@
-"""Sequences: `plan` says which frames, `frames` makes one, `folder` and `video` keep them.
+"""`airlight sequence`: a moving scene as frames or as a video.
 
-`farm` spreads them over a dask cluster; `whole` knows which are there already; `progress` tells.
+plan -> frames  which frames, and when; one of them as an image
+-> folder, video  stored whole or not at all; whole: which are there already
+farm, scheduler  frames on a dask cluster       progress  how long it will take
 """
 
 from __future__ import annotations

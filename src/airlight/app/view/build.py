@@ -1,7 +1,7 @@
-"""Work of the viewer that takes long: in a thread of its own, a pass of the device at a time.
+"""Long work of the viewer: in a thread of its own, one pass of the device at a time.
 
 The viewer's frames come first. `Turns` says who may use the device; `Task` is one such piece of
-work, and the viewer looks at every frame whether it is done.
+work, which the viewer polls at every frame.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _LOOK_S = 0.05  # how often paused work looks whether it may go on
 
 
 class Stopped(BaseException):
-    """Raised inside a task that was told to stop: nobody wants its result any more."""
+    """Raised inside a task that was told to stop, because nobody needs its result."""
 
 
 class Turns:
@@ -48,7 +48,7 @@ class Turns:
 
     @contextmanager
     def behind(self) -> Iterator[None]:
-        """A turn for work behind the viewer's back, when no frame is being drawn."""
+        """A turn for background work, while no frame is being drawn."""
         if self.is_behind_here:
             yield
             return
@@ -134,7 +134,7 @@ class Task(Generic[T]):
 
 
 def said(error: BaseException) -> str:
-    """What the panel says about an error of a task."""
+    """The text that the panel shows about a task's error."""
     if isinstance(error, AirlightError):
         return str(error)
     text = " ".join(str(error).split())[:400]

@@ -1,4 +1,4 @@
-"""What is taken home from the viewer: images, and the scene as a file."""
+"""Exports of the viewer: images, and the scene as a file."""
 
 from __future__ import annotations
 

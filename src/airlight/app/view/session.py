@@ -1,8 +1,4 @@
-"""A scene being looked at: takes changes, draws the next image, keeps the last good one.
-
-It knows no window: `app.view.canvas` puts it on one. Nothing is read back from the device,
-except an image to be saved.
-"""
+"""A viewer's session: it takes changes, draws the next image, and keeps the last good one."""
 
 from __future__ import annotations
 

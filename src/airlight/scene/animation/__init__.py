@@ -1,14 +1,13 @@
-"""What moves: a scene as a function of time, `scene.at(time_s)`.
+"""Moving scenes: a scene as a function of time, `scene.at(time_s)`.
 
-animation    the tracks of a scene, their span and rate
-curve        a value by keyframes
-tracks       cameras, lights, meshes and environments by keyframes
-density      volumes: files of a sequence, or a function of time
-rig          the nodes, skins and morph targets of a glTF file
-skin         vertices that bones and morph targets move
+   animation    the tracks of a scene, their span and rate
+   curve        a value by keyframes
+   tracks       cameras, lights, meshes and environments by keyframes
+   density      volumes: files of a sequence, or a function of time
+   rig, skin    the nodes, skins and morph targets of a glTF file, and the vertices they move
 
-Every track sets what it moves from its own data and the time alone, so a scene at a time does not
-depend on what was asked before.
+Every track computes what it moves from its own data and the time alone, so a scene at a time
+does not depend on what was asked before.
 """
 
 from .animation import Animation, Track

@@ -1,11 +1,11 @@
 """Scene files, and everything they name, to scenes and back.
 
-toml         the scene format of airlight      mitsuba      a subset of Mitsuba's XML
-obj, mtl     Wavefront                         gltf         glTF 2.0 and GLB
-meshfile     PLY and STL                       images       textures, radiance maps, images
-volumes      density grids                     volume_scene   one of them on its own
-defaults     the camera and the daylight of a file that has none
-doubts       what is allowed but hardly meant
+toml          the scene format of airlight      mitsuba      a subset of Mitsuba's XML
+obj, mtl      Wavefront                         gltf         glTF 2.0 and GLB
+meshfile      PLY and STL                       images       textures, radiance maps, images
+volumes       density grids                     volume_scene one of them on its own
+defaults      the camera and the daylight of a file that has none
+files, ledger what may be read, and what was    doubts       warnings of unlikely values
 """
 
 from __future__ import annotations
