@@ -38,6 +38,9 @@ INSTEAD = {
     "light that bends once": "single forward deflection",
     "seen triangles?": "visibility buffer, triangle ids",
     "given light": "inter-medium irradiance",
+    "take it with you": "exports",
+    "look around": "viewer",
+    "when it does not work": "troubleshooting",
 }
 """A word or two as they are said in prose or joined in a name, and what to write instead."""
 
