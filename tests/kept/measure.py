@@ -20,8 +20,8 @@ from typing import Any
 
 from airlight.app.compare.cli import render_technique
 from airlight.errors import AirlightError
-from airlight.reference.kept import KEPT, load_kept
 from airlight.reference.metrics import Metrics, compare
+from airlight.reference.stored import STORED, load_stored
 from airlight.scene import Scene
 from airlight.scene.image import Image
 from airlight.techniques import TECHNIQUES
@@ -57,8 +57,8 @@ def techniques_for(scene: Scene) -> list[str]:
 
 def measure(name: str, technique: str, *, perceptual: bool = False) -> dict[str, Score]:
     """The scores of a technique on a kept scene, by layer; settings are the defaults."""
-    scene = KEPT[name].load()
-    reference = load_kept(FOLDER / f"{name}.exr", shrink=SHRINK)
+    scene = STORED[name].load()
+    reference = load_stored(FOLDER / f"{name}.exr", shrink=SHRINK)
     size = (reference.radiance.shape[1], reference.radiance.shape[0])
     image, _ = render_technique(scene, technique, size, SAMPLES)
     whole = compare(image, reference, perceptual=perceptual)
@@ -136,7 +136,7 @@ def run(names: Iterable[str], wanted: list[str], *, write: bool) -> None:
     heads = ("scene", "technique", *COLUMNS, "FLIP")
     print("| " + " | ".join(heads) + " |\n" + "|---" * len(heads) + "|")
     for name in names:
-        for technique in wanted or techniques_for(KEPT[name].load()):
+        for technique in wanted or techniques_for(STORED[name].load()):
             try:
                 scores = measure(name, technique, perceptual=True)
             except AirlightError as error:
@@ -150,13 +150,13 @@ def run(names: Iterable[str], wanted: list[str], *, write: bool) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(KEPT)}")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(STORED)}")
     parser.add_argument("--technique", nargs="+", default=[], choices=list(TECHNIQUES))
     parser.add_argument("--write", action="store_true", help="lower the ceilings")
     given = parser.parse_args()
-    if unknown := [name for name in given.scenes if name not in KEPT]:
+    if unknown := [name for name in given.scenes if name not in STORED]:
         parser.error(f"no kept reference is called {', '.join(unknown)}")
-    run(given.scenes or KEPT, given.technique, write=given.write)
+    run(given.scenes or STORED, given.technique, write=given.write)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from airlight.errors import ReferenceFailure
-from airlight.reference.kept import KEPT, SIZE_PX, load_kept, save_kept
 from airlight.reference.metrics import compare
+from airlight.reference.stored import SIZE_PX, STORED, load_stored, save_stored
 from airlight.scene.image import Image
 from airlight.techniques import TECHNIQUES
 
@@ -34,10 +34,10 @@ SLOW = ("room", "atrium")
 
 @pytest.mark.parametrize("technique", TECHNIQUES)
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in KEPT]
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in STORED]
 )
 def test_errors_stay_below_their_ceilings(gpu, name, technique):
-    if technique not in measure.techniques_for(KEPT[name].load()):
+    if technique not in measure.techniques_for(STORED[name].load()):
         pytest.skip(f"without air {technique} is {measure.ALIKE[technique]}")
     # A technique nobody has measured yet must at least not be worse than direct light alone.
     known = CEILINGS[name]
@@ -48,20 +48,20 @@ def test_errors_stay_below_their_ceilings(gpu, name, technique):
             assert score.energy_error <= ceilings[layer]["energy_error"], layer
 
 
-@pytest.mark.parametrize("name", KEPT)
+@pytest.mark.parametrize("name", STORED)
 def test_a_kept_reference_is_whole_and_adds_up(name):
-    reference = load_kept(FOLDER / f"{name}.exr")
+    reference = load_stored(FOLDER / f"{name}.exr")
     assert reference.radiance.shape == (SIZE_PX[1], SIZE_PX[0], 3)
     parts = ("direct", "indirect", "single_scatter", "multiple_scatter")
     total = sum(reference.layers[p] for p in parts if p in reference.layers)
     np.testing.assert_allclose(total, reference.radiance, rtol=4e-3, atol=1e-3)
     scores = compare(reference, reference, perceptual=False)
     assert 0.0 < scores.noise_floor_l2 < 0.2
-    assert reference.stats["spp"] >= KEPT[name].spp
+    assert reference.stats["spp"] >= STORED[name].spp
 
 
 def test_kept_files_are_small():
-    files = [FOLDER / f"{name}.exr" for name in KEPT]
+    files = [FOLDER / f"{name}.exr" for name in STORED]
     assert sum(f.stat().st_size for f in files) < 4_000_000
 
 
@@ -70,11 +70,11 @@ def test_what_is_kept_comes_back_with_its_noise(tmp_path):
     pixels = rng.uniform(0.5, 1.0, (8, 12, 3)).astype(np.float32)
     variance = np.full((8, 12, 3), 4e-8, np.float32)  # less than the least half float
     layers = {"direct": pixels, "direct_variance": variance, "variance": variance}
-    save_kept(Image(pixels, layers), tmp_path / "kept.exr", stats={"spp": 4})
-    again = load_kept(tmp_path / "kept.exr")
+    save_stored(Image(pixels, layers), tmp_path / "kept.exr", stats={"spp": 4})
+    again = load_stored(tmp_path / "kept.exr")
     np.testing.assert_allclose(again.layers["direct"], pixels, rtol=5e-4)
     np.testing.assert_allclose(again.layers["direct_variance"], 4e-8, rtol=2e-3)
-    half = load_kept(tmp_path / "kept.exr", shrink=2)
+    half = load_stored(tmp_path / "kept.exr", shrink=2)
     assert half.radiance.shape == (4, 6, 3)
     np.testing.assert_allclose(half.radiance[0, 0], pixels[:2, :2].mean(axis=(0, 1)), rtol=5e-4)
     np.testing.assert_allclose(half.layers["variance"], 1e-8, rtol=2e-3)
@@ -84,11 +84,11 @@ def test_bad_requests_are_refused(tmp_path):
     pixels = np.ones((3, 4, 3), np.float32)
     path = tmp_path / "kept.exr"
     with pytest.raises(ReferenceFailure, match="the reference has no layer 'variance'"):
-        save_kept(Image(pixels), path, stats={})
+        save_stored(Image(pixels), path, stats={})
     assert not path.exists()
-    save_kept(Image(pixels, {"variance": pixels}), path, stats={})
+    save_stored(Image(pixels, {"variance": pixels}), path, stats={})
     with pytest.raises(ReferenceFailure, match=r"kept\.exr cannot be shrunk 2 times"):
-        load_kept(path, shrink=2)
+        load_stored(path, shrink=2)
 
 
 def test_ceilings_only_fall():

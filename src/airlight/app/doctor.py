@@ -1,4 +1,4 @@
-"""`airlight doctor`: which adapter is used and why, what is missing, how to get it."""
+"""`airlight doctor`: which adapter is used and why, and which extras are missing."""
 
 from __future__ import annotations
 

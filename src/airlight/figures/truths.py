@@ -33,8 +33,8 @@ def traced(request: Request, scene: Scene) -> Reference:
     truth = reference_for(scene, size, request.reference_spp, report=request.report)
     if not truth.has_layers:
         request.warn(truth.notes[0])
-    if truth.not_kept:
-        request.warn(truth.not_kept)
+    if truth.not_cached:
+        request.warn(truth.not_cached)
     return truth
 
 

@@ -68,10 +68,10 @@ class Slice(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BoxMedium:
-    """Air in a box, one colour channel: coefficients in m^-1, g in (-1, 1), bounds in metres.
+    """A medium in a box, one channel: coefficients in m^-1, g in (-1, 1), bounds in metres.
 
-    `density` (z, y, x) scales sigma_t, voxel-centred and trilinear as in `Volume`; without it
-    the box is homogeneous, or only its inscribed ellipsoid where `shape` is "sphere".
+    `density` (z, y, x) scales sigma_t, voxel-centred and trilinear as in `Volume`; without it the
+    box is homogeneous, or only its inscribed ellipsoid where `shape` is "sphere".
     """
 
     sigma_t: float

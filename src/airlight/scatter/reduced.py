@@ -1,7 +1,7 @@
 """Reduced media: isotropic ones that stand for media that scatter forwards (similarity theory).
 
-After many scatterings light depends on sigma_s (1 - g) alone. The lattice solves an isotropic medium
-of that coefficient, while light scattered once is drawn with the true phase function.
+After many scatterings light depends on sigma_s (1 - g) alone. The lattice solves an isotropic
+medium of that coefficient; light scattered once is drawn with the true phase function.
 Source: similarity theory (Wyman et al. 1989), order one.
 """
 

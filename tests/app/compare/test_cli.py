@@ -219,7 +219,7 @@ def test_a_cache_that_is_a_file_costs_a_warning_and_the_work(
     (tmp_path / "cache").write_bytes(b"mine")
     for _ in range(2):
         made = reference_for(triangle_scene(), SIZE, 16)
-        assert "cache" in made.not_kept and "Not a directory" in made.not_kept
+        assert "cache" in made.not_cached and "Not a directory" in made.not_cached
         assert not made.is_from_cache
     assert truth.asked == [(16, 0), (16, 0)]
     words = ["compare", "builtin:cornell", "-t", "exact", "--spp", "16", "--size", "32x20", "-q"]
@@ -230,7 +230,7 @@ def test_a_cache_that_is_a_file_costs_a_warning_and_the_work(
     assert warning.endswith("Set AIRLIGHT_CACHE to a folder that can be written.")
     assert (tmp_path / "cache").read_bytes() == b"mine"
     monkeypatch.setenv("AIRLIGHT_CACHE", str(tmp_path / "writable"))
-    assert reference_for(triangle_scene(), SIZE, 16).not_kept == ""
+    assert reference_for(triangle_scene(), SIZE, 16).not_cached == ""
 
 
 def test_a_cache_of_nobodys_is_refused_before_any_work(truth, tmp_path, capsys, monkeypatch):

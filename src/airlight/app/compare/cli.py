@@ -155,7 +155,7 @@ def command(
         report("writing", 0.0)
         write(comparison, output)
     show_warnings(loaded)
-    warn([text for text in [comparison.reference.not_kept] if text])
+    warn([text for text in [comparison.reference.not_cached] if text])
     _say(comparison, output)
 
 

@@ -40,7 +40,7 @@ class Reference:
     """The truth of a comparison: `image` holds the layers, "variance" and "NAME_variance".
 
     `seconds` is what rendering its `spp` samples per pixel took, when it was rendered;
-    `notes` what Mitsuba's image leaves out or approximates; `not_kept` warns where the cache
+    `notes` what Mitsuba's image leaves out or approximates; `not_cached` warns where the cache
     could not take it, and is empty elsewhere.
     """
 
@@ -49,7 +49,7 @@ class Reference:
     seconds: float
     is_from_cache: bool
     notes: tuple[str, ...] = ()
-    not_kept: str = ""
+    not_cached: str = ""
 
     @property
     def has_layers(self) -> bool:
@@ -85,10 +85,10 @@ def reference_for(
     job = _Job(scene, size, spp, noise, time.monotonic() + timeout_s, report)
     names = tuple(layer for layer in LAYERS if layer != "transmittance")
     try:
-        return _kept_or_rendered(job, names, f"{name}.npz")
+        return _cached_or_rendered(job, names, f"{name}.npz")
     except NoLayers as reason:
         # A file of its own: with a libLLVM installed later the layers are rendered all the same.
-        whole = _kept_or_rendered(job, names[:1], f"{name}-whole.npz")
+        whole = _cached_or_rendered(job, names[:1], f"{name}-whole.npz")
         note = f"{NO_LAYERS}: {str(reason).rstrip('.')}"
         return dataclasses.replace(whole, notes=(note, *whole.notes))
 
@@ -105,7 +105,7 @@ class _Job:
     report: Report
 
 
-def _kept_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference:
+def _cached_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference:
     """The reference of the layers `names`, from `file` in the cache as far as it goes."""
     path = env.cache_folder() / "references" / file
     kept = _read(path, names)
@@ -113,8 +113,8 @@ def _kept_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference
     while (missing := _samples_missing(have, job.spp, job.noise)) > 0:
         fresh = _render(job, names, missing, have.spp if have else 0)
         have = fresh if have is None else _merged(have, fresh)
-        not_kept = _keep(have, path)
-        have = dataclasses.replace(have, not_kept=not_kept)
+        not_cached = _cache(have, path)
+        have = dataclasses.replace(have, not_cached=not_cached)
     assert have is not None
     return dataclasses.replace(have, is_from_cache=have is kept)
 
@@ -186,7 +186,7 @@ def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
         return None
 
 
-def _keep(reference: Reference, path: Path) -> str:
+def _cache(reference: Reference, path: Path) -> str:
     """Write it for the next time; empty, or a warning where the cache cannot be written."""
     about = {"spp": reference.spp, "seconds": reference.seconds, "notes": reference.notes}
     arrays: dict[str, Any] = {"about": json.dumps(about), "radiance": reference.image.radiance}

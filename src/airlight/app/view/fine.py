@@ -1,7 +1,7 @@
-"""The finest image of a view that stands still: air at full resolution, a larger sky lattice.
+"""The finest image of a still view: media at full resolution, a larger sky lattice.
 
-A renderer of its own, made, solved and drawn behind the viewer's back, its samples averaged in a
-presenter of its own. It is shown once its mean is good enough, and the other one again as soon as
+A renderer of its own is created, solved and drawn in the background; a presenter of its own
+averages its samples. It is shown once its mean is good enough, and the other one again as soon as
 anything moves. A camera that moved costs it new samples only, a light that moved a new solution.
 """
 

@@ -50,7 +50,7 @@ def new_token() -> str:
 
 
 class Guard:
-    """An ASGI application that lets only requests with the token through to `app`.
+    """An ASGI application that passes only requests with the token on to `app`.
 
     They must be for this machine, as `is_own` says of a host's name, and from its own page.
     """

@@ -1,4 +1,4 @@
-"""The panel's part for what is in the scene: lights, sky, fog and volumes."""
+"""The panel's controls of the scene: lights, sky, fog and volumes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Another renderer for the viewer, made while the one before goes on."""
+"""Another renderer for the viewer, created in the background while the current one draws."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Making:
 
     @property
     def is_under_way(self) -> bool:
-        """Whether one is being made, or was and has not been taken."""
+        """Whether one is being created, or is ready and has not been taken."""
         return self._task is not None
 
     @property
@@ -34,7 +34,7 @@ class Making:
         return self._task is not None and self._task.is_done
 
     def begin(self, structure: Structure, make: Callable[[], Renderer]) -> None:
-        """Make a renderer of `structure`, and draw its first image, if that is not under way."""
+        """Create a renderer of `structure`, and draw its first image, unless that is under way."""
         if self._task and self.wanted == structure:
             return
         self.give_up()
@@ -47,7 +47,7 @@ class Making:
         self._task = Task(self.gpu, self._turns, lambda commands: _warm(commands, make))
 
     def give_up(self) -> None:
-        """Nobody wants what is being made any more."""
+        """Stop what is being created, because nobody needs it any more."""
         if self._task:
             self._task.stop()
             self._ending.append(self._task)

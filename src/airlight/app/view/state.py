@@ -73,7 +73,7 @@ class ViewState:
         self.scene = replace(self.scene, volumes=tuple(volumes))
 
     def turn_light(self, turn: Turn) -> None:
-        """Turn the chosen light's direction; a point light's place goes around the scene."""
+        """Turn the chosen light's direction; a point light moves around the scene."""
         lights = self.scene.lights
         if turn == Turn(0.0, 0.0) or not lights:
             return

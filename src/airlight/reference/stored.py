@@ -1,8 +1,8 @@
-"""References small enough to keep: half-float images with their noise.
+"""References small enough to store with the tests: half-float images with their noise.
 
-A file holds the whole image, the layers `direct`, `one_bounce` and `indirect` (all bounces),
-and of each its standard error, averaged over colours, as `NAME_error` (`error` of the whole):
-variances are too small for half floats, their roots are not.
+A file holds the whole image, the layers `direct`, `one_bounce` and `indirect` (all bounces), and of
+each its standard error, averaged over colours, as `NAME_error` (`error` of the whole): variances
+are too small for half floats, their roots are not.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ SIZE_PX = (192, 108)
 
 
 @dataclass(frozen=True)
-class Kept:
-    """A builtin scene that a reference is kept of, and the samples a pixel it takes."""
+class StoredScene:
+    """A builtin scene with a stored reference, and the samples per pixel it takes."""
 
     scene: str
     spp: int
@@ -40,17 +40,17 @@ class Kept:
         return builtin_scene(self.scene, **self.options)
 
 
-KEPT: dict[str, Kept] = {
-    "cornell": Kept("cornell", 4096),
-    "cornell-area": Kept("cornell", 4096, {"light": "area"}),
-    "wall-floor": Kept("wall-floor", 4096),
-    "room": Kept("room", 2048),
-    "atrium": Kept("atrium", 2048),
-    "haze-box": Kept("haze-box", 2048),
+STORED: dict[str, StoredScene] = {
+    "cornell": StoredScene("cornell", 4096),
+    "cornell-area": StoredScene("cornell", 4096, {"light": "area"}),
+    "wall-floor": StoredScene("wall-floor", 4096),
+    "room": StoredScene("room", 2048),
+    "atrium": StoredScene("atrium", 2048),
+    "haze-box": StoredScene("haze-box", 2048),
 }
 
 
-def save_kept(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> None:
+def save_stored(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> None:
     """Write a reference as `compare` takes it: layers "variance" and "NAME_variance".
 
     The file appears whole or not at all. Raises OutputError, ReferenceFailure without variance.
@@ -66,7 +66,7 @@ def save_kept(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> None
         exr.write(image, part, layers=True, half=True)
 
 
-def load_kept(path: Path, *, shrink: int = 1) -> Image:
+def load_stored(path: Path, *, shrink: int = 1) -> Image:
     """A kept reference as `compare` takes it, averaged over blocks of `shrink` x `shrink` pixels.
 
     Averaging is exact: pixels are box filtered. Raises SceneError for a broken file,
