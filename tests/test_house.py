@@ -138,7 +138,6 @@ LONG_FOR_A_REASON = {
 _CALLERS_NAME_THEM = "public: each parameter is an option of its own, which callers name"
 _CLOSED_FORM = "the physical quantities of a formula, in its own symbols"
 _COMPILED = "compiled by Numba, which takes numbers and arrays, no objects"
-_STENCIL = "the buffers of one step of a stencil, by name"
 MANY_FOR_A_REASON = {
     "rendering.frame": _CALLERS_NAME_THEM,
     "rendering.render": _CALLERS_NAME_THEM,
@@ -156,13 +155,6 @@ MANY_FOR_A_REASON = {
     "reference.tracer_kernel.run_batch": _COMPILED,
     "reference.tracer_kernel._deposit": _COMPILED,
     "reference.tracer_kernel._record": _COMPILED,
-    "scatter.propagate.encode": _STENCIL,
-    "scatter.propagate_varied.encode": _STENCIL,
-    "scatter.propagate_walls.encode": _STENCIL,
-    "scatter.propagate_rows.encode": _STENCIL,
-    "scatter.correction.encode": _STENCIL,
-    "scatter.levels._apply": _STENCIL,
-    "scatter.levels.Levels": _STENCIL,
 }
 """By module and function, or by module and class where it is made."""
 

@@ -87,10 +87,6 @@ ROOT = Path(airlight.__file__).parent
 SHADERS = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob("*.wgsl"))}
 MODULES = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob("*.py"))}
 ALL = interfaces(ROOT)
-ASSEMBLED = re.compile(
-    r"scatter/(propagate|small_levels|walls_|level_prolong|surface_light|hop_|varied_)"
-)
-"""Kernels whose functions are assembled from parts in Python."""
 _WORDS = (
     "abs acos all any array arrayLength asin atan atan2 atomic atomicAdd atomicExchange "
     "atomicLoad atomicMax atomicMin atomicOr atomicStore binding bitcast bool builtin ceil "
@@ -140,7 +136,6 @@ def test_implementations_have_the_signature_that_is_asked_for():
     wrong = [
         f"{name}: {own}, asked for is {' or '.join(sorted(asked[function]))}"
         for name, path in {**SHADERS, **MODULES}.items()
-        if not ASSEMBLED.match(name)
         for function, own in defined(path.read_text())
         if function in asked and own not in asked[function]
     ]
@@ -148,7 +143,7 @@ def test_implementations_have_the_signature_that_is_asked_for():
 
 
 def test_shaders_say_what_they_leave_to_others():
-    broken = {n: found for n in SHADERS if not ASSEMBLED.match(n) and (found := lacking(n))}
+    broken = {n: found for n in SHADERS if (found := lacking(n))}
     assert not broken, "\n".join(f"{n}: //! needs fn {sorted(f)}" for n, f in broken.items())
 
 

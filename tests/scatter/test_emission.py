@@ -13,7 +13,7 @@ from airlight.scatter.emission import Emission
 from airlight.scatter.level import LatticeKind
 from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
-from airlight.scatter.surface_light import SurfaceLight
+from airlight.scatter.surface_light import SurfaceLight, SurfaceMedium
 
 PLACEMENT = Placement((0.0, 0.0, 0.0), 0.5, (6, 4, 2))
 SHAPE = (3, 2, 4, 6, 4)
@@ -60,9 +60,7 @@ def test_surfaces_see_less_in_fog_and_more_of_what_comes_from_the_air(gpu, comma
         commands,
         lattice(total),
         40.0,
-        medium=None,
-        sigma_s=sigma_s,
-        sigma_t=SIGMA_T,
+        SurfaceMedium(sigma_s, SIGMA_T),
         forward=lattice(forward),
     )
     commands.submit()

@@ -10,7 +10,7 @@ import airlight
 from airlight.lattice.placement import Placement
 from airlight.maths import lattice26, lattice26_walls
 from airlight.maths.lattice26_levels import mean_track
-from airlight.scatter.surface_light import SurfaceLight
+from airlight.scatter.surface_light import SurfaceLight, SurfaceMedium
 
 TEXT = (Path(airlight.__file__).parent / "wgsl" / "hops26.wgsl").read_text()
 
@@ -44,9 +44,7 @@ def test_mean_track_is_numpys(gpu, commands, lattice):
     ones = np.zeros((3, 2, 2, 2, 4))
     ones[..., 0] = 1.0
     surfaces = SurfaceLight(gpu, placement)
-    surfaces.encode(
-        commands, lattice(ones), 1.0, medium=None, sigma_s=(0.0, 0.0, 0.0), sigma_t=sigma_t
-    )
+    surfaces.encode(commands, lattice(ones), 1.0, SurfaceMedium(sigma_t=sigma_t))
     commands.submit()
     textures = (surfaces.red, surfaces.green, surfaces.blue)
     got = [t.read()[0, 0, 0, 0] / surfaces.scale for t in textures]

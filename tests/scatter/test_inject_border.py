@@ -11,7 +11,15 @@ from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.maths.half_space import plane_light, plane_radiance
 from airlight.media.gpu_media import GpuMedia
-from airlight.scatter.inject_border import LEVELS, ROWS, TURNS, InjectBorder, incoming_light, levels
+from airlight.scatter.inject_border import (
+    LEVELS,
+    ROWS,
+    TURNS,
+    InjectBorder,
+    Outside,
+    incoming_light,
+    levels,
+)
 from airlight.scene import DirectionalLight, Medium, Scene
 
 SUN = DirectionalLight((0.0, -1.0, 0.0), (4.0, 2.0, 1.0))
@@ -33,9 +41,7 @@ class Found:
         owned(white)
         border.find(
             commands,
-            AIR,
-            TOP,
-            [SUN],
+            Outside(AIR, TOP, (SUN,)),
             SimpleNamespace(bound=_walls(gpu, owned, open_share)),
             None if reflectance is None else white,
             is_new=True,

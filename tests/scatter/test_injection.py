@@ -15,6 +15,7 @@ from airlight.maths.lattice26_walls import returned_sharpness
 from airlight.maths.medium import ray_box_interval
 from airlight.maths.sampling import fibonacci_sphere
 from airlight.media.gpu_media import GpuMedia
+from airlight.scatter.cell_lights import CellLights
 from airlight.scatter.cell_medium import CellMedium
 from airlight.scatter.inject_rays import InjectRays, Sampling, owner_rows
 from airlight.scatter.inject_single import InjectSingle
@@ -58,9 +59,7 @@ class Place:
         InjectSingle(self.gpu, self.air).encode(
             self.commands,
             PLACEMENT,
-            self.lights.bound,
-            len(self.scene.lights),
-            walls=self.blockers.walls,
+            CellLights(self.lights.bound, len(self.scene.lights), self.blockers.walls),
             base=self.black,
             cells=self.cells,
         )

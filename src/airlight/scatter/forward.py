@@ -11,7 +11,6 @@ Source: ours. differs: Billeter2012 knows isotropic media only.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ..fields import FORWARD_REACH, ForwardSource
 from ..gpu.commands import Commands
@@ -19,13 +18,12 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import Slot, image, sampler, storage, texture, uniform
+from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 from ..scene.lights import AreaLight, DirectionalLight, Light
 from ..scene.scene import Scene
-from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData
+from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 
 _LARGEST = 1000.0  # what the brightest light becomes; half floats go to 65504
 _SKY_STRIDE = 4  # every fourth part of a cell for each of a sky's many lights
@@ -51,13 +49,7 @@ class _Forward(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
-            storage("lights", LightData),
-            storage("parallel_views", LightViewData),
-            storage("local_views", LightViewData),
-            texture("parallel_shadows", "2d-array", "depth"),
-            texture("local_shadows", "2d-array", "depth"),
-            sampler("shadow_compare", "comparison"),
-            texture("lattice_walls", "3d"),
+            *CELL_LIGHT_SLOTS,
             storage("face_visibility", "vec2u"),
             *media.slots,
             storage("base", "vec4f"),
@@ -118,57 +110,52 @@ class ForwardLight:
         self.scale = 1.0
 
     def encode_sky(
-        self,
-        commands: Commands,
-        bound: dict[str, Any],
-        count: int,
-        *,
-        black: Buffer,
-        walls: Texture,
-        face_visibility: Buffer,
+        self, commands: Commands, lights: CellLights, *, black: Buffer, face_visibility: Buffer
     ) -> None:
-        """Of `count` lights that stand for the sky; arguments as InjectSingle.encode."""
-        params = ForwardParams(light_count=count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0)
-        self._dispatch(
+        """Of the lights that stand for the sky; `black`: no light, of three channels."""
+        params = ForwardParams(
+            light_count=lights.count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0
+        )
+        self._sky.dispatch(
             commands,
-            self._sky,
-            self._sky_media,
-            params,
-            bound,
+            self.placement.count,
+            params=params,
+            lattice=self.placement.params(),
+            face_visibility=face_visibility,
             base=black,
             forward=self.sky,
-            lattice_walls=walls,
-            face_visibility=face_visibility,
+            **lights.bound,
+            **self._sky_media.bound,
         )
 
     def encode(
         self,
         commands: Commands,
         scene: Scene,
-        bound: dict[str, Any],
+        lights: CellLights,
         *,
         base: Buffer,
-        walls: Texture,
         face_visibility: Buffer,
     ) -> None:
         """Of the scene's lights, on top of `base`: the sky's, or no light."""
-        count = len(scene.lights)
         self.scale = _scale(scene.lights, self.placement.cell)
-        params = ForwardParams(light_count=count, stride=1, is_blurred=1, scale=self.scale)
-        self._dispatch(
+        # Each light's forward light in all cells, for marching, and the sum of all for surfaces.
+        params = ForwardParams(light_count=lights.count, stride=1, is_blurred=1, scale=self.scale)
+        self._lights.dispatch(
             commands,
-            self._lights,
-            self._media,
-            params,
-            bound,
+            self.placement.count,
+            params=params,
+            lattice=self.placement.params(),
+            face_visibility=face_visibility,
             base=base,
             forward=self.all,
             unblurred=self.unblurred,
-            lattice_walls=walls,
-            face_visibility=face_visibility,
+            **lights.bound,
+            **self._media.bound,
         )
-        if count:
-            self._encode_blur(commands, count, face_visibility)
+        # Marching takes the blurred light where beams have spread over more than a cell.
+        if lights.count:
+            self._encode_blur(commands, lights.count, face_visibility)
 
     def _encode_blur(self, commands: Commands, lights: int, face_visibility: Buffer) -> None:
         x, y, z = self.placement.count
@@ -185,33 +172,6 @@ class ForwardLight:
                 light=light,
                 blurred=target,
             )
-
-    def _dispatch(
-        self,
-        commands: Commands,
-        step: _Forward,
-        media: GpuMedia,
-        params: ForwardParams,
-        bound: dict[str, Any],
-        **values: Any,
-    ) -> None:
-        names = (
-            "lights",
-            "parallel_views",
-            "local_views",
-            "parallel_shadows",
-            "local_shadows",
-            "shadow_compare",
-        )
-        step.dispatch(
-            commands,
-            self.placement.count,
-            params=params,
-            lattice=self.placement.params(),
-            **{name: bound[name] for name in names},
-            **media.bound,
-            **values,
-        )
 
     def source(self, table: Buffer) -> ForwardSource:
         """For marching; `table` of lights."""

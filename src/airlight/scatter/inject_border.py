@@ -8,6 +8,8 @@ propagates from there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -83,6 +85,15 @@ class _AddBorder(ComputePass):
     file = "inject_border.wgsl"
 
 
+@dataclass(frozen=True)
+class Outside:
+    """The isotropic `medium` around a lattice, endless below the height `top`, m, and `lights`."""
+
+    medium: Medium
+    top: float
+    lights: tuple[Light, ...]
+
+
 class InjectBorder:
     """What comes in, W, into `cells`; its track on the straight path to them, W m, in `beams`, and
     in `surface_beams` such that two bands of it bring walls what they get.
@@ -99,31 +110,32 @@ class InjectBorder:
         self._directions = buffer_of(
             gpu, "directions into the lattice", levels().astype(np.float32)
         )
-        self._key: object = None
+        self._outside: Outside | None = None
 
     def find(
         self,
         commands: Commands,
-        medium: Medium,
-        top: float,
-        lights: list[Light],
+        outside: Outside,
         blockers: Blockers,
         reflectance: Buffer | None,
         *,
         is_new: bool,
     ) -> None:
-        """`medium`, endless below the height `top` (m), is isotropic; `lights` reach it.
+        """Trace the light of `outside` to all cells, where it changed.
 
         `is_new`: walls or media are others than before. Without `reflectance` walls are black.
         """
-        key = (medium, top, tuple(lights))
-        if key == self._key and not is_new:
+        if outside == self._outside and not is_new:
             return
-        self._key = key
-        self._radiance.write(incoming_light(medium, lights).astype(np.float32))
+        self._outside = outside
+        # What comes in at each depth below the top, solved on the host.
+        self._radiance.write(incoming_light(outside.medium, outside.lights).astype(np.float32))
+        # How much of it reaches each cell on straight paths, and what walls turn back there.
         placement = self.placement
         has_walls = float(reflectance is not None)
-        params = BorderParams(top=top, sigma=max(medium.sigma_t), has_walls=has_walls)
+        params = BorderParams(
+            top=outside.top, sigma=max(outside.medium.sigma_t), has_walls=has_walls
+        )
         bound: dict[str, Any] = {**blockers.bound, **self._media.medium_bound}
         self._find.dispatch(
             commands,
@@ -160,7 +172,7 @@ def levels() -> F64:
     return np.concatenate([up * (-1.0, 1.0), up])
 
 
-def incoming_light(medium: Medium, lights: list[Light]) -> F64:
+def incoming_light(medium: Medium, lights: Sequence[Light]) -> F64:
     """(LEVELS * ROWS, 4), W m^-2 sr^-1: radiance seen on each level at each row's depth."""
     share = np.linspace(0.0, _LAST, ROWS)
     depth = share / (1.0 - share)

@@ -9,18 +9,15 @@ ray into cells; see inject_rays, which does, for light through gaps smaller than
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import sampler, storage, texture, uniform
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
-from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData
+from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 
 
 class SingleParams(Struct):
@@ -39,13 +36,7 @@ class InjectSingle(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),
             uniform("lattice", LatticeParams),
-            storage("lights", LightData),
-            storage("parallel_views", LightViewData),
-            storage("local_views", LightViewData),
-            texture("parallel_shadows", "2d-array", "depth"),
-            texture("local_shadows", "2d-array", "depth"),
-            sampler("shadow_compare", "comparison"),
-            texture("lattice_walls", "3d"),
+            *CELL_LIGHT_SLOTS,
             *media.slots,
             storage("base", "vec4f"),
             storage("cells", "vec4f", "read_write"),
@@ -56,34 +47,22 @@ class InjectSingle(ComputePass):
         self,
         commands: Commands,
         placement: Placement,
-        lights: dict[str, Any],
-        count: int,
+        lights: CellLights,
         *,
-        walls: Texture,
         base: Buffer,
         cells: Buffer,
     ) -> None:
-        """`lights`: `lights`, views, shadows and `shadow_compare` as in Lights.bound.
+        """Gather of `lights`; `cells` must not be `base`.
 
-        `count` of them shine; `cells` must not be `base`. The media's coefficients count as
-        isotropic.
+        The media's coefficients count as isotropic.
         """
-        names = (
-            "lights",
-            "parallel_views",
-            "local_views",
-            "parallel_shadows",
-            "local_shadows",
-            "shadow_compare",
-        )
         self.dispatch(
             commands,
             placement.count,
-            params=SingleParams(light_count=count),
+            params=SingleParams(light_count=lights.count),
             lattice=placement.params(),
-            lattice_walls=walls,
             base=base,
             cells=cells,
-            **{name: lights[name] for name in names},
+            **lights.bound,
             **self._media.bound,
         )

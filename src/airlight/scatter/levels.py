@@ -14,6 +14,7 @@ so that a frame never waits for a residual to come back from the device.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -43,6 +44,7 @@ class Levels:
             Level(gpu, size, cell_size_m * 2**k, kind, is_finest=k == 0)
             for k, size in enumerate(schedule.counts(count))
         ]
+        # Larger lattices keep light straighter, which hops would spread too soon.
         self._persistence = persistence(max(count)) if kind.is_straight else RHO**2
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
         rows = 2 * CHANNELS * len(self.levels)
@@ -58,6 +60,7 @@ class Levels:
 
     def set_homogeneous(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
         """Take on a homogeneous medium, (3,) m^-1 each. Raises SettingsError (scheme paper)."""
+        # The numbers of a hop differ with its length, and so from level to level.
         rows = []
         for k, level in enumerate(self.levels):
             if self.kind.scheme == "deposit":
@@ -88,6 +91,7 @@ class Levels:
         if self._visibility is None or self._restrict_faces is None:
             return
         self.levels[0].face_visibility, self.levels[0].reflectance = face_visibility, reflectance
+        # Coarse faces and colours are means of finer ones; the visibility of hops follows.
         for k, level in enumerate(self.levels):
             if k:
                 finer = self.levels[k - 1]
@@ -109,7 +113,7 @@ class Levels:
         finest = self.levels[0]
         finest.source = source
         key = (source, finest.medium, finest.face_visibility, *self._tracks)
-        return self._recorded.encode(commands, key, lambda: self._solved(commands))
+        return self._recorded.encode(commands, key, partial(self._solved, commands))
 
     def _solved(self, commands: Commands) -> tuple[Buffer, Buffer]:
         level = self.levels[0]
@@ -124,30 +128,41 @@ class Levels:
             stepped = self._smoothed(commands, 0, current)
             self._rescaling.encode(commands, level, current=current, stepped=stepped)
         # The track of the sum is what media and surfaces see.
-        self._apply(commands, 0, Operator.TRACK, current, self._zero, level.track)
+        medium = self._medium(0)
+        self._step.encode(
+            commands, medium, Operator.TRACK, before=current, source=self._zero, after=level.track
+        )
         return current, level.track
 
     def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         """Smooth, correct by the next level, smooth; returns where the sum is."""
         plan = self.schedule
+        # Smoothing leaves a residual that a coarser lattice can hold.
         for _ in range(plan.before[k]):
             current = self._smoothed(commands, k, current)
+        # The coarser level finds what it would take many steps here to find.
         left = plan.after[k]
         if k + 1 < len(self.levels):
             current = self._corrected(commands, k, current)
             left -= 1  # which the correction takes with it
+        # What the correction is too coarse for, neighbours even out.
         for _ in range(left):
             current = self._smoothed(commands, k, current)
         return current
 
     def _smoothed(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        """I + M Q of level k, from Q in `current`; returns where it is."""
         level = self.levels[k]
         target = level.other(current)
         operator = Operator.MOVE if level.is_finest else Operator.CHANGE
-        self._apply(commands, k, operator, current, level.source, target)
+        medium = self._medium(k)
+        self._step.encode(
+            commands, medium, operator, before=current, source=level.source, after=target
+        )
         return target
 
     def _corrected(self, commands: Commands, k: int, current: Buffer) -> Buffer:
+        """Q of level k, corrected by the next coarser level and stepped; returns where it is."""
         level, coarse = self.levels[k], self.levels[k + 1]
         # The residual, I + M Q - Q, is the source of the coarser level.
         stepped = self._smoothed(commands, k, current)
@@ -155,11 +170,15 @@ class Levels:
         self._restrict.dispatch(
             commands, coarse.grid, params=pair, stepped=stepped, sum=current, residual=coarse.source
         )
+        # The coarser level solves for it, from the residual itself on.
         found = coarse.source
         for _ in range(self.schedule.visits):
             found = self._cycle(commands, k + 1, found)
         # Its track is handed to the finer cells as states; the finer track is free until the end.
-        self._apply(commands, k + 1, Operator.CHANGE_TRACK, found, self._zero, coarse.track)
+        track, medium = Operator.CHANGE_TRACK, self._medium(k + 1)
+        self._step.encode(
+            commands, medium, track, before=found, source=self._zero, after=coarse.track
+        )
         self._prolong.dispatch(
             commands,
             level.grid,
@@ -171,24 +190,20 @@ class Levels:
             change=level.track,
         )
         # As much of the correction as leaves the least residual, taken one step on.
-        self._apply(commands, k, Operator.CHANGE, level.track, self._zero, level.answer)
+        change, medium = Operator.CHANGE, self._medium(k)
+        self._step.encode(
+            commands, medium, change, before=level.track, source=self._zero, after=level.answer
+        )
         corrected = level.other(stepped)
         self._line_search.encode(
             commands, level, coarse, current=current, stepped=stepped, corrected=corrected
         )
         return corrected
 
-    def _apply(
-        self,
-        commands: Commands,
-        k: int,
-        operator: Operator,
-        before: Buffer,
-        source: Buffer,
-        after: Buffer,
-    ) -> None:
+    def _medium(self, k: int) -> StepMedium:
+        """What is in the cells of level k."""
         level = self.levels[k]
-        medium = StepMedium(
+        return StepMedium(
             level.count,
             level.cell,
             level.medium,
@@ -197,7 +212,6 @@ class Levels:
             level.packs,
             self._persistence,
         )
-        self._step.encode(commands, medium, operator, before=before, source=source, after=after)
 
     def _pair(self, k: int) -> LevelParams:
         """Parameters for level k and the finer one before it."""

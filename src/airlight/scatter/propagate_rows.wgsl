@@ -128,7 +128,7 @@ fn walls_at(cell: u32, channel: u32) -> Walls {
 }
 
 // K before in the tile's cell at `at`, of the lattice's number `cell`.
-fn stepped(cell: u32, at: vec3i, channel: u32) -> vec4f {
+fn stepped_cell(cell: u32, at: vec3i, channel: u32) -> vec4f {
     let own = cell_beside(at, channel, vec3i(0));
     var c = table;
     if (IS_VARIED) {
@@ -140,8 +140,8 @@ fn stepped(cell: u32, at: vec3i, channel: u32) -> vec4f {
 
 // Steps the tile's two cells from column x of row y on, the first of which has the number `cell`.
 fn step_pair(cell: u32, x: i32, y: i32, channel: u32, is_there: bool) {
-    let a = stepped(cell, vec3i(x, y, 0), channel);
-    let b = stepped(cell + 1u, vec3i(x + 1, y, 0), channel);
+    let a = stepped_cell(cell, vec3i(x, y, 0), channel);
+    let b = stepped_cell(cell + 1u, vec3i(x + 1, y, 0), channel);
     if (is_there) {
         let n = params.count;
         let pair = (channel * n.x * n.y * n.z + cell) >> 1u;

@@ -8,6 +8,7 @@ is what lights a wall to what the hops bring to it (maths.lattice26.scattered_lo
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -50,6 +51,18 @@ class _Pack(ComputePass):
     file = "surface_light.wgsl"
 
 
+@dataclass(frozen=True, eq=False)
+class SurfaceMedium:
+    """A lattice's medium: homogeneous, m^-1, or (sigma_s, sigma_t) of each of its `cells`."""
+
+    sigma_s: Rgb = (0.0, 0.0, 0.0)
+    sigma_t: Rgb = (0.0, 0.0, 0.0)
+    cells: Buffer | None = None
+
+
+NO_MEDIUM = SurfaceMedium()
+
+
 class SurfaceLight(ChannelTextures):
     """Three textures that `wgsl/lattice.wgsl` reads."""
 
@@ -64,27 +77,25 @@ class SurfaceLight(ChannelTextures):
         commands: Commands,
         total: Buffer,
         flux: float,
+        medium: SurfaceMedium,
         *,
-        medium: Buffer | None,
-        sigma_s: Rgb,
-        sigma_t: Rgb,
         forward: Buffer | None = None,
     ) -> None:
         """From the sum of states; `flux`, W, bounds what came in.
 
-        `medium` as for Step, or None for a homogeneous one of `sigma_s`, `sigma_t`. `forward`:
-        fluence and flux, W m, of beams that the lattice does not hold.
+        `forward`: fluence and flux, W m, of beams that the lattice does not hold.
         """
+        # As bright as half floats hold even if all flux lies in one cell.
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
         clear_m = mean_hop_length() * self.placement.cell
         params = SurfaceLightParams(
             count=self.placement.count,
             cell=self.placement.cell,
-            sigma_t=sigma_t,
-            sigma_s=sigma_s,
+            sigma_t=medium.sigma_t,
+            sigma_s=medium.sigma_s,
             chord=_mean_chord(self.placement),
             scale=self.scale / clear_m,
-            is_varied=int(medium is not None),
+            is_varied=int(medium.cells is not None),
             # Fluence is read off as irradiance by surface_irradiance, whatever the lookup's scale.
             forward=self.scale / (LOOKUP_SCALE * self.placement.cell) if forward else 0.0,
         )
@@ -93,7 +104,7 @@ class SurfaceLight(ChannelTextures):
             self.placement.count,
             params=params,
             total=total,
-            medium=medium or total,
+            medium=medium.cells or total,
             forward=forward or total,
             red=self.red,
             green=self.green,

@@ -26,6 +26,7 @@ from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from ..media.gpu_media import GpuMedia
 from ..media.volume_blockers import VolumeBlockers
+from ..scatter.cell_lights import CellLights
 from ..scatter.inject_single import InjectSingle
 from ..scatter.reduced import reduced
 from ..scene.scene import Scene
@@ -116,9 +117,7 @@ class LatticeVolumes:
             self._inject.encode(
                 commands,
                 part.placement,
-                lights.bound,
-                lights.count,
-                walls=part.blockers.walls,
+                CellLights(lights.bound, lights.count, part.blockers.walls),
                 base=base,
                 cells=own.cells,
             )

@@ -1,0 +1,43 @@
+"""Lights with shadow maps, as passes over cells gather them (`wgsl/cell_light.wgsl`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..gpu.memory import Texture
+from ..gpu.slots import Slot, sampler, storage, texture
+from ..surface.light_table import LightData
+from ..surface.light_views import LightViewData
+
+CELL_LIGHT_SLOTS: tuple[Slot, ...] = (
+    storage("lights", LightData),
+    storage("parallel_views", LightViewData),
+    storage("local_views", LightViewData),
+    texture("parallel_shadows", "2d-array", "depth"),
+    texture("local_shadows", "2d-array", "depth"),
+    sampler("shadow_compare", "comparison"),
+    texture("lattice_walls", "3d"),
+)
+"""Of passes that use `wgsl/cell_light.wgsl`; `CellLights` binds them."""
+_OF_LIGHTS = tuple(slot.name for slot in CELL_LIGHT_SLOTS if slot.name != "lattice_walls")
+
+
+@dataclass(frozen=True, eq=False)
+class CellLights:
+    """The lights that shine into a lattice.
+
+    `resources`: table, views and shadow maps by slot name, as Lights.bound. `count`: so many of the
+    table's rows shine. `walls`: as `Blockers.walls`; nothing is gathered from behind them.
+    """
+
+    resources: Mapping[str, Any]
+    count: int
+    walls: Texture
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By the names of CELL_LIGHT_SLOTS."""
+        of_lights = {name: self.resources[name] for name in _OF_LIGHTS}
+        return {**of_lights, "lattice_walls": self.walls}
