@@ -23,6 +23,7 @@ fn leaving(p: vec3f, direction: vec3f) -> f32 {
     if (any(id >= lattice.count)) {
         return;
     }
+    // What arrives at the cell's centre: fluence, net flux, and irradiance of six walls.
     let p = unwarped_point(lattice, id, vec3f(0.5));
     var fluence = vec3f(0.0);
     var flux = mat3x3f();                   // columns x, y, z of rgb
@@ -72,6 +73,7 @@ fn leaving(p: vec3f, direction: vec3f) -> f32 {
         constant += walls[axis] * 2.0 * (against[2u * axis] + against[2u * axis + 1u]);
     }
     constant /= walls.x + walls.y + walls.z;
+    // The flux only towards walls that there are; then power units: W, and W m of track.
     let share = walls / max(walls.x, max(walls.y, walls.z));
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;
     for (var c = 0u; c < 3u; c++) {

@@ -1,3 +1,4 @@
+// A cell's mean scattering and extinction, m^-1, over samples^3 points of it.
 //! use media
 //! use lattice_axes
 

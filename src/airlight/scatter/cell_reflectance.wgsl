@@ -1,3 +1,4 @@
+// The mean colour of the walls in and around a cell, which reflect what its closed hops send.
 // `faces` holds, per cell and outgoing hop, the reflected share (rgb) and the closed share (a). A
 // hop across an edge or a corner may be stopped by a neighbour's face, so neighbours count too.
 

@@ -25,7 +25,7 @@ _FIRST = (0, 6, 18)  # one hop of each kind
 class StepCoefficients(Struct):
     """One channel's numbers; x, y, z are the three kinds of hop: face, edge, corner."""
 
-    gain = vec4f("on what is read: even, direct, direct, direct")
+    gain = vec4f("on what is read: A, Bx, By, Bz")
     arriving = vec3f("arriving power -> A")
     passing = vec3f("arriving power -> B, per offset, of what is not scattered on the way")
     kept = vec3f("own open hop -> own A")
@@ -68,6 +68,7 @@ def _channel_rows(
     t = length_m * mean_transmittance(x)
     t_half = 0.5 * length_m * mean_transmittance(0.5 * x)
     one = [1.0] * 4
+    # The next state: what passes a hop, what the medium scatters on it, what walls give back.
     move = {
         "gain": one,
         "arriving": w * (p + sigma_s * t * m),
@@ -77,6 +78,7 @@ def _channel_rows(
         "returned": w * half * (sigma_s * t_half + half),
         "turned": returned_sharpness() * w * half**2,
     }
+    # The track: how far the light comes in either cell before it is lost.
     track = {
         "gain": one,
         "arriving": w * t * m,
@@ -113,6 +115,7 @@ def paper_rows(
     # gamma_j <Gamma_j|1> summed over the neighbours.
     printed = float(np.sqrt(4.0 * np.pi) / np.sqrt(table.weights).sum())
     handed_on = 1.0 if is_gamma_fixed else printed
+    # Eq. 3 deposits all in the cell that light enters, and no walls give anything back.
     nothing: dict[str, Any] = {name: np.zeros(3) for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):

@@ -74,6 +74,7 @@ class Emission(ChannelTextures):
         `forward`: more track, of light that never was in it. `sigma_t`, m^-1, says how much of the
         track is true (maths.lattice26.true_share), by default all.
         """
+        # As bright as half floats hold even if all flux lies in one cell.
         cell = self.placement.cell
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
         params = EmissionParams(

@@ -1,5 +1,8 @@
+// The solved track as textures for marching: a channel each, and the constant terms of all three.
+
 const LARGEST_HALF = 65504.0;
 
+// (V_a, 3 V_b) as half floats hold them.
 fn stored(index: u32, share: f32) -> vec4f {
     var v = share * track[index];
     if (params.has_forward != 0u) {
@@ -17,6 +20,7 @@ fn stored(index: u32, share: f32) -> vec4f {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // The three channels, and for media that ask for no direction their constant terms alone.
     let r = stored(cell, params.share.r);
     let g = stored(cell + cells, params.share.g);
     let b = stored(cell + 2u * cells, params.share.b);

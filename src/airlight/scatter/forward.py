@@ -97,6 +97,7 @@ class ForwardLight:
         self._lights = _Forward(gpu, media, stores=True)
         self._sky = _Forward(gpu, sky_media, stores=False)
         self._media, self._sky_media = media, sky_media
+        # Sums in cells, and each light by itself, light behind light along z.
         x, y, z = placement.count
         cells = x * y * z
         self.sky = Buffer(gpu, "forward light of the sky", 3 * cells * 16)

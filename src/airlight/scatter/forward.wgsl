@@ -3,6 +3,7 @@
 //! use lattice_space
 //! use media_light
 //! use cell_light
+//! use entering_share
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
@@ -14,6 +15,7 @@ struct Depths {
     deviation: f32,     // m, of the light's spread across its direction
 }
 
+// All media between p and a light.
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
@@ -31,12 +33,11 @@ fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     return sum;
 }
 
-fn is_shut(cell: vec3i, face: u32) -> bool {
+// Whether walls close the face that a hop crosses into a cell.
+fn is_shut(cell: vec3i, hop: u32) -> bool {
     let c = vec3u(clamp(cell, vec3i(0), vec3i(lattice.count) - 1));
-    let packed = face_visibility[(c.z * lattice.count.y + c.y) * lattice.count.x + c.x];
-    let open = select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face & 3u],
-        face < 4u);
-    return open < 0.5;
+    let index = (c.z * lattice.count.y + c.y) * lattice.count.x + c.x;
+    return entering_share(face_visibility[index], hop) < 0.5;
 }
 
 // From lattice coordinates by an `offset` in cells, but not through walls.
@@ -68,12 +69,14 @@ struct Part {
 // Of light i at part k of a cell.
 fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
+    // What shines straight onto the part, as the true medium attenuates it.
     var p = unwarped_point(lattice, id, half);
     var depths = depths_towards(light, i, p);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let own = incoming(light, p);
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit_point(light, own.to_light, p), vec3f(0.0), depth);
+    // What was deflected has come along beams beside it; it is looked up where they come from.
     let radius = depths.deviation / lattice.cell;
     if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
         // Two rings of four, each for half of a Gaussian.
@@ -88,6 +91,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
         p = world_from_cells(lattice, moved);
         depths = depths_towards(light, i, p);
     }
+    // A local light may be in the cell, so its mean over the part is taken.
     let in = incoming(light, p);
     var irradiance = in.irradiance;
     if (light.kind != LIGHT_DIRECTIONAL) {
@@ -97,10 +101,12 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     if (all(irradiance * depths.forward == vec3f(0.0))) {
         return seen;
     }
+    // The reduced medium transmits more than the true one: that is what was deflected once.
     let gained = exp(-depths.reduced) * (1.0 - exp(-depths.forward));
     return Part(seen.straight, lit_point(light, in.to_light, p) * irradiance * gained, depth);
 }
 
+// The direction in which light travels at the cell's centre.
 fn travel_of(light: LightData, id: vec3u) -> vec3f {
     if (light.kind == LIGHT_DIRECTIONAL) {
         return light.direction;

@@ -1,19 +1,21 @@
 // Each light's forward light, averaged along one axis of the lattice over REACH cells to each side, as
 // far as the faces between are open: what is lit beyond a wall stays there. The slabs of both textures
 // along z are lights.
+//! use entering_share
 
-// The open share of a hop that enters a cell: +x -x +y -y +z -z.
 fn entering(cell: vec3u, hop: u32) -> f32 {
-    let packed = face_visibility[(cell.z * params.count.y + cell.y) * params.count.x + cell.x];
-    return select(unpack4x8unorm(packed.y)[hop & 3u], unpack4x8unorm(packed.x)[hop & 3u], hop < 4u);
+    let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    return entering_share(face_visibility[index], hop);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= vec3u(params.count.xy, params.count.z * params.lights))) {
         return;
     }
+    // A cell of one light's slab.
     let own = vec3u(id.xy, id.z % params.count.z);
     let slab = vec3u(0u, 0u, id.z - own.z);
+    // The mean of the cells to both sides, each by how open the faces before it are.
     var sum = textureLoad(light, id, 0);
     var weight = 1.0;
     for (var side = 0u; side < 2u; side++) {

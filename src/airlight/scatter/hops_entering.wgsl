@@ -1,5 +1,5 @@
-// Packs 0 and 1 of every cell (1 - b of Billeter2012 eq. 2): the open shares of the hops that its neighbours send it, by the number of
-// the hop that goes to the neighbour.
+// Packs 0 and 1 of every cell (1 - b of Billeter2012 eq. 2): the open shares of the hops that its
+// neighbours send it, by the number of the hop that goes to the neighbour.
 //! use hops26
 
 // The open share of a neighbour's hop, as hops_leaving has packed it.
@@ -18,6 +18,7 @@ fn open_leaving(cell: vec3i, hop: u32) -> f32 {
         return;
     }
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // What the neighbours' packs say of the hops hither, four to a word.
     var words: array<u32, 8>;
     for (var word = 0u; word < 7u; word++) {
         var shares = vec4f(1.0);

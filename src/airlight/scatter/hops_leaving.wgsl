@@ -1,6 +1,7 @@
-// Packs 2 and 3 of every cell: the open shares of its own hops by their number, and the walls'
+// Packs 2 and 3 of every cell (1 - b of Billeter2012 eq. 2): the open shares of its own hops by their number, and the walls'
 // reflectance. maths.lattice26_walls.open_hops is the NumPy twin.
 //! use hops26
+//! use entering_share
 
 // The open share of the face that a step of `step` along an axis crosses into a cell; outside,
 // nothing stops light.
@@ -9,12 +10,11 @@ fn open_face(cell: vec3i, axis: u32, step: i32) -> f32 {
         return 1.0;
     }
     let c = vec3u(cell);
-    let packed = face_visibility[(c.z * params.count.y + c.y) * params.count.x + c.x];
-    let face = 2u * axis + select(0u, 1u, step < 0);    // +x -x +y -y +z -z
-    return select(unpack4x8unorm(packed.y)[face & 3u], unpack4x8unorm(packed.x)[face & 3u],
-        face < 4u);
+    let index = (c.z * params.count.y + c.y) * params.count.x + c.x;
+    return entering_share(face_visibility[index], 2u * axis + select(0u, 1u, step < 0));
 }
 
+// The part of a hop along one axis.
 fn part_along(step: vec3i, axis: u32) -> vec3i {
     var part = vec3i(0);
     part[axis] = step[axis];
@@ -54,6 +54,7 @@ fn open_hop(at: vec3i, step: vec3i) -> f32 {
         return;
     }
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // A hop across an edge or a corner goes along axes, in any order, past faces on each path.
     var words: array<u32, 8>;
     for (var word = 0u; word < 7u; word++) {
         var shares = vec4f(1.0);

@@ -102,6 +102,7 @@ class InjectBorder:
     def __init__(self, gpu: Gpu, placement: Placement, media: GpuMedia) -> None:
         self._find, self._add = _Beams(gpu, media), _AddBorder(gpu)
         self._media, self.placement = media, placement
+        # Power, the track of marching and that of surfaces, one behind the other.
         cells = 3 * placement.cells
         self._border = Buffer(gpu, "light from the border", 3 * cells * 16)
         self.beams = Buffer(gpu, "beams from the border", cells * 16)
@@ -166,6 +167,7 @@ class InjectBorder:
 
 def levels() -> F64:
     """(LEVELS, 2): cosines to the vertical, dense where rays are flat, and solid angles, sr."""
+    # Gauss-Legendre nodes in the square root of the cosine: most of them look nearly flat.
     nodes, weights = np.polynomial.legendre.leggauss(LEVELS // 2)
     s, solid = 0.5 * (nodes + 1.0), 2.0 * np.pi / TURNS * 0.5 * weights
     up = np.column_stack([s**2, 2.0 * s * solid])
@@ -174,6 +176,7 @@ def levels() -> F64:
 
 def incoming_light(medium: Medium, lights: Sequence[Light]) -> F64:
     """(LEVELS * ROWS, 4), W m^-2 sr^-1: radiance seen on each level at each row's depth."""
+    # Rows at equal steps of depth/(1 + depth), dense where light changes most.
     share = np.linspace(0.0, _LAST, ROWS)
     depth = share / (1.0 - share)
     table = np.zeros((LEVELS, ROWS, 4))

@@ -1,3 +1,5 @@
+// Points of the ray from a light to what a texel of its map sees: what media scatter there enters cells
+// (Billeter2012 section 4.1).
 //! use lattice_space
 //! use lobes
 //! use light_texel
@@ -23,9 +25,11 @@ fn carried(light: LightData, direction: vec3f) -> vec3f {
     if (view.is_perspective != 0u) {
         start = light.position;
     }
+    // The flux of the texel's beam.
     let reach = length(hit - start);
     let direction = (hit - start) / max(reach, 1e-12);
     let power = carried(light, direction) * texel_measure(view, centre, params.resolution);
+    // The stretch of it in the lattice, up to the surface; a ray that hits nothing goes on.
     let low = lattice.origin;
     let span = ray_box_interval(lattice_from_world(lattice, start), lattice_from_world(lattice, direction),
         low, low + lattice.cell * vec3f(lattice.count));
@@ -35,6 +39,7 @@ fn carried(light: LightData, direction: vec3f) -> vec3f {
     if (stretch <= 0.0 || all(power <= vec3f(0.0))) {
         return;
     }
+    // Random points, the same in every frame, each of which stands for an equal part of the stretch.
     let count = f32(params.samples);
     var hash = pcg_hash(pcg_hash((id.z * params.resolution + id.y) * params.resolution + id.x)
         ^ params.seed);

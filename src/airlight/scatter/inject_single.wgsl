@@ -32,6 +32,7 @@ fn box_transmittance(depth: vec3f, sigma_t: vec3f, direction: vec3f, size: vec3f
     return min(result * exp(half - depth), vec3f(1.0));
 }
 
+// Irradiance of all lights, W m^-2, averaged over a box of sides `size` about p.
 fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     let radius = ball_radius(size);
     var sum = vec3f(0.0);
@@ -46,6 +47,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
         if (lit <= 0.0) {
             continue;
         }
+        // Within the box irradiance varies with distance where the light is near, else by attenuation.
         let depth = media_light_depth(light, i, p);
         if (is_near) {
             sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
@@ -61,6 +63,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
+    // An eighth of the cell at a time, as the warp has it.
     let low = lattice.cell * unwarped_coordinates(lattice, id, vec3f(0.0));
     let high = lattice.cell * unwarped_coordinates(lattice, id, vec3f(1.0));
     let size = 0.5 * (high - low);
@@ -73,6 +76,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
             power += sigma_s * arriving(p, size, media_extinction(p));
         }
     }
+    // Scattered isotropically: a constant term alone.
     power *= size.x * size.y * size.z;
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;

@@ -1,6 +1,8 @@
 // Visibility of a coarse cell's incoming face hops: walls on the face, and whole those half a coarse
 // cell before or behind it. A wall through the middle of a coarse cell closes both its faces: a
 // correction may be too small, but is never handed through a wall.
+//! use level_cells
+//! use entering_share
 
 // How closed fine plane `plane` (the low faces of cells there) is for hop 2 axis + side, averaged
 // over the 2 x 2 fine faces of the coarse cell at `first` (fine cells).
@@ -21,16 +23,14 @@ fn closed(first: vec3u, axis: u32, plane: i32, side: u32) -> f32 {
         p[across] += k & 1u;
         p[up] += k >> 1u;
         if (all(p < f)) {
-            let packed = face_visibility[(p.z * f.y + p.y) * f.x + p.x];
-            let hop = 2u * axis + side;
-            let open = select(unpack4x8unorm(packed.y)[hop & 3u], unpack4x8unorm(packed.x)[hop],
-                hop < 4u);
+            let open = entering_share(face_visibility[index_in(f, p, 0u)], 2u * axis + side);
             total += vec2f(1.0 - open, 1.0);
         }
     }
     return total.x / max(total.y, 1.0);
 }
 
+// How open a coarse face is past the three fine planes that belong to it.
 fn open_face(at: vec3u, axis: u32, side: u32) -> f32 {
     let plane = 2 * i32(at[axis] + side);
     let first = 2u * at;
@@ -42,8 +42,8 @@ fn mean_reflectance(at: vec3u) -> vec4f {
     let f = params.fine;
     var total = vec4f(0.0);
     for (var k = 0u; k < 8u; k++) {
-        let p = min(2u * at + vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u), f - 1u);
-        total += unpack4x8unorm(reflectance[(p.z * f.y + p.y) * f.x + p.x]);
+        let p = min(fine_cell(at, k), f - 1u);
+        total += unpack4x8unorm(reflectance[index_in(f, p, 0u)]);
     }
     return 0.125 * total;
 }
@@ -52,7 +52,8 @@ fn mean_reflectance(at: vec3u) -> vec4f {
     if (any(id >= params.coarse)) {
         return;
     }
-    let cell = (id.z * params.coarse.y + id.y) * params.coarse.x + id.x;
+    let cell = index_in(params.coarse, id, 0u);
+    // +x -x +y -y, +z -z; two bytes are not read.
     coarse_face_visibility[cell] = vec2u(
         pack4x8unorm(vec4f(open_face(id, 0u, 0u), open_face(id, 0u, 1u), open_face(id, 1u, 0u),
             open_face(id, 1u, 1u))),

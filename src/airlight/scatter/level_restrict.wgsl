@@ -1,4 +1,5 @@
 // What a coarse cell has still to send on: the residual of its 2 x 2 x 2 fine cells, summed.
+//! use level_cells
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = params.coarse;
@@ -7,14 +8,15 @@
         return;
     }
     let at = vec3u(id.xy, id.z % n.z);
+    // States are power, so eight cells together hold the sum.
     let f = params.fine;
     var total = vec4f(0.0);
     for (var k = 0u; k < 8u; k++) {
-        let p = 2u * at + vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
+        let p = fine_cell(at, k);
         if (all(p < f)) {
-            let index = ((channel * f.z + p.z) * f.y + p.y) * f.x + p.x;
+            let index = index_in(f, p, channel);
             total += stepped[index] - sum[index];
         }
     }
-    residual[((channel * n.z + at.z) * n.y + at.y) * n.x + at.x] = total;
+    residual[index_in(n, at, channel)] = total;
 }

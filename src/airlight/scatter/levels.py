@@ -46,6 +46,7 @@ class Levels:
         ]
         # Larger lattices keep light straighter, which hops would spread too soon.
         self._persistence = persistence(max(count)) if kind.is_straight else RHO**2
+        # What all levels share: a source without light, rows of coefficients, passes.
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
         rows = 2 * CHANNELS * len(self.levels)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)

@@ -1,3 +1,4 @@
+// Texels of six maps along the axes of the lattice, added to what blocks around its corners.
 //! use blocker_side
 //! use light_texel
 //! use lattice_axes
@@ -11,6 +12,7 @@
     if (d >= 1.0) {
         return;
     }
+    // The corner nearest to what the texel sees.
     let view = views[id.z];
     let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
     let coordinates = cells_from_world(lattice, world);
@@ -18,6 +20,7 @@
     if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return;
     }
+    // Its area along the map's axis covers a share of a face; walls block on both sides.
     let axis = id.z / 2u;
     let offset = coordinates[axis] - f32(corner[axis]);
     let area = view.texel.x * view.texel.y / (lattice.cell * lattice.cell);

@@ -143,6 +143,7 @@ class Step:
         # Rows are read in pairs of cells, so that all of them must begin with a pair.
         by_rows = self._has_rows and nx % 2 == 0
         x, y, slabs = tiles(lattice.count, os.cpu_count() or 1) if by_rows else (nx, ny, nz)
+        # M or T, of a state or of a correction: numbers, so that all share a pipeline.
         params = StepParams.of(
             count=lattice.count,
             row=lattice.row + CHANNELS * operator.is_track,

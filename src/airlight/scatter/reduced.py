@@ -29,13 +29,14 @@ def reduced_scene(scene: Scene) -> Scene:
 
 
 def is_forward(scene: Scene, *, least: float = -1.0) -> bool:
-    """Whether any medium scatters unevenly, with a mean cosine above `least`."""
+    """Whether any medium scatters anisotropically, with a mean cosine above `least`."""
     media = [*((scene.medium,) if scene.medium else ()), *scene.volumes]
     return any(c != 0.0 and c > least for m in media for c in m.g)
 
 
 def reduced(medium: AnyMedium) -> AnyMedium:
     """sigma_s' = sigma_s (1 - g), sigma_t' = sigma_s' + sigma_a. Its g says what it stands for."""
+    # 1 - albedo g of the extinction is left, and of that sigma_s (1 - g) scatters.
     kept = [1.0 - w * g for w, g in zip(medium.albedo, medium.g, strict=True)]
     r, g, b = (t * k for t, k in zip(medium.sigma_t, kept, strict=True))
     x, y, z = (

@@ -100,6 +100,7 @@ def iterations_to(
     The slowest mode of a random walk with absorption out of the box, by the channel that takes
     longest, after the light has crossed the lattice once. Between 1 and 512.
     """
+    # The channel whose slowest mode decays least decides, once light is everywhere.
     crossing = max(count) / mean_hop_length()
     channels = zip(sigma_s, sigma_t, strict=True)
     rate = min(_decay(s, t, cell_size_m, count) for s, t in channels)

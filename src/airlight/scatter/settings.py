@@ -58,6 +58,7 @@ class ScatterSettings:
 
 def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:
     """Whether cells need coefficients of their own; SettingsError where the scheme has none."""
+    # A volume, or a medium that ends within the lattice, differs from cell to cell.
     varies = bool(scene.volumes)
     medium = scene.medium
     if medium is not None and (medium.bounds is not None or medium.endless):

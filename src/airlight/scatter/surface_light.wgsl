@@ -1,8 +1,10 @@
+// The sum of all states as textures that surfaces read.
 //! use hops26
 
 override SCATTERED_GAIN: f32;
 const LARGEST_HALF = 65504.0;
 
+// The state by how much of it reaches walls, with the beams that the lattice does not hold.
 fn stored(index: u32, weight: f32) -> vec4f {
     var state = total[index] * (weight * params.scale);
     if (params.forward > 0.0) {
@@ -18,6 +20,7 @@ fn stored(index: u32, weight: f32) -> vec4f {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // The medium of the lattice, or of this cell.
     var sigma_s = params.sigma_s;
     var sigma_t = params.sigma_t;
     if (params.is_varied != 0u) {

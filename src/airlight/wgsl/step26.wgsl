@@ -84,7 +84,7 @@ fn sent_power(state: vec4f, offset: vec3f, kind: u32) -> f32 {
     return state.x + RHO / HOP_LENGTHS[kind] * dot(state.yzw, offset);
 }
 
-// Adds to `sum`, (even, direct): what arrives from the neighbour at `step`, and what stays of what the
+// Adds to `sum`, (A, B): what arrives from the neighbour at `step`, and what stays of what the
 // cell sends there.
 fn exchange(sum: ptr<function, vec4f>, c: StepCoefficients, own: Cell, far: Cell,
         walls: ptr<function, Walls>, step: vec3i) {
