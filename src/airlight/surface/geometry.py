@@ -218,6 +218,11 @@ class GpuScene:
         return not self._is_packable[key] or self._uploaded[draw.base_vertex].colors is not None
 
     @property
+    def material_rows(self) -> list[int]:
+        """The row in `materials` of each instance, in the order of `instances`."""
+        return [self._material_index[id(self._first[index].material)] for index in self.order]
+
+    @property
     def triangle_table(self) -> TriangleTable:
         """The data that the visibility buffer reads, created when first asked for."""
         if self._triangle_table is None:

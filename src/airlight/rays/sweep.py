@@ -1,0 +1,120 @@
+"""Where a hierarchy of boxes is divided: the surface area heuristic, a whole level at a time.
+
+The items of each part are sorted along the longest side of the box around their centres, and every
+place between two of them is a candidate (MacDonald1990; a full sweep, Wald2007). All parts of a
+level are swept at once: minima and maxima run along all items, and a part's offset, larger than
+any box, keeps those of the part before it out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_APART = 2.0  # between the parts' coordinates, which are within 0 .. 1
+_TO_MIDDLE = 1e-9  # of the cost: where all places cost the same, the middle one is taken
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes of items in units of the longest side of the box around all: low, high (3, T)."""
+
+    low: F64
+    high: F64
+
+    @classmethod
+    def of(cls, low: NDArray[np.float32], high: NDArray[np.float32]) -> Boxes:
+        """Those of corners (T, 3), metres."""
+        least, most = low.min(axis=0).astype(np.float64), high.max(axis=0).astype(np.float64)
+        scale = 1.0 / max(float((most - least).max()), 1e-300)
+        return cls(*(np.ascontiguousarray(((x - least) * scale).T) for x in (low, high)))
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Items in parts: `items` of all parts in order, the first of each part, and how many."""
+
+    items: Ints
+    starts: Ints
+    counts: Ints
+
+    @property
+    def numbers(self) -> Ints:
+        """The part of each item."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Of each part: items before the cut, its cost in items to be tested, its axis."""
+
+    before: Ints
+    cost: F64
+    axis: Ints
+
+
+def sweep(parts: Parts, boxes: Boxes, most: int) -> tuple[Parts, Cuts]:
+    """The parts with their items sorted, and where each is best divided.
+
+    No side gets more than `most` items, or both the same number where there are too many for that.
+    """
+    numbers = parts.numbers
+    items, axis = _sorted(parts, numbers, boxes)
+    before, after, whole = _areas(items, parts, numbers, boxes)
+
+    # The cost of a cut behind each item.
+    index = np.arange(len(items)) - parts.starts[numbers]
+    total = parts.counts[numbers]
+    left, right = index + 1, total - index - 1
+    cost = before * left + after * right
+    cost += (_TO_MIDDLE * whole[numbers]) * np.abs(left - right)
+    allowed = np.maximum(most, (total + 1) // 2)
+    cost[(right == 0) | (left > allowed) | (right > allowed)] = np.inf
+
+    # The first of the cheapest.
+    least = np.minimum.reduceat(cost, parts.starts)
+    places = np.flatnonzero(cost == least[numbers])[::-1]
+    cut = np.empty(len(parts.counts), np.int64)
+    cut[numbers[places]] = left[places]
+    return Parts(items, parts.starts, parts.counts), Cuts(
+        cut, least / np.maximum(whole, 1e-300), axis
+    )
+
+
+def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
+    """The items along the longest side of the box around their centres, and that side's axis."""
+    centres = [0.5 * (boxes.low[k][parts.items] + boxes.high[k][parts.items]) for k in range(3)]
+    least = np.stack([np.minimum.reduceat(c, parts.starts) for c in centres])
+    sides = np.stack([np.maximum.reduceat(c, parts.starts) for c in centres]) - least
+    axis = sides.argmax(axis=0)
+    along = np.choose(axis[numbers], centres)
+    of_part = np.take_along_axis(least, axis[None], axis=0)[0]
+    side = np.maximum(np.take_along_axis(sides, axis[None], axis=0)[0], 1e-300)
+    key = numbers + (0.999 * (along - of_part[numbers])) / side[numbers]
+    return parts.items[np.argsort(key)], axis
+
+
+def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64, F64, F64]:
+    """Half the areas of the boxes around the items up to each, behind each, and in each part."""
+    far = _APART * numbers
+    before, after = [], []
+    for low, high in zip(boxes.low, boxes.high, strict=True):
+        lows, highs = low[items], high[items]
+        top = np.maximum.accumulate(highs + far)
+        before.append(top - np.minimum.accumulate(lows - far) - 2.0 * far)
+        top = np.maximum.accumulate((highs - far)[::-1])[::-1]
+        after.append(top - np.minimum.accumulate((lows + far)[::-1])[::-1] + 2.0 * far)
+    up_to = _half_area(before)
+    behind = np.zeros_like(up_to)
+    behind[:-1] = _half_area(after)[1:]
+    return up_to, behind, up_to[parts.starts + parts.counts - 1]
+
+
+def _half_area(sides: list[F64]) -> F64:
+    x, y, z = sides
+    return x * y + y * z + z * x

@@ -1,0 +1,92 @@
+"""Nodes and triangles of hierarchies as shaders read them, in words of 32 bits.
+
+A node is NODE_WORDS: the corner of its box (3 float32); the steps of its grid, upper halves of
+float32 (x, y in one word, z with `axes`); lows and highs of its four children on that grid, a byte
+each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32), the
+texture coordinates of the first (2 float32), those of its edges (4 float16), three normals
+(octahedra of 2 x 16 bits).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.chunks import chunks
+from ..maths.octahedron import octahedron_pack16
+from ..scene.mesh import Geometry
+from .hierarchy import F32, INDEX_MASK, LEAF, U32, Hierarchy
+
+NODE_WORDS, TRIANGLE_WORDS = 16, 16
+_HALF_MAX = 65504.0
+
+
+def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
+    """(N, NODE_WORDS) of a tree and the boxes (N, 4, 3) of its nodes' children.
+
+    The boxes on the grid hold those given: lows are rounded down, highs up.
+    """
+    rows = np.zeros((len(tree.children), NODE_WORDS), np.uint32)
+    corner = lows.min(axis=1)
+    corner[~np.isfinite(corner)] = 0.0
+    side = np.maximum(highs.max(axis=1).astype(np.float64) - corner, 0.0)
+    step = _rounded_up(side / 255.0)
+    rows[:, 0:3] = corner.astype(np.float32).view(np.uint32)
+    bits = step.view(np.uint32)
+    rows[:, 3] = bits[:, 0] >> 16 | bits[:, 1]
+    rows[:, 4] = bits[:, 2] | tree.axes
+    scale = 1.0 / np.maximum(step.astype(np.float64), 1e-300)[:, None, :]
+    is_there = np.isfinite(lows[..., :1])
+    with np.errstate(invalid="ignore"):
+        low = np.floor((lows.astype(np.float64) - corner[:, None]) * scale)
+        high = np.ceil((highs.astype(np.float64) - corner[:, None]) * scale)
+    low = np.where(is_there, np.clip(low, 0.0, 255.0), 255.0).astype(np.uint32)
+    high = np.where(is_there, np.clip(high, 0.0, 255.0), 0.0).astype(np.uint32)
+    shift = np.array([0, 8, 16, 24], np.uint32)[:, None]
+    rows[:, 5:8] = (low << shift).sum(axis=1, dtype=np.uint32)
+    rows[:, 8:11] = (high << shift).sum(axis=1, dtype=np.uint32)
+    rows[:, 12:16] = tree.children
+    return rows
+
+
+def _rounded_up(x: NDArray[np.float64]) -> F32:
+    """The next float32 whose lower 16 bits are zero."""
+    above = np.nextafter(x.astype(np.float32), np.float32(np.inf))
+    above = np.where(x > 0.0, above, np.float32(0.0)).astype(np.float32)
+    bits = (above.view(np.uint32) + np.uint32(0xFFFF)) & np.uint32(0xFFFF0000)
+    return bits.view(np.float32)
+
+
+def moved_children(children: U32, first_node: int, first_triangle: int) -> U32:
+    """Children (..., 4) of a tree whose nodes and triangles begin at these numbers."""
+    is_leaf = children >= LEAF
+    index = children & INDEX_MASK
+    kind = children & ~np.uint32(INDEX_MASK)
+    moved = kind | (index + np.where(is_leaf, first_triangle, first_node).astype(np.uint32))
+    return np.where(children > 0, moved, np.uint32(0))
+
+
+def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
+    """(T, TRIANGLE_WORDS) of a geometry's triangles in this order."""
+    rows = np.zeros((len(order), TRIANGLE_WORDS), np.uint32)
+    floats, halves = rows.view(np.float32), rows.view(np.float16)
+    normals = octahedron_pack16(geometry.normals) if geometry.normals is not None else None
+    uvs = geometry.uvs
+    for part in chunks(len(order)):
+        corners = geometry.indices[order[part]]
+        floats[part, :9] = geometry.positions[corners].reshape(-1, 9)
+        if uvs is not None:
+            uv = uvs[corners]
+            floats[part, 9:11] = uv[:, 0]
+            edges = (uv[:, 1:] - uv[:, :1]).reshape(-1, 4)
+            halves[part, 22:26] = np.clip(edges, -_HALF_MAX, _HALF_MAX)
+        if normals is not None:
+            rows[part, 13:16] = normals[corners]
+    return rows
+
+
+def triangle_boxes(geometry: Geometry, order: NDArray[np.int64] | None = None) -> tuple[F32, F32]:
+    """The lower and upper corners (T, 3) of the boxes of a geometry's triangles, in this order."""
+    indices = geometry.indices if order is None else geometry.indices[order]
+    a, b, c = (geometry.positions[indices[:, k]] for k in range(3))
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
