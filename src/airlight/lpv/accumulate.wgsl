@@ -17,6 +17,7 @@ fn tail(channel: u32) -> f32 {
 ) {
     let first = group.x * WX * PER_LANE + own;
     let end = min(params.values, (group.x + 1u) * WX * PER_LANE);
+    // A state of the sum, or the last block times what all blocks after it would add.
     var scale = 1.0;
     if (IS_SCALED) {
         scale = 1.0 / range[0];

@@ -1,9 +1,8 @@
+// One hop of the larger lattice's light into the cells along the finer lattice's sides.
 //! use hops6
 //! use lattice
 
 const DEPTH = 3u;       // cells from the border that are asked whether light could leave
-
-// One hop of the larger lattice's light into the cells along the finer lattice's sides.
 
 // The cell at (u, v) of side 0..5 (x low, x high, y low ...).
 fn side_cell(u: u32, v: u32, axis: u32, is_high: bool) -> vec3u {
@@ -24,6 +23,7 @@ fn entering_share(cell: vec3u, hop: u32) -> f32 {
     return textureLoad(lattice_visibility_b, texel, 0)[hop - 4u];
 }
 
+// How open a face is for light that leaves a cell.
 fn leaving_share(cell: vec3u, hop: u32) -> f32 {
     let index = (cell.z * lattice.count.y + cell.y) * lattice.count.x + cell.x;
     return 1.0 - unpack4x8unorm(faces[2u * index + hop / 4u][hop % 4u]).w;
@@ -42,22 +42,24 @@ fn open_share(cell: vec3u, side: u32) -> f32 {
     return open;
 }
 
-// Between cells only where all is open: beyond a wall may lie full sun, of which a hundredth is
+// Between cells only where all is open: beyond a wall may be sunlight, of which a hundredth is
 // more than all the light in a room.
 fn fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
     return offset * smoothstep(0.7, 1.0, select(open_low, open_high, offset > 0.0));
 }
 
-fn outer_uvw(place: vec3f) -> vec3f {
-    let cell = clamp(floor(place), vec3f(0.0), vec3f(outer.count) - 1.0);
+// Where the larger lattice's textures are sampled, by its coordinates in cells.
+fn outer_uvw(coordinates: vec3f) -> vec3f {
+    let cell = clamp(floor(coordinates), vec3f(0.0), vec3f(outer.count) - 1.0);
     let texel = lattice_texel(outer, vec3i(cell));
     let xy = textureLoad(lattice_visibility_a, texel, 0);
     let z = textureLoad(lattice_visibility_b, texel, 0);
-    let t = clamp(place - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
+    let t = clamp(coordinates - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
     return lattice_uvw(outer, cell + 0.5
         + vec3f(fraction(t.x, xy.x, xy.y), fraction(t.y, xy.z, xy.w), fraction(t.z, z.x, z.y)));
 }
 
+// What the face neighbour outside hands on in one step, in fixed point.
 fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     let units = vec4i(round(received(state, hop) * (open * params.units)));
     for (var k = 0u; k < 4u; k++) {
@@ -72,13 +74,14 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (id.z >= 6u || any(cell >= lattice.count)) {
         return;
     }
-    // Both lattices have the same axes.
+    // The centre of the cell just outside, in the larger lattice; both have the same axes.
     var outside = unwarped_coordinates(lattice, cell, vec3f(0.5));
     outside[axis] += select(-1.0, 1.0, is_high);
     let coordinates = (lattice.origin + outside * lattice.cell - outer.origin) / outer.cell;
     if (any(coordinates < vec3f(0.0)) || any(coordinates > vec3f(outer.count))) {
         return;
     }
+    // As far as walls are open to what it sends, channel by channel.
     let open = open_share(cell, id.z);
     if (open <= 0.0) {
         return;

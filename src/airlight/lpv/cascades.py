@@ -1,22 +1,29 @@
 """The light of one lattice among nested ones (Kaplanyan2010 section 4).
 
 All share the reflective shadow maps, the textures and the surfels; each has its own cells and its
-own propagation. What only the sky, the geometry and the lattice's place change is put in once and
-stored.
+own propagation. Light that depends on the sky, the geometry and the lattice's placement alone is
+injected once and stored.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
-from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..lattice.blockers import Blockers
-from ..lattice.inject import SmallObjects, new_sums
+from ..lattice.inject import EVERYTHING, SmallObjects, new_sums
 from ..lattice.lattices import Level
 from ..lattice.lobes import InjectionTarget
+from ..lattice.nested import Nest, nested
 from ..lattice.placement import Placement
+from ..lighting.kit import Kit
+from ..lighting.lattice_box import lattice_axes, lattice_box
+from ..maths.lattice6 import Scheme, spread_kept
+from ..scene.scene import Scene
 from .propagate import Propagate
+from .settings import LpvSettings
+from .step import StepKind
 
 
 @dataclass(eq=False)
@@ -29,8 +36,8 @@ class Cascade:
     static: Buffer
     injected: Buffer
     small: SmallObjects
-    is_stale: bool = True  # whether the static light must be put in again
-    blocked: int = -1  # the blockers' version under which it was put in
+    is_stale: bool = True  # whether the static light must be injected again
+    blocked: int = -1  # the version of the blockers under which it was
 
     @property
     def placement(self) -> Placement:
@@ -47,14 +54,47 @@ class Cascade:
         return InjectionTarget(self.placement, self.blockers.walls, self.sums, scale)
 
 
-def cascade(gpu: Gpu, level: Level, propagate: Propagate, small: SmallObjects) -> Cascade:
-    """A lattice with nothing in it."""
-    nbytes = 3 * level.placement.cells * 16
-    return Cascade(
-        level,
-        propagate,
-        new_sums(gpu, level.placement),
-        Buffer(gpu, "static light", nbytes),
-        Buffer(gpu, "injected", nbytes),
-        small,
+def cascades(kit: Kit, settings: LpvSettings, steps: int) -> list[Cascade]:
+    """The light of all lattices of `kit`, the finest first, nothing in them yet."""
+    scene, levels = kit.context.scene, kit.lattices.levels
+    # Media themselves change the direction of light: hops keep the least spread.
+    steps = 0 if scene.medium or scene.volumes else steps
+    made = []
+    for index, level in enumerate(levels):
+        kind = StepKind(
+            cast(Scheme, settings.scheme),
+            is_blocked=settings.occlusion,
+            is_reflecting=settings.occlusion and settings.bounces,
+            kept=spread_kept(level.placement.count, steps),
+        )
+        propagate = Propagate(kit.gpu, level.placement, kind, settings.storage)
+        small = _small([other.placement for other in levels], index, settings)
+        nbytes = 3 * level.placement.cells * 16
+        static, injected = (Buffer(kit.gpu, n, nbytes) for n in ("static light", "injected"))
+        sums = new_sums(kit.gpu, level.placement)
+        made.append(Cascade(level, propagate, sums, static, injected, small))
+    return made
+
+
+def _small(places: list[Placement], index: int, settings: LpvSettings) -> SmallObjects:
+    """The objects that a lattice leaves out because they are smaller than its cells."""
+    if settings.small_objects == "none":
+        return EVERYTHING
+    cells = [0.0, *(place.cell for place in places[1:]), 0.0]
+    return SmallObjects(cells[index], cells[index + 1], has_static=settings.small_objects == "all")
+
+
+def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = False) -> Nest:
+    """The nested lattices that `settings` ask for, over the scene, its medium too if `in_medium`.
+
+    Raises SettingsError.
+    """
+    axes = lattice_axes(scene, follows_walls=settings.follow_walls)
+    return nested(
+        *lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes),
+        settings.resolution,
+        axes=axes,
+        count=settings.cascades,
+        ratio=settings.cascade_ratio,
+        finest_m=settings.cascade_extent,
     )

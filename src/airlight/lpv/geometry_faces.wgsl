@@ -1,10 +1,12 @@
-// The shares that propagation reads, as lattice/face_visibility.wgsl writes them, from the volume.
+// The shares that propagation reads, as lattice/face_visibility.wgsl writes them, from the geometry volume
+// (Kaplanyan2010 section 3.2).
 
 struct Blocked {
     share: f32,
     reflectance: f32,
 }
 
+// +x -x +y -y +z -z
 fn direction_of(hop: u32) -> vec3f {
     var d = vec3f(0.0);
     d[hop / 2u] = select(-1.0, 1.0, (hop & 1u) == 0u);
@@ -26,6 +28,7 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
         sum += 0.25 * volume[index];
         reflects += 0.25 * reflected[index];
     }
+    // Its two bands, in the direction that the light comes from.
     let share = saturate(sum.x - dot(sum.yzw, direction_of(hop)));
     return Blocked(share, saturate(reflects / max(sum.x, 1e-6)));
 }
@@ -34,6 +37,7 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
     if (any(id >= params.count)) {
         return;
     }
+    // The blocker a hop meets as light leaves the cell, and the one its neighbour's light met.
     var leaving = array<u32, 6>();
     var entering = array<f32, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
@@ -46,6 +50,7 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
             entering[hop] = 1.0 - blocked(vec3u(source), hop).share;
         }
     }
+    // Packed as lattice.blockers.Blockers.faces.
     let xy = pack4x8unorm(vec4f(entering[0], entering[1], entering[2], entering[3]));
     let zz = pack4x8unorm(vec4f(entering[4], entering[5], 1.0, 1.0));
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;

@@ -4,6 +4,7 @@
     if (id.x >= size.x * size.y * size.z) {
         return;
     }
+    // The larger of both, as a whole vector.
     let first = 5u * id.x;
     let seen = vec4f(vec4i(sums[first], sums[first + 1u], sums[first + 2u], sums[first + 3u]))
         / params.units;

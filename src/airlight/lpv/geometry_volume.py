@@ -89,12 +89,14 @@ class GeometryVolume:
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
             return False
+        # What earlier frames saw stays, as long as it stands where it stood.
         if is_new or not self.accumulates:
             for buffer in (self._volume, self._reflected):
                 commands.encoder.clear_buffer(buffer.handle)
         commands.encoder.clear_buffer(self._sums.handle)
         for index in range(len(views)):
             self._add_view(commands, maps, index)
+        # What propagation and lookup read.
         blockers = self.blockers
         blockers.note_change()
         self._faces.dispatch(

@@ -4,6 +4,7 @@
 var<workgroup> partial: array<vec3f, WX>;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) own: u32) {
+    // Each invocation's own share of the lattice, then the sum of all, by halves.
     var sum = vec3f(0.0);
     for (var cell = own; cell < params.cells; cell += WX) {
         sum += vec3f(unpacked(state[cell]).x, unpacked(state[cell + params.cells]).x,

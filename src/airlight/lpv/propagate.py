@@ -18,6 +18,7 @@ state is accumulated, and the first step ignores blockers, as the paper says.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -77,7 +78,7 @@ class Propagate:
         return self._recorded.encode(
             commands,
             (injected, faces, iterations, has_tail),
-            lambda: self._summed(commands, injected, faces, iterations, has_tail=has_tail),
+            partial(self._summed, commands, injected, faces, iterations, has_tail=has_tail),
         )
 
     def _summed(

@@ -2,6 +2,7 @@
 var<workgroup> partial: array<f32, WX>;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) own: u32) {
+    // Each invocation's own share of the lattice, then the largest of all, by halves.
     var most = 0.0;
     for (var index = own; index < params.values; index += WX) {
         let v = abs(lattice[index]);

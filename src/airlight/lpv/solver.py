@@ -2,95 +2,34 @@
 
 reflective shadow maps -> virtual point lights -> cells -> propagation -> irradiance
 
-Volumes in the lattice take part by `LatticeMedia`: they attenuate the reflective shadow maps, block
-between cells, and send scattered light of their own.
+Volumes in the lattice take part by `LatticeMedia`.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Protocol, cast
+from typing import Any
 
 from ..fields import Fields, Frame, LatticeSource, ReflectedLight, Solver
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, linear_sampler
-from ..lattice.inject import (
-    EVERYTHING,
-    Inject,
-    Resolve,
-    SmallObjects,
-    fixed_point_scale,
-    flux_bound,
-)
+from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound
 from ..lattice.irradiance import Irradiance
-from ..lattice.lattices import Level
 from ..lattice.lobes import COSINE, SHAPED, InjectionTarget
 from ..lattice.lookup import LatticeTextures, texture_scale
-from ..lattice.nested import Nest, nested
 from ..lattice.placement import EVERYWHERE, Hull, LatticeParams
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
-from ..lighting.lattice_box import lattice_axes, lattice_box
 from ..lighting.view import View
-from ..maths.lattice6 import LOOKUP_SCALE, Scheme, enough_steps, spread_kept
+from ..maths.lattice6 import LOOKUP_SCALE, enough_steps
 from ..scene.scene import Scene
 from ..surface.light_maps import LightMaps
 from ..surface.reflective import ReflectiveShadowMaps
 from .border import Border
-from .cascades import Cascade, cascade
-from .propagate import Propagate
+from .cascades import Cascade, cascades
+from .lattice_media import LatticeMedia
 from .seen_blockers import SeenBlockers
 from .settings import LpvSettings
-from .step import StepKind
-
-
-def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = False) -> Nest:
-    """The nested lattices that `settings` ask for, over the scene, its medium too if `in_medium`.
-
-    Raises SettingsError.
-    """
-    axes = lattice_axes(scene, follows_walls=settings.follow_walls)
-    return nested(
-        *lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes),
-        settings.resolution,
-        axes=axes,
-        count=settings.cascades,
-        ratio=settings.cascade_ratio,
-        finest_m=settings.cascade_extent,
-    )
-
-
-class LatticeMedia(Protocol):
-    """The part of media in a lattice of reflected light."""
-
-    def update(self, commands: Commands, frame: Frame) -> None:
-        """Bring the media up to date with the frame, before anything else."""
-
-    @property
-    def version(self) -> int:
-        """A number that differs whenever the media changed."""
-
-    def attenuate(self, commands: Commands) -> None:
-        """Attenuate the lights' reflective shadow maps, which are drawn for this frame."""
-
-    def attenuate_sky(self, commands: Commands) -> None:
-        """Attenuate the sky's maps likewise."""
-
-    def attenuated(self, maps: ReflectiveShadowMaps) -> ReflectiveShadowMaps:
-        """The attenuated maps that stand for `maps`."""
-
-    def block(self, commands: Commands, level: int, geometry: int) -> None:
-        """Add the media to the blockers of a lattice; `geometry`: the version of the meshes."""
-
-    def faces(self, level: int) -> Buffer:
-        """The faces between the cells of a lattice, with surfaces and media as blockers."""
-
-    def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
-        """Add the light that media scatter to the solved light of a lattice."""
-
-    @property
-    def textures(self) -> LatticeTextures:
-        """The textures that surfaces read: all light, with that of the media."""
 
 
 class LpvSolver(Solver):
@@ -108,19 +47,18 @@ class LpvSolver(Solver):
         # cosine lobe; the paper ignores them in that step.
         self.lobe = SHAPED if settings.occlusion and not self.is_paper else COSINE
         self.media: LatticeMedia | None = None
-        # Passes.
+        # What puts light into cells.
         self.inject, self.resolve = Inject(gpu), Resolve(gpu)
         self.points = InjectPoints(gpu)
         self.linear = linear_sampler(gpu)
         # Light: reflective shadow maps, lattices of cells, the textures that surfaces read.
         self.maps = LightMaps(gpu, scene.lights, settings.map_resolution)
-        levels = kit.lattices.levels
-        self.cascades = [self._cascade(level, index) for index, level in enumerate(levels)]
+        self.cascades = cascades(kit, settings, self.steps)
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         largest = max(part.placement.cells for part in self.cascades)
         self.black = Buffer(gpu, "no light", 3 * largest * 16)
         self.border: Border | None = None
-        if settings.cascade_light and not self.is_paper and len(levels) > 1:
+        if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
             self.border = Border(gpu)
         if self.is_paper or settings.surfel_source != "meshes":
             kit.lattices.source = SeenBlockers(kit, settings)
@@ -129,32 +67,6 @@ class LpvSolver(Solver):
         self._hull: Hull = EVERYWHERE
         self._sky_version = self._media_version = -1
         self._lit_by: tuple[Any, ...] | None = None
-
-    def _cascade(self, level: Level, index: int) -> Cascade:
-        scene, s, place = self.kit.context.scene, self.settings, level.placement
-        # Media themselves change the direction of light: hops keep the least spread.
-        steps = 0 if scene.medium or scene.volumes else self.steps
-        propagate = Propagate(
-            self.kit.gpu,
-            place,
-            StepKind(
-                cast(Scheme, s.scheme),
-                is_blocked=s.occlusion,
-                is_reflecting=s.occlusion and s.bounces,
-                kept=spread_kept(place.count, steps),
-            ),
-            s.storage,
-        )
-        return cascade(self.kit.gpu, level, propagate, self._small(index))
-
-    def _small(self, index: int) -> SmallObjects:
-        """The objects that a lattice leaves out because they are smaller than its cells."""
-        if self.settings.small_objects == "none":
-            return EVERYTHING
-        cells = [0.0, *(place.cell for place in self.kit.lattices.nest.levels[1:]), 0.0]
-        return SmallObjects(
-            cells[index], cells[index + 1], has_static=self.settings.small_objects == "all"
-        )
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Solve all lattices where anything changed: maps -> cells -> propagation -> textures."""
@@ -267,7 +179,7 @@ class LpvSolver(Solver):
                 placement=part.placement,
             )
         if self.media:
-            self.media.send(commands, self, level, scale)
+            self.media.send(commands, level, scale)
 
     def propagated(self, commands: Commands, level: int, injected: Buffer) -> Buffer:
         """The sum of all propagation steps from the `injected` states of a lattice."""

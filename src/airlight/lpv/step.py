@@ -106,6 +106,7 @@ class Step:
     ) -> None:
         self._count = count
         if takes_rows(gpu, count, format):
+            # Longer columns reload less at their ends, shorter ones are more work for all cores.
             x, y, z = count
             layers = max(2, _MARCHED_CELLS // (x * y))
             self._invocations = (x // 2, y, -(-z // layers))

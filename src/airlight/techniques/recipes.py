@@ -48,7 +48,8 @@ def lpv(context: Context, settings: LpvSettings) -> Technique:
     bands of spherical harmonics, propagates to the six neighbours through faces that surfels of
     the scene block, and is read as irradiance; nested lattices follow the camera.
     """
-    from ..lpv.solver import LpvSolver, cascades_nest
+    from ..lpv.cascades import cascades_nest
+    from ..lpv.solver import LpvSolver
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
     return Technique("lpv", kit, [LpvSolver(kit, settings)])
@@ -80,7 +81,8 @@ def lpv_sum(context: Context, settings: LpvMarchSettings) -> Technique:
 def _lpv_in_media(
     name: str, context: Context, settings: LpvMarchSettings, **changed: Any
 ) -> Technique:
-    from ..lpv.solver import LpvSolver, cascades_nest
+    from ..lpv.cascades import cascades_nest
+    from ..lpv.solver import LpvSolver
     from ..media.media import Media
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
@@ -148,7 +150,8 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     The volumes attenuate and block the lattice's light and send their own into it; the lattice's
     light is one of the sources that illuminate them.
     """
-    from ..lpv.solver import LpvSolver, cascades_nest
+    from ..lpv.cascades import cascades_nest
+    from ..lpv.solver import LpvSolver
     from ..media.media import Media
     from ..pop.media import PopMedia
     from .volumes import LatticeVolumes

@@ -34,7 +34,7 @@ from ..surface.reflective import ReflectiveShadowMaps
 
 
 class LatticeVolumes:
-    """A scene's volumes as the `LatticeMedia` of `lpv.solver`; on the device they are `media`."""
+    """A scene's volumes as `lpv.lattice_media` has them; on the device they are `media`."""
 
     def __init__(self, solver: LpvSolver, media: GpuMedia) -> None:
         self._solver, self._media = solver, media
@@ -96,15 +96,17 @@ class LatticeVolumes:
         """What blocks between the cells of a lattice: volumes and walls."""
         return self._blockers[level].faces
 
-    def send(self, commands: Commands, solver: LpvSolver, level: int, scale: float) -> None:
+    def send(self, commands: Commands, level: int, scale: float) -> None:
         """Propagate the light of surfaces and of volumes once more, into `textures`.
 
         Volumes send what they scatter once; the faces that they block reflect the rest back into
         the lattice. The coarser lattices come first: at its border a finer one takes in the next
         one's light with the volumes', in place of that of surfaces alone.
         """
-        part, own, lights = solver.cascades[level], self._levels[level], solver.kit.lights
+        solver, own = self._solver, self._levels[level]
+        part, lights = solver.cascades[level], solver.kit.lights
         with commands.stage("inject"):
+            # Instead of the larger lattice's light of surfaces, that with the volumes' own.
             base = part.injected
             if solver.border and level + 1 < len(self._levels):
                 target = InjectionTarget(part.placement, part.blockers.walls, own.sums, scale)
@@ -114,6 +116,7 @@ class LatticeVolumes:
                     commands, part.placement, own.sums, part.injected, own.base, scale
                 )
                 base = own.base
+            # What the volumes scatter for the first time.
             self._inject.encode(
                 commands,
                 part.placement,
