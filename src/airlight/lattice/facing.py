@@ -7,8 +7,6 @@ the axes are those to which most area of all surfaces is perpendicular, if there
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 
 from ..maths.chunks import chunks
@@ -17,6 +15,8 @@ from .placement import F64, STRAIGHT, Axes, triple
 
 _NEAR = np.cos(np.radians(2.0))
 """Normals so near to an axis face along it."""
+_OUT_OF_PLANE = np.sin(np.radians(2.0)) + 1e-9
+"""The cosine to an axis of what is as near to one across it."""
 _SAME = 2e-4
 """Radians: over 256 cells a twentieth of one. Axes so near to the world's are the world's."""
 _GAIN = 0.05
@@ -41,14 +41,19 @@ def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
     best, most = straight, _share(straight, normals, areas) + _GAIN * areas.sum()
     peaks = [_settled(_refined(peak, fine)) for peak in _peaks(normals, areas)]
     # A frame has one axis from a peak, and the next from another or from the world.
-    for first, second in product(peaks, [*peaks, *straight]):
-        across = second - (second @ first) * first
-        if (length := np.linalg.norm(across)) < 0.1:
-            continue
-        frame = _frame(first, across / length)
-        share = _share(frame, normals, areas)
-        if share > most * (1.0 + 1e-9):
-            best, most = frame, share
+    for first in peaks:
+        # What hardly faces along the first axis, nor is it in the plane of the others, counts for none.
+        cosine = np.abs(normals @ first)
+        along, across = cosine > _NEAR, cosine < _OUT_OF_PLANE
+        kept = normals[along | across], areas[along | across]
+        for second in (*peaks, *straight):
+            rest = second - (second @ first) * first
+            if (length := np.linalg.norm(rest)) < 0.1:
+                continue
+            frame = _frame(first, rest / length)
+            share = _share(frame, *kept)
+            if share > most * (1.0 + 1e-9):
+                best, most = frame, share
     x, y, z = (triple(axis) for axis in best)
     return (x, y, z)
 
