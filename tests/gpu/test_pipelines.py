@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 
 from airlight.display.tone import Tone
@@ -32,6 +34,32 @@ def test_the_one_unused_for_longest_goes_first():
     assert kept.get("a", (), object) is a
     assert kept.get("b", (), object) is not b
     assert len(kept) == 2
+
+
+def test_what_is_begun_is_made_once_and_in_another_thread():
+    made, kept = [], Pipelines()
+
+    def make():
+        made.append(threading.get_ident())
+        return len(made)
+
+    for _ in range(2):
+        kept.begin("a", (), make)
+    assert [kept.get("a", (), make) for _ in range(2)] == [1, 1]
+    kept.begin("a", (), make)  # there already
+    assert len(made) == 1 and made[0] != threading.get_ident()
+
+
+def test_what_went_wrong_in_another_thread_is_raised_where_it_is_asked_for_and_tried_again():
+    kept = Pipelines()
+
+    def fail():
+        raise DeviceError("no")
+
+    kept.begin("a", (), fail)
+    with pytest.raises(DeviceError, match="no"):
+        kept.get("a", (), object)
+    assert type(kept.get("a", (), object)) is object
 
 
 def test_a_second_pass_of_a_kind_compiles_nothing():

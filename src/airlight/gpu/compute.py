@@ -7,6 +7,7 @@ and the workgroup constants WX, WY, WZ are generated from the class.
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 from functools import cached_property
 from math import prod
 from pathlib import Path
@@ -56,7 +57,16 @@ class ComputePass:
     @cached_property
     def pipeline(self) -> Any:
         """The pipeline, compiled when the pass first runs. Raises ShaderError, DeviceError."""
-        return self.gpu.pipelines.get(
+        return self.gpu.pipelines.get(*self._wanted)
+
+    def begin(self) -> None:
+        """Start compiling in another thread: for kernels that take a driver seconds."""
+        self.gpu.pipelines.begin(*self._wanted)
+
+    @property
+    def _wanted(self) -> tuple[str, Any, Callable[[], Any]]:
+        """Text, parts and maker of the pipeline, as `Pipelines.get` takes them."""
+        return (
             self._source.text,
             self._made_of,
             lambda: compiled(self.gpu, self.label, self._compiled),

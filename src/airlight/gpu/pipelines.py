@@ -1,10 +1,15 @@
-"""Pipelines cached by what they are made of, so that a second renderer compiles nothing again."""
+"""Pipelines cached by what they are made of, so that a second renderer compiles nothing again.
+
+A kernel that takes a driver seconds is begun in a thread of its own where it is known to be needed,
+while the host goes on with the scene.
+"""
 
 from __future__ import annotations
 
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any
 
 MOST_KEPT = 1024
@@ -18,6 +23,7 @@ class Pipelines:
         self._most = most
         self._changing = threading.Lock()
         self._kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
+        self._begun: dict[tuple[str, ...], Future[Any]] = {}
 
     def get(self, text: str, parts: Any, make: Callable[[], Any]) -> Any:
         """The pipeline of the WGSL `text` and of `parts`, created by `make` where it is not cached.
@@ -28,14 +34,39 @@ class Pipelines:
         key = (text, repr(parts))
         with self._changing:
             found = self._kept.get(key)
-        if found is None:
-            found = make()
+            begun = self._begun.get(key)
+        try:
+            if found is None:
+                found = make() if begun is None else begun.result()
+        finally:
+            with self._changing:
+                self._begun.pop(key, None)
         with self._changing:
             self._kept[key] = found
             self._kept.move_to_end(key)
             while len(self._kept) > self._most:
                 self._kept.popitem(last=False)
         return found
+
+    def begin(self, text: str, parts: Any, make: Callable[[], Any]) -> None:
+        """Start what `get` of the same will ask for, in another thread, where nobody did yet.
+
+        What goes wrong there is raised by `get`.
+        """
+        key = (text, repr(parts))
+        with self._changing:
+            if key in self._kept or key in self._begun:
+                return
+            begun = self._begun[key] = Future()
+
+        def run() -> None:
+            try:
+                begun.set_result(make())
+            except BaseException as error:
+                begun.set_exception(error)
+
+        # Not a daemon: a process that ended within a driver would end badly.
+        threading.Thread(target=run, name="airlight compiles").start()
 
     def __len__(self) -> int:
         return len(self._kept)

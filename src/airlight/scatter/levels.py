@@ -52,6 +52,8 @@ class Levels:
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
         self._tracks = [(1.0, 1.0, 1.0) for _ in self.levels]
         self._step = Step(gpu, has_walls=kind.has_walls, is_varied=kind.is_varied)
+        if not schedule.is_empty:
+            self._step.begin(count)
         self._visibility = HopVisibility(gpu) if kind.has_walls else None
         self._restrict, self._prolong = Restrict(gpu), Prolong(gpu)
         self._restrict_medium = RestrictMedium(gpu) if kind.is_varied else None

@@ -128,6 +128,14 @@ class Step:
         # Compiled when first needed: most lattices need one of the two.
         self._kernels: dict[type[ComputePass], ComputePass] = {}
 
+    def begin(self, count: Count) -> None:
+        """Start compiling what lattices of `count` cells need."""
+        self._kernel(_Rows if self._is_by_rows(count[0]) else _Cells).begin()
+
+    def _is_by_rows(self, nx: int) -> bool:
+        """Rows are read in pairs of cells, so that all of them must begin with a pair."""
+        return self._has_rows and nx % 2 == 0
+
     def encode(
         self,
         commands: Commands,
@@ -140,8 +148,7 @@ class Step:
     ) -> None:
         """after = source + K before; W per cell and channel, W m where the operator is a track."""
         nx, ny, nz = lattice.count
-        # Rows are read in pairs of cells, so that all of them must begin with a pair.
-        by_rows = self._has_rows and nx % 2 == 0
+        by_rows = self._is_by_rows(nx)
         x, y, slabs = tiles(lattice.count, os.cpu_count() or 1) if by_rows else (nx, ny, nz)
         # M or T, of a state or of a correction: numbers, so that all share a pipeline.
         params = StepParams.of(
