@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from airlight.maths.colour import srgb_decode
-from airlight.scene import Texture
-from airlight.surface.textures import TextureStore, mip_chain
+from airlight.scene import Material, Texture
+from airlight.surface.textures import MaterialTextures, TextureStore, mip_chain
 
 RNG = np.random.default_rng(2)
 
@@ -75,5 +75,26 @@ def test_chains_are_kept_only_where_they_are_packed_later(gpu, owned, monkeypatc
     store, texture = owned(TextureStore(gpu)), Texture(np.full((4, 4, 4), 90, np.uint8))
     chain = store.chain(texture)
     assert (store.chain(texture) is chain) is is_packed
-    store.forget_chains()
+    store.packed([Material(base_color_texture=texture)])
     assert store.chain(texture) is not chain
+
+
+def test_scenes_of_the_same_materials_share_packed_maps(gpu, owned):
+    store = owned(TextureStore(gpu))
+    one, two = (
+        Material(base_color_texture=Texture(np.full((2, 2, 4), code, np.uint8))) for code in (9, 7)
+    )
+    maps, texels = store.packed([one, two])
+    assert store.packed([one, two]) == (maps, texels)
+    assert store.packed([two, one])[1] is not texels
+
+
+def test_maps_that_no_pass_binds_are_not_uploaded(gpu, owned):
+    store = owned(TextureStore(gpu))
+    before = gpu.allocated_bytes
+    texture = Texture(np.full((64, 64, 4), 9, np.uint8))
+    maps = MaterialTextures(store, {"base_color": texture, "normal": None})
+    assert gpu.allocated_bytes == before
+    assert maps.bound["base_color_map"] is store.get(texture, store.white)
+    assert maps.bound["normal_map"] is store.flat_normal
+    assert gpu.allocated_bytes >= before + 4 * 64 * 64

@@ -176,7 +176,7 @@ def test_maps_that_do_not_fit_are_drawn_as_they_come(gpu, commands, square, monk
     if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
     texels = 16 * 16 * 4 // 3 + 8  # of a map, its levels and their table
-    limit = "airlight.surface.triangle_table.most_texels"
+    limit = "airlight.surface.textures.most_texels"
     monkeypatch.setattr(limit, lambda gpu: fitting * texels + 2)
     materials = [_painted(), _painted(), Material(base_color=(0.2, 0.5, 0.7))]
     meshes = tuple(

@@ -42,7 +42,7 @@ def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
     peaks = [_settled(_refined(peak, fine)) for peak in _peaks(normals, areas)]
     # A frame has one axis from a peak, and the next from another or from the world.
     for first in peaks:
-        # What hardly faces along the first axis, nor is it in the plane of the others, counts for none.
+        # What is neither along the first axis nor across it faces along none of the three.
         cosine = np.abs(normals @ first)
         along, across = cosine > _NEAR, cosine < _OUT_OF_PLANE
         kept = normals[along | across], areas[along | across]

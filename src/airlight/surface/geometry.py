@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32
-from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
+from ..gpu.memory import Buffer, buffer_of
 from ..scene.along import meshes_along
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
@@ -25,8 +25,8 @@ from .materials import (
     material_fields,
     uv_transform,
 )
-from .packed_maps import is_packable
-from .textures import TextureStore
+from .packed_maps import image_of, is_packable
+from .textures import MaterialTextures, TextureStore
 from .triangle_table import TriangleTable
 
 F64 = NDArray[np.float64]
@@ -58,7 +58,7 @@ class Draw:
     first_instance: int
     instance_count: int
     material: Material
-    textures: dict[str, Texture | Sampler]
+    textures: MaterialTextures
     maps: frozenset[str]
     has_map_transform: bool  # whether any of the maps has a scale or an offset
     is_mirrored: bool
@@ -84,7 +84,7 @@ class GpuScene:
         self.version = 0
         self.color_changes = 0
         """Counts geometries whose vertices gained or lost their colours."""
-        self._texture_sets: dict[tuple[int, ...], dict[str, Texture | Sampler]] = {}
+        self._texture_sets: dict[tuple[Any, ...], MaterialTextures] = {}
         order = _draw_order(scene.meshes)
         self.order = [index for run in order for index in run]
         geometries = {id(m.geometry): m.geometry for m in scene.meshes}
@@ -111,7 +111,7 @@ class GpuScene:
                     first,
                     len(run),
                     mesh.material,
-                    self._bound_textures(mesh.material),
+                    self._textures_of(mesh.material),
                     frozenset(n for n in MAPS if _map(mesh.material, n) is not None),
                     any(uv_transform(_map(mesh.material, n)) != IDENTITY_UV for n in MAPS),
                     is_mirrored(mesh),
@@ -298,15 +298,14 @@ class GpuScene:
         self.indices = buffer_of(self.gpu, "indices", indices, index=True)
         return offsets
 
-    def _bound_textures(self, m: Material) -> dict[str, Texture | Sampler]:
-        """The textures by slot name; materials with the same maps share one dict and bind group."""
-        defaults = {"normal": self.store.flat_normal}
-        bound: dict[str, Texture | Sampler] = {}
-        for name in MAPS:
-            texture = _map(m, name)
-            bound[f"{name}_map"] = self.store.get(texture, defaults.get(name, self.store.white))
-            bound[f"{name}_sampler"] = self.store.sampler(texture)
-        return self._texture_sets.setdefault(tuple(map(id, bound.values())), bound)
+    def _textures_of(self, m: Material) -> MaterialTextures:
+        """The textures of a material; those with the same maps share one value and bind group."""
+        maps = {name: _map(m, name) for name in MAPS}
+        key = tuple(None if t is None else (*image_of(t), t.wrap) for t in maps.values())
+        found = self._texture_sets.setdefault(key, MaterialTextures(self.store, maps))
+        if m.alpha_cutoff > 0.0:
+            found.bound  # noqa: B018  drawn in any case: their mip chains are at hand now
+        return found
 
 
 def _check_same_triangles(old: Geometry, new: Geometry) -> None:

@@ -109,7 +109,7 @@ class MeshPipeline(RasterPipeline):
             return
         found = self._groups.get(id(draw.textures))
         if found is None:
-            group = self.second.make(draw.textures, commands.arena)
+            group = self.second.make(draw.textures.bound, commands.arena)
             found = self._groups[id(draw.textures)] = (group, draw.textures)
         encoder.set_bind_group(1, found[0])
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Mapping
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
-from ..gpu.memory import Sampler, Texture
+from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
 from ..maths.colour import srgb_decode, srgb_encode
+from ..scene.material import Material, Wrap
 from ..scene.material import Texture as SceneTexture
-from ..scene.material import Wrap
-from .packed_maps import image_of, uses_visibility_buffer
+from .packed_maps import PackedMaps, image_of, most_texels, uses_visibility_buffer
 
 _WRAPS: dict[Wrap, str] = {"repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"}
 
@@ -28,6 +29,7 @@ class TextureStore:
         self._textures: dict[tuple[int, bool], tuple[SceneTexture, Texture]] = {}
         self._samplers: dict[tuple[Wrap, Wrap], Sampler] = {}
         self._chains: dict[tuple[int, bool], tuple[SceneTexture, list[NDArray[np.uint8]]]] = {}
+        self._packed: tuple[list[Material], PackedMaps, Buffer] | None = None
         self.white = _solid(gpu, "white", (255, 255, 255, 255))
         self.flat_normal = _solid(gpu, "flat normal", (128, 128, 255, 255))
 
@@ -42,7 +44,7 @@ class TextureStore:
         return found[1]
 
     def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
-        """Its mip chain, kept until `forget_chains` where it will be packed, too."""
+        """Its mip chain, kept until it is packed, where it will be."""
         found = self._chains.get(image_of(texture))
         if found is None:
             found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
@@ -50,9 +52,20 @@ class TextureStore:
                 self._chains[image_of(texture)] = found
         return found[1]
 
-    def forget_chains(self) -> None:
-        """Give their memory back."""
-        self._chains.clear()
+    def packed(self, materials: list[Material]) -> tuple[PackedMaps, Buffer]:
+        """Where the maps of `materials` are in one buffer, and that buffer.
+
+        Packed once for all scenes with the same materials, which then share it.
+        """
+        known = self._packed
+        if known is None or [*map(id, known[0])] != [*map(id, materials)]:
+            maps = PackedMaps(self.chain, most_texels(self.gpu))
+            for material in materials:
+                maps.of(material)
+            texels = buffer_of(self.gpu, "packed maps", maps.texels)
+            known = self._packed = materials, maps, texels
+            self._chains.clear()
+        return known[1:]
 
     def sampler(self, texture: SceneTexture | None) -> Sampler:
         """Trilinear; shaders see to footprints that are longer than wide (wgsl/footprint.wgsl)."""
@@ -68,6 +81,27 @@ class TextureStore:
                 address_mode_v=_WRAPS[wrap[1]],
             )
         return self._samplers[wrap]
+
+
+class MaterialTextures:
+    """The maps of a material on the device, uploaded when they are first drawn.
+
+    CPU adapters shade most materials from packed maps, and never bind these.
+    """
+
+    def __init__(self, store: TextureStore, maps: Mapping[str, SceneTexture | None]) -> None:
+        """`maps` by name: base_color, normal and so on."""
+        self._store, self._maps = store, maps
+
+    @cached_property
+    def bound(self) -> dict[str, Texture | Sampler]:
+        """Textures and samplers by slot name."""
+        store, found = self._store, dict[str, Texture | Sampler]()
+        for name, texture in self._maps.items():
+            default = store.flat_normal if name == "normal" else store.white
+            found[f"{name}_map"] = store.get(texture, default)
+            found[f"{name}_sampler"] = store.sampler(texture)
+        return found
 
 
 def _solid(gpu: Gpu, label: str, rgba: tuple[int, int, int, int]) -> Texture:

@@ -17,7 +17,7 @@ from ..gpu.memory import buffer_of
 from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
-from .packed_maps import PackedMaps, metallic_factor, most_texels
+from .packed_maps import PackedMaps, metallic_factor
 from .provoking import U32, unique_provoking
 from .textures import TextureStore
 
@@ -134,7 +134,7 @@ class TriangleTable:
         self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
 
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
-        maps = PackedMaps(store.chain, most_texels(gpu))
+        maps, self.texels = store.packed(materials)
         self._is_packed = {id(m): maps.of(m) is not None for m in materials}
         rows = np.zeros(max(1, len(materials)), MATERIAL)
         uv_transforms = np.tile(np.array(_IDENTITY_UV, np.float32), (len(rows), 1))
@@ -144,8 +144,6 @@ class TriangleTable:
         self._rows = rows
         self.uv_transforms = buffer_of(gpu, "uv_transforms of maps", uv_transforms)
         self.has_map_transforms = bool((uv_transforms != _IDENTITY_UV).any())
-        self.texels = buffer_of(gpu, "packed maps", maps.texels)
-        store.forget_chains()
 
 
 def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
