@@ -20,7 +20,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, Texture, buffer_of
-from ..gpu.slots import image, storage, uniform
+from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene, InstanceData
@@ -30,6 +30,12 @@ from .surfels import SurfelData, follow, surfels
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
 """Fixed-point units per fully covered cell face."""
+
+
+BLOCKER_SLOTS: tuple[Slot, ...] = tuple(
+    texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")
+)
+"""Of passes that use `wgsl/open_line.wgsl` or `wgsl/lattice.wgsl`; `Blockers.bound` binds them."""
 
 
 class BlockerParams(Struct):
@@ -74,9 +80,9 @@ class Blockers:
     (rgb) and the blocked share (a), then the visibility of the six incoming hops.
     `face_visibility` is the last two words alone. The textures `visibility_a` and `visibility_b`
     hold the visibility of each of a cell's six faces in both directions, so that lookups do not
-    interpolate across a wall. `walls` says how far (in cells)
-    the walls that were counted on a cell's three low faces really lie from them: readers bend
-    space by it, so that a point before a wall is never looked up behind it.
+    interpolate across a wall. `walls` says how far, in cells, the walls that were counted on a
+    cell's three low faces really are from them: readers warp lattice coordinates by it
+    (wgsl/lattice_space), so that a point before a wall is never looked up behind it.
     """
 
     count: int
@@ -104,6 +110,7 @@ class Blockers:
         """
         self.placement, self.meshes, self._is_owner = placement, meshes, owner is None
         self.version = 0
+        # Nested lattices share surfels and textures; each has its own faces.
         if owner is None:
             self._sample(gpu, scene, count)
             self._make_textures(gpu, size or placement.count)
@@ -127,12 +134,12 @@ class Blockers:
         self._samples, self._followed = samples, self.meshes.original
 
     def _make_textures(self, gpu: Gpu, size: tuple[int, int, int]) -> None:
-        def texture(name: str, format: str) -> Texture:
+        def made(name: str, format: str) -> Texture:
             return Texture(gpu, name, size, format, dimension="3d", written=True)
 
-        self.visibility_a = texture("face visibility xy", "rgba8unorm")
-        self.visibility_b = texture("face visibility z", "rgba8unorm")
-        self.walls = texture("walls", "rgba8snorm")
+        self.visibility_a = made("face visibility xy", "rgba8unorm")
+        self.visibility_b = made("face visibility z", "rgba8unorm")
+        self.walls = made("walls", "rgba8snorm")
 
     def move_to(self, placement: Placement) -> None:
         """Move the lattice, which has as many cells as before, at the next `encode`."""
@@ -144,6 +151,7 @@ class Blockers:
         if self._made == made:
             return False
         self._made = made
+        # Area around corners, then what of it faces each hop.
         self.clear(commands)
         self.sum_meshes(commands)
         self.open(commands)
@@ -206,7 +214,7 @@ class Blockers:
 
     @property
     def bound(self) -> dict[str, Texture]:
-        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        """By the names of BLOCKER_SLOTS."""
         return {
             "lattice_visibility_a": self.visibility_a,
             "lattice_visibility_b": self.visibility_b,

@@ -1,3 +1,5 @@
+// Surfels of the meshes, summed around the corners of the lattice: how much of a cell face each side of each
+// axis covers (Kaplanyan2010 section 3.2).
 //! use blocker_side
 //! use lattice_axes
 
@@ -11,6 +13,7 @@
     // The cofactor matrix takes area vectors to area vectors.
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
+    // The corner nearest to it.
     let coordinates = cells_from_world(lattice, world);
     let corner = vec3i(floor(coordinates + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
@@ -20,6 +23,7 @@
     let c = vec3u(corner);
     let n = lattice.count + 1u;
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
+    // Its area across each axis, on the side that it faces, or on both.
     let covered = area * (params.units / (lattice.cell * lattice.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));
@@ -31,7 +35,6 @@
         if (surfel.is_two_sided != 0u) {
             add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
         }
-        atomicAdd(&sums[first + AXIS_COVER + axis], units);
-        atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset[axis])));
+        add_axis(first, axis, units, offset[axis]);
     }
 }

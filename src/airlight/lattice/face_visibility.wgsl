@@ -1,9 +1,8 @@
-//! use blocker_sums
-
 // What propagation knows of a cell's six faces (Kaplanyan2010 section 3.2; twin:
 // maths.lattice6.blocked_shares), eight u32 a cell: for each outgoing hop
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
+//! use blocker_sums
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
@@ -47,6 +46,7 @@ fn closed_share(f: CellFace, hop: u32) -> f32 {
     return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
 }
 
+// The colour of what faces the hop, times its share; and the share.
 fn reflected_share(f: CellFace, hop: u32) -> vec4f {
     let side = hop ^ 1u;
     let covered = max(on_face(f, side), 1e-6);
@@ -56,7 +56,7 @@ fn reflected_share(f: CellFace, hop: u32) -> vec4f {
     return vec4f(rgb / covered * closed, closed);
 }
 
-// The backmost place of a side's surfaces around a face, along that side's outward axis; 1: none.
+// Where the backmost of a side's surfaces around a face is, along that side's outward axis; 1: there is none.
 fn backmost(f: CellFace, side: u32) -> f32 {
     let code = max(max(value(f.corner, SIDE_BEHIND + side),
         value(f.corner + f.across, SIDE_BEHIND + side)),
@@ -74,7 +74,7 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     // Two sides of one wall: between them.
     var shift = 0.5 * (plus - minus);
     if (plus < -minus) {
-        // Air between them: the backmost surface of the side that covers more (a floor under a
+        // A gap between them: the backmost surface of the side that covers more (a floor under a
         // moulding), or, of sheets that block both ways, where most of their area is.
         let plus_cover = on_face(f, 2u * axis);
         let minus_cover = on_face(f, 2u * axis + 1u);
@@ -88,12 +88,13 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
 }
 
-// Whether a hop ends at a wall of which it is known on which side a place is: one that faces the hop
+// Whether a hop ends at a wall of which it is known on which side a point is: one that faces the hop
 // more than what faces back (a floor, whatever closed things and sheets stand on it), or alone or apart
 // from that. Not sheets alone, nor what is thin and tilted.
 fn is_enclosed(f: CellFace, hop: u32) -> bool {
     let facing = on_face(f, hop ^ 1u);
     let along = on_face(f, hop);
+    // What faces both ways is a sheet; what faces back far from it is another wall.
     let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
     let is_apart = along < 0.25
         || (along > ENCLOSED_COVER && abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > SEPARATE);
@@ -115,6 +116,7 @@ fn enclosed_faces(cell: vec3u) -> f32 {
         return;
     }
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // What stops each outgoing and each incoming hop, and what parts the light on both sides of a face.
     var leaving = array<u32, 6>();
     var entering = array<f32, 6>();
     var between = array<f32, 6>();
@@ -123,9 +125,10 @@ fn enclosed_faces(cell: vec3u) -> f32 {
         // A hop enters through the face that the opposite hop leaves by.
         let face = face_of(id, hop ^ 1u);
         entering[hop] = 1.0 - closed_share(face, hop);
-        // Air on both sides of a wall is apart, though light from inside the wall could come out.
+        // Light on both sides of a wall is apart, though light from inside the wall could come out.
         between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
     }
+    // Packed for propagation, and as textures for lookups and rays.
     let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);
     let zz = vec4f(entering[4], entering[5], 1.0, 1.0);
     faces[2u * cell] = vec4u(leaving[0], leaving[1], leaving[2], leaving[3]);

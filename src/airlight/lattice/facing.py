@@ -29,7 +29,7 @@ _FINE, _COARSE = 4096, 64  # normals are summed that agree in units of one over 
 def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
     """Unit vectors along which most area of `meshes` faces; the world's where that gains little.
 
-    Of the ways to name them the one nearest to the world's, as a right-handed frame. They depend on
+    Their names and signs are those nearest to the world's, as a right-handed frame. They depend on
     areas alone: not on how surfaces are cut into triangles, instances or files, nor on which side
     triangles face.
     """
@@ -38,6 +38,7 @@ def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
         return STRAIGHT
     normals, areas = _parted(_summed(fine, _COARSE))
     straight = np.eye(3)
+    # The world's axes, unless others have a good deal more of the area.
     best, most = straight, _share(straight, normals, areas) + _GAIN * areas.sum()
     peaks = [_settled(_refined(peak, fine)) for peak in _peaks(normals, areas)]
     # A frame has one axis from a peak, and the next from another or from the world.
@@ -96,7 +97,7 @@ def _summed(vectors: F64, steps: int) -> F64:
     """
     length = np.linalg.norm(vectors, axis=1)
     vectors, length = vectors[length > 0.0], length[length > 0.0]
-    # The largest component says which of the two ways it is.
+    # The sign of the largest component says which of the two directions it is.
     largest = np.abs(vectors).argmax(axis=1)
     vectors = vectors * np.sign(vectors[np.arange(len(vectors)), largest])[:, None]
     bins = np.round(vectors / length[:, None] * steps).astype(np.int64) + steps
@@ -121,6 +122,7 @@ def _refined(direction: F64, vectors: F64) -> F64:
     """The mean direction of the area near `direction`; of a plane, if that has most of it."""
     near = vectors[np.abs(vectors @ direction) > _NEAR * np.linalg.norm(vectors, axis=1)]
     near = near * np.sign(near @ direction)[:, None]
+    # A plane's own normal, so that rounding by bins leaves no trace; else the mean.
     normals, areas = _parted(near)
     narrow = np.abs(normals @ normals[int(areas.argmax())]) > _NARROW
     is_plane = areas[narrow].sum() > 0.5 * areas.sum()
@@ -141,11 +143,12 @@ def _frame(first: F64, second: F64) -> F64:
     rows = np.zeros((3, 3))
     free = [0, 1, 2]
     # The largest cosine first: floors keep their name.
-    for place in np.argsort(-np.abs(directions), axis=None):
-        which, axis = divmod(int(place), 3)
+    for cosine in np.argsort(-np.abs(directions), axis=None):
+        which, axis = divmod(int(cosine), 3)
         if which in free and not rows[axis].any():
             rows[axis] = directions[which] * np.sign(directions[which, axis])
             free.remove(which)
+    # A turn, no mirror: the axis that is least like the world's changes its sign.
     if np.linalg.det(rows) < 0.0:
         least = int(np.abs(np.diag(rows)).argmin())
         rows[least] *= -1.0

@@ -215,8 +215,9 @@ def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:
 def forward_share() -> float:
     """The share of a shaped lobe that leaves through the five faces its surface leaves open."""
     hop = hops("centroid")[0].matrix
-    even, along = float(hop[0, 0]), float(hop[0, 1]) * SHAPED_LOBE
-    return even + along + 4.0 * even
+    # The face ahead gets the directional part, too; the four beside it their constant one.
+    constant, along = float(hop[0, 0]), float(hop[0, 1]) * SHAPED_LOBE
+    return constant + along + 4.0 * constant
 
 
 def new_sums(gpu: Gpu, placement: Placement) -> Buffer:

@@ -6,6 +6,7 @@
 //! use light_texel
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
+// 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
     return select(smoothstep(least, 1.5 * least, size), 1.0, least <= 0.0);
 }
@@ -31,11 +32,13 @@ fn object_share(size: f32, p: vec3f) -> f32 {
     if (d >= 1.0 || all(power_density <= vec3f(0.0))) {
         return;
     }
+    // The surface that the texel shows.
     let view = views[id.z];
     let centre = texel_centre(id.xy, params.resolution);
     let facing = textureLoad(normal, texel, id.z, 0);
     let n = lattice_from_world(lattice, normalize(facing.xyz));
     let p = texel_point(view, centre, d);
+    // Its flux, half a cell before it, where it is not in the cell of the wall itself.
     let share = object_share(facing.w, p);
     if (share > 0.0) {
         let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;

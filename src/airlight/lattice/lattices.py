@@ -43,7 +43,7 @@ class Level:
 
 
 class BlockerSource(Protocol):
-    """Fills the blockers of all lattices in place of the surfels of meshes."""
+    """Fills the blockers of all lattices instead of the surfels of meshes."""
 
     def encode(self, commands: Commands, scene: Scene) -> None:
         """Update the blockers; those that change raise their version."""
@@ -84,6 +84,7 @@ class Lattices:
     ) -> None:
         """`surfels`: samples of all surfaces. `sky_lights`: the most there may be."""
         self.nest, self.texture_size = nest, nest.texture_size
+        # The largest lattice owns what all share: surfels, and textures with rows for each.
         placement = nest.levels[-1]
         blockers = make_blockers(gpu, scene, meshes, placement, surfels, size=self.texture_size)
         skylight = Skylight(gpu, placement, sky_lights, size=self.texture_size)

@@ -13,12 +13,18 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import FILTERED, image, storage, uniform
+from ..gpu.slots import FILTERED, Slot, image, storage, texture, uniform
 from .inject import forward_share
 from .lobes import SHAPED_LOBE
 from .placement import EVERYWHERE, Hull, Placement
 
 _LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
+
+
+CHANNEL_SLOTS: tuple[Slot, ...] = tuple(
+    texture(f"lattice_{channel}", "3d") for channel in ("red", "green", "blue")
+)
+"""Of passes that use `wgsl/lattice.wgsl`; `ChannelTextures.bound` binds them."""
 
 
 class PackParams(Struct):
@@ -67,7 +73,7 @@ class ChannelTextures:
 
     @property
     def bound(self) -> dict[str, Texture]:
-        """By slot name, for passes that use `wgsl/lattice.wgsl`."""
+        """By the names of CHANNEL_SLOTS."""
         return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
 
 
@@ -99,15 +105,16 @@ class LatticeTextures(ChannelTextures):
         dark.
         """
         placement = placement or self.placement
-        even, direct = own_shares() if is_shaped else (1.0, 1.0)
+        # A shaped lobe is narrower than what a surface in its own cell should read of it.
+        constant, directional = own_shares() if is_shaped else (1.0, 1.0)
         self.pack.dispatch(
             commands,
             placement.count,
             params=PackParams.of(
                 count=placement.count,
                 scale=scale,
-                own_constant=even,
-                own_directional=direct,
+                own_constant=constant,
+                own_directional=directional,
                 first_row=placement.first_row,
                 origin=placement.origin,
                 cell=placement.cell,

@@ -1,7 +1,6 @@
-//! use blocker_sums
-
 // The maximum of what several buffers cover. What hangs on a share (its reflectance, its moment)
 // comes from the buffer that covers more.
+//! use blocker_sums
 
 fn merged_units(value: i32) -> i32 {
     return i32(round(f32(value) / params.finer));
@@ -12,6 +11,7 @@ fn merged_units(value: i32) -> i32 {
         return;
     }
     let first = CORNER_VALUES * id.x;
+    // Each side's share with its reflectance, and the backmost surface of all.
     for (var side = 0u; side < 6u; side++) {
         let covered = merged_units(sums[first + side]);
         if (covered > merged[first + side]) {
@@ -24,6 +24,7 @@ fn merged_units(value: i32) -> i32 {
         let behind = first + SIDE_BEHIND + side;
         merged[behind] = max(merged[behind], sums[behind]);
     }
+    // Each axis' share with its moment.
     for (var axis = 0u; axis < 3u; axis++) {
         let at = first + AXIS_COVER + axis;
         let covered = merged_units(sums[at]);
@@ -32,6 +33,7 @@ fn merged_units(value: i32) -> i32 {
             merged[first + AXIS_MOMENT + axis] = merged_units(sums[first + AXIS_MOMENT + axis]);
         }
     }
+    // Empty for the next buffer.
     for (var k = 0u; k < CORNER_VALUES; k++) {
         sums[first + k] = 0;
     }

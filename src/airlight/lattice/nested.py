@@ -68,11 +68,13 @@ def nested(
     is larger than its neighbour by what that leaves; lattices that would be no finer than it are
     left out. Raises SettingsError for an empty box.
     """
+    # Cells from the coarsest lattice down by the ratio, or from the finest side up.
     whole = fitted(low, high, resolution, axes)
     cells = [whole.cell / ratio**k for k in range(count - 1, -1, -1)]
     if finest_m > 0.0:
         finer = [finest_m / resolution * ratio**k for k in range(count - 1)]
         cells = [c for c in finer if c < whole.cell] + [whole.cell]
+    # As many cells as the box needs, at most the resolution; rows of textures one above the other.
     box = np.subtract(high, low)
     levels, row = [], 0
     for cell in cells:

@@ -1,3 +1,5 @@
+// What surfaces read of a solved lattice: injected light as they see it, and all propagated light.
+
 // Beyond all surfaces nothing shines on what faces out; two bands would leave some light there.
 fn is_beyond(cell: vec3u) -> bool {
     let low = params.origin + vec3f(cell) * params.cell;
@@ -11,6 +13,7 @@ fn is_beyond(cell: vec3u) -> bool {
     }
     let cells = params.count.x * params.count.y * params.count.z;
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    // W sr^-1 of the three channels, in stored units.
     let own = vec4f(params.own_constant, vec3f(params.own_directional));
     let r = injected[cell] * own + propagated[cell];
     let g = injected[cell + cells] * own + propagated[cell + cells];

@@ -151,6 +151,7 @@ def fitted(
     One cell of margin all around keeps surfaces on the box's faces inside. Shorter sides get
     fewer cells. Raises SettingsError for an empty box.
     """
+    # The longest side decides how large cells are, with one of margin at either end.
     extent = np.subtract(high, low).astype(np.float64)
     if not np.isfinite(extent).all() or extent.max() <= 0.0:
         raise SettingsError(f"the lattice has no size: {list(low)} to {list(high)}")
@@ -159,6 +160,7 @@ def fitted(
     cell = float(extent.max()) / (resolution - 2)
     needed = np.ceil(extent / cell - 1e-9).astype(int) + 2
     count = tiled(np.minimum(needed, resolution))
+    # The lattice is centred on the box.
     centre = 0.5 * np.add(low, high)
     origin = centre - 0.5 * cell * np.array(count)
     return Placement(triple(origin), cell, count, axes=axes)

@@ -87,6 +87,7 @@ class InjectPoints:
         if self.count:
             rows["position"] = np.concatenate([g.positions for g in self._groups])
             rows["intensity"] = np.concatenate([g.intensities for g in self._groups])
+        # The buffer grows where there are more lights than ever before.
         if self._points is None or self._points.nbytes < rows.nbytes:
             if self._points is not None:
                 self._points.release()

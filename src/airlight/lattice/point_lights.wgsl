@@ -1,3 +1,4 @@
+// Point lights without shadow maps, each into its cell.
 //! use lattice_space
 //! use lobes
 

@@ -1,3 +1,4 @@
+// Fixed-point sums on top of a lattice, which is left in W sr^-1; the sums are zero for the next frame.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.values) {
         return;

@@ -20,6 +20,7 @@ from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
 from ..surface.sky import SkyLight
+from .blockers import BLOCKER_SLOTS
 from .placement import LatticeParams, Placement
 
 FACES = 6  # +x -x +y -y +z -z, stacked along the texture's z
@@ -50,7 +51,7 @@ class _Skylight(ComputePass):
         storage("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
-        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
+        *BLOCKER_SLOTS,
         texture("previous", "3d"),
         image("cube", FILTERED, "3d"),
     )
@@ -82,7 +83,7 @@ class Skylight:
                 gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
             )
         )
-        # Of a lattice that moves: its cubes before.
+        # The cubes of a lattice that moves, as they were before it did.
         columns, rows, _ = placement.count
         size_before = (1, 1, 1) if owner is None else (columns, rows, FACES * self._depth)
         self._previous = Texture(gpu, "sky light before", size_before, gpu.filtered, dimension="3d")
@@ -107,11 +108,13 @@ class Skylight:
         `is_same_light`: neither lights nor geometry changed since the last time, only the lattice's
         placement; then only the cells that are new to it are computed.
         """
+        # Where only the lattice moved, cells that it had before keep what they have.
         shift = self._shift() if is_same_light and not self._is_owner else None
         if shift is not None:
             self._copy_previous(commands)
         self._made = self.placement
         self.version += 1
+        # All lights into all cells.
         rows = [
             {"direction": (*light.direction, light.spread), "irradiance": (*light.irradiance, 0.0)}
             for light in lights

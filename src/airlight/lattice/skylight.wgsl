@@ -1,9 +1,9 @@
+// The environment's direct light in cells, as the irradiance of six faces. A sky light comes from a disc: how
+// much of it a cell sees is asked by taps as far beside the cell as the disc is wide from where its shadow
+// is cast, on this side of walls (Fernando2005, percentage-closer soft shadows).
 //! use open_line
 
-// A sky light comes from a disc: how much of it a cell sees is asked at places as far beside the cell
-// as the disc is wide from where its shadow is cast, on this side of walls (Fernando2005, percentage-closer soft shadows).
-
-// Places inside a cell, in cells from its centre.
+// Offsets inside a cell, in cells from its centre.
 const SAMPLES = array<vec3f, 4>(
     vec3f(0.25, 0.25, 0.25), vec3f(-0.25, -0.25, 0.25), vec3f(-0.25, 0.25, -0.25),
     vec3f(0.25, -0.25, -0.25),
@@ -15,7 +15,7 @@ const FREE_CELLS = 8u;  // in which walls are looked for
 const SKIN = 0.24;      // cells before a wall, which would shade itself in the maps' texels
 const GOLDEN_TURN = vec2f(-0.73736888, 0.67549029);  // cosine and sine of the golden angle
 
-// One after another of the places of a spiral over the unit disc, stratified by area.
+// The next tap of a spiral over the unit disc, stratified by area.
 fn turned(turn: vec2f) -> vec2f {
     return vec2f(turn.x * GOLDEN_TURN.x - turn.y * GOLDEN_TURN.y,
         turn.x * GOLDEN_TURN.y + turn.y * GOLDEN_TURN.x);
@@ -27,6 +27,7 @@ fn in_view(point: vec3f, view: LightViewData) -> vec3f {
     return vec3f(clip.xy * vec2f(0.5, -0.5) + 0.5, clip.z);
 }
 
+// Whether a light reaches a point of its view, filtered; beyond the map nothing shades.
 fn lit(coordinates: vec3f, layer: u32) -> f32 {
     let is_outside = any(coordinates.xy < vec2f(0.0)) || any(coordinates.xy > vec2f(1.0));
     return select(
@@ -80,15 +81,18 @@ struct Cell {
 
 // The share of a light that a cell sees.
 fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
+    // How fast the disc widens with depth, in texture coordinates of the view.
     let view = views[i];
     let side = view.texel * vec2f(textureDimensions(depth));
     let metres = 1.0 / length(vec3f(view.clip_from_world[0].z, view.clip_from_world[1].z,
         view.clip_from_world[2].z));
     let widens = sky[i].direction.w * metres / side;
+    // How far off what shades the cell is, and so how wide the disc is there.
     let turn = vec2f(cos(f32(i)), sin(f32(i)));
     let centre = in_view((*cell).centre, view);
     let found = blockers_before(centre, widens * centre.z, turn, i);
     let radius = widens * found.y;
+    // Taps over that disc around points of the cell, on this side of its walls.
     let right = lattice_from_world(lattice, 2.0 * view.world_from_clip[0].xyz);
     let down = lattice_from_world(lattice, -2.0 * view.world_from_clip[1].xyz);
     let is_sure = found.x == 0.0 || found.x == 1.0;
@@ -109,7 +113,7 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     return share / f32(taps);
 }
 
-// The cell's place in the lattice before it moved. Border cells see no wall on the far side.
+// The same cell in the lattice before it moved. Border cells see no wall on the far side.
 fn previous_cell(id: vec3u) -> vec3i {
     return vec3i(id) + vec3i(params.shift_x, params.shift_y, params.shift_z);
 }
@@ -135,6 +139,7 @@ fn copy_previous(id: vec3u) {
         copy_previous(id);
         return;
     }
+    // Points of the cell, and the free box around it up to the first walls.
     var cell: Cell;
     cell.centre = unwarped_metres(id, vec3f(0.5));
     for (var k = 0u; k < 4u; k++) {
@@ -142,6 +147,7 @@ fn copy_previous(id: vec3u) {
     }
     cell.high = vec3f(first_wall(id, 0u, true), first_wall(id, 1u, true), first_wall(id, 2u, true));
     cell.low = vec3f(first_wall(id, 0u, false), first_wall(id, 1u, false), first_wall(id, 2u, false));
+    // The irradiance of each light on the six faces (McTaggart2004).
     var faces = array<vec3f, 6>();
     for (var i = 0u; i < params.lights; i++) {
         let e = sky[i].irradiance.rgb * share_of(&cell, i);

@@ -46,6 +46,7 @@ def surfels(
     `inside` (n, 3), metres: positions of the eye and of local lights; a closed body around one of
     them is a room, and blocks from both sides.
     """
+    # World areas, and which side of each body faces out; instances share what they can.
     areas_of: dict[tuple[int, bytes], F64] = {}
     for mesh in meshes:
         if _area_key(mesh) not in areas_of:
@@ -53,6 +54,7 @@ def surfels(
     areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
     outer = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
     points = np.zeros((0, 3)) if inside is None else inside
+    # Each mesh has surfels by its share of all area.
     total = max(float(areas.sum()), 1e-30)
     parts = []
     for instance, index in enumerate(order):
@@ -129,7 +131,7 @@ def follow(
 
 def _samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
     """Triangles (n,) and barycentric weights (n, 3) of `count` surfels over them."""
-    # Stratified along the running area; the place inside a triangle from a plastic sequence.
+    # Stratified along the running area; points inside a triangle from the plastic sequence.
     edges = np.cumsum(areas)
     strata = (np.arange(count) + 0.5) / count * edges[-1]
     u, v = _triangle_points(count)
@@ -157,6 +159,7 @@ def winding_number(mesh: Mesh, point: F64) -> float:
     The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
     """
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+    # Triangles as seen from the point: the solid angle of each.
     corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
     angle, indices = 0.0, mesh.geometry.indices
     for part in chunks(len(indices)):
@@ -174,6 +177,7 @@ def outer_side(geometry: Geometry) -> int:
     edges = int((corners != np.roll(corners, -1, axis=1)).sum())
     if edges == 0 or _unmatched_edges(corners) > _OPEN_EDGES * edges:
         return 0
+    # A closed body's signed volume says which side faces out.
     centre = geometry.positions.mean(axis=0)
     volume = 0.0
     for part in chunks(len(geometry.indices)):
@@ -184,7 +188,7 @@ def outer_side(geometry: Geometry) -> int:
 
 
 def _unmatched_edges(corners: NDArray[np.int64]) -> int:
-    """How many edges of the triangles `corners` (T, 3) no other runs along the other way."""
+    """How many edges of triangles `corners` (T, 3) have no partner in the opposite direction."""
     # Both ends of an edge without a partner are open.
     is_open = open_vertices(corners)
     ahead = np.roll(corners, -1, axis=1)
@@ -250,6 +254,7 @@ def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:
 
 def _filtered_alpha(texture: Texture, uv: F64) -> F64:
     """Alpha (n,), 0..1, between texels as the surface passes read it before they cut it."""
+    # Bilinear, between the centres of four texels.
     shape = np.array(texture.pixels.shape[1::-1])
     texel = ((uv * texture.scale + texture.offset) % 1.0) * shape - 0.5
     first = np.floor(texel).astype(int)

@@ -108,7 +108,7 @@ class _MergeSums(ComputePass):
 
 
 class ViewSurfels:
-    """Fills the sums of `blockers` from views, in place of the surfels of meshes.
+    """Fills the sums of `blockers` from views, instead of the surfels of meshes.
 
     `accumulates`: surfels of earlier frames stay until geometry or lattice change. `has_meshes`:
     the surfels of the meshes are summed beside those of the views.
@@ -140,10 +140,12 @@ class ViewSurfels:
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
             return False
+        # What earlier frames saw stays, as long as it stands where it stood.
         if is_new or not self.accumulates:
             blockers.clear(commands)
             if self.has_meshes:
                 blockers.sum_meshes(commands)
+        # The surfels of each view, merged by the maximum.
         commands.encoder.clear_buffer(self._sums.handle)
         for index, view in enumerate(views):
             params = ViewSurfelParams.of_view(blockers, maps, index, _FINER * UNITS, _FINER)

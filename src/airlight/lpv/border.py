@@ -3,7 +3,7 @@
 differs: Kaplanyan2010 section 4.1 propagates every lattice alone, so a finer one lacks the light of
 all surfaces beyond its border. Here the larger lattice is solved first; what its light, in the
 layer of cells just outside, would hand on in one hop is put into the finer lattice's outermost
-cells. The steady state of a lattice cut out of another is then the other's.
+cells. The converged state of a lattice cut out of another is then the other's.
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32
 from ..gpu.memory import Buffer
-from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..gpu.slots import Slot, sampler, storage, uniform
+from ..lattice.blockers import BLOCKER_SLOTS
 from ..lattice.lobes import InjectionTarget
+from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams, Placement
 from .step import hop_constants
 
@@ -34,12 +36,8 @@ class Border(ComputePass):
         uniform("params", BorderParams),
         uniform("lattice", LatticeParams),
         uniform("outer", LatticeParams),
-        texture("lattice_red", "3d"),
-        texture("lattice_green", "3d"),
-        texture("lattice_blue", "3d"),
-        texture("lattice_visibility_a", "3d"),
-        texture("lattice_visibility_b", "3d"),
-        texture("lattice_walls", "3d"),
+        *CHANNEL_SLOTS,
+        *BLOCKER_SLOTS,
         sampler("linear_clamp"),
         storage("faces", "vec4u"),
         storage("sums", "atomic<i32>", "read_write"),

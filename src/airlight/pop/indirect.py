@@ -14,7 +14,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Buffer, linear_sampler
-from ..gpu.slots import sampler, storage, texture, uniform
+from ..gpu.slots import sampler, storage, uniform
+from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..maths.ordinates import even_sky
 from ..maths.transforms import F64
@@ -47,10 +49,8 @@ class _Indirect(ComputePass):
         storage("reach", "u32"),
         uniform("lattice", LatticeParams),
         sampler("linear_clamp"),
-        *(
-            texture(f"lattice_{name}", "3d")
-            for name in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
-        ),
+        *CHANNEL_SLOTS,
+        *BLOCKER_SLOTS,
         storage("indirect", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)

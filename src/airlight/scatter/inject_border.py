@@ -19,8 +19,8 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer, buffer_of
-from ..gpu.slots import storage, texture, uniform
-from ..lattice.blockers import Blockers
+from ..gpu.slots import storage, uniform
+from ..lattice.blockers import BLOCKER_SLOTS, Blockers
 from ..lattice.placement import LatticeParams, Placement
 from ..maths.half_space import plane_light, plane_radiance
 from ..maths.lattice26_walls import returned_sharpness
@@ -59,10 +59,7 @@ class _Beams(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
-            *(
-                texture(f"lattice_{name}", "3d")
-                for name in ("visibility_a", "visibility_b", "walls")
-            ),
+            *BLOCKER_SLOTS,
             *media.medium_slots,
             storage("reflectance", "u32"),
             storage("directions", "vec2f"),

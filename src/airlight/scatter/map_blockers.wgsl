@@ -31,6 +31,5 @@
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
     add_side(first, id.z, units, offset, reflectance);
     add_side(first, id.z ^ 1u, units, offset, reflectance);
-    atomicAdd(&sums[first + AXIS_COVER + axis], units);
-    atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset)));
+    add_axis(first, axis, units, offset);
 }

@@ -12,3 +12,9 @@ fn add_side(first: u32, side: u32, units: i32, offset: f32, reflectance: vec3f) 
         atomicAdd(&sums[first + SIDE_REFLECTED + 3u * side + channel], reflected[channel]);
     }
 }
+
+// The same surface as one across an axis, whichever side it faces: how much it covers, and where.
+fn add_axis(first: u32, axis: u32, units: i32, offset: f32) {
+    atomicAdd(&sums[first + AXIS_COVER + axis], units);
+    atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset)));
+}

@@ -9,7 +9,7 @@ const CORNER_VALUES = 36u;
 
 const BEHIND_UNITS = 4096.0;    // per cell
 
-// A place -0.5..0.5 along a side's outward axis, in cells, as an integer that grows backwards.
+// An offset -0.5..0.5 along a side's outward axis, in cells, as an integer that grows backwards.
 fn behind_code(outward: f32) -> i32 {
     return 1 + i32(round((0.5 - outward) * BEHIND_UNITS));
 }

@@ -1,8 +1,7 @@
-//! use lattice_space
-
-// Reading a solved lattice. The including pass binds lattice_red/green/blue (filtered 3D textures
-// of a, b), lattice_visibility_a/b (how open each cell's six faces are both ways) and linear_clamp, and
+// Reading a solved lattice (Kaplanyan2010 section 3.4). The including pass binds lattice_red/green/blue (filtered 3D textures
+// of a, b), lattice_visibility_a/b (the visibility of each cell's six faces in both directions) and linear_clamp, and
 // declares the struct LatticeParams.
+//! use lattice_space
 
 // How far along the normal to look, in cells, so that light behind a wall is not mixed in: the
 // centre of the first cell wholly before the surface's plane, as blockers round it to cell faces.
@@ -24,10 +23,10 @@ fn rim_shares(n: vec3f) -> vec3f {
     return dot(n, n) * (1.0 - smoothstep(vec3f(0.2), vec3f(0.5), abs(n)));
 }
 
-// Which axes of a way from a cell lead into a wall with air before it.
-fn ends(lattice: LatticeParams, cell: vec3f, way: vec3f) -> vec3<bool> {
+// On which axes a step from a cell leads into a wall that encloses it.
+fn ends(lattice: LatticeParams, cell: vec3f, step: vec3f) -> vec3<bool> {
     let inside = clamp(cell, vec3f(0.0), vec3f(lattice.count) - 1.0);
-    let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), way < vec3f(0.0));
+    let hops = select(vec3u(1u, 4u, 16u), vec3u(2u, 8u, 32u), step < vec3f(0.0));
     return (vec3u(enclosed_faces(lattice, vec3i(inside))) & hops) != vec3u(0u);
 }
 
@@ -35,7 +34,7 @@ fn ends(lattice: LatticeParams, cell: vec3f, way: vec3f) -> vec3<bool> {
 // lest what is looked up is its own back, or, of the foot of a wall, what is under the floor.
 const BEFORE = 0.15;
 
-// The foot of a wall may lie a little below the floor, as warped space has it, or its normal's relief
+// The foot of a wall may be a little below the floor in warped coordinates, or its normal's relief
 // may lead there. The floor is known half a cell before the wall.
 fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     let is_facing = abs(n) > vec3f(0.5);
@@ -44,15 +43,16 @@ fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     let t = before - cell;
     let side = select(vec3f(0.0), vec3f(1.0), t > vec3f(1.0 - BEFORE))
         - select(vec3f(0.0), vec3f(1.0), t < vec3f(BEFORE));
-    let way = select(side, vec3f(0.0), is_facing);
-    let is_above = ends(lattice, cell, way);
-    let is_below = ends(lattice, cell + way, -way) & !is_above;
-    let face = cell + 0.5 + 0.5 * way;
-    let up = (BEFORE + 0.01) * select(-way, way, is_below);
-    return select(coordinates, face + up, (is_above | is_below) & (way != vec3f(0.0)));
+    // Above the floor or, by the warp, just below it: to a little above.
+    let down = select(side, vec3f(0.0), is_facing);
+    let is_above = ends(lattice, cell, down);
+    let is_below = ends(lattice, cell + down, -down) & !is_above;
+    let face = cell + 0.5 + 0.5 * down;
+    let up = (BEFORE + 0.01) * select(-down, down, is_below);
+    return select(coordinates, face + up, (is_above | is_below) & (down != vec3f(0.0)));
 }
 
-// Where to look for the light on a surface at a place, both in bent cells. Not behind a wall that the
+// Where to look for the light on a surface, in warped coordinates as `warped` itself. Not behind a wall that the
 // surface faces: the underside of a ball would be looked up beneath the floor that it lies on.
 fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
     let coordinates = lifted(lattice, warped, n);
@@ -64,7 +64,7 @@ fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f 
     return select(wanted, within, ends(lattice, cell, n));
 }
 
-// Texture coordinates of a place among the cells; none between two lattices that share textures.
+// Texture coordinates of lattice coordinates; none between two lattices that share textures.
 fn lattice_uvw(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
     let inside = clamp(coordinates, vec3f(0.5), vec3f(lattice.count) - 0.5);
     return (inside + vec3f(0.0, f32(lattice.first_row), 0.0))
@@ -78,7 +78,7 @@ fn lattice_moved(lattice: LatticeParams, uvw: vec3f, cells: vec3f) -> vec3f {
     return clamp(uvw * size + cells, first, first + vec3f(lattice.count) - 1.0) / size;
 }
 
-// Where to sample the textures (texture coordinates) for a place among the cells; `rim` as from
+// Texture coordinates at which lattice coordinates are sampled, not across closed faces; `rim` as from
 // rim_shares, 0 for rays.
 fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
@@ -99,7 +99,7 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light
-// that streams one way are negative behind: beyond what fills half of all directions, the rest is
+// that travels in one direction are negative behind: beyond what fills half of all directions, the rest is
 // read as a beam, and some light is left behind it (twin: maths.lattice6.surface_irradiance).
 const LEAST_BEHIND = 0.3;
 
@@ -125,7 +125,7 @@ fn facing(lattice: LatticeParams, state: vec4f, n: vec3f) -> f32 {
     return lattice.lookup_scale * facing_flux(state, n);
 }
 
-// Irradiance, W m^-2, on a surface of normal n at a place of the textures.
+// Irradiance, W m^-2, on a surface of normal n at texture coordinates.
 fn lattice_irradiance_at(lattice: LatticeParams, uvw: vec3f, n: vec3f) -> vec3f {
     let flux = vec3f(
         facing(lattice, textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), n),

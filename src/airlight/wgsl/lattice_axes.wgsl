@@ -7,7 +7,7 @@ fn lattice_from_world(lattice: LatticeParams, v: vec3f) -> vec3f {
     return vec3f(dot(lattice.axis_x, v), dot(lattice.axis_y, v), dot(lattice.axis_z, v));
 }
 
-// The other way round.
+// The inverse.
 fn world_from_lattice(lattice: LatticeParams, v: vec3f) -> vec3f {
     return v.x * lattice.axis_x + v.y * lattice.axis_y + v.z * lattice.axis_z;
 }
@@ -17,7 +17,7 @@ fn cells_from_world(lattice: LatticeParams, world: vec3f) -> vec3f {
     return (lattice_from_world(lattice, world) - lattice.origin) / lattice.cell;
 }
 
-// The other way round.
-fn world_from_cells(lattice: LatticeParams, place: vec3f) -> vec3f {
-    return world_from_lattice(lattice, lattice.origin + place * lattice.cell);
+// The inverse.
+fn world_from_cells(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
+    return world_from_lattice(lattice, lattice.origin + coordinates * lattice.cell);
 }

@@ -2,11 +2,11 @@
 // on each cell's low faces really lie from them, in cells) and declares the struct LatticeParams.
 //
 // Blockers round walls to cell faces; up to half a cell before or behind a wall would then belong
-// to a cell on its other side. So space is bent: a piecewise linear map per axis takes every wall
+// to a cell on its other side. So coordinates are warped: a piecewise linear map per axis takes every wall
 // to the face it was rounded to.
 //! use lattice_axes
 
-// A cell's place in the textures, which nested lattices share.
+// A cell's texel in the textures, which nested lattices share.
 fn lattice_texel(lattice: LatticeParams, cell: vec3i) -> vec3i {
     return cell + vec3i(0, i32(lattice.first_row), 0);
 }
@@ -15,7 +15,7 @@ fn wall_shifts_low(lattice: LatticeParams, cell: vec3i) -> vec3f {
     return textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).xyz;
 }
 
-// A bit for each outgoing hop (+x -x +y -y +z -z) that ends at a wall with air before it.
+// A bit for each outgoing hop (+x -x +y -y +z -z) that ends at a wall before which light may be.
 fn enclosed_faces(lattice: LatticeParams, cell: vec3i) -> u32 {
     return u32(127.0 * textureLoad(lattice_walls, lattice_texel(lattice, cell), 0).w + 0.5);
 }
@@ -32,7 +32,7 @@ fn wall_shifts_high(lattice: LatticeParams, cell: vec3i) -> vec3f {
         wall_shift_high(lattice, cell, 2u));
 }
 
-// One axis of a place, between walls that lie `low` and `high` from the faces of `cell`.
+// One coordinate, warped between walls that lie `low` and `high` from the faces of `cell`.
 fn warped_axis(coordinates: f32, cell: i32, low: f32, high: f32) -> f32 {
     let t = coordinates - f32(cell);
     let between = (t - low) / max(1.0 + high - low, 0.25);
@@ -41,7 +41,7 @@ fn warped_axis(coordinates: f32, cell: i32, low: f32, high: f32) -> f32 {
     return f32(cell) + select(select(between, above, t > 1.0 + high), below, t < low);
 }
 
-// The cell that a place is in; WHOLE_BEFORE cells along n from it, but not along one axis. Walls cover
+// The cell of a point; WHOLE_BEFORE cells along n from it, but not along one axis. Walls cover
 // what they need to be known by at that distance from where they end.
 const WHOLE_BEFORE = 0.75;
 
@@ -67,7 +67,7 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
         warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
 }
 
-// The same for a point in the air.
+// The same for a point in space.
 fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
     return warped_in_cells(lattice, cells_from_world(lattice, world));
 }
@@ -81,7 +81,7 @@ fn warped_in_cells(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
         warped_axis(coordinates.y, cell.y, low.y, high.y), warped_axis(coordinates.z, cell.z, low.z, high.z));
 }
 
-// The other way round, for a place inside a cell (0..1 on each axis): cells that are not warped.
+// The inverse, for a point inside a cell (0..1 on each axis): cells that are not warped.
 fn unwarped_coordinates(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
     let low = wall_shifts_low(lattice, vec3i(cell));
     let high = wall_shifts_high(lattice, vec3i(cell));

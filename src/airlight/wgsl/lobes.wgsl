@@ -1,7 +1,7 @@
 // Adding lobes to a lattice's fixed-point sums. The including pass binds the uniforms `lobes`
 // (LobeParams) and `lattice`, and `sums`.
 
-// The narrow lobe would send negative power backwards, where the surface itself closes the way;
+// The narrow lobe would send negative power backwards, where the surface itself is;
 // what goes forward is scaled to the whole power.
 fn forward_gain(n: vec3f) -> f32 {
     let along = lobes.hop_directional * lobes.lobe * n;
@@ -18,7 +18,7 @@ fn add_coefficients(index: u32, value: vec4f) {
     if (units.w != 0) { atomicAdd(&sums[index + 3u], units.w); }
 }
 
-// A lobe of `power` (W, rgb) along n into the cell at a place (in cells from the origin).
+// A lobe of `power` (W, rgb) along n into the cell at lattice coordinates.
 fn add_lobe(coordinates: vec3f, n: vec3f, power: vec3f) {
     let cell = vec3i(floor(coordinates));
     if (any(cell < vec3i(0)) || any(cell >= vec3i(lattice.count))) {

@@ -4,7 +4,7 @@
 
 const MOST_CELLS = 128u;
 
-// The open share of a cell's face across an axis, both ways.
+// The open share of a cell's face across an axis, in both directions.
 fn open_face(cell: vec3i, axis: u32, is_high: bool) -> f32 {
     let texel = lattice_texel(lattice, cell);
     let side = u32(is_high);
@@ -14,14 +14,15 @@ fn open_face(cell: vec3i, axis: u32, is_high: bool) -> f32 {
     return textureLoad(lattice_visibility_a, texel, 0)[2u * axis + side];
 }
 
-// How much of a straight line between two places of the lattice its faces leave open.
+// The transmittance of the faces along a straight line between two points, in lattice coordinates.
 fn open_line(begin: vec3f, end: vec3f) -> f32 {
+    // From face to face (a digital differential analyser): `next` is the share of the line to each axis' next face.
     let last = vec3i(lattice.count) - 1;
     var cell = clamp(vec3i(floor(begin)), vec3i(0), last);
     let target_cell = clamp(vec3i(floor(end)), vec3i(0), last);
-    let way = end - begin;
-    let is_up = way > vec3f(0.0);
-    let per_cell = 1.0 / max(abs(way), vec3f(1e-9));
+    let line = end - begin;
+    let is_up = line > vec3f(0.0);
+    let per_cell = 1.0 / max(abs(line), vec3f(1e-9));
     var next = (select(vec3f(cell) - begin, vec3f(cell) + 1.0 - begin, is_up))
         * select(-per_cell, per_cell, is_up);
     var open = 1.0;

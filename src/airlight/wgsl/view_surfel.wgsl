@@ -1,8 +1,7 @@
-//! use view_texel
-//! use lattice_axes
-
 // The surfel that a texel of a view shows. The including pass binds views, depth, normal and
 // reflectance and `lattice`, and its params say resolution, view and first_layer.
+//! use view_texel
+//! use lattice_axes
 
 const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
 const NO_CORNER = 0xffffffffu;
@@ -41,6 +40,7 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
         + vec2f(-1.0, 1.0);
     let clip = view.world_from_clip * vec4f(centre, d, 1.0);
     let world = clip.xyz / clip.w;
+    // The lattice's corner nearest to it.
     let coordinates = cells_from_world(lattice, world);
     let corner = vec3i(floor(coordinates + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
@@ -50,6 +50,7 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
     let size = lattice.count + 1u;
     seen.corner = (c.z * size.y + c.y) * size.x + c.x;
     seen.offset = coordinates - vec3f(corner);
+    // Its area over a cell face's, and what it reflects.
     let n = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
     seen.normal = lattice_from_world(lattice, n);
     seen.area = surfel_area(view, world, n, centre) / (lattice.cell * lattice.cell);

@@ -14,8 +14,8 @@ from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.layout import Struct, mat4x4f, u32
 from ...gpu.memory import Buffer, buffer_of
-from ...gpu.slots import storage, texture, uniform
-from ...lattice.blockers import Blockers
+from ...gpu.slots import storage, uniform
+from ...lattice.blockers import BLOCKER_SLOTS, Blockers
 from ...lattice.placement import LatticeParams
 from ..light.table import OrdinateData
 from ..medium.grid_medium import GridMedium
@@ -36,7 +36,7 @@ class BlockVisibility(ComputePass):
         uniform("params", MediumParams),
         uniform("exchange", BlockVisibilityParams),
         uniform("lattice", LatticeParams),
-        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
+        *BLOCKER_SLOTS,
         storage("ordinates", OrdinateData),
         storage("blocks", "vec4f"),
         storage("reach", "u32"),

@@ -18,6 +18,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, texture, uniform
+from ...lattice.blockers import BLOCKER_SLOTS
 from ...lattice.placement import LatticeParams
 from ...surface.light_views import LightViewData
 from ...surface.reflective import ReflectiveShadowMaps
@@ -103,7 +104,7 @@ class _Visibility(ComputePass):
         uniform("params", MediumParams),
         uniform("virtual_lights", VirtualVisibilityParams),
         uniform("lattice", LatticeParams),
-        *(texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")),
+        *BLOCKER_SLOTS,
         storage("places", "vec4f"),
         storage("reach", "u32"),
         storage("passed", "f32", "read_write"),
