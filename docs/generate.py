@@ -297,16 +297,22 @@ def _entry(name: str, value: Any) -> str:
         return _class(name, value)
     if inspect.isfunction(value):
         return _function(name, value, "###")
-    return f"### {name}\n\n`{str(value).replace('airlight.scene.lights.', '')}`\n"
+    return f"### {name}\n\n`{_MODULE.sub('', str(value))}`\n"
+
+
+_MODULE = re.compile(r"airlight\.([a-z_]+\.)+")
 
 
 def _class(name: str, cls: type) -> str:
     if issubclass(cls, Exception):
         return f"### {name}\n\n{_prose(cls)}\n"
+    # What a base class asks for is between it and the package.
+    asked_for = {key for base in cls.__mro__[1:-1] for key in vars(base)}
     methods = [
         _method(key, member)
         for key, member in vars(cls).items()
         if not key.startswith("_")
+        and key not in asked_for
         and isinstance(member, (types.FunctionType, property, staticmethod, classmethod))
     ]
     body = f"### {name}\n\n```text\n{_signature(name, cls)}\n```\n\n{_prose(cls)}\n"

@@ -16,7 +16,6 @@ from airlight.lattice.placement import LatticeParams
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Scene, Volume
 from airlight.scene.builtin import builtin_scene
-from airlight.scene.placing import moved_light
 
 SMALL = {"resolution": 12, "surfels": 20_000, "sky_lights": 8}
 SLOTS = (
@@ -98,7 +97,7 @@ def scene_of(name):
         [0, -s, c],
     ]
     placed = tuple(replace(m, world_from_object=matrix @ m.world_from_object) for m in scene.meshes)
-    lights = tuple(moved_light(light, matrix) for light in scene.lights)
+    lights = tuple(light.moved(matrix) for light in scene.lights)
     return replace(scene, meshes=placed, lights=lights)
 
 

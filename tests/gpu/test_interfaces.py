@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import airlight
+from airlight.gpu.source import LIBRARIES
 
 _NEEDS = re.compile(r"^//! needs (fn .+)$", re.MULTILINE)
 _FUNCTION = re.compile(r"\bfn ([\w{}]+)\(([^@()]*)\)(?: -> ([\w<>{}, ]+?))? ?\{", re.DOTALL)
@@ -84,6 +85,7 @@ def _gives(shapes: dict[str, str], text: str, name: str, signature: str) -> bool
 
 
 ROOT = Path(airlight.__file__).parent
+HOMES = [folder.relative_to(ROOT).as_posix() for folder in LIBRARIES]
 SHADERS = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob("*.wgsl"))}
 MODULES = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob("*.py"))}
 ALL = interfaces(ROOT)
@@ -110,7 +112,8 @@ def used_by(name: str, seen: set[str]) -> set[str]:
     if name not in seen:
         seen.add(name)
         for library in re.findall(r"^//! use (\w+)", SHADERS[name].read_text(), re.MULTILINE):
-            used_by(f"wgsl/{library}.wgsl", seen)
+            (found,) = (f for f in SHADERS if f in {f"{home}/{library}.wgsl" for home in HOMES})
+            used_by(found, seen)
     return seen
 
 

@@ -17,7 +17,7 @@ def library(tmp_path, monkeypatch):
     """library(name, text) adds a file to a library that replaces ours."""
     folder = tmp_path / "wgsl"
     folder.mkdir()
-    monkeypatch.setattr(shader_source, "LIBRARY", folder)
+    monkeypatch.setattr(shader_source, "LIBRARIES", (folder,))
     return lambda name, text: (folder / f"{name}.wgsl").write_text(text)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from airlight.gpu.memory import Texture, buffer_of, linear_sampler
 from airlight.gpu.slots import sampler, storage, texture, uniform
-from airlight.gpu.source import LIBRARY
+from airlight.gpu.source import LIBRARIES
 from airlight.lattice.placement import LatticeParams, Placement
 from airlight.lighting.glossy import is_any_glossy
 from airlight.rendering import Renderer
@@ -205,7 +205,7 @@ def test_a_slanted_surface_does_not_stop_its_own_rays(followed):
 
 def _share(gain, roughness):
     """glossy_share of wgsl/surface_reflection.wgsl, its numbers read from there."""
-    text = (LIBRARY / "surface_reflection.wgsl").read_text()
+    text = (LIBRARIES[0] / "surface_reflection.wgsl").read_text()
     low, high = map(float, re.search(r"smoothstep\(([\d.]+), ([\d.]+), gain", text).groups())
     t = np.clip((gain * (1.0 - roughness) - low) / (high - low), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)

@@ -9,23 +9,19 @@ import pytest
 
 from airlight import AreaLight, PointLight, PointLights, SpotLight
 from airlight.reference.mitsuba_files import FileStore
-from airlight.reference.mitsuba_lights import (
-    light_elements,
-    point_emitters,
-    spot_falloff,
-    spot_falloff_pixels,
-)
+from airlight.reference.mitsuba_lights import light_elements, point_emitters
+from airlight.scene.lights.spot import spot_pixels, spot_share
 
 
 def test_the_fall_off_is_the_smoothstep_of_the_cosine() -> None:
     inner, middle, outer = (math.cos(math.radians(a)) for a in (20, 25, 30))
-    values = spot_falloff(np.array([1.0, inner, middle, outer, 0.0]), 20, 30)
+    values = spot_share(np.array([1.0, inner, middle, outer, 0.0]), 20, 30)
     t = (middle - outer) / (inner - outer)
     np.testing.assert_allclose(values, [1, 1, 3 * t**2 - 2 * t**3, 0, 0], atol=1e-12)
 
 
 def test_the_projected_image_is_round_and_centred() -> None:
-    pixels = spot_falloff_pixels(10, 40)[..., 0]
+    pixels = spot_pixels(10, 40)[..., 0]
     np.testing.assert_array_equal(pixels, pixels.T)
     np.testing.assert_array_equal(pixels, pixels[::-1])
     assert pixels[512, 512] == 1.0 and pixels[0, 0] == 0.0
@@ -33,18 +29,18 @@ def test_the_projected_image_is_round_and_centred() -> None:
 
 @pytest.mark.parametrize(("inner", "outer"), [(20, 30), (0, 60), (1, 89), (88, 89), (30, 31)])
 def test_the_image_filtered_is_the_fall_off(inner: float, outer: float) -> None:
-    pixels = spot_falloff_pixels(inner, outer)
+    pixels = spot_pixels(inner, outer)
     side = len(pixels)
     angle = np.linspace(0.0, math.radians(outer), 4001)[:-1]
     x = 0.5 + 0.5 * np.tan(angle) / math.tan(math.radians(outer))
     row = 0.5 * (pixels[side // 2 - 1, :, 0] + pixels[side // 2, :, 0])
     seen = np.interp(x * side - 0.5, np.arange(side), row)
-    np.testing.assert_allclose(seen, spot_falloff(np.cos(angle), inner, outer), atol=0.005)
+    np.testing.assert_allclose(seen, spot_share(np.cos(angle), inner, outer), atol=0.005)
 
 
-def test_a_group_is_a_point_emitter_for_each_of_its_lights() -> None:
+def test_a_group_is_a_point_emitter_for_each_of_its_lights(tmp_path) -> None:
     group = PointLights([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], [[0.5, 0.25, 0.0]])
-    emitters = point_emitters(group)
+    emitters = point_emitters(group, FileStore(tmp_path, "."))
     assert [e.get("type") for e in emitters] == ["point", "point"]
     places = [e.find("point[@name='position']") for e in emitters]
     assert [[float(p.get(axis)) for axis in "xyz"] for p in places] == group.positions.tolist()

@@ -21,8 +21,8 @@ def test_rows_carry_what_the_lights_say():
     assert table["color"].tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert table["direction"][0].tolist() == [0, -1, 0]
     assert table["position"][1].tolist() == [1, 2, 3]
-    assert table["cos_inner"][2] == pytest.approx(math.cos(math.radians(60)))
-    assert table["cos_outer"][2] == pytest.approx(math.cos(math.radians(70)))
+    assert table["shape_x"][2] == pytest.approx(math.cos(math.radians(60)))
+    assert table["shape_y"][2] == pytest.approx(math.cos(math.radians(70)))
 
 
 def test_parallel_and_local_views_are_counted_apart():

@@ -15,7 +15,7 @@ import pytest
 from airlight import Medium, PointLight, Scene, render, scenes
 from airlight.lattice.facing import wall_axes
 from airlight.maths.transforms import F64
-from airlight.scene.placing import moved_camera, moved_light
+from airlight.scene.placing import moved_camera
 
 SIZE = (64, 36)
 
@@ -35,7 +35,7 @@ def moved(scene: Scene, matrix: F64) -> Scene:
         meshes=tuple(
             replace(m, world_from_object=matrix @ m.world_from_object) for m in scene.meshes
         ),
-        lights=tuple(moved_light(light, matrix) for light in scene.lights),
+        lights=tuple(light.moved(matrix) for light in scene.lights),
         camera=moved_camera(scene.camera, matrix),
         volumes=tuple(
             replace(v, world_from_volume=matrix @ v.world_from_volume) for v in scene.volumes

@@ -11,8 +11,9 @@ from ..errors import SettingsError
 from ..lattice.surfels import outer_side, winding_number
 from ..maths.colour import srgb_decode
 from ..scene.checks import F64
-from ..scene.light_shapes import LIGHT_MESH, light_material, unit_geometry, world_from_unit
+from ..scene.light_shapes import LIGHT_MESH, light_material, unit_geometry
 from ..scene.lights import AreaLight, Light, PointLight, SpotLight
+from ..scene.lights.area import ball, world_from_unit
 from ..scene.material import Texture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
@@ -56,9 +57,9 @@ def sources(scene: Scene) -> list[Source]:
             surface = _surface(light)
             found += [Source(surface, side, light=row, is_solid=light.visible) for side in sides]
         elif isinstance(light, PointLight | SpotLight) and light.radius > 0.0:
-            ball = _surface(_ball(light))
+            surface = _surface(_ball(light))
             spot = light if isinstance(light, SpotLight) else None
-            found.append(Source(ball, 1, light=row, spot=spot, is_solid=False))
+            found.append(Source(surface, 1, light=row, spot=spot, is_solid=False))
     return found
 
 
@@ -67,9 +68,7 @@ def _surface(light: AreaLight) -> Mesh:
 
 
 def _ball(light: PointLight | SpotLight) -> AreaLight:
-    """The sphere that gives a light's intensity: radiance times its section."""
-    r, g, b = (c / (np.pi * light.radius**2) for c in light.intensity)
-    return AreaLight(light.position, (r, g, b), "sphere", radius=light.radius, visible=False)
+    return ball(light.position, light.intensity, light.radius)
 
 
 def _sides(mesh: Mesh, eye: F64) -> tuple[int, ...]:

@@ -1,8 +1,8 @@
 """WGSL source: files, the shared library, and errors at the line a person wrote.
 
-A line `//! use phase` pulls in `wgsl/phase.wgsl` once, before the file that uses it. Library files
-hold functions and constants only. The compiler sees one joined text; its messages are mapped back
-to file and line.
+A line `//! use phase` pulls in `phase.wgsl` once, before the file that uses it, from one of
+`LIBRARIES`. Their files hold functions and constants only. The compiler sees one joined text; its
+messages are mapped back to file and line.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ import wgpu
 
 from ..errors import ShaderError
 
-LIBRARY = Path(__file__).parents[1] / "wgsl"
+_PACKAGE = Path(__file__).parents[1]
+LIBRARIES = (_PACKAGE / "wgsl", _PACKAGE / "scene" / "lights")
+"""Folders of shader libraries: what is shared, and the types of lights beside their values."""
 _USE = re.compile(r"^//! use (\w+)\s*$")
 _LINE = re.compile(r"wgsl:(\d+):(\d+)")
 
@@ -48,10 +50,11 @@ class Source:
         if library in self.used:
             return
         self.used.add(library)
-        path = LIBRARY / f"{library}.wgsl"
-        if not path.is_file():
+        folder = next((f for f in LIBRARIES if (f / f"{library}.wgsl").is_file()), None)
+        if folder is None:
             raise ShaderError(f"there is no shader library '{library}'", where=where)
-        self.add(path.read_text(), f"wgsl/{path.name}")
+        path = folder / f"{library}.wgsl"
+        self.add(path.read_text(), f"{folder.name}/{path.name}")
 
     def mapped(self, message: str) -> str:
         """A compiler message with the real file and line in place of the joined one's."""

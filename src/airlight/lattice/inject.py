@@ -18,7 +18,7 @@ from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.lattice6 import hops
-from ..scene.lights import AreaLight, Light
+from ..scene.lights import Light
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -200,7 +200,7 @@ def flux_bound(lights: Iterable[Light], low: Iterable[float], high: Iterable[flo
     extent = [b - a for a, b in zip(low, high, strict=True)]
     cross_section = math.pi / 4.0 * sum(e * e for e in extent)  # of the circumscribed sphere
     # Lights with extent come as samples.
-    return sum(x.most_power(cross_section) for x in lights if not isinstance(x, AreaLight))
+    return sum(x.most_power(cross_section) for x in lights)
 
 
 def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:

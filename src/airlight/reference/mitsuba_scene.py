@@ -129,7 +129,9 @@ def export(
     shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
     media = scene_media(scene, files, notes)
     emitters = [e for light in scene.lights for e in light_elements(light, files, notes)]
-    emitters += [emitter for group in scene.light_groups for emitter in point_emitters(group)]
+    emitters += [
+        emitter for group in scene.light_groups for emitter in point_emitters(group, files)
+    ]
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
     has_masks = any(is_masked(mesh.material, mesh.geometry) for mesh in scene.meshes)

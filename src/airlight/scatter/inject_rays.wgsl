@@ -8,7 +8,7 @@
 
 // What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
 fn carried(light: LightData, direction: vec3f) -> vec3f {
-    return light.color * select(1.0, sent_share(light, direction), light.kind >= LIGHT_SPOT);
+    return light.color * select(1.0, sent_share(light, direction), sends_by_direction(light.kind));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

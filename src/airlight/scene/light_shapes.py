@@ -7,10 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from ..maths.sampling import orthonormal_frame
 from . import shapes
-from .checks import F64
 from .lights import AreaLight, AreaShape, Light
+from .lights.area import world_from_unit
 from .material import Material
 from .mesh import Geometry, Mesh
 from .scene import Scene
@@ -42,24 +41,6 @@ def _disk() -> Geometry:
         normals=np.tile(np.array((0.0, 1.0, 0.0), np.float32), (len(positions), 1)),
         uvs=(positions[:, [0, 2]] + 0.5).astype(np.float32),
     )
-
-
-def world_from_unit(light: AreaLight) -> F64:
-    """The placement (4, 4) of `unit_geometry`: its +Y along the light's direction."""
-    placed = np.eye(4)
-    placed[:3, 3] = light.position
-    if light.shape == "sphere":
-        placed[:3, :3] *= 2.0 * light.radius
-        return placed
-    normal = np.array(light.direction)
-    height = np.array(light.up) - np.dot(light.up, normal) * normal
-    length = float(np.linalg.norm(height))
-    height = height / length if length > 1e-6 else orthonormal_frame(normal)[1]
-    width = np.cross(height, normal)
-    across, along = light.size if light.shape == "rectangle" else (2.0 * light.radius,) * 2
-    # Columns: the quad's x, its normal, its z; right-handed.
-    placed[:3, :3] = np.stack([across * -width, normal, along * height], axis=1)
-    return placed
 
 
 def light_mesh(light: AreaLight, material: Material | None = None) -> Mesh:

@@ -1,4 +1,4 @@
-"""Lights and cameras moved by a matrix."""
+"""Points, directions and cameras moved by a matrix."""
 
 from __future__ import annotations
 
@@ -8,28 +8,6 @@ import numpy as np
 
 from .camera import Camera
 from .checks import F64, Vec3
-from .lights import AreaLight, DirectionalLight, Light, PointLight
-
-
-def moved_light(light: Light, matrix: F64) -> Light:
-    """The light through a (4, 4) matrix; its strength stays, area lights grow with the rest."""
-    if isinstance(light, DirectionalLight):
-        return replace(light, direction=moved_vector(light.direction, matrix))
-    position = moved_point(light.position, matrix)
-    if isinstance(light, PointLight):
-        return replace(light, position=position)
-    direction = moved_vector(light.direction, matrix)
-    if not isinstance(light, AreaLight):
-        return replace(light, position=position, direction=direction)
-    scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3])))) or 1.0
-    return replace(
-        light,
-        position=position,
-        direction=direction,
-        up=moved_vector(light.up, matrix),
-        size=(scale * light.size[0], scale * light.size[1]),
-        radius=scale * light.radius,
-    )
 
 
 def moved_camera(camera: Camera, matrix: F64) -> Camera:

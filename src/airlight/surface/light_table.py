@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
-from ..scene.lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ..scene.lights import DirectionalLight, Light, LightRow
 from .light_views import view_count
 
-DIRECTIONAL, POINT, SPOT, SAMPLE = 0, 1, 2, 3
 _MOST_RECENT = 8
 
 
@@ -20,60 +18,39 @@ class LightData(Struct):
     """One light, as shaders read it."""
 
     color = vec3f("W m^-2 (directional) or W sr^-1")
-    kind = u32("0 directional, 1 point, 2 spot, 3 sample of a light with extent")
+    kind = u32("`LightType.kind`")
     position = vec3f("m")
-    cos_inner = f32("of a sample: `front`")
+    shape_x = f32("of what it sends by direction: `LightRow.shape`")
     direction = vec3f("of travel")
-    cos_outer = f32("of a sample: `even`")
+    shape_y = f32()
     first_view = u32()
     view_count = u32()
     nearest = f32("m^2, squares of distances are no smaller")
     pad = f32()
 
 
+def shared_fields(row: LightRow) -> dict[str, Any]:
+    """The values that every struct with a light in it has."""
+    return {
+        "color": row.color,
+        "kind": row.kind,
+        "position": row.position,
+        "shape_x": row.shape[0],
+        "direction": row.direction,
+        "shape_y": row.shape[1],
+    }
+
+
 def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
     """The values of `LightData`."""
-    fields: dict[str, Any] = {
-        "color": (0, 0, 0),
-        "kind": DIRECTIONAL,
-        "position": (0, 0, 0),
-        "cos_inner": -1.0,
-        "direction": (0, -1, 0),
-        "cos_outer": -1.0,
+    row = light.row()
+    return {
+        **shared_fields(row),
         "first_view": first_view,
         "view_count": view_count(light),
-        "nearest": 1e-8,
+        "nearest": row.nearest,
         "pad": 0.0,
     }
-    match light:
-        case DirectionalLight():
-            fields |= {"color": light.irradiance, "direction": light.direction}
-        case PointLight():
-            fields |= {"color": light.intensity, "kind": POINT, "position": light.position}
-        case SpotLight():
-            fields |= {
-                "color": light.intensity,
-                "kind": SPOT,
-                "position": light.position,
-                "direction": light.direction,
-                "cos_inner": math.cos(math.radians(light.inner_deg)),
-                "cos_outer": math.cos(math.radians(light.outer_deg)),
-            }
-        case LightSample():
-            fields |= {
-                "color": light.intensity,
-                "kind": SAMPLE,
-                "position": light.position,
-                "direction": light.direction,
-                "cos_inner": light.front,
-                "cos_outer": light.even,
-                "nearest": max(light.extent**2, 1e-8),
-            }
-        case AreaLight():  # comes as samples
-            pass
-        case _:
-            assert_never(light)
-    return fields
 
 
 def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:

@@ -21,13 +21,7 @@ from ..maths.transforms import (
     transformed,
     view_from_world,
 )
-from ..scene.lights import (
-    AreaLight,
-    DirectionalLight,
-    Light,
-    LightFromPoint,
-    PointLight,
-)
+from ..scene.lights import DirectionalLight, Light
 
 Vec3 = tuple[float, float, float]
 _CUBE = (  # forward, up: faces +x -x +y -y +z -z
@@ -88,24 +82,22 @@ def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -
     """The views of all lights over the box low..high (metres), in the lights' order."""
     views: list[LightView] = []
     for index, light in enumerate(lights):
-        match light:
-            case DirectionalLight():
-                views.append(_parallel(light, index, low, high, resolution))
-            case AreaLight():  # comes as samples
-                continue
-            case _ if view_count(light) == 1:
-                views.append(_cone(light, index, low, high, resolution))
-            case _:
-                views += _cube(light, index, low, high, resolution)
+        if isinstance(light, DirectionalLight):
+            views.append(_parallel(light, index, low, high, resolution))
+        elif light.is_sampled:
+            continue
+        elif light.cone is not None and view_count(light) == 1:
+            views.append(_cone(light.position, light.cone, index, low, high, resolution))
+        else:
+            views += _cube(light.position, index, low, high, resolution)
     return views
 
 
 def view_count(light: Light) -> int:
     """The number of views of a light: six, as the faces of a cube, but for narrow cones."""
-    if isinstance(light, DirectionalLight | AreaLight):
+    if isinstance(light, DirectionalLight) or light.is_sampled:
         return 1
-    angle = light.half_angle_deg
-    return 6 if angle is None or angle > _WIDE_DEG else 1
+    return 6 if light.cone is None or light.cone[1] > _WIDE_DEG else 1
 
 
 def _parallel(
@@ -134,19 +126,17 @@ def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64
     return view, corners.min(axis=0), corners.max(axis=0)
 
 
-def _cone(light: LightFromPoint, index: int, low: F64, high: F64, resolution: int) -> LightView:
-    assert light.half_angle_deg is not None and not isinstance(light, PointLight)
-    fov = np.radians(2.0 * light.half_angle_deg) * 1.01
-    return _perspective(
-        light.position, light.direction, (0, 1, 0), fov, index, low, high, resolution
-    )
+def _cone(
+    position: Vec3, cone: tuple[Vec3, float], index: int, low: F64, high: F64, resolution: int
+) -> LightView:
+    axis, half_angle_deg = cone
+    fov = np.radians(2.0 * half_angle_deg) * 1.01
+    return _perspective(position, axis, (0, 1, 0), fov, index, low, high, resolution)
 
 
-def _cube(
-    light: LightFromPoint, index: int, low: F64, high: F64, resolution: int
-) -> list[LightView]:
+def _cube(position: Vec3, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
     return [
-        _perspective(light.position, forward, up, 0.5 * np.pi, index, low, high, resolution)
+        _perspective(position, forward, up, 0.5 * np.pi, index, low, high, resolution)
         for forward, up in _CUBE
     ]
 

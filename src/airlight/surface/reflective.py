@@ -16,10 +16,10 @@ from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture
 from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
-from ..scene.lights import Light, LightSample
+from ..scene.lights import Light
 from .draw_parts import DrawParts, in_draw_order
 from .geometry import Draw, GpuScene
-from .light_table import light_fields
+from .light_table import shared_fields
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
 from .packed_maps import uses_visibility_buffer
@@ -33,9 +33,9 @@ class ReflectiveParams(Struct):
     color = vec3f("W m^-2 (directional) or W sr^-1")
     kind = u32()
     position = vec3f("m")
-    cos_inner = f32()
+    shape_x = f32("of what the light sends by direction: `LightRow.shape`")
     direction = vec3f()
-    cos_outer = f32()
+    shape_y = f32()
     inv_size = vec2f("of the map, px^-1")
     body = f32("m^2, square of the radius of the surface that gives the light; 0 without one")
     gap = f32("m, up to which what is close to it sends light back there")
@@ -133,14 +133,13 @@ class ReflectiveShadowMaps:
     def _draw(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
-        fields = light_fields(light)
-        names = ("color", "kind", "position", "cos_inner", "direction", "cos_outer")
+        row = light.row()
         params = ReflectiveParams(
             clip_from_world=view.clip_from_world,
             inv_size=2 * (1.0 / self.resolution,),
-            **{name: fields[name] for name in names},
-            body=light.body**2 if isinstance(light, LightSample) else 0.0,
-            gap=light.gap if isinstance(light, LightSample) else 0.0,
+            **shared_fields(row),
+            body=row.body,
+            gap=row.gap,
         )
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)

@@ -87,7 +87,7 @@ fn local_node(
     let t = t_near + h * tan(x);
     let p = origin + t * direction;
     var sent = sent_by(light, index, m, p, t, -sin(x), h / cos(x));
-    if (light.kind >= LIGHT_SPOT) {
+    if (sends_by_direction(light.kind)) {
         sent *= sent_share(light, normalize(p - light.position));
     }
     return sent;

@@ -96,7 +96,7 @@ fn local_node(
     // Where the ray passes close by, the angle says little.
     let t = clamp(t_near + h * tan(x), step_begin, step_end);
     var sent = sent_by(light, t, length(vec2f(h, t - t_near)), -sin(x));
-    if (light.kind >= LIGHT_SPOT) {
+    if (sends_by_direction(light.kind)) {
         sent *= sent_share(light, normalize(origin + t * direction - light.position));
     }
     return sent;

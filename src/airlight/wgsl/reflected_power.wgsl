@@ -2,18 +2,17 @@
 // and stores half floats.
 //! use half_range
 //! use leaving_share
+//! use light_kinds
 
 // `albedo` is bihemispherical: a two-band lattice cannot tell gloss from matt.
 fn reflected_power(albedo: vec3f, world: vec3f) -> vec3f {
-    let power = params.color * albedo;
-    if (params.kind < 2u) {
-        return in_half_range(power);
+    var power = params.color * albedo;
+    if (sends_by_direction(params.kind)) {
+        let away = world - params.position;
+        if (params.body > 0.0) {    // a sample of a surface, on which some of the light falls back
+            power *= leaving_share(away, params.direction, params.body, params.gap);
+        }
+        power *= share_at(params.kind, dot(normalize(away), params.direction), vec2f(params.shape_x, params.shape_y));
     }
-    let c = dot(normalize(world - params.position), params.direction);
-    if (params.kind == 3u) {    // a sample of a surface
-        return in_half_range(power * leaving_share(world - params.position, params.direction, params.body, params.gap)
-            * (params.cos_inner * max(c, 0.0) + params.cos_outer));
-    }
-    return in_half_range(
-        power * smoothstep(params.cos_outer, max(params.cos_inner, params.cos_outer + 1e-4), c));
+    return in_half_range(power);
 }

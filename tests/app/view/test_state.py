@@ -10,12 +10,12 @@ import pytest
 from airlight.app.view.controls import Turn
 from airlight.app.view.state import (
     ViewState,
-    angles_deg,
     fog_for,
     reloaded,
     same,
+    source_angles_deg,
     structure,
-    sun_at,
+    travel_from,
 )
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.shapes import box
@@ -28,16 +28,17 @@ def scene(*lights, **parts) -> Scene:
 
 
 def test_the_sun_has_the_angles_it_is_put_at():
-    assert angles_deg(SUN) == pytest.approx((0.0, 45.0))
+    assert source_angles_deg(SUN.direction) == pytest.approx((0.0, 45.0))
     for azimuth, elevation in ((90.0, 30.0), (-135.0, 5.0), (20.0, -3.0)):
-        assert angles_deg(sun_at(SUN, azimuth, elevation)) == pytest.approx((azimuth, elevation))
-    assert sun_at(SUN, 90.0, 0.0).direction == pytest.approx((-1.0, 0.0, 0.0), abs=1e-12)
+        angles = source_angles_deg(travel_from(azimuth, elevation))
+        assert angles == pytest.approx((azimuth, elevation))
+    assert travel_from(90.0, 0.0) == pytest.approx((-1.0, 0.0, 0.0), abs=1e-12)
 
 
 def test_turning_turns_where_the_light_comes_from():
     state = ViewState(scene(SUN))
     state.turn_light(Turn(30.0, 10.0))
-    assert angles_deg(state.scene.lights[0]) == pytest.approx((30.0, 55.0))
+    assert source_angles_deg(state.scene.lights[0].direction) == pytest.approx((30.0, 55.0))
 
 
 def test_spots_turn_and_lamps_go_around():
@@ -79,7 +80,7 @@ def test_what_needs_another_renderer():
 
 def test_a_reload_takes_what_the_file_changed_and_keeps_the_rest():
     before = scene(SUN, medium=Medium((0.1, 0.1, 0.1)))
-    now = replace(before, lights=(sun_at(SUN, 80.0, 20.0),))
+    now = replace(before, lights=(replace(SUN, direction=travel_from(80.0, 20.0)),))
     after = scene(SUN, medium=Medium((0.3, 0.1, 0.1)))  # new arrays of the same values
     merged = reloaded(now, before, after)
     assert merged.lights is now.lights

@@ -11,7 +11,7 @@ from airlight.scene import Camera, Mesh, PointLight, Scene, SpotLight, shapes
 from airlight.scene.animation.curve import Curve
 from airlight.scene.animation.rig import Clip, Part, Rig, Skeleton
 from airlight.scene.animation.tracks import Placing
-from airlight.scene.placing import moved_camera, moved_light
+from airlight.scene.placing import moved_camera
 
 UP_2 = np.eye(4)
 UP_2[1, 3] = 2.0
@@ -74,7 +74,7 @@ def test_lights_and_cameras_through_a_matrix():
     quarter = np.eye(4)
     quarter[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]  # about +Y: +X to -Z
     quarter[:3, 3] = (0, 1, 0)
-    spot = moved_light(SpotLight((1, 0, 0), (1, 0, 0), (2, 2, 2), 10, 20), quarter)
+    spot = SpotLight((1, 0, 0), (1, 0, 0), (2, 2, 2), 10, 20).moved(quarter)
     assert spot.position == (0, 1, -1) and spot.inner_deg == 10
     assert spot.direction == pytest.approx((0, 0, -1))
     seen = moved_camera(Camera((1, 0, 0), (2, 0, 0), fov_y_deg=33.0), quarter)

@@ -8,16 +8,15 @@ import pytest
 from airlight.errors import SceneError
 from airlight.scene import checks
 from airlight.scene.io.toml_schema import (
-    Key,
     Table,
     check_table,
     fraction,
     matrix16,
     mean_cosine,
-    one_of,
     scale_vec3,
     unit_rgb,
 )
+from airlight.scene.keys import Key, one_of
 
 LAMP = Table(
     "lamp",

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from imgui_bundle import imgui
 
-from ...scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ...scene.checks import Vec3
+from ...scene.lights import Light
+from ...scene.lights.light_key import Control
 from ...scene.medium import Medium
 from ...scene.scene import Scene
 from ...scene.volume import Volume
-from .state import ViewState, angles_deg, fog_for, sun_at
+from .state import ViewState, fog_for, source_angles_deg, travel_from
 
 _PAD_PX = 110.0
 _LEAST_SIGMA, _MOST_SIGMA = 1e-4, 1e3
@@ -25,7 +27,7 @@ def light_controls(state: ViewState) -> None:
     """Choose a light, turn or move it, and what it gives; and the sky."""
     lights = state.scene.lights
     if lights:
-        names = [f"{i + 1}  {_kind(light)}" for i, light in enumerate(lights)]
+        names = [f"{i + 1}  {light.noun}" for i, light in enumerate(lights)]
         state.light = min(state.light, len(lights) - 1)
         _, state.light = imgui.combo("light", state.light, names)
         changed = _edited(lights[state.light], state.scene)
@@ -65,57 +67,56 @@ def media_controls(state: ViewState) -> None:
 
 def _edited(light: Light, scene: Scene) -> Light | None:
     """The light as the widgets leave it, or None where they left it alone."""
+    low, high = scene.bounds
+    step = float(np.linalg.norm(high - low)) / 500.0
     edited = light
-    if isinstance(light, DirectionalLight):
-        edited = _sun(light)
-    else:
-        low, high = scene.bounds
-        step = float(np.linalg.norm(high - low)) / 500.0
-        changed, place = imgui.drag_float3("position (m)", list(light.position), step)
+    for key in light.controls():
+        assert key.control is not None
+        shown = getattr(light, key.name)
+        changed, value = _shown(key.control, shown, step)
         if changed:
-            edited = replace(light, position=_triple(place))
-        if isinstance(light, SpotLight) and isinstance(edited, SpotLight):
-            changed, outer = imgui.slider_float("half angle", light.outer_deg, 1.0, 89.0)
-            if changed:
-                edited = replace(edited, outer_deg=outer, inner_deg=min(light.inner_deg, outer))
-        if isinstance(edited, AreaLight):
-            edited = _extent(edited, step)
-    unit, name = "W/sr", "intensity"
-    if isinstance(light, DirectionalLight):
-        unit, name = "W/m2", "irradiance"
-    elif isinstance(light, AreaLight):
-        unit, name = "W/m2/sr", "radiance"
-    changed, colour = _strength(f"{name} ({unit})", getattr(light, name))
-    if changed:
-        changes: dict[str, Any] = {name: colour}
-        edited = replace(edited, **changes)
+            edited = edited.changed(key.name, value)
     return None if edited is light else edited
 
 
-def _extent(light: AreaLight, step: float) -> AreaLight:
-    """The width and height of a rectangle, or the radius of a disk or sphere."""
-    if light.shape == "rectangle":
-        changed, size = imgui.drag_float2("size (m)", list(light.size), step, step, 1e4)
-        return replace(light, size=(float(size[0]), float(size[1]))) if changed else light
-    changed, radius = imgui.drag_float("radius (m)", light.radius, step, step, 1e4)
-    return replace(light, radius=float(radius)) if changed else light
+def _shown(control: Control, value: Any, step: float) -> tuple[bool, Any]:
+    """A field's widget: whether a hand changed it, and its value now. `step`: m for each pixel."""
+    label = control.label
+    match control.widget:
+        case "point":
+            changed, place = imgui.drag_float3(label, list(value), step)
+            return changed, _triple(place)
+        case "sky":
+            return _sky_pad(label, value)
+        case "angle":
+            changed, angle = imgui.slider_float(label, value, 1.0, 89.0)
+            return changed, float(angle)
+        case "length":
+            changed, length = imgui.drag_float(label, value, step, step, 1e4)
+            return changed, float(length)
+        case "lengths":
+            changed, pair = imgui.drag_float2(label, list(value), step, step, 1e4)
+            return changed, (float(pair[0]), float(pair[1]))
+        case "strength":
+            return _strength(label, value)
+        case _:
+            assert_never(control.widget)
 
 
-def _sun(light: DirectionalLight) -> DirectionalLight:
+def _sky_pad(label: str, direction: Vec3) -> tuple[bool, Vec3]:
     """A pad that is the sky seen from below the ground, north up; and the angles."""
-    azimuth, elevation = angles_deg(light)
-    edited = light
+    azimuth, elevation = source_angles_deg(direction)
     corner = imgui.get_cursor_screen_pos()
-    imgui.invisible_button("sun pad", (_PAD_PX, _PAD_PX))
+    imgui.invisible_button(f"{label} pad", (_PAD_PX, _PAD_PX))
     radius = _PAD_PX / 2.0
     centre = (corner.x + radius, corner.y + radius)
     # A quick hand lets go in the frame in which it arrives.
-    if imgui.is_item_active() or imgui.is_item_deactivated():
+    is_dragged = imgui.is_item_active() or imgui.is_item_deactivated()
+    if is_dragged:
         mouse = imgui.get_io().mouse_pos
         x, y = (mouse.x - centre[0]) / radius, (mouse.y - centre[1]) / radius
         azimuth = float(np.degrees(np.arctan2(x, y)))
         elevation = float(np.clip(90.0 * (1.0 - np.hypot(x, y)), -5.0, 90.0))
-        edited = sun_at(light, azimuth, elevation)
     _pad(centre, radius, azimuth, elevation)
     imgui.same_line()
     imgui.begin_group()
@@ -124,7 +125,7 @@ def _sun(light: DirectionalLight) -> DirectionalLight:
     raised, elevation = imgui.drag_float("elevation", elevation, 0.5, -90.0, 90.0, "%.1f")
     imgui.pop_item_width()
     imgui.end_group()
-    return sun_at(light, azimuth, elevation) if turned or raised else edited
+    return is_dragged or turned or raised, travel_from(azimuth, elevation)
 
 
 def _pad(centre: tuple[float, float], radius: float, azimuth: float, elevation: float) -> None:
@@ -171,14 +172,6 @@ def _scattering(of: Any, label: str) -> Any:
     if changed:
         changes["g"] = (g, g, g)
     return replace(of, **changes) if changes else None
-
-
-def _kind(light: Light) -> str:
-    if isinstance(light, DirectionalLight):
-        return "sun"
-    if isinstance(light, AreaLight):
-        return light.shape
-    return "lamp" if isinstance(light, PointLight) else "spot"
 
 
 def _triple(values: Sequence[float]) -> tuple[float, float, float]:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...display.presenter import Look
-from ...scene.lights import DirectionalLight, Light, PointLight
+from ...scene.checks import Vec3
+from ...scene.lights import Light
 from ...scene.medium import Medium
 from ...scene.scene import Scene
 from ...scene.volume import Volume
@@ -79,19 +80,19 @@ class ViewState:
             return
         index = min(self.light, len(lights) - 1)
         light = lights[index]
-        if isinstance(light, PointLight):
+        if not hasattr(light, "direction"):
             low, high = self.scene.bounds
             centre = (low + high) / 2.0
             offset = np.subtract(light.position, centre)
             if np.linalg.norm(offset) > 1e-6:
                 offset = turned_direction(offset, _UP, turn.azimuth_deg, turn.elevation_deg)
-            self.set_light(index, replace(light, position=tuple(centre + offset)))
+            self.set_light(index, light.changed("position", tuple(centre + offset)))
             return
         # The hand turns where the light comes from, not where it goes.
         source = turned_direction(
             np.negative(light.direction), _UP, turn.azimuth_deg, turn.elevation_deg
         )
-        self.set_light(index, replace(light, direction=tuple(-source)))
+        self.set_light(index, light.changed("direction", tuple(-source)))
 
 
 def structure(state: ViewState) -> tuple[Any, ...]:
@@ -144,15 +145,18 @@ def fog_for(scene: Scene) -> Medium:
     return Medium((sigma, sigma, sigma))
 
 
-def angles_deg(light: DirectionalLight) -> tuple[float, float]:
-    """(azimuth, elevation) of where the light comes from; azimuth 0 is +Z, 90 is +X."""
-    x, y, z = np.negative(light.direction)
+def source_angles_deg(direction: Vec3) -> tuple[float, float]:
+    """(azimuth, elevation) of where light that travels in `direction` comes from.
+
+    Azimuth 0 is +Z, 90 is +X.
+    """
+    x, y, z = np.negative(direction)
     return float(np.degrees(np.arctan2(x, z))), float(np.degrees(np.arcsin(np.clip(y, -1, 1))))
 
 
-def sun_at(light: DirectionalLight, azimuth_deg: float, elevation_deg: float) -> DirectionalLight:
-    """The light, coming from there."""
+def travel_from(azimuth_deg: float, elevation_deg: float) -> Vec3:
+    """The direction of light that comes from there."""
     a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
     source = (np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e))
     x, y, z = (-float(v) for v in source)
-    return replace(light, direction=(x, y, z))
+    return (x, y, z)

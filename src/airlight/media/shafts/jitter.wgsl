@@ -54,7 +54,7 @@ fn step_radiance(
     var gain = place.y;
     if (light.kind != LIGHT_DIRECTIONAL) {
         travel = normalize(p - light.position);
-        if (light.kind >= LIGHT_SPOT) { gain *= sent_share(light, travel); }
+        if (sends_by_direction(light.kind)) { gain *= sent_share(light, travel); }
     }
     if (gain <= 0.0) {
         return vec3f(0.0);

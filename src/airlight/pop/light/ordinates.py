@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import assert_never
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from ...maths.ordinates import (
 from ...maths.transforms import F64
 from ...maths.view_ordinates import view_partition, view_samples
 from ...scene.environment import Environment
-from ...scene.lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ...scene.lights import DirectionalLight, Light
 from ...surface.sky import environment_map
 from .sky_correction import SkyLight
 from .table import LocalLight
@@ -120,21 +119,4 @@ def _is_same_map(one: Environment, other: Environment) -> bool:
 
 def local_lights(lights: tuple[Light, ...]) -> list[LocalLight]:
     """The point and spot lights of a scene, and points of lights with extent as such."""
-    found: list[LocalLight] = []
-    for light in lights:
-        if isinstance(light, PointLight | SpotLight):
-            found.append(light)
-        elif isinstance(light, LightSample):
-            found.append(_as_cone(light))
-        elif not isinstance(light, DirectionalLight | AreaLight):
-            assert_never(light)
-    return found
-
-
-def _as_cone(sample: LightSample) -> LocalLight:
-    """A spot over the hemisphere, whose smoothstep carries the power of a cosine (pi times the
-    intensity); what sends to all sides is a point of the same power."""
-    if sample.even == 0.0:
-        return SpotLight(sample.position, sample.direction, sample.intensity, 0.0, 89.0)
-    r, g, b = (power / (4.0 * np.pi) for power in sample.power)
-    return PointLight(sample.position, (r, g, b))
+    return [point for light in lights if (point := light.as_point()) is not None]

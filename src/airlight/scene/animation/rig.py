@@ -12,7 +12,7 @@ from ...maths.transforms import trs_matrix
 from ..camera import Camera
 from ..checks import F64
 from ..lights import Light
-from ..placing import moved_camera, moved_light
+from ..placing import moved_camera
 from .curve import Curve
 from .skin import Shape
 from .tracks import Placing
@@ -149,7 +149,7 @@ class Rig:
         for k, part in enumerate(self.parts, start=self.first_mesh):
             meshes[k] = self._mesh(meshes[k], part, clip, at, in_file, placed)
         for k, (node, light) in enumerate(self.lights, start=self.first_light):
-            lights[k] = moved_light(light, world[node])
+            lights[k] = light.moved(world[node])
         scene = replace(scene, meshes=tuple(meshes), lights=tuple(lights))
         if self.camera is None:
             return scene

@@ -70,13 +70,9 @@ class LightTrack:
         lights = list(scene.lights)
         _check_index(self.index, len(lights), "light")
         values = _values(self.curves, time_s)
-        for name in (
-            "irradiance",
-            "intensity",
-            "radiance",
-        ):  # smooth curves swing through below zero
-            if name in values:
-                values[name] = tuple(max(0.0, c) for c in values[name])
+        strength = lights[self.index].strength_name()
+        if strength in values:  # smooth curves swing through below zero
+            values[strength] = tuple(max(0.0, c) for c in values[strength])
         lights[self.index] = replace(lights[self.index], **values)
         return replace(scene, lights=tuple(lights))
 

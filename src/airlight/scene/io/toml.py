@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from ..animation.density import VolumeTrack
 from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack
 from ..camera import Camera
 from ..environment import Environment
-from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..lights import TYPES, Light
 from ..medium import Medium
 from ..scene import Scene
 from .defaults import with_default_camera, with_default_lights
@@ -41,13 +41,6 @@ MOST_KEY_PARTS = 32
 """Parts of a dotted key; reading it takes the square of their number."""
 _KEY_PART = r"""(?:[\w-]++|"[^"\n]*"|'[^'\n]*')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"(?<![\w.-])(?:{_KEY_PART}){{{MOST_KEY_PARTS}}}")
-
-_LIGHT_CLASSES: dict[str, Callable[..., Light]] = {
-    "directional": DirectionalLight,
-    "area": AreaLight,
-    "point": PointLight,
-    "spot": SpotLight,
-}
 
 
 def load_toml(path: str | Path) -> Scene:
@@ -178,7 +171,7 @@ def _light(raw: Any, label: str) -> tuple[Light, Curves]:
     values = check_table(LIGHT, table, label)
     between = values.pop("between", "smooth")
     with inside(label):
-        light = _LIGHT_CLASSES[values.pop("type")](**values)
+        light = TYPES[values.pop("type")](**values)
     return light, light_curves(light, keys, between, label) if keys else {}
 
 

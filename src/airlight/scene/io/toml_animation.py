@@ -15,7 +15,7 @@ from ..animation import Animation, Curve, Track
 from ..animation.density import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import MeshTrack, Placing
-from ..lights import AreaLight, DirectionalLight, Light, PointLight
+from ..lights import Light
 from ..scene import Scene
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
@@ -44,12 +44,11 @@ def curves(kind: str, keys: Sequence[Any], between: str, label: str) -> dict[str
 
 def light_curves(light: Light, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
     """The curves of a light's keyframes, by name."""
-    kind = "directional" if isinstance(light, DirectionalLight) else "spot"
-    kind = "point" if isinstance(light, PointLight) else kind
-    kind = "area" if isinstance(light, AreaLight) else kind
     table = KEYS["light"]
     assert table.variants is not None
-    of_kind = Table(table.name, table.doc, table.keys + table.variants[kind], repeated=True)
+    of_kind = Table(
+        table.name, table.doc, table.keys + table.variants[light.type_name], repeated=True
+    )
     return _curves(of_kind, keys, between, label)
 
 

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from .. import checks
-from .toml_schema import Check, Key, Table, one_of, scale_vec3
+from ..keys import Check, Key, one_of
+from ..lights import TYPES
+from .toml_schema import Table, scale_vec3
 
-COLOUR = "colour"
 TIME = Key("time_s", checks.number, "number", "when", "seconds", required=True)
 
 
 def above_zero(value: float, name: str) -> float:
     """A number above zero, at most a million."""
     return checks.number(value, name, low=1e-6, high=1e6)
-
-
-def positive_pair(value: object, name: str) -> tuple[float, float]:
-    """Two numbers above zero, at most a million."""
-    return checks.pair(value, name, low=1e-6, high=1e6)
 
 
 def metered(value: object, name: str) -> float:
@@ -29,8 +25,6 @@ def _key(name: str, check: Check, kind: str, unit: str = "") -> Key:
 
 
 _POSITION = _key("position", checks.vec3, "vector", "m")
-_DIRECTION = _key("direction", checks.unit_vec3, "vector")
-_INTENSITY = _key("intensity", checks.rgb, COLOUR, "W sr^-1")
 
 ANIMATION = Table(
     "animation",
@@ -87,23 +81,10 @@ KEYS: dict[str, Table] = {
         repeated=True,
         variant_key="type",
         variants={
-            "directional": (_DIRECTION, _key("irradiance", checks.rgb, COLOUR, "W m^-2")),
-            "point": (_POSITION, _INTENSITY),
-            "area": (
-                _POSITION,
-                _DIRECTION,
-                _key("up", checks.unit_vec3, "vector"),
-                _key("radiance", checks.rgb, COLOUR, "W m^-2 sr^-1"),
-                _key("size", positive_pair, "two numbers", "m"),
-                _key("radius", above_zero, "number", "m"),
-            ),
-            "spot": (
-                _POSITION,
-                _DIRECTION,
-                _INTENSITY,
-                _key("inner_deg", checks.number, "number", "degrees"),
-                _key("outer_deg", checks.number, "number", "degrees"),
-            ),
+            name: tuple(
+                _key(key.name, key.check, key.kind, key.unit) for key in cls.keys if key.moves
+            )
+            for name, cls in TYPES.items()
         },
     ),
     "environment": Table(

@@ -17,7 +17,7 @@ from ..camera import Camera
 from ..checks import F64
 from ..material import Material, Texture
 from ..mesh import Mesh
-from ..placing import moved_camera, moved_light
+from ..placing import moved_camera
 from ..scene import Scene
 from ..shapes import box, quad, sphere
 from .files import regular_file
@@ -98,7 +98,7 @@ def _moved(scene: Scene, world_from_file: F64) -> Scene:
     return replace(
         scene,
         meshes=tuple(meshes),
-        lights=tuple(moved_light(light, world_from_file) for light in scene.lights),
+        lights=tuple(light.moved(world_from_file) for light in scene.lights),
         camera=_moved_camera(scene.camera, world_from_file),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -11,22 +11,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from .. import checks
-
-Check = Callable[[Any, str], Any]
-"""Takes what the file says and the key path for messages; gives the checked value."""
-
-
-@dataclass(frozen=True)
-class Key:
-    """One key of a table: `kind` and `default` are words for the reference page."""
-
-    name: str
-    check: Check
-    kind: str
-    doc: str
-    unit: str = ""
-    default: str = ""
-    required: bool = False
+from ..keys import Key
 
 
 @dataclass(frozen=True)
@@ -82,18 +67,6 @@ def unit_rgb(value: Any, name: str) -> checks.Rgb:
 def fraction(value: Any, name: str) -> float:
     """A number in [0, 1]."""
     return checks.number(value, name, low=0.0, high=1.0)
-
-
-def one_of(*choices: str) -> Check:
-    """A check that a text is one of `choices`."""
-
-    def check(value: Any, name: str) -> str:
-        word = checks.text(value, name)
-        if word not in choices:
-            raise SceneError(f"{name} = '{word}' is unknown", remedy=nearest(word, choices))
-        return word
-
-    return check
 
 
 def mean_cosine(value: Any, name: str) -> checks.Rgb:

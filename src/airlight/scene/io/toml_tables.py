@@ -7,30 +7,33 @@ the two cannot drift apart.
 from __future__ import annotations
 
 from .. import checks
-from ..lights import AREA_SHAPES
+from ..keys import Key, one_of
+from ..lights import TYPES
 from .toml_keys import (
     ANIMATION,
     BETWEEN,
     CLIP_KEYS,
     KEYS,
     SEQUENCE_KEYS,
-    above_zero,
-    positive_pair,
 )
 from .toml_schema import (
-    Key,
     Table,
     fraction,
     matrix16,
     mean_cosine,
-    one_of,
     scale_vec3,
     unit_rgb,
 )
 
 _COLOUR = "colour"
 _POSITION = Key("position", checks.vec3, "vector", "where it is", "m", required=True)
-_TRAVEL = "unit vector (normalised for you)"
+
+
+def _choice(*names: str) -> str:
+    """Words for one of `names`."""
+    quoted = [f'"{name}"' for name in names]
+    return f"{', '.join(quoted[:-1])} or {quoted[-1]}"
+
 
 CAMERA = Table(
     "camera",
@@ -91,106 +94,31 @@ MESH = Table(
     repeated=True,
 )
 
-_DIRECTION = Key("direction", checks.unit_vec3, _TRAVEL, "the way its light goes", required=True)
-_INTENSITY = Key(
-    "intensity", checks.rgb, _COLOUR, "intensity (of a spot: on its axis)", "W sr^-1", required=True
+_POINTS = (
+    Key(
+        "file",
+        checks.text,
+        "path",
+        "an .npz file of `positions` (N, 3), metres, and `intensities` (N, 3), W sr^-1: "
+        "lights by the thousand, without sharp shadows, in techniques with a lattice",
+        required=True,
+    ),
 )
-
-_RADIUS = Key(
-    "radius", checks.number, "number", "of the sphere it comes from: soft shadows", "m", "0"
-)
+_LIGHT_KEYS: dict[str, tuple[Key, ...]] = {
+    **{name: cls.keys for name, cls in TYPES.items()},
+    "points": _POINTS,
+}
 
 LIGHT = Table(
     "light",
     "A light. Meshes with emission are area lights, too, without a table of their own.",
     (
-        Key(
-            "type",
-            one_of("directional", "point", "spot", "area", "points"),
-            '"directional", "point", "spot", "area" or "points"',
-            "its kind",
-            required=True,
-        ),
+        Key("type", one_of(*_LIGHT_KEYS), _choice(*_LIGHT_KEYS), "its kind", required=True),
         BETWEEN,
     ),
     repeated=True,
     variant_key="type",
-    variants={
-        "directional": (
-            _DIRECTION,
-            Key(
-                "irradiance",
-                checks.rgb,
-                _COLOUR,
-                "irradiance on a surface that faces it",
-                "W m^-2",
-                required=True,
-            ),
-        ),
-        "point": (_POSITION, _INTENSITY, _RADIUS),
-        "area": (
-            _POSITION,
-            Key("radiance", checks.rgb, _COLOUR, "radiance", "W m^-2 sr^-1", required=True),
-            Key(
-                "shape",
-                one_of(*AREA_SHAPES),
-                '"rectangle", "disk" or "sphere"',
-                "what gives the light; `position` is its middle",
-                default='"rectangle"',
-            ),
-            Key(
-                "direction",
-                checks.unit_vec3,
-                _TRAVEL,
-                "the normal of the side that gives light; not of a sphere",
-                default="[0, -1, 0]",
-            ),
-            Key(
-                "up",
-                checks.unit_vec3,
-                "vector",
-                "the way of a rectangle's height, as far as it lies in its plane",
-                default="[0, 0, -1]",
-            ),
-            Key(
-                "size",
-                positive_pair,
-                "two numbers",
-                "a rectangle's width and height",
-                "m",
-                "[1, 1]",
-            ),
-            Key("radius", above_zero, "number", "of a disk or a sphere", "m", "0.5"),
-            Key(
-                "two_sided", checks.boolean, "boolean", "the back gives light, too", default="false"
-            ),
-            Key(
-                "visible",
-                checks.boolean,
-                "boolean",
-                "false: it is not seen, and casts no shadow",
-                default="true",
-            ),
-        ),
-        "points": (
-            Key(
-                "file",
-                checks.text,
-                "path",
-                "an .npz file of `positions` (N, 3), metres, and `intensities` (N, 3), W sr^-1: "
-                "lights by the thousand, without sharp shadows, in techniques with a lattice",
-                required=True,
-            ),
-        ),
-        "spot": (
-            _POSITION,
-            _DIRECTION,
-            _INTENSITY,
-            Key("inner_deg", checks.number, "number", "half angle lit in full", "degrees", "20"),
-            Key("outer_deg", checks.number, "number", "half angle of the cone", "degrees", "30"),
-            _RADIUS,
-        ),
-    },
+    variants=_LIGHT_KEYS,
 )
 
 ENVIRONMENT = Table(

@@ -11,13 +11,13 @@ import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
 from ..camera import Camera
 from ..environment import Environment
-from ..lights import AreaLight, DirectionalLight, Light, LightSample, PointLight, SpotLight
+from ..lights import Light
 from ..medium import Medium
 from ..scene import Scene
 from ..volume import Volume
@@ -129,43 +129,15 @@ def _camera(camera: Camera) -> dict[str, Any]:
 
 
 def _light(light: Light) -> dict[str, Any]:
-    if isinstance(light, DirectionalLight):
-        return {
-            "type": "directional",
-            "direction": light.direction,
-            "irradiance": _colour(light.irradiance),
-        }
-    if isinstance(light, AreaLight):
-        return _area_light(light)
-    assert not isinstance(light, LightSample), "the device's own"
-    table = {"position": light.position, "intensity": _colour(light.intensity)}
-    if light.radius > 0.0:
-        table["radius"] = light.radius
-    if isinstance(light, PointLight):
-        return {"type": "point", **table}
-    if isinstance(light, SpotLight):
-        return {
-            "type": "spot",
-            **table,
-            "direction": light.direction,
-            "inner_deg": light.inner_deg,
-            "outer_deg": light.outer_deg,
-        }
-    assert_never(light)
-
-
-def _area_light(light: AreaLight) -> dict[str, Any]:
     """What it must say, then what is not as usual."""
-    table = {
-        "type": "area",
-        "shape": light.shape,
-        "position": light.position,
-        "radiance": _colour(light.radiance),
-    }
-    usual = AreaLight(light.position, light.radiance, light.shape)
-    others = ("direction", "up", "size", "radius", "two_sided", "visible")
-    said = [name for name in others if getattr(light, name) != getattr(usual, name)]
-    return table | {name: getattr(light, name) for name in said}
+    required = {key.name: getattr(light, key.name) for key in light.keys if key.required}
+    usual = type(light)(**required)
+    table: dict[str, Any] = {"type": light.type_name}
+    for key in light.keys:
+        value = getattr(light, key.name)
+        if key.required or value != getattr(usual, key.name):
+            table[key.name] = _colour(value) if key.stands_for == "strength" else value
+    return table
 
 
 def _environment(

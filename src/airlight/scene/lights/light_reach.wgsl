@@ -1,4 +1,5 @@
-// What of an eye ray a light can reach. The including pass declares LightData.
+// The piece of an eye ray that a light can reach: what lies in its cone, if it has one. The including pass declares
+// LightData.
 //! use lights
 //! use medium
 
@@ -7,6 +8,6 @@ fn light_span(light: LightData, origin: vec3f, direction: vec3f, hull: vec2f) ->
         return hull;
     }
     let cone = ray_cone_interval(
-        origin, direction, light.position, light.direction, light.cos_outer);
+        origin, direction, light.position, light.direction, light.shape_y);
     return vec2f(max(hull.x, cone.x), min(hull.y, cone.y));
 }

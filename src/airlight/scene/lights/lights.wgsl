@@ -1,9 +1,6 @@
-// Lights as points: those without extent, and samples of those with one. The including pass declares the struct LightData.
-
-const LIGHT_DIRECTIONAL = 0u;
-const LIGHT_POINT = 1u;
-const LIGHT_SPOT = 2u;
-const LIGHT_SAMPLE = 3u;    // it and spots send more in some directions than in others
+// Lights as points: those without extent, and samples of those with one. The including pass
+// declares the struct LightData.
+//! use light_kinds
 
 struct Incoming {
     to_light: vec3f,    // unit
@@ -11,14 +8,9 @@ struct Incoming {
     distance: f32,      // m
 }
 
-// What is sent along `direction`, of what is sent along the light's: a spot's fade between its half
-// angles is the smoothstep of the cosine, a sample of a surface sends by the cosine.
+// The share of its strength that a light which sends by direction sends along `direction`.
 fn sent_share(light: LightData, direction: vec3f) -> f32 {
-    let c = dot(direction, light.direction);
-    if (light.kind == LIGHT_SAMPLE) {
-        return light.cos_inner * max(c, 0.0) + light.cos_outer;
-    }
-    return smoothstep(light.cos_outer, max(light.cos_inner, light.cos_outer + 1e-4), c);
+    return share_at(light.kind, dot(direction, light.direction), vec2f(light.shape_x, light.shape_y));
 }
 
 // The distance, m, at which a point would be as bright as a light `distance` from a ray: what
@@ -40,7 +32,7 @@ fn incoming(light: LightData, position: vec3f) -> Incoming {
     result.distance = sqrt(squared);
     result.to_light = delta / result.distance;
     result.irradiance = light.color / squared;
-    if (light.kind >= LIGHT_SPOT) {
+    if (sends_by_direction(light.kind)) {
         result.irradiance *= sent_share(light, -result.to_light);
     }
     return result;

@@ -1,0 +1,197 @@
+"""Surfaces that give light: rectangles, disks and spheres."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+
+from ...maths.sampling import orthonormal_frame
+from .. import checks
+from ..checks import F64, Rgb, Vec3
+from ..keys import one_of, within
+from .emitters import Colour, Emitter, Point
+from .light_key import DIRECTION, POSITION, Control, LightKey
+from .light_type import LightRow, LightType
+
+AreaShape = Literal["rectangle", "disk", "sphere"]
+AREA_SHAPES: tuple[AreaShape, ...] = ("rectangle", "disk", "sphere")
+_LEAST_M = 1e-6
+_BEHIND = 1e-5  # of the size: how far the back of a two-sided light lies behind its front
+
+
+def _two_lengths(value: Any, name: str) -> tuple[float, float]:
+    return checks.pair(value, name, low=_LEAST_M, high=checks.MOST_M)
+
+
+_KEYS = (
+    POSITION,
+    LightKey(
+        "radiance",
+        checks.rgb,
+        "colour",
+        "radiance",
+        "W m^-2 sr^-1",
+        required=True,
+        stands_for="strength",
+        moves=True,
+        control=Control("strength", "radiance (W/m2/sr)"),
+    ),
+    LightKey(
+        "shape",
+        one_of(*AREA_SHAPES),
+        '"rectangle", "disk" or "sphere"',
+        "what gives the light; `position` is its middle",
+        default='"rectangle"',
+    ),
+    replace(
+        DIRECTION,
+        doc="the normal of the side that gives light; not of a sphere",
+        default="[0, -1, 0]",
+        required=False,
+    ),
+    LightKey(
+        "up",
+        checks.unit_vec3,
+        "vector",
+        "the way of a rectangle's height, as far as it lies in its plane",
+        default="[0, 0, -1]",
+        stands_for="direction",
+        moves=True,
+    ),
+    LightKey(
+        "size",
+        _two_lengths,
+        "two numbers",
+        "a rectangle's width and height",
+        "m",
+        "[1, 1]",
+        moves=True,
+        control=Control("lengths", "size (m)"),
+    ),
+    LightKey(
+        "radius",
+        within(_LEAST_M, checks.MOST_M),
+        "number",
+        "of a disk or a sphere",
+        "m",
+        "0.5",
+        moves=True,
+        control=Control("length", "radius (m)"),
+    ),
+    LightKey("two_sided", checks.boolean, "boolean", "the back gives light, too", default="false"),
+    LightKey(
+        "visible",
+        checks.boolean,
+        "boolean",
+        "false: it is not seen, and casts no shadow",
+        default="true",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class AreaLight(LightType):
+    """A surface that gives light: `radiance`, W m^-2 sr^-1, the same in all directions.
+
+    A "rectangle" of `size` (width, height), metres, a "disk" or a "sphere" of `radius`, metres,
+    about `position`. `direction`: of the front's normal; `up` lies in the plane of a rectangle's
+    normal and its height. A sphere gives light outwards and has no direction. `two_sided`: the back
+    gives light, too. `visible`: whether the surface is seen, and casts shadows. Raises SceneError.
+    """
+
+    position: Vec3
+    radiance: Rgb
+    shape: AreaShape = "rectangle"
+    direction: Vec3 = (0.0, -1.0, 0.0)
+    up: Vec3 = (0.0, 0.0, -1.0)
+    size: tuple[float, float] = (1.0, 1.0)
+    radius: float = 0.5
+    two_sided: bool = False
+    visible: bool = True
+
+    type_name: ClassVar[str] = "area"
+    keys: ClassVar[tuple[LightKey, ...]] = _KEYS
+    is_sampled: ClassVar[bool] = True
+
+    @property
+    def noun(self) -> str:
+        """Its name in the viewer."""
+        return self.shape
+
+    @property
+    def area(self) -> float:
+        """Of one side, m^2."""
+        if self.shape == "rectangle":
+            return self.size[0] * self.size[1]
+        return (4.0 if self.shape == "sphere" else 1.0) * math.pi * self.radius**2
+
+    def controls(self) -> list[LightKey]:
+        """Of its extent, only what its shape has."""
+        other = "radius" if self.shape == "rectangle" else "size"
+        return [key for key in super().controls() if key.name != other]
+
+    def moved(self, matrix: F64) -> Self:
+        """The light through a (4, 4) matrix; its surface grows with the rest."""
+        scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3])))) or 1.0
+        width, height = self.size
+        moved = super().moved(matrix)
+        return replace(moved, size=(scale * width, scale * height), radius=scale * self.radius)
+
+    def row(self) -> LightRow:
+        """None of its light: samples of it have rows of their own."""
+        return LightRow(0, (0.0, 0.0, 0.0))
+
+    def most_power(self, cross_section: float) -> float:
+        """None: its samples are counted."""
+        return 0.0
+
+    def emitters(self, notes: list[str]) -> Sequence[Emitter]:
+        """A black shape with an area emitter; the back of a two-sided one is its own shape."""
+        if not self.visible:
+            notes.append("a light that is not seen: Mitsuba shows it, and it casts shadows")
+        sides = (1.0, -1.0) if self.two_sided and self.shape != "sphere" else (1.0,)
+        return [self._side(side) for side in sides]
+
+    def _side(self, side: float) -> Emitter:
+        glow = Emitter("emitter", "area", {"radiance": Colour(self.radiance)})
+        black = Emitter("bsdf", "diffuse", {"reflectance": Colour((0.0, 0.0, 0.0))})
+        if self.shape == "sphere":
+            centre = Point(self.position)
+            return Emitter(
+                "shape", "sphere", {"center": centre, "radius": self.radius}, (glow, black)
+            )
+        # Mitsuba's are 2 m across and face +z; ours are 1 m across and face +y.
+        unit = world_from_unit(self)
+        placed = np.eye(4)
+        placed[:3, 0], placed[:3, 1] = 0.5 * side * unit[:3, 2], 0.5 * unit[:3, 0]
+        placed[:3, 2], placed[:3, 3] = side * unit[:3, 1], unit[:3, 3]
+        placed[:3, 3] += min(side, 0.0) * _BEHIND * max(self.size) * unit[:3, 1]
+        return Emitter("shape", self.shape, {"to_world": placed}, (glow, black))
+
+
+def world_from_unit(light: AreaLight) -> F64:
+    """The placement (4, 4) of a surface that is 1 m across: its +Y along the light's direction."""
+    placed = np.eye(4)
+    placed[:3, 3] = light.position
+    if light.shape == "sphere":
+        placed[:3, :3] *= 2.0 * light.radius
+        return placed
+    normal = np.array(light.direction)
+    height = np.array(light.up) - np.dot(light.up, normal) * normal
+    length = float(np.linalg.norm(height))
+    height = height / length if length > 1e-6 else orthonormal_frame(normal)[1]
+    width = np.cross(height, normal)
+    across, along = light.size if light.shape == "rectangle" else (2.0 * light.radius,) * 2
+    # Columns: the quad's x, its normal, its z; right-handed.
+    placed[:3, :3] = np.stack([across * -width, normal, along * height], axis=1)
+    return placed
+
+
+def ball(position: Vec3, intensity: Rgb, radius: float) -> AreaLight:
+    """The sphere, not seen, that gives an intensity, W sr^-1: radiance times its cross section."""
+    r, g, b = (c / (math.pi * radius**2) for c in intensity)
+    return AreaLight(position, (r, g, b), "sphere", radius=radius, visible=False)

@@ -1,0 +1,76 @@
+"""One field of a light, described once for scene files, keyframes, the viewer and Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from .. import checks
+from ..keys import Key, within
+
+Widget = Literal["point", "sky", "angle", "length", "lengths", "strength"]
+"""How the viewer shows a field: a point in space, a direction on a map of the sky, a half angle in
+degrees, one length, two, or a colour with its strength."""
+
+
+@dataclass(frozen=True)
+class Control:
+    """A field's control in the viewer."""
+
+    widget: Widget
+    label: str
+
+
+@dataclass(frozen=True)
+class LightKey(Key):
+    """`stands_for`: what a transform does to it; a strength is never negative.
+
+    `moves`: keyframes may set it. `control`: None where the viewer has none.
+    """
+
+    stands_for: Literal["number", "point", "direction", "strength"] = "number"
+    moves: bool = False
+    control: Control | None = None
+
+
+UNIT_VECTOR = "unit vector (normalised for you)"
+
+POSITION = LightKey(
+    "position",
+    checks.vec3,
+    "vector",
+    "where it is",
+    "m",
+    required=True,
+    stands_for="point",
+    moves=True,
+    control=Control("point", "position (m)"),
+)
+DIRECTION = LightKey(
+    "direction",
+    checks.unit_vec3,
+    UNIT_VECTOR,
+    "the way its light goes",
+    required=True,
+    stands_for="direction",
+    moves=True,
+)
+INTENSITY = LightKey(
+    "intensity",
+    checks.rgb,
+    "colour",
+    "intensity (of a spot: on its axis)",
+    "W sr^-1",
+    required=True,
+    stands_for="strength",
+    moves=True,
+    control=Control("strength", "intensity (W/sr)"),
+)
+RADIUS = LightKey(
+    "radius",
+    within(0.0, checks.MOST_M),
+    "number",
+    "of the sphere it comes from: soft shadows",
+    "m",
+    "0",
+)

@@ -1,0 +1,115 @@
+"""What a type of light says of itself. No other module asks which type a light is of.
+
+fields       `keys`: scene files, keyframes, the viewer and the checks of Python's own lights
+device       `row`, and `sent_share`: the twin of sent_share.wgsl
+shadows      `cone`; `is_sampled` where samples of it have the shadow maps
+bounds       `most_power`
+others       `moved` by a transform, `emitters` for Mitsuba, `as_point` for principal ordinates
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+
+from ..checks import F64, Rgb, Vec3
+from ..placing import moved_point, moved_vector
+from .emitters import Emitter
+from .light_key import LightKey
+
+if TYPE_CHECKING:
+    from .point import PointLight
+    from .spot import SpotLight
+
+
+@dataclass(frozen=True)
+class LightRow:
+    """A light as shaders read it. `color`: W m^-2 of a directional light, W sr^-1 of others.
+
+    `shape`: two numbers that the type's `sent_share` reads. `nearest`, m^2: squares of distances
+    are no smaller. `body`, m^2, and `gap`, m: as of `LightSample`, the body squared.
+    """
+
+    kind: int
+    color: Rgb
+    position: Vec3 = (0.0, 0.0, 0.0)
+    direction: Vec3 = (0.0, -1.0, 0.0)
+    shape: tuple[float, float] = (-1.0, -1.0)
+    nearest: float = 1e-8
+    body: float = 0.0
+    gap: float = 0.0
+
+
+@dataclass(frozen=True)
+class LightType:
+    """Base of all types; fields are those that `keys` describes, which also checks them."""
+
+    type_name: ClassVar[str] = ""
+    """In scene files; empty for what no scene file has."""
+    kind: ClassVar[int]
+    """`LightData.kind`: a constant of lights.wgsl."""
+    keys: ClassVar[tuple[LightKey, ...]] = ()
+    is_sampled: ClassVar[bool] = False
+    """Whether only samples of it reach the device, with views and rows of their own."""
+
+    def __post_init__(self) -> None:
+        for key in self.keys:
+            checked = key.check(getattr(self, key.name), f"light {key.name}")
+            object.__setattr__(self, key.name, checked)
+
+    @property
+    def noun(self) -> str:
+        """Its name in the viewer."""
+        return self.type_name
+
+    @classmethod
+    def strength_name(cls) -> str:
+        """The field that says how bright it is."""
+        return next(key.name for key in cls.keys if key.stands_for == "strength")
+
+    def controls(self) -> list[LightKey]:
+        """The fields that the viewer offers, the strength last."""
+        shown = [key for key in self.keys if key.control is not None]
+        return sorted(shown, key=lambda key: key.stands_for == "strength")
+
+    def changed(self, name: str, value: Any) -> Self:
+        """The light with another value of one field, and of what must change with it."""
+        return replace(self, **{name: value})
+
+    def moved(self, matrix: F64) -> Self:
+        """The light through a (4, 4) matrix; its strength stays."""
+        by_meaning = {"point": moved_point, "direction": moved_vector}
+        changes: dict[str, Any] = {
+            key.name: by_meaning[key.stands_for](getattr(self, key.name), matrix)
+            for key in self.keys
+            if key.stands_for in by_meaning
+        }
+        return replace(self, **changes)
+
+    def row(self) -> LightRow:
+        """The light as shaders read it."""
+        raise NotImplementedError
+
+    def sent_share(self, cosine: F64) -> F64:
+        """The share of its strength that it sends at a cosine from its direction."""
+        return np.ones_like(cosine)
+
+    @property
+    def cone(self) -> tuple[Vec3, float] | None:
+        """(axis, half angle in degrees) of the directions that it lights; None for all."""
+        return None
+
+    def most_power(self, cross_section: float) -> float:
+        """The most, W, of its light that crosses `cross_section`, m^2."""
+        raise NotImplementedError
+
+    def emitters(self, notes: list[str]) -> Sequence[Emitter]:
+        """The light in Mitsuba's terms; what Mitsuba cannot do is added to `notes`."""
+        raise NotImplementedError
+
+    def as_point(self) -> PointLight | SpotLight | None:
+        """The light as principal ordinates know local ones; None for a distant or sampled one."""
+        return None
