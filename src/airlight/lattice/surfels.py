@@ -86,7 +86,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["instance"] = instance
     if areas.sum() <= 0.0:
         return made
-    triangle, weights = _samples_of(areas, count)
+    triangle, weights = samples_of(areas, count)
     geometry = mesh.geometry
     corners = geometry.indices[triangle]
     a, b, c = _corners(geometry, triangle)
@@ -119,7 +119,7 @@ def follow(
         before, after = original[index].geometry, now[index].geometry
         if before is not after:
             rows = np.flatnonzero(made["instance"] == instance)
-            triangle, weights = _samples_of(triangle_areas(original[index]), len(rows))
+            triangle, weights = samples_of(triangle_areas(original[index]), len(rows))
             old, new = _corners(before, triangle), _corners(after, triangle)
             cross = np.cross(new[1] - new[0], new[2] - new[0])
             length = np.linalg.norm(np.cross(old[1] - old[0], old[2] - old[0]), axis=1)
@@ -129,7 +129,7 @@ def follow(
     return moved
 
 
-def _samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
+def samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
     """Triangles (n,) and barycentric weights (n, 3) of `count` surfels over them."""
     # Stratified along the running area; points inside a triangle from the plastic sequence.
     edges = np.cumsum(areas)

@@ -34,7 +34,11 @@ class LpvSettings(SurfaceSettings):
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
     cascades: int = setting(
-        1, "nested lattices; but for the largest they follow the camera", low=1, high=6
+        0,
+        "nested lattices, which but for the largest follow the camera; "
+        "0: as many as give two cells to the gaps between surfaces",
+        low=0,
+        high=6,
     )
     cascade_ratio: float = setting(
         2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
