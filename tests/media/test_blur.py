@@ -18,11 +18,11 @@ SIZE = (32, 24)
 
 def blurred(gpu: Gpu, seen: Any, values: np.ndarray) -> np.ndarray:
     rays = Rays(gpu, SIZE, 1)
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     raw = Texture(gpu, "raw", SIZE, "rgba32float")
     raw.write(np.repeat(values.astype(np.float32)[..., None], 4, axis=-1))
     out = Texture(gpu, "out", SIZE, "rgba32float", written=True)
-    Blur(gpu).encode(seen.commands, params, rays, raw, out)
+    Blur(gpu).encode(seen.commands, rays, raw, out)
     return np.asarray(seen.read(out)[..., 0])
 
 

@@ -11,7 +11,7 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.compositing.compose import Compose
-from airlight.media.compositing.finish import Drawn, Finish, MediaLayers, can_finish
+from airlight.media.compositing.finish import Finish, MediaLayers, Reduced, can_finish
 from airlight.media.compositing.transmittance import Transmittance
 from airlight.media.compositing.upsample import Upsample, UpsampleOnto
 from airlight.media.gpu_media import GpuMedia
@@ -34,7 +34,7 @@ def test_it_is_what_the_passes_make(
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, SIZE, 2)
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     distance = seen.read(rays.picked)[..., :1]
     rng = np.random.default_rng(7)
 
@@ -55,20 +55,18 @@ def test_it_is_what_the_passes_make(
         for _ in range(2)
     )
     one, alpha = Compose(gpu, SIZE), direct.read()[..., 3]
-    Upsample(gpu).encode(seen.commands, params, rays, depth, reduced, apart["multiple"])
-    Transmittance(gpu, air).encode(seen.commands, params, depth, apart["transmittance"])
+    Upsample(gpu).encode(seen.commands, rays, depth, reduced, apart["multiple"])
+    Transmittance(gpu, air).encode(seen.commands, rays, depth, apart["transmittance"])
     if has_sky:
-        UpsampleOnto(gpu).encode(
-            seen.commands, params, rays, depth, skylit, shafts, apart["single"]
-        )
+        UpsampleOnto(gpu).encode(seen.commands, rays, depth, skylit, shafts, apart["single"])
     else:
         apart["single"] = at_once["single"] = shafts
     one.encode(seen.commands, **surfaces, transmittance=apart["transmittance"])
     Finish(gpu, air, has_sky=has_sky).encode(
         seen.commands,
-        params,
+        rays,
         depth,
-        Drawn(reduced, shafts, skylit),
+        Reduced(reduced, shafts, skylit),
         MediaLayers((direct, indirect), **at_once),
     )
     # Along the image, rays are interpolated between vertices: a few units in the last place.

@@ -48,10 +48,10 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
         placement, bound, 1.0, forward=forward, mean=dark, is_reduced_medium=True
     )
     march = March(gpu, air)
+    rays.encode(seen.commands, seen.view)
     L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
     march.encode(
         seen.commands,
-        rays.encode(seen.commands, seen.view),
         rays,
         MarchedLight(lattice=lattice),
         MarchTargets(L, T),

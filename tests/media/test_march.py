@@ -56,10 +56,9 @@ def marched(
     rays = Rays(gpu, seen.size, scale)
     march = March(gpu, air, sources=len(sources))
     out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     march.encode(
         seen.commands,
-        params,
         rays,
         MarchedLight(sources, lattice),
         MarchTargets(*out),

@@ -8,7 +8,8 @@ from airlight.fields import LatticeSource
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.kernel import Variant, generated, slots, target_names
+from airlight.media.march.kernel import Variant, slots, target_names
+from airlight.media.march.kernel_wgsl import generated
 from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps
 from airlight.media.rays import Rays
 from airlight.rendering import Renderer
@@ -45,12 +46,13 @@ def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, 1)
-    params, march = rays.encode(seen.commands, seen.view), March(gpu, air)
+    rays.encode(seen.commands, seen.view)
+    march = March(gpu, air)
     source = lattice(gpu, np.random.default_rng(5))
 
     def drawn(given):
         out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in "LT"]
-        march.encode(seen.commands, params, rays, MarchedLight(lattice=given), MarchTargets(*out))
+        march.encode(seen.commands, rays, MarchedLight(lattice=given), MarchTargets(*out))
         return seen.read(out[0])
 
     means, states = drawn(source), drawn(replace(source, mean=None))
@@ -67,7 +69,8 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays, march = Rays(gpu, seen.size, 1), March(gpu, air)
-    params, rng = rays.encode(seen.commands, seen.view), np.random.default_rng(8)
+    rays.encode(seen.commands, seen.view)
+    rng = np.random.default_rng(8)
     source, shape = lattice(gpu, rng), (CELLS,) * 3 + (4,)
     told = {
         "visibility_a": ("rgba8unorm", rng.integers(0, 256, shape, np.uint8)),
@@ -83,7 +86,7 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
     def drawn(given):
         out = Texture(gpu, "L", rays.reduced, "rgba32float", target=True)
         light, steps = MarchedLight(lattice=given), Steps(per_cell=3.0)
-        march.encode(seen.commands, params, rays, light, MarchTargets(out), steps)
+        march.encode(seen.commands, rays, light, MarchTargets(out), steps)
         return seen.read(out)[..., :3]
 
     alone, twice = drawn(source), drawn(replace(source, finer=(source.placement,)))

@@ -238,4 +238,4 @@ def test_reduced_images_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: 
     )
     for given, names in cases:
         air = owned(MediaImage(gpu, foggy, SIZE, lights, expected=Expected(**given)))
-        assert set(air._reduced) == names
+        assert set(air.textures.reduced) == names

@@ -10,7 +10,7 @@ import pytest
 
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Buffer, Texture
-from airlight.media.compositing.finish import Drawn, Finish, Listing, MediaLayers
+from airlight.media.compositing.finish import Finish, Listing, MediaLayers, Reduced
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.pixel_list import PixelList, RedrawParams
 from airlight.media.rays import Rays
@@ -35,7 +35,7 @@ def test_those_between_unlike_texels_and_no_others(
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, SIZE, 2)
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     far = seen.read(rays.picked)[..., :1]
     sky, shaft = np.full((*far.shape[:2], 4), 0.25, np.float32), np.ones_like(far) * (1, 1, 1, 0)
     shaft = shaft.astype(np.float32)
@@ -51,9 +51,9 @@ def test_those_between_unlike_texels_and_no_others(
     listed = PixelList(gpu, SIZE)
     Finish(gpu, air, has_sky=True, lists=True).encode(
         seen.commands,
-        params,
+        rays,
         seen.view.gbuffer.depth,
-        Drawn(texture(sky), texture(shaft), texture(sky)),
+        Reduced(texture(sky), texture(shaft), texture(sky)),
         MediaLayers((full["a"], full["b"]), full["c"], full["d"], full["e"]),
         Listing(listed, RedrawParams(contrast=contrast, group=GROUP)),
     )

@@ -145,11 +145,11 @@ def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> Non
     air.solve(seen.commands, seen.scene, low, high)
     rays, shafts = air.shaft_rays, air.shafts.scheme
     assert isinstance(shafts, Shafts)
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)
     images = []
     for contrast in (0.0, 1e-6, 0.2):
-        shafts.encode(seen.commands, params, rays, lights, target, contrast)
+        shafts.encode(seen.commands, lights, target, contrast)
         seen.commands.submit()
         images.append(target.read().copy())
     drawn, differing, sparse = images

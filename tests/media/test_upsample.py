@@ -21,14 +21,14 @@ CAMERA = Camera((0, 0, 0), (0.03, 0, -1), fov_y_deg=70)
 def upsampled(gpu: Gpu, seen: Any, scale: int, values: Callable[..., np.ndarray]) -> np.ndarray:
     """`values` (picked distance, reduced x) -> the image at full size, one channel."""
     rays = Rays(gpu, SIZE, scale)
-    params = rays.encode(seen.commands, seen.view)
+    rays.encode(seen.commands, seen.view)
     distance = seen.read(rays.picked)[..., 0]
     texels = np.ones((*distance.shape, 4), np.float32)
     texels[..., :3] = values(distance, np.indices(distance.shape)[1])[..., None]
     reduced = Texture(gpu, "reduced", rays.reduced, "rgba32float")
     reduced.write(texels)
     target = Texture(gpu, "full", SIZE, "rgba32float", target=True)
-    Upsample(gpu).encode(seen.commands, params, rays, seen.view.gbuffer.depth, reduced, target)
+    Upsample(gpu).encode(seen.commands, rays, seen.view.gbuffer.depth, reduced, target)
     return np.asarray(seen.read(target)[..., 0])
 
 

@@ -6,10 +6,12 @@
         fields      -> march/: multiple scattering, and single scattering of the sky
         both        -> compositing/: reduced images at full size, surfaces behind media
 
-media            the solver that yields the light of the sky, and draws all of it media_image
-the passes and textures of one image gpu_media        all media of a scene on the device;
-media_slots: what passes bind to read them light_columns    column density of density grids towards
-lights; detail: noise below their voxels rays             which eye ray each texel of a reduced
-image stands for; pixel_list: pixels to redraw volume_blockers  volumes as blockers of a lattice
+media            the solver that yields the light of the sky, and draws all of it
+media_image      the passes of one image; image_textures: what they draw to
+gpu_media        all media of a scene on the device; media_slots: what passes bind to read them
+light_columns    column density of density grids towards lights; detail: noise below their voxels
+rays             which eye ray each texel of a reduced image stands for
+pixel_list       pixels to redraw
+volume_blockers  volumes as blockers of a lattice
 attenuated_maps  reflective shadow maps, attenuated by media
 """

@@ -63,6 +63,7 @@ class GpuMedia:
                 f"the scene has {self.count} media, {grids} of them grids",
                 remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
             )
+        # Media as rows of a table, their densities as textures.
         self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
         self._densities = [v.density for v in scene.volumes if v.density is not None]
         self.grids = [_density_texture(gpu, density) for density in self._densities]
@@ -73,6 +74,7 @@ class GpuMedia:
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
         self.version = 0
+        # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
         self._noise = detail_texture(gpu) if _has_detail(scene) else None
         has_detail = self._noise is not None
         self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
@@ -122,6 +124,7 @@ class GpuMedia:
             return False
         if _kinds(scene) != self._kinds:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
+        # Rows are few and quickly made; they and the grids are uploaded where they differ.
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
         changed = self._take_densities(scene)
@@ -164,10 +167,10 @@ class GpuMedia:
         return self.medium_bound | (self.columns.bound if self.columns else {})
 
     def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
-        media = [i for i, kind in enumerate(self._kinds) if kind == GRID]
-        shapes = [grid.size for grid in self.grids]
+        rows = [i for i, kind in enumerate(self._kinds) if kind == GRID]
+        grids = {row: grid.size for row, grid in zip(rows, self.grids, strict=True)}
         return LightColumns(
-            self.gpu, self.medium_slots, self.medium_wgsl, media, shapes, light_count, resolution
+            self.gpu, self.medium_slots, self.medium_wgsl, grids, light_count, resolution
         )
 
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ along z.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -54,17 +54,17 @@ class LightColumns:
         gpu: Gpu,
         slots: tuple[Slot, ...],
         generated: str,
-        media: Sequence[int],
-        shapes: Sequence[tuple[int, int, int]],
+        grids: Mapping[int, tuple[int, int, int]],
         light_count: int,
         resolution: int,
     ) -> None:
-        """`media`: rows of the grids in the table of media, `shapes`: their (x, y, z) counts."""
-        self._media = media
+        """`grids`: by their rows in the table of media, their counts (x, y, z)."""
+        self._media = list(grids)
         self._lights: tuple[Light, ...] | None = None
         self._table = Buffer(gpu, "column lights", LightData.dtype.itemsize * max(1, light_count))
         self._pass = _Columns(gpu, slots, generated)
-        self._counts = [_shrunk(shape, resolution) for shape in shapes]
+        # Four lights a texel, and a slab of texels for every four.
+        self._counts = [_shrunk(shape, resolution) for shape in grids.values()]
         groups = light_groups(light_count)
         self.textures = [
             Texture(

@@ -57,6 +57,7 @@ class Media(Solver):
             settings,
             Expected(sources, is_lattice_marched, has_sky, solved),
         )
+        # The environment's light, through media in the cells of the lattices.
         self.sky: SkyInMedia | None = None
         if has_sky and self.on_device.count:
             self.sky = SkyInMedia(
@@ -74,12 +75,14 @@ class Media(Solver):
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Yield the light of the sky through media, and that of an endless medium."""
+        # What media do to light on its path, and the shadow maps that shafts are cut out of.
         lights = self.kit.lights
         shadows = (lights.parallel.version, lights.local.version)
         self.image.solve(
             commands, frame.scene, *frame.bounds, shadows_changed=shadows != self._shadows
         )
         self._shadows = shadows
+        # Light that lattices do not hold: beyond them, and the sky's.
         fields = replace(fields, half_space=self._far(frame))
         return fields if self.sky is None else self._lit_by_sky(commands, frame, fields)
 
@@ -90,12 +93,7 @@ class Media(Solver):
         is_moved, self._sky_seen = seen != self._sky_seen, seen
         with commands.stage("sky"):
             self.sky.encode(
-                commands,
-                frame.scene,
-                *frame.bounds,
-                blockers.walls,
-                lattices.placements,
-                shadows_changed=is_moved,
+                commands, frame, blockers.walls, lattices.placements, shadows_changed=is_moved
             )
         sky = SkyIrradiance(self.sky.cube, self.sky.version)
         if not self.image.has_sky:

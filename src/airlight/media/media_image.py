@@ -18,13 +18,14 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .compositing.compose import Compose
-from .compositing.finish import Drawn, Finish, Listing, MediaLayers, can_finish
+from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finish
 from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .gpu_media import GpuMedia
+from .image_textures import Drawn, ImageTextures
 from .march.march import March, MarchedLight, MarchTargets, Steps
-from .rays import RESOLUTIONS, RayParams, Rays
+from .rays import RESOLUTIONS, Rays
 from .settings import MediaSettings
 from .shafts.image import ShaftImage
 
@@ -67,10 +68,12 @@ class MediaImage:
             solved=e.solved,
             column_resolution=s.column_resolution,
         )
-        self.march_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
-        self.shaft_rays = self.march_rays
+        # Shafts and marching take the same rays where both are reduced alike.
+        march_rays = shaft_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])
         if s.shaft_resolution != s.march_resolution:
-            self.shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
+            shaft_rays = Rays(gpu, size, RESOLUTIONS[s.shaft_resolution])
+        self.march_rays, self.shaft_rays = march_rays, shaft_rays
+        # What is drawn of the media: shafts of lights, and what is marched.
         self.shafts: ShaftImage | None = None
         if s.shafts != "off" and lights.count and self.media.count:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
@@ -78,61 +81,47 @@ class MediaImage:
         wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids
         self.is_marched = bool(self.media.count and wanted)
         self.march = March(gpu, self.media, sources=e.sources)
-        self._exact = Transmittance(gpu, self.media)
+        has_grids = self.media.has_grids
+        drawn = Drawn(self.shafts is not None, self.is_marched, self.has_sky, has_grids)
+        self.textures = ImageTextures(gpu, march_rays, shaft_rays, drawn)
+        self._make_compositing(size)
+
+    def _make_compositing(self, size: tuple[int, int]) -> None:
+        """Make the passes from reduced images to full ones; all in one where a device can."""
+        gpu, media, has_grids = self.gpu, self.media, self.media.has_grids
+        self._exact = Transmittance(gpu, media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
-        self._guided = GuidedUpsample(gpu, self.media) if self.media.has_grids else None
+        self._guided = GuidedUpsample(gpu, media) if has_grids else None
         self._finisher: Finish | None = None
-        if self.is_marched and self.march_rays.scale > 1 and not self._guided and can_finish(gpu):
-            self._finisher = Finish(gpu, self.media, has_sky=self.has_sky, lists=self._lists)
+        if self.is_marched and self.march_rays.scale > 1 and not has_grids and can_finish(gpu):
+            self._finisher = Finish(gpu, media, has_sky=self.has_sky, lists=self._lists)
         # Set between `encode` and `compose` where one pass does both.
-        self._unfinished: tuple[RayParams, Lights] | None = None
+        self._unfinished: Lights | None = None
         self._composed = Compose(gpu, size) if self._finisher is None else None
         self._is_in_view = self._composed is None  # where `compose` left the surfaces
-        self._make_images(size)
 
-    def _make_images(self, size: tuple[int, int]) -> None:
-        gpu = self.gpu
+    @property
+    def single_scatter(self) -> Texture:
+        """Radiance scattered once, of lights and the sky, W m^-2 sr^-1."""
+        return self.textures.single_scatter
 
-        def made(name: str, size: tuple[int, int], *, written: bool = False) -> Texture:
-            return Texture(gpu, name, size, "rgba32float", target=True, written=written)
+    @property
+    def multiple_scatter(self) -> Texture:
+        """Radiance of all marched fields, W m^-2 sr^-1."""
+        return self.textures.multiple_scatter
 
-        # Kernels of shafts write to textures; all else is drawn to targets.
-        self.single_scatter = made("single scatter", size, written=True)
-        self.multiple_scatter = made("multiple scatter", size)
-        self.transmittance = made("transmittance", size)
-        # Single scattering of lights; that of the sky is added to it.
-        self._shafts_alone = self.single_scatter
-        if self.has_sky:
-            self._shafts_alone = made("shafts", size, written=True)
-        is_reduced = self.is_marched and self.march_rays.scale > 1
-        wanted = {
-            "single": self.shafts is not None and self.shaft_rays.scale > 1,
-            "multiple": is_reduced,
-            "transmittance": is_reduced and self.media.has_grids,
-            "sky": self.has_sky,
-        }
-        self._reduced = {
-            name: made(f"reduced {name}", self._rays_of(name).reduced, written=name == "single")
-            for name, is_wanted in wanted.items()
-            if is_wanted
-        }
+    @property
+    def transmittance(self) -> Texture:
+        """The transmittance of eye rays, rgb."""
+        return self.textures.transmittance
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with images of `size`, pixels; media, lights and passes stay."""
-        for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
-            rays.resize(size)
+        self.textures.resize(size)
         if self.shafts:
             self.shafts.resize()
-        for texture in (*self._images, *self._reduced.values()):
-            texture.release()
-        self._make_images(size)
         if self._composed:
             self._composed.resize(size)
-
-    @property
-    def _images(self) -> tuple[Texture, ...]:
-        alone = (self._shafts_alone,) if self.has_sky else ()
-        return (self.single_scatter, self.multiple_scatter, self.transmittance, *alone)
 
     def solve(
         self,
@@ -168,84 +157,80 @@ class MediaImage:
         `is_composed`: `compose` follows, and fills them where one pass can do both.
         """
         self._unfinished = None
+        # One pass finishes the image if it draws all that there is.
         is_whole = is_composed and self.has_sky == (light.sky is not None)
         with commands.stage("shafts"):
-            shaft_params = self.shaft_rays.encode(commands, view, frame)
+            self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
                 is_listed = bool(self._finisher and is_whole and self._lists)
-                self._draw_shafts(commands, shaft_params, view, lights, is_listed=is_listed)
+                self._draw_shafts(commands, view, lights, is_listed=is_listed)
         with commands.stage("march"):
-            is_shared = self.march_rays is self.shaft_rays
-            params = shaft_params if is_shared else self.march_rays.encode(commands, view, frame)
+            if self.march_rays is not self.shaft_rays:
+                self.march_rays.encode(commands, view, frame)
             if self._finisher and is_whole:
-                self._march_reduced(commands, params, light)
-                self._unfinished = params, lights
+                self._march_reduced(commands, light)
+                self._unfinished = lights
             else:
-                self._march(commands, params, view, light)
+                self._march(commands, view, light)
 
     def _draw_shafts(
-        self,
-        commands: Commands,
-        params: RayParams,
-        view: View,
-        lights: Lights,
-        *,
-        is_listed: bool,
+        self, commands: Commands, view: View, lights: Lights, *, is_listed: bool
     ) -> None:
         """Draw single scattering of lights; `is_listed`: `compose` upsamples and redraws it."""
         assert self.shafts
-        reduced, full = self._target("single"), self._full("single")
-        self.shafts.encode(commands, params, view, lights, reduced)
-        if is_listed:
-            return
-        if not self.shafts.refine(commands, params, view, lights, reduced, full):
-            self._upsampled(commands, params, self.shaft_rays, view, "single")
+        reduced, full = self.textures.target("single"), self.textures.full("single")
+        self.shafts.encode(commands, view, lights, reduced)
+        if not is_listed and not self.shafts.refine(commands, view, lights, reduced, full):
+            self._upsampled(commands, view, "single")
 
-    def _march(
-        self, commands: Commands, params: RayParams, view: View, light: MarchedLight
-    ) -> None:
+    def _march(self, commands: Commands, view: View, light: MarchedLight) -> None:
+        """March all fields; full-size images of them, of the sky's light and transmittance."""
+        made, depth = self.textures, view.gbuffer.depth
         if self.is_marched:
-            self._march_reduced(commands, params, light)
-            self._finish_march(commands, params, view)
+            self._march_reduced(commands, light)
+            self._finish_march(commands, view)
+        # The sky's light on top of the shafts of lights.
         if light.sky is not None:
             self._upsample_onto.encode(
                 commands,
-                params,
                 self.march_rays,
-                view.gbuffer.depth,
-                self._reduced["sky"],
-                self._shafts_alone,
-                self.single_scatter,
+                depth,
+                made.reduced["sky"],
+                made.shafts_alone,
+                made.single_scatter,
             )
+        # Homogeneous media have a closed form; rays through grids found it while they marched.
         if not self.media.has_grids:
-            self._exact.encode(commands, params, view.gbuffer.depth, self.transmittance)
+            self._exact.encode(commands, self.march_rays, depth, made.transmittance)
 
-    def _march_reduced(self, commands: Commands, params: RayParams, light: MarchedLight) -> None:
+    def _march_reduced(self, commands: Commands, light: MarchedLight) -> None:
+        # The light of an endless medium continues that of lattices.
         if light.lattice is None and light.sky is None:
             light = replace(light, half_space=None)
+        made = self.textures
         targets = MarchTargets(
-            self._target("multiple"),
-            self._target("transmittance") if self.media.has_grids else None,
-            self._reduced.get("sky"),
+            made.target("multiple"),
+            made.target("transmittance") if self.media.has_grids else None,
+            made.reduced.get("sky"),
         )
         steps = Steps(self.settings.steps_per_cell, self.settings.march_steps)
-        self.march.encode(commands, params, self.march_rays, light, targets, steps)
+        self.march.encode(commands, self.march_rays, light, targets, steps)
 
-    def _finish_march(self, commands: Commands, params: RayParams, view: View) -> None:
+    def _finish_march(self, commands: Commands, view: View) -> None:
         """Upsample what was marched; with the transmittance where there are density grids."""
         if self.march_rays.scale == 1:
             return
         if self._guided is None:
-            self._upsampled(commands, params, self.march_rays, view, "multiple")
+            self._upsampled(commands, view, "multiple")
             return
+        made = self.textures
         self._guided.encode(
             commands,
-            params,
             self.march_rays,
             self.march,
             view.gbuffer.depth,
-            MarchTargets(self._reduced["multiple"], self._reduced["transmittance"]),
-            (self.multiple_scatter, self.transmittance),
+            MarchTargets(made.reduced["multiple"], made.reduced["transmittance"]),
+            (made.multiple_scatter, made.transmittance),
         )
 
     def compose(self, commands: Commands, view: View) -> None:
@@ -253,7 +238,7 @@ class MediaImage:
         with commands.stage("compose"):
             self._is_in_view = self._unfinished is not None
             if self._unfinished is not None:
-                self._finish_all(commands, view, *self._unfinished)
+                self._finish_all(commands, view, self._unfinished)
                 return
             self._composed = self._composed or Compose(self.gpu, view.size)
             self._composed.encode(
@@ -269,28 +254,27 @@ class MediaImage:
             return view.layers.targets
         return self._composed.layers
 
-    def _finish_all(
-        self, commands: Commands, view: View, params: RayParams, lights: Lights
-    ) -> None:
-        finisher = self._finisher
+    def _finish_all(self, commands: Commands, view: View, lights: Lights) -> None:
+        """Upsample what was drawn, and attenuate surfaces, in one pass."""
+        finisher, made = self._finisher, self.textures
         assert finisher
         listing: Listing | None = None
         if self.shafts and self._lists:
             redrawn, listed = self.shafts.listing(view)
             listing = Listing(listed, redrawn)
-        drawn = Drawn(
-            self._reduced["multiple"],
-            self._reduced["single"] if listing else self._shafts_alone,
-            self._reduced.get("sky"),
+        reduced = Reduced(
+            made.reduced["multiple"],
+            made.reduced["single"] if listing else made.shafts_alone,
+            made.reduced.get("sky"),
         )
         layers = MediaLayers(
-            view.layers.targets, self.multiple_scatter, self.transmittance, self.single_scatter
+            view.layers.targets, made.multiple_scatter, made.transmittance, made.single_scatter
         )
-        finisher.encode(commands, params, view.gbuffer.depth, drawn, layers, listing)
+        finisher.encode(commands, self.march_rays, view.gbuffer.depth, reduced, layers, listing)
         # The pixels that the pass listed.
         if self.shafts and listing:
             with commands.stage("shafts"):
-                self.shafts.redraw(commands, params, view, lights, self.single_scatter)
+                self.shafts.redraw(commands, view, lights, made.single_scatter)
 
     @property
     def _lists(self) -> bool:
@@ -298,24 +282,10 @@ class MediaImage:
         is_shared = self.march_rays is self.shaft_rays
         return self.shafts is not None and self.shafts.can_list and is_shared
 
-    def _full(self, name: str) -> Texture:
-        return {
-            "single": self._shafts_alone,
-            "multiple": self.multiple_scatter,
-            "transmittance": self.transmittance,
-        }[name]
-
-    def _target(self, name: str) -> Texture:
-        """The target of a kernel: the reduced texture, or the full one where none is reduced."""
-        return self._full(name) if self._rays_of(name).scale == 1 else self._reduced[name]
-
-    def _rays_of(self, name: str) -> Rays:
-        return self.shaft_rays if name == "single" else self.march_rays
-
-    def _upsampled(
-        self, commands: Commands, params: RayParams, rays: Rays, view: View, name: str
-    ) -> None:
+    def _upsampled(self, commands: Commands, view: View, name: str) -> None:
+        made = self.textures
+        rays = made.rays_of(name)
         if rays.scale > 1:
             self._upsample.encode(
-                commands, params, rays, view.gbuffer.depth, self._reduced[name], self._full(name)
+                commands, rays, view.gbuffer.depth, made.reduced[name], made.full(name)
             )

@@ -56,7 +56,7 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
 
 
 def column_wgsl(grids: int, light_count: int) -> str:
-    """`light_columns_texel`: four lights' columns at a place of their texture; and its size."""
+    """`light_columns_texel`: four lights' columns at texture coordinates; and its size."""
     return (
         f"const LIGHT_GROUPS = {light_groups(light_count)}u;\n"
         + _chosen(

@@ -39,10 +39,14 @@ class _Rays(FullscreenPass):
 
 
 class Rays:
-    """`picked`: per texel, the distance (m) to the surface and the pixel in its block."""
+    """The rays of an image that was encoded last; passes over them read `params` and `picked`.
+
+    `picked`: per texel, the distance (m) to the surface and the pixel in its block.
+    """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int) -> None:
         self.gpu, self.scale = gpu, scale
+        self._params: RayParams | None = None
         self._set_size(size)
         self._nearest = nearest_sampler(gpu)
         self._pass = _Rays(gpu, constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)})
@@ -57,9 +61,15 @@ class Rays:
         self.picked.release()
         self._set_size(size)
 
-    def encode(self, commands: Commands, view: View, frame: int = 0) -> RayParams:
-        """Pick the rays of `view`; returns the parameters of passes over them."""
-        params = RayParams(
+    @property
+    def params(self) -> RayParams:
+        """The slot `rays` of passes over them."""
+        assert self._params is not None, "no rays were encoded"
+        return self._params
+
+    def encode(self, commands: Commands, view: View, frame: int = 0) -> None:
+        """Pick the rays of `view`."""
+        self._params = RayParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,
             scale=self.scale,
@@ -70,8 +80,7 @@ class Rays:
         self._pass.draw(
             commands,
             (self.picked,),
-            rays=params,
+            rays=self._params,
             depth=view.gbuffer.depth,
             nearest_texel=self._nearest,
         )
-        return params

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..fields import LatticeSource
+from ..fields import Frame, LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -25,7 +25,6 @@ from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
-from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from ..surface.light_table import LightData, packed_lights
@@ -113,45 +112,41 @@ class SkyInMedia:
         is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
         parts = [tuple(_WRITTEN)] if is_once else [(library,) for library in _WRITTEN]
         self._passes = [_SkyInMedia(gpu, self.media, part) for part in parts]
-        count = max(1, len(sky.lights), sky.maps.layers)
-        self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * count)
+        most = max(1, len(sky.lights), sky.maps.layers)
+        self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * most)
         self._compare = comparison_sampler(gpu)
-        nx, ny, nz = size or placement.count
-
-        def made(name: str, depth: int) -> Texture:
-            return Texture(
-                gpu,
-                f"sky in media, {name}",
-                (nx, ny, depth),
-                gpu.filtered,
-                dimension="3d",
-                written=True,
-            )
-
-        self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
-        self.cube = made("cube", FACES * nz)
-        self.mean = made("mean", nz)
-        self.third = made("third band", 4 * nz)
+        self._make_textures(gpu, size or placement.count)
         self._written = (b"", -1)
         self.version = 0
         """Raised whenever cells were recomputed."""
 
+    def _make_textures(self, gpu: Gpu, size: tuple[int, int, int]) -> None:
+        nx, ny, nz = size
+
+        def made(name: str, depth: int) -> Texture:
+            label, full = f"sky in media, {name}", (nx, ny, depth)
+            return Texture(gpu, label, full, gpu.filtered, dimension="3d", written=True)
+
+        # Two bands of three channels, their means, the third band, and the cube of surfaces.
+        self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))
+        self.cube = made("cube", FACES * nz)
+        self.mean = made("mean", nz)
+        self.third = made("third band", 4 * nz)
+
     def encode(
         self,
         commands: Commands,
-        scene: Scene,
-        low: F64,
-        high: F64,
+        frame: Frame,
         walls: Texture,
         levels: Sequence[Placement] = (),
         *,
         shadows_changed: bool,
     ) -> None:
-        """Bring the cells up to date, after `sky` and its maps. low..high as for GpuMedia.
+        """Bring the cells up to date, after `sky` and its maps.
 
         `levels`: the lattices that share the textures, the finest first; () for the only one.
         """
-        self.media.update(commands, _under(scene, self.sky), low, high)
+        self.media.update(commands, _under(frame.scene, self.sky), *frame.bounds)
         table = packed_lights(tuple(self.sky.lights))
         written = (table.tobytes(), self.media.version)
         before = () if written != self._written or shadows_changed else self._levels
@@ -166,6 +161,7 @@ class SkyInMedia:
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
         self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
         self._lights.write(table)
+        # Every light into every cell, shadowed by its map and attenuated by media.
         for level in stale:
             for part in self._passes:
                 part.dispatch(

@@ -1,7 +1,7 @@
 """Reduced images of media at full size, transmittance, and attenuated surfaces, in one pass.
 
 It does the same as `upsample`, `transmittance` and `compose` one after the other, where no density
-grid needs more: what they read of a pixel is read once, and surfaces are attenuated in place.
+grid needs more: what they read of a pixel is read once, and surfaces are attenuated where they are.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ...gpu.raster import FullscreenPass
 from ...gpu.slots import sampler, texture, uniform
 from ..gpu_media import GpuMedia
 from ..pixel_list import PixelList, RedrawParams, pixel_list_slots
-from ..rays import RayParams
+from ..rays import RayParams, Rays
 
 _TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
@@ -55,7 +55,7 @@ def can_finish(gpu: Gpu) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
+class Reduced:
     """What is upsampled: multiple scattering, and single scattering of the sky.
 
     `shafts`: single scattering of lights, reduced where pixels are listed, else of full size.
@@ -136,18 +136,18 @@ class Finish(FullscreenPass):
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
+        rays: Rays,
         depth: Texture,
-        drawn: Drawn,
+        reduced: Reduced,
         layers: MediaLayers,
         listing: Listing | None = None,
     ) -> None:
-        """Attenuate the surfaces of `layers`, fill the others from what was `drawn`.
+        """Attenuate the surfaces of `layers`, fill the others from `reduced` images.
 
         The single scattering is filled where there is a sky or a `listing`.
         """
-        read = {"skylit": drawn.skylit} if self._has_sky else {}
-        read |= {"shafts": drawn.shafts} if self._has_single else {}
+        read = {"skylit": reduced.skylit} if self._has_sky else {}
+        read |= {"shafts": reduced.shafts} if self._has_single else {}
         bound = {}
         if listing is not None:
             listing.pixels.begin(commands)
@@ -156,9 +156,9 @@ class Finish(FullscreenPass):
         self.draw(
             commands,
             (*layers.surfaces, layers.multiple, layers.transmittance, *single),
-            rays=params,
+            rays=rays.params,
             depth=depth,
-            reduced=drawn.multiple,
+            reduced=reduced.multiple,
             nearest=self._nearest,
             **self._media.medium_bound,
             **read,

@@ -42,7 +42,6 @@ class GuidedUpsample(FullscreenPass):
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
         rays: Rays,
         march: March,
         depth: Texture,
@@ -54,7 +53,7 @@ class GuidedUpsample(FullscreenPass):
         self.draw(
             commands,
             targets,
-            rays=params,
+            rays=rays.params,
             march=march.params,
             depth=depth,
             picked=rays.picked,

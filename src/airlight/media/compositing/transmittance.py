@@ -11,7 +11,7 @@ from ...gpu.memory import Texture
 from ...gpu.raster import FullscreenPass
 from ...gpu.slots import texture, uniform
 from ..gpu_media import GpuMedia
-from ..rays import RayParams
+from ..rays import RayParams, Rays
 
 
 class Transmittance(FullscreenPass):
@@ -28,8 +28,6 @@ class Transmittance(FullscreenPass):
         self._media = media
         super().__init__(gpu, generated=media.medium_wgsl)
 
-    def encode(
-        self, commands: Commands, params: RayParams, depth: Texture, target: Texture
-    ) -> None:
+    def encode(self, commands: Commands, rays: Rays, depth: Texture, target: Texture) -> None:
         """Fill `target`."""
-        self.draw(commands, (target,), rays=params, depth=depth, **self._media.medium_bound)
+        self.draw(commands, (target,), rays=rays.params, depth=depth, **self._media.medium_bound)

@@ -32,15 +32,14 @@ class Upsample(FullscreenPass):
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
         rays: Rays,
         depth: Texture,
         reduced: Texture,
         target: Texture,
     ) -> None:
-        """Fill `target` from `reduced`; `params` as `rays.encode` gave them."""
+        """Fill `target` from `reduced`, the image of `rays`."""
         self.draw(
-            commands, (target,), rays=params, depth=depth, picked=rays.picked, reduced=reduced
+            commands, (target,), rays=rays.params, depth=depth, picked=rays.picked, reduced=reduced
         )
 
 
@@ -58,7 +57,6 @@ class UpsampleOnto(FullscreenPass):
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
         rays: Rays,
         depth: Texture,
         reduced: Texture,
@@ -69,7 +67,7 @@ class UpsampleOnto(FullscreenPass):
         self.draw(
             commands,
             (target,),
-            rays=params,
+            rays=rays.params,
             depth=depth,
             picked=rays.picked,
             reduced=reduced,

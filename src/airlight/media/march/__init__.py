@@ -1,6 +1,6 @@
 """Marching of solved fields along eye rays: multiple scattering, and single scattering of the sky.
 
-fields of solvers -> march; kernel: its slots and WGSL for the fields that there are
+fields of solvers -> march; kernel: its variants by what fields there are; kernel_wgsl: their WGSL
 cells           face visibility and walls of the lattice, packed
 forward_source  light near its beam, light by light
 half_space      light of an endless medium beyond the lattices

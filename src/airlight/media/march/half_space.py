@@ -100,6 +100,7 @@ def _from_above(lights: Sequence[Light], channel: int) -> tuple[F64, F64]:
 
 def sky_single_scatter(medium: Medium, sky: Sequence[Light]) -> F64:
     """(ROWS, side^2, 3): single scattering of a `sky`, each light of which is a part of it."""
+    # Attenuated from the top down to each row, then scattered once.
     metres, out = _metres(medium), travels(medium)
     made = np.zeros((ROWS, len(out), 3))
     # The mean cosine of a part of the sky multiplies g, to first order.
@@ -131,10 +132,10 @@ def reduced_radiance(medium: Medium, lights: Sequence[Light], sky: Sequence[Ligh
     for c in range(3):
         # Similarity theory: sigma_s (1 - g) and sigma_a stay.
         g = medium.g[c]
-        kept = 1.0 - medium.albedo[c] * g
+        reduced = 1.0 - medium.albedo[c] * g
         directions, irradiances = directional([*lights, *sky], c)
-        light = plane_light(medium.albedo[c] * (1.0 - g) / kept, -directions[:, 1], irradiances)
-        made[:, c] = np.interp(medium.sigma_t[c] * kept * metres, light.depth, light.scattered)
+        light = plane_light(medium.albedo[c] * (1.0 - g) / reduced, -directions[:, 1], irradiances)
+        made[:, c] = np.interp(medium.sigma_t[c] * reduced * metres, light.depth, light.scattered)
     made += fluence(medium, sky, is_reduced=True) - fluence(medium, sky, is_reduced=False)
     return made / (4.0 * np.pi)
 

@@ -28,7 +28,7 @@ from ...lattice.placement import Placement
 from ...lattice.table import LatticeTable
 from ...maths.transforms import F64
 from ..gpu_media import GpuMedia
-from ..rays import RayParams, Rays
+from ..rays import Rays
 from .cells import MarchCells
 from .forward_source import fused_rows
 from .kernel import (
@@ -40,10 +40,10 @@ from .kernel import (
     Variant,
     at_once,
     firsts,
-    generated,
     slots,
     target_names,
 )
+from .kernel_wgsl import generated
 
 MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
@@ -137,17 +137,18 @@ class March:
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
         rays: Rays,
         light: MarchedLight,
         targets: MarchTargets,
         steps: Steps = _STEPS,
     ) -> None:
-        """Fill the `targets`; `params` as `rays.encode` gave them."""
+        """Fill the `targets` along `rays`."""
+        # The kernel that reads what there is, and no more.
         lattice, sky, far = light.lattice, light.sky, light.half_space
         variant = self._chosen(light)
         if targets.transmittance is None:
             variant = replace(variant, writes="light")
+        # Steps are as long as the smallest cells of all that is marched.
         cells = [s.cell_m for s in (*light.sources, lattice, sky) if s is not None]
         bound = self._bound(variant, light)
         one = lattice or sky
@@ -156,6 +157,7 @@ class March:
             if variant.levels == 1:
                 bound["march_cells"] = self._cells.encode(commands, one.placement.count, bound)
         self.params = _params(light, steps, min(cells, default=math.inf))
+        # All targets in one pass, or in two where a device has too few.
         textures = {
             "scattered": targets.scattered,
             "skylit": targets.skylit,
@@ -165,7 +167,7 @@ class March:
             self._pass(part).draw(
                 commands,
                 tuple(textures[name] for name in target_names(part)),
-                rays=params,
+                rays=rays.params,
                 march=self.params,
                 picked=rays.picked,
                 **self._media.medium_bound,
@@ -194,6 +196,7 @@ class March:
     def _bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
         """The resources of the fields, by slot name."""
         sources, lattice, sky = light.sources, light.lattice, light.sky
+        # Textures of emission, then lattices, then what comes beside a lattice.
         values: dict[str, Any] = {}
         if sources:
             self._write(sources)

@@ -23,7 +23,6 @@ class Blur(ComputePass):
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
         rays: Rays,
         jittered: Texture,
         scattered: Texture,
@@ -32,7 +31,7 @@ class Blur(ComputePass):
         self.dispatch(
             commands,
             rays.reduced,
-            rays=params,
+            rays=rays.params,
             picked=rays.picked,
             jittered=jittered,
             scattered=scattered,

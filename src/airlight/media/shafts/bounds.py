@@ -6,6 +6,8 @@ al. 2011; level 0 is the shadow map itself, so only the levels above are stored.
 
 from __future__ import annotations
 
+from functools import partial
+
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
@@ -66,7 +68,7 @@ class DepthBounds:
         if not self.maps.layers:
             return
         self._copy(commands)
-        self._recorded.encode(commands, (self.buffer,), lambda: self._make_levels(commands))
+        self._recorded.encode(commands, (self.buffer,), partial(self._make_levels, commands))
 
     def _make_levels(self, commands: Commands) -> None:
         for level in range(1, self.top + 1):

@@ -5,7 +5,7 @@ texels with steps between them. Squares beside each other differ by one level at
 facets share their corners and the surface has no cracks: a facet whose neighbour is finer is a fan.
 Between facets stand walls along the light, which run to infinity where the map is empty or ends.
 All of it is made on the device: planes from the texels up, triangle counts from the leaves up
-(Ziegler et al. 2006), places from the root down. The order is the same in every run.
+(Ziegler et al. 2006), positions in the list from the root down. The order is the same in every run.
 Source: Billeter et al. 2010 tessellate a shadow map where its depths are uneven. differs: they
 interpolate across depth edges; here those are steps.
 """
@@ -85,7 +85,7 @@ class FacetTrees:
         most = 12 * self.side**2 + 16 * self.side if maps.layers else 1
         most = min(most, gpu.limits["max-storage-buffer-binding-size"] // 4)
         self.planes = Buffer(gpu, "facets", 16 * nodes)
-        self._places = Buffer(gpu, "triangle places", 4 * nodes)
+        self._counted = Buffer(gpu, "counts of triangles", 4 * nodes)
         self.triangles = [Buffer(gpu, "shadow triangles", 4 * most) for _ in range(layers)]
         self.draws = Buffer(gpu, "shadow draws", Draw.dtype.itemsize * layers, indirect=True)
         self._fit, self._counts, self._list = _Fit(gpu), _Counts(gpu), _List(gpu)
@@ -107,14 +107,17 @@ class FacetTrees:
             return
         levels = [self.params(level) for level in range(1, self.top + 1)]
         shared = {"shadows": self.maps.depth, "facets": self.planes}
+        # Planes from the leaves up, where one is near enough to all below it.
         for tree in levels:
             self._fit.dispatch(
                 commands, self._squares(tree), tree=tree, views=self.maps.views, **shared
             )
+        # How many triangles each square has to draw, summed upwards.
         for tree in levels:
             self._counts.dispatch(
-                commands, self._squares(tree), tree=tree, places=self._places, **shared
+                commands, self._squares(tree), tree=tree, places=self._counted, **shared
             )
+        # From the root down, the counts become where each square writes its triangles.
         for layer, triangles in enumerate(self.triangles):
             for level in range(self.top, 0, -1):
                 tree = self.params(level, layer)
@@ -122,7 +125,7 @@ class FacetTrees:
                     commands,
                     self._squares(tree)[:2],
                     tree=tree,
-                    places=self._places,
+                    places=self._counted,
                     triangles=triangles,
                     draws=self.draws,
                     **shared,

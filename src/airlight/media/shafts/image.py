@@ -11,7 +11,7 @@ from ...lighting.lights import Lights
 from ...lighting.view import View
 from ..gpu_media import GpuMedia
 from ..pixel_list import PixelList, RedrawParams
-from ..rays import RayParams, Rays
+from ..rays import Rays
 from ..settings import MediaSettings
 from .jitter import Jitter
 from .shadow_rays import ShadowRays
@@ -41,42 +41,31 @@ class ShaftImage:
 
     def resize(self) -> None:
         """Go on with images of the size of the rays."""
-        if isinstance(self.scheme, Shafts):
-            self.scheme.resize(self._rays)
-        else:
-            self.scheme.resize(self._rays.reduced)
+        self.scheme.resize()
 
     def prepare(self, commands: Commands) -> None:
         """Compute what depends on shadow maps alone, after they changed."""
         self.scheme.prepare(commands)
 
-    def encode(
-        self, commands: Commands, params: RayParams, view: View, lights: Lights, target: Texture
-    ) -> None:
+    def encode(self, commands: Commands, view: View, lights: Lights, target: Texture) -> None:
         """Fill `target`, of the size of the reduced rays: radiance, W m^-2 sr^-1."""
         if not isinstance(self.scheme, Shafts):
-            self.scheme.encode(commands, params, self._rays, lights, target)
+            self.scheme.encode(commands, lights, target)
             return
         # Where shafts may fit between sparse samples, every texel is sampled.
         is_fine = SAMPLE_SPACING * self._texel_side(view) <= COARSE_TEXEL
         contrast = self._contrast(view) if is_fine else 0.0
-        self.scheme.encode(commands, params, self._rays, lights, target, contrast)
+        self.scheme.encode(commands, lights, target, contrast)
 
     def refine(
-        self,
-        commands: Commands,
-        params: RayParams,
-        view: View,
-        lights: Lights,
-        reduced: Texture,
-        target: Texture,
+        self, commands: Commands, view: View, lights: Lights, reduced: Texture, target: Texture
     ) -> bool:
         """Fill the full-size `target` from `reduced`, with pixels redrawn; False if none may be."""
         contrast = self._contrast(view)
         if self._rays.scale == 1 or contrast >= 1.0 or not isinstance(self.scheme, Shafts):
             return False
         depth = view.gbuffer.depth
-        self.scheme.refine(commands, params, lights, depth, reduced, target, contrast)
+        self.scheme.refine(commands, lights, depth, reduced, target, contrast)
         return True
 
     def listing(self, view: View) -> tuple[RedrawParams, PixelList]:
@@ -84,12 +73,10 @@ class ShaftImage:
         assert isinstance(self.scheme, Shafts)
         return self.scheme.redrawn(self._contrast(view)), self.scheme.listed
 
-    def redraw(
-        self, commands: Commands, params: RayParams, view: View, lights: Lights, target: Texture
-    ) -> None:
+    def redraw(self, commands: Commands, view: View, lights: Lights, target: Texture) -> None:
         """Redraw the listed pixels of the full-size `target`."""
         assert isinstance(self.scheme, Shafts)
-        self.scheme.redraw(commands, params, lights, view.gbuffer.depth, target)
+        self.scheme.redraw(commands, lights, view.gbuffer.depth, target)
 
     def _contrast(self, view: View) -> float:
         """The contrast that interpolated texels may have; 0 where shafts fit between them."""
@@ -107,8 +94,8 @@ def _scheme(
 ) -> Shafts | Jitter | Volumes:
     steps = settings.shaft_steps
     if settings.shafts == "jitter":
-        return Jitter(gpu, media, rays.reduced, steps=steps)
+        return Jitter(gpu, media, rays, steps=steps)
     if settings.shafts == "volumes":
-        return Volumes(gpu, media, lights, rays.reduced, tolerance=settings.volume_tolerance)
+        return Volumes(gpu, media, lights, rays, tolerance=settings.volume_tolerance)
     shadows = ShadowRays(gpu, media, lights, max_nodes=settings.shaft_nodes, steps=steps)
     return Shafts(shadows, rays)

@@ -52,39 +52,31 @@ class _Jitter(ComputePass):
 class Jitter:
     """The scheme `jitter`, for any media."""
 
-    def __init__(
-        self, gpu: Gpu, media: GpuMedia, reduced: tuple[int, int], *, steps: int = 32
-    ) -> None:
-        self.media, self.steps = media, steps
+    def __init__(self, gpu: Gpu, media: GpuMedia, rays: Rays, *, steps: int = 32) -> None:
+        self.media, self.rays, self.steps = media, rays, steps
         self._pass, self._blur = _Jitter(gpu, media), Blur(gpu)
-        self._make_raw(reduced)
+        self._make_raw()
 
-    def _make_raw(self, reduced: tuple[int, int]) -> None:
-        gpu = self.media.gpu
-        self._raw = Texture(gpu, "jittered", reduced, "rgba32float", written=True)
+    def _make_raw(self) -> None:
+        gpu, size = self.media.gpu, self.rays.reduced
+        self._raw = Texture(gpu, "jittered", size, "rgba32float", written=True)
 
-    def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced images of this size, texels."""
+    def resize(self) -> None:
+        """Go on with images of the size of the rays."""
         self._raw.release()
-        self._make_raw(reduced)
+        self._make_raw()
 
     def prepare(self, commands: Commands) -> None:
         """Nothing to make beforehand."""
 
-    def encode(
-        self,
-        commands: Commands,
-        params: RayParams,
-        rays: Rays,
-        lights: Lights,
-        scattered: Texture,
-    ) -> None:
+    def encode(self, commands: Commands, lights: Lights, scattered: Texture) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
+        # A sample per step, at one of 16 offsets; then the mean over all of them.
         self._pass.dispatch(
             commands,
-            rays.reduced,
-            rays=params,
-            picked=rays.picked,
+            self.rays.reduced,
+            rays=self.rays.params,
+            picked=self.rays.picked,
             params=JitterParams(light_count=lights.count, steps=self.steps),
             **self.media.bound,
             lights=lights.table,
@@ -95,4 +87,4 @@ class Jitter:
             shadow_compare=lights.parallel.sampler,
             scattered=self._raw,
         )
-        self._blur.encode(commands, params, rays, self._raw, scattered)
+        self._blur.encode(commands, self.rays, self._raw, scattered)

@@ -12,7 +12,7 @@ from ...lighting.lights import Lights
 from ...surface.light_table import LightData
 from ...surface.light_views import LightViewData
 from ..gpu_media import GpuMedia
-from ..rays import RayParams
+from ..rays import RayParams, Rays
 from .bounds import DepthBounds
 
 
@@ -60,7 +60,7 @@ class ShadowRays:
         self._parallel.encode(commands)
         self._local.encode(commands)
 
-    def bound(self, params: RayParams, lights: Lights) -> dict[str, Any]:
+    def bound(self, rays: Rays, lights: Lights) -> dict[str, Any]:
         """The resources of such a pass, by slot name."""
         parallel, local = self._parallel, self._local
         shafts = ShaftParams(
@@ -73,7 +73,7 @@ class ShadowRays:
             local_top=local.top,
         )
         return {
-            "rays": params,
+            "rays": rays.params,
             "shafts": shafts,
             **self._media.bound,
             "lights": lights.table,

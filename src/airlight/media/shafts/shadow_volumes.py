@@ -99,46 +99,42 @@ class Volumes:
         gpu: Gpu,
         media: GpuMedia,
         lights: Lights,
-        reduced: tuple[int, int],
+        rays: Rays,
         *,
         tolerance: float = 0.5,
     ) -> None:
         """Raises SettingsError where the media or the device do not allow it."""
         _check(gpu, media)
-        self.media = media
+        self.media, self.rays = media, rays
         self.parallel = FacetTrees(gpu, lights.parallel, tolerance)
         self.local = FacetTrees(gpu, lights.local, tolerance)
         self._clamp = _Clamp(gpu)
         self._lit, self._dark = _Lit(gpu, media, lights), _Dark(gpu, media, lights)
-        self._make_sum(reduced)
+        self._make_sum()
 
-    def _make_sum(self, reduced: tuple[int, int]) -> None:
-        self._sum = Texture(self.media.gpu, "shadow volumes", reduced, "rgba32float", target=True)
+    def _make_sum(self) -> None:
+        gpu, size = self.media.gpu, self.rays.reduced
+        self._sum = Texture(gpu, "shadow volumes", size, "rgba32float", target=True)
 
-    def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced images of this size, texels."""
+    def resize(self) -> None:
+        """Go on with images of the size of the rays."""
         self._sum.release()
-        self._make_sum(reduced)
+        self._make_sum()
 
     def prepare(self, commands: Commands) -> None:
         """Bring the boundaries up to date, where shadow maps changed."""
         self.parallel.encode(commands)
         self.local.encode(commands)
 
-    def encode(
-        self,
-        commands: Commands,
-        params: RayParams,
-        rays: Rays,
-        lights: Lights,
-        scattered: Texture,
-    ) -> None:
+    def encode(self, commands: Commands, lights: Lights, scattered: Texture) -> None:
         """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1."""
-        shared = {"rays": params, "lights": lights.table, "picked": rays.picked, **self.media.bound}
+        rays = self.rays
+        of_rays = {"rays": rays.params, "picked": rays.picked}
+        shared = {**of_rays, "lights": lights.table, **self.media.bound}
         # F(surface) of all lights.
         self._lit.draw(commands, (self._sum,), params=LitParams(light_count=lights.count), **shared)
         target = {"view": self._sum.resource, "load_op": "load", "store_op": "store"}
-        clip = _clip_from_eye(params, rays)
+        clip = _clip_from_eye(rays)
         # Plus and minus F at the faces of the shadow volumes of every map.
         with commands.render("shadow volumes", color_attachments=[target]) as encoder:
             encoder.set_pipeline(self._dark.pipeline)
@@ -170,8 +166,9 @@ def _check(gpu: Gpu, media: GpuMedia) -> None:
         )
 
 
-def _clip_from_eye(params: RayParams, rays: Rays) -> F64:
+def _clip_from_eye(rays: Rays) -> F64:
     """Onto the reduced image, whose last texels may reach beyond the full one."""
+    params = rays.params
     world_from_clip = params.record["world_from_clip"].T.astype(np.float64)
     eye_from_clip = world_from_clip.copy()
     eye_from_clip[:3] -= np.outer(params.record["eye"], world_from_clip[3])

@@ -1,7 +1,7 @@
 """Single scattering with texel-sharp volumetric shadows: lit intervals of eye rays.
 
-An eye ray is a straight line over each shadow map. A hierarchy of the nearest and farthest depths
-lets it cross wholly lit or dark squares at once, as a 2D digital differential analyser that
+An eye ray is a straight line over each shadow map. By a hierarchy of the nearest and farthest
+depths it crosses wholly lit or dark squares at once, as a 2D digital differential analyser that
 descends and ascends. Adjacent lit stretches are one interval, which is integrated in closed form
 (parallel light) or with equi-angular Gauss-Legendre nodes (local lights). In density grids
 intervals are cut into steps of at least a voxel, in each of which the medium counts as homogeneous.
@@ -62,18 +62,18 @@ class Shafts:
     """The scheme `minmax`, for any media."""
 
     def __init__(self, shadows: ShadowRays, rays: Rays) -> None:
-        """`rays` of the size that `encode` takes."""
-        self._shadows = shadows
+        """Along `rays`, full-size or reduced."""
+        self._shadows, self._rays = shadows, rays
         self._pass = _Shafts(shadows)
         self._find, self._redraw = _FindPixels(shadows.gpu), _RedrawPixels(shadows)
         self.listed = PixelList(shadows.gpu, rays.size)
         self._sparse: SparseShafts | None = None  # made when it is first used
 
-    def resize(self, rays: Rays) -> None:
-        """Go on with images of the size of `rays`."""
-        self.listed.resize(rays.size)
+    def resize(self) -> None:
+        """Go on with images of the size of the rays."""
+        self.listed.resize(self._rays.size)
         if self._sparse:
-            self._sparse.resize(rays.reduced)
+            self._sparse.resize()
 
     def prepare(self, commands: Commands) -> None:
         """Compute the hierarchies, after shadow maps changed."""
@@ -82,21 +82,21 @@ class Shafts:
     def encode(
         self,
         commands: Commands,
-        params: RayParams,
-        rays: Rays,
         lights: Lights,
         scattered: Texture,
         contrast: float = 0.0,
     ) -> None:
-        """Fill `scattered`, of the size of `rays.reduced`: radiance, W m^-2 sr^-1; alpha: m.
+        """Fill `scattered`, of the size of `Rays.reduced`: radiance, W m^-2 sr^-1; alpha: m.
 
         `contrast`: as `redrawn` has it; a reduced image is then made of sparse samples where they
         are alike. 0: every texel is sampled, because shafts may fit between sparse ones.
         """
-        bound = self._shadows.bound(params, lights)
+        rays = self._rays
+        bound = self._shadows.bound(rays, lights)
+        # One texel in four where that may do, and those between that differ; else all of them.
         if rays.scale > 1 and 0.0 < contrast < 1.0:
-            self._sparse = self._sparse or SparseShafts(self._shadows, rays.reduced)
-            self._sparse.encode(commands, rays, scattered, contrast, bound)
+            self._sparse = self._sparse or SparseShafts(self._shadows, rays)
+            self._sparse.encode(commands, scattered, contrast, bound)
             return
         self._pass.dispatch(
             commands, rays.reduced, picked=rays.picked, **bound, scattered=scattered
@@ -105,7 +105,6 @@ class Shafts:
     def refine(
         self,
         commands: Commands,
-        params: RayParams,
         lights: Lights,
         depth: Texture,
         reduced: Texture,
@@ -117,29 +116,25 @@ class Shafts:
         Beside a local light and at the edges of shafts a reduced image cannot be interpolated:
         where texels of a pixel's depth differ, or none has it, the pixel is redrawn.
         """
+        # Interpolated where texels are alike; the others listed, and drawn pixel by pixel.
         self.listed.begin(commands)
         self._find.draw(
             commands,
             (scattered,),
-            rays=params,
+            rays=self._rays.params,
             depth=depth,
             reduced=reduced,
             redrawn=self.redrawn(contrast),
             **self.listed.bound,
         )
-        self.redraw(commands, params, lights, depth, scattered)
+        self.redraw(commands, lights, depth, scattered)
 
     def redrawn(self, contrast: float) -> RedrawParams:
         """Parameters of a pass that lists the pixels for `redraw`."""
         return RedrawParams.of(contrast=contrast, group=self._redraw.workgroup[0])
 
     def redraw(
-        self,
-        commands: Commands,
-        params: RayParams,
-        lights: Lights,
-        depth: Texture,
-        scattered: Texture,
+        self, commands: Commands, lights: Lights, depth: Texture, scattered: Texture
     ) -> None:
         """Redraw the pixels of the full-size `scattered` that are `listed`."""
         self._redraw.dispatch_indirect(
@@ -148,6 +143,6 @@ class Shafts:
             found=self.listed.found,
             chosen=self.listed.chosen,
             depth=depth,
-            **self._shadows.bound(params, lights),
+            **self._shadows.bound(self._rays, lights),
             scattered=scattered,
         )

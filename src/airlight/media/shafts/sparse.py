@@ -62,33 +62,30 @@ class _Redraw(ComputePass):
 class SparseShafts:
     """Fills a reduced image from sparse samples."""
 
-    def __init__(self, shadows: ShadowRays, reduced: tuple[int, int]) -> None:
-        """`reduced`: the size of the image, texels."""
-        self._gpu = shadows.gpu
+    def __init__(self, shadows: ShadowRays, rays: Rays) -> None:
+        """For the reduced images of `rays`."""
+        self._gpu, self._rays = shadows.gpu, rays
         self._sample, self._interpolate = _Samples(shadows), _Interpolate(shadows.gpu)
         self._redraw = _Redraw(shadows)
-        self._listed = PixelList(shadows.gpu, reduced)
-        self._make(reduced)
+        self._listed = PixelList(shadows.gpu, rays.reduced)
+        self._make()
 
-    def _make(self, reduced: tuple[int, int]) -> None:
-        self._size = ((reduced[0] + 1) // 2, (reduced[1] + 1) // 2)
+    def _make(self) -> None:
+        width, height = self._rays.reduced
+        self._size = ((width + 1) // 2, (height + 1) // 2)
         self._samples = Texture(self._gpu, "sparse shafts", self._size, "rgba32float", written=True)
 
-    def resize(self, reduced: tuple[int, int]) -> None:
-        """Go on with reduced images of this size, texels."""
+    def resize(self) -> None:
+        """Go on with images of the size of the rays."""
         self._samples.release()
-        self._listed.resize(reduced)
-        self._make(reduced)
+        self._listed.resize(self._rays.reduced)
+        self._make()
 
     def encode(
-        self,
-        commands: Commands,
-        rays: Rays,
-        scattered: Texture,
-        contrast: float,
-        bound: dict[str, Any],
+        self, commands: Commands, scattered: Texture, contrast: float, bound: dict[str, Any]
     ) -> None:
         """Fill `scattered`; `contrast`: of a reduced image; `bound`: as `ShadowRays.bound`."""
+        rays = self._rays
         # One texel in four.
         self._sample.dispatch(
             commands, self._size, scattered=self._samples, picked=rays.picked, **bound
