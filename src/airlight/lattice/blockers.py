@@ -86,7 +86,6 @@ class Blockers:
     """
 
     count: int
-    is_emissive: bool
     version: int
     """Raised by `note_change`."""
     surfels: Buffer
@@ -115,8 +114,7 @@ class Blockers:
             self._sample(gpu, scene, count)
             self._make_textures(gpu, size or placement.count)
         else:
-            self.count, self.is_emissive = owner.count, owner.is_emissive
-            self.surfels, self.walls = owner.surfels, owner.walls
+            self.count, self.surfels, self.walls = owner.count, owner.surfels, owner.walls
             self.visibility_a, self.visibility_b = owner.visibility_a, owner.visibility_b
         self.corners = int(np.prod([n + 1 for n in placement.count]))
         self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
@@ -129,7 +127,6 @@ class Blockers:
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
         samples = surfels(scene.meshes, self.meshes.order, count, _inside(scene))
         self.count = len(samples)
-        self.is_emissive = bool(samples["emission"].any())
         self.surfels = buffer_of(gpu, "surfels", samples)
         self._samples, self._followed = samples, self.meshes.original
 

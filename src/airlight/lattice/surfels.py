@@ -1,4 +1,4 @@
-"""A point sampling of all surfaces, from which blockers and emission are made.
+"""A point sampling of all surfaces, from which blockers are made.
 
 Kaplanyan2010 section 3.2 samples the camera's and the lights' views, and mentions a precomputed
 point sampling (Ritschel2008) as an alternative. Surfels are that alternative: a surface blocks
@@ -32,8 +32,6 @@ class SurfelData(Struct):
     is_two_sided = u32()
     reflectance = vec3f("bihemispherical albedo, linear")
     pad = u32()
-    emission = vec3f("W m^-2 sr^-1")
-    pad_end = u32()
 
 
 def surfels(
@@ -102,7 +100,6 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     # A closed body stops light with its outside; both sides of it would count every body twice.
     made["area_normal"] = area_normal * cover[:, None]
     made["reflectance"] = albedo
-    made["emission"] = mesh.material.emission
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
 
