@@ -52,9 +52,16 @@ def test_sphere_has_the_inscribed_polyhedron_volume_and_area():
 
 
 def test_sphere_is_watertight():
-    """Every directed edge has its opposite once vertices at one place are merged."""
+    """Every directed edge has its opposite once vertices of the very same position are merged."""
     geometry = sphere(12, 7)
-    _, merged = np.unique(np.round(geometry.positions, 6), axis=0, return_inverse=True)
+    own, merged = np.unique(geometry.positions, axis=0, return_inverse=True)
+    assert len(own) == 12 * (7 - 1) + 2
+    # An image still ends at the seam and begins there again.
+    seam = (geometry.positions == geometry.positions[3 * 13]).all(axis=1)
+    assert geometry.uvs[seam].tolist() == [
+        [0.0, geometry.uvs[3 * 13, 1]],
+        [1.0, geometry.uvs[3 * 13, 1]],
+    ]
     triangles = merged.reshape(-1)[geometry.indices]
     edges = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
     assert sorted(map(tuple, edges)) == sorted(map(tuple, edges[:, ::-1]))

@@ -42,13 +42,18 @@ def sphere(segments: int = 64, rings: int = 32) -> Geometry:
     """A sphere of diameter 1: `segments` around +Y, `rings` from pole to pole.
 
     u runs around +Y from its seam at -Z, v from the north pole (0) to the south pole (1).
-    Vertices lie on the true sphere, with its exact normals.
+    Vertices lie on the true sphere, with its exact normals. Those of the seam's two sides, which
+    differ in u, and those of a pole have the very same position: the sphere is closed.
     """
     u, v = np.meshgrid(np.linspace(0.0, 1.0, segments + 1), np.linspace(0.0, 1.0, rings + 1))
     azimuth, polar = 2.0 * np.pi * (u - 0.5), np.pi * v
     normals = np.stack(
         [np.sin(polar) * np.sin(azimuth), np.cos(polar), np.sin(polar) * np.cos(azimuth)], axis=-1
-    ).reshape(-1, 3)
+    )
+    # The sine of pi is not quite 0.
+    normals[:, -1] = normals[:, 0]
+    normals[0], normals[-1] = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+    normals = normals.reshape(-1, 3)
     return Geometry(
         positions=_f32(0.5 * normals),
         indices=_lattice_triangles(segments, rings),
