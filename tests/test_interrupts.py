@@ -91,9 +91,15 @@ def test_errors_without_an_interrupt_stay_what_they_are():
 
 
 def test_a_program_that_uses_the_package_keeps_its_own_handler():
-    before = signal.getsignal(signal.SIGINT)
-    with interrupts.taken_up():
-        assert signal.getsignal(signal.SIGINT) is before
+    # Another test of this process may have run the command, which keeps Ctrl-C until the end.
+    def own(number, frame): ...
+
+    before = signal.signal(signal.SIGINT, own)
+    try:
+        with interrupts.taken_up():
+            assert signal.getsignal(signal.SIGINT) is own
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_an_ignored_interrupt_stays_ignored():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
@@ -114,8 +115,12 @@ def test_interruption_is_130(raising, capsys):
 
 def test_main_exits_with_the_code(raising):
     raising(SceneError("bad"))
-    with pytest.raises(SystemExit) as caught:
-        cli.main(["doctor"])
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        with pytest.raises(SystemExit) as caught:
+            cli.main(["doctor"])
+    finally:  # `main` expects its process to end
+        signal.signal(signal.SIGINT, before)
     assert caught.value.code == 2
 
 
