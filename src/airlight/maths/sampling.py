@@ -38,11 +38,12 @@ def r2_sequence(count: int, start: int = 0) -> F64:
 def pixel_jitter(count: int) -> F64:
     """Offsets (count, 2), pixels from the centre, for anti-aliasing; a single one is (0, 0).
 
-    The first `count` R2 points with their mean taken off, so that the image does not shift;
-    that moves a few points out of [-1/2, 1/2) by less than 2/count.
+    The ranks of the first `count` R2 points along each axis, so that every row and every column of
+    a `count` x `count` grid has one point (an edge along a row or column of pixels is off its
+    coverage by half a step at most: small lights are a few such edges) and the image does not shift.
     """
-    points = r2_sequence(count)
-    return np.asarray(points - points.mean(axis=0))
+    ranks = r2_sequence(count).argsort(axis=0).argsort(axis=0)
+    return np.asarray((ranks + 0.5) / count - 0.5)
 
 
 def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
