@@ -38,12 +38,17 @@ def r2_sequence(count: int, start: int = 0) -> F64:
 def pixel_jitter(count: int) -> F64:
     """Offsets (count, 2), pixels from the centre, for anti-aliasing; a single one is (0, 0).
 
-    The ranks of the first `count` R2 points along each axis, so that every row and every column of
-    a `count` x `count` grid has one point (an edge along a row or column of pixels is off its
-    coverage by half a step at most: small lights are a few such edges) and the image does not shift.
+    A rank-1 lattice by the golden ratio, its second coordinate by rank, so that every row and every
+    column of a `count` x `count` grid has one point: an edge along the pixels (a small light has
+    little else) is off its coverage by half a step at most, and the image does not shift. In the
+    order of bit-reversed rows, so that the first points of many are spread as well.
     """
-    ranks = r2_sequence(count).argsort(axis=0).argsort(axis=0)
-    return np.asarray((ranks + 0.5) / count - 0.5)
+    row = np.arange(count)
+    column = np.mod(row / GOLDEN_RATIO, 1.0).argsort().argsort()
+    bits = np.arange(max(1, int(count - 1).bit_length()))
+    reversed_row = ((row[:, None] >> bits & 1) << bits[::-1]).sum(axis=1)
+    points = np.stack([row, column], axis=1)[reversed_row.argsort()]
+    return np.asarray((points + 0.5) / count - 0.5)
 
 
 def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
