@@ -1,3 +1,4 @@
+// The flux of reflective shadow maps, attenuated by media from the light to each texel.
 //! use light_texel
 //! use media_light
 

@@ -1,3 +1,4 @@
+// The flux of the sky's maps, attenuated likewise.
 //! use light_texel
 //! use media
 

@@ -22,9 +22,10 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
     if (any(id >= size)) {
         return;
     }
-    let place = vec3f(vec3u(id.xy, id.z % params.count.z)) / vec3f(params.count - 1u);
-    // The columns' box is the unit cube of the volume's own space.
-    let world = world_from_place(place);
+    // The columns' box is the unit cube of the volume's own space; texels reach from border to border.
+    let inside = vec3f(vec3u(id.xy, id.z % params.count.z)) / vec3f(params.count - 1u);
+    let world = world_from_volume(inside);
+    // A slab of texels for four lights.
     let first = 4u * (id.z / params.count.z);
     var means = vec4f(0.0);
     for (var k = 0u; k < 4u; k++) {
@@ -36,12 +37,12 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
 }
 
 // The inverse of the affine volume_from_world, by cofactors.
-fn world_from_place(place: vec3f) -> vec3f {
+fn world_from_volume(p: vec3f) -> vec3f {
     let m = media[params.medium].volume_from_world;
     let a = m[0].xyz;
     let b = m[1].xyz;
     let c = m[2].xyz;
-    let q = place - m[3].xyz;
+    let q = p - m[3].xyz;
     return vec3f(dot(q, cross(b, c)), dot(q, cross(c, a)), dot(q, cross(a, b)))
         / dot(a, cross(b, c));
 }

@@ -46,7 +46,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     }
     // At an edge the nearest and the farthest one in turn, else the middle one.
     let edge = select(nearest, farthest, ((id.x + id.y) & 1u) == 1u);
-    let even = select(chosen, nearest, chosen.x < 0.0);
+    let middle_one = select(chosen, nearest, chosen.x < 0.0);
     let is_edge = farthest.x - nearest.x > SAME_SURFACE * nearest.x;
-    return vec4f(select(even, edge, is_edge), 0.0, 0.0);
+    return vec4f(select(middle_one, edge, is_edge), 0.0, 0.0);
 }

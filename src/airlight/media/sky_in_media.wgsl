@@ -43,7 +43,7 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
         let d = lattice_from_world(lattice, lights[i].direction);
         light.fluence += e;
         let tensor = vec4f(d.x * d.x - 1.0 / 3.0, d.y * d.y - 1.0 / 3.0, d.x * d.y, d.x * d.z);
-        light.even += mat3x4f(e.r * tensor, e.g * tensor, e.b * tensor);
+        light.squares += mat3x4f(e.r * tensor, e.g * tensor, e.b * tensor);
         light.rest += d.y * d.z * e;
         for (var axis = 0u; axis < 3u; axis++) {
             light.flux[axis] += e * d[axis];

@@ -1,5 +1,9 @@
+// Volumes as blockers of a lattice: what they reflect and stop on each hop, on top of its walls (two-stream
+// model, Schuster 1905).
+
 // What a hop between two cells meets: rgb reflected, a blocked.
 fn met(one: vec4f, other: vec4f) -> vec4f {
+    // What collides is absorbed, or scattered to both sides alike.
     let depth = 0.5 * (one + other) * lattice.cell;
     let collided = 1.0 - exp(-depth.a);
     let back = 0.5 * collided * min(depth.rgb / max(depth.a, 1e-12), vec3f(1.0));
@@ -20,6 +24,7 @@ fn beside(cell: vec3u, hop: u32) -> vec4f {
     return cell_at(vec3i(cell) + step);
 }
 
+// What a wall and media reflect and stop together of light that leaves.
 fn leaving(wall: u32, media: vec4f) -> u32 {
     let shares = unpack4x8unorm(wall);
     let open = 1.0 - shares.a;
@@ -32,6 +37,7 @@ fn leaving(wall: u32, media: vec4f) -> u32 {
     }
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     let here = cells[cell];
+    // Media on the six hops, then walls and media together, packed as lattice.blockers.Blockers.faces.
     var hops = array<vec4f, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
         hops[hop] = met(here, beside(id, hop));

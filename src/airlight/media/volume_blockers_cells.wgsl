@@ -1,3 +1,4 @@
+// The reduced coefficients of volumes in the cells of a lattice, m^-1.
 //! use media
 //! use lattice_axes
 
@@ -8,11 +9,11 @@ fn touches(m: u32, centre: vec3f) -> bool {
     let across = mat3x3f(to[0].xyz, to[1].xyz, to[2].xyz)
         * mat3x3f(lattice.axis_x, lattice.axis_y, lattice.axis_z);
     let reach = half * (abs(across[0]) + abs(across[1]) + abs(across[2]));
-    let place = medium_coordinates(m, centre);
-    return all(place > -reach) && all(place < 1.0 + reach);
+    let inside = medium_coordinates(m, centre);
+    return all(inside > -reach) && all(inside < 1.0 + reach);
 }
 
-// rgb: scattering as if it were even; a: extinction with that, the channels' mean; m^-1.
+// rgb: scattering of the reduced medium; a: its extinction, the mean of three channels; m^-1.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
@@ -27,6 +28,7 @@ fn touches(m: u32, centre: vec3f) -> bool {
             let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
             density += medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
         }
+        // Similarity theory: sigma_s (1 - g), and the absorption as it is.
         density /= f32(n * n * n);
         let s = media[m].sigma_t * media[m].albedo;
         scattering += density * s * (1.0 - media[m].g);

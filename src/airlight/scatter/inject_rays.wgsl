@@ -6,8 +6,8 @@
 //! use media_light
 //! use sampling
 
-// What the texel's ray carries: W per metre squared (parallel) or per steradian of its measure.
-fn carried(light: LightData, direction: vec3f) -> vec3f {
+// What the light sends along the texel's ray: W per metre squared (parallel) or per steradian of its measure.
+fn sent(light: LightData, direction: vec3f) -> vec3f {
     return light.color * select(1.0, sent_share(light, direction), sends_by_direction(light.kind));
 }
 
@@ -28,7 +28,7 @@ fn carried(light: LightData, direction: vec3f) -> vec3f {
     // The flux of the texel's beam.
     let reach = length(hit - start);
     let direction = (hit - start) / max(reach, 1e-12);
-    let power = carried(light, direction) * texel_measure(view, centre, params.resolution);
+    let power = sent(light, direction) * texel_measure(view, centre, params.resolution);
     // The stretch of it in the lattice, up to the surface; a ray that hits nothing goes on.
     let low = lattice.origin;
     let span = ray_box_interval(lattice_from_world(lattice, start), lattice_from_world(lattice, direction),

@@ -3,7 +3,7 @@
 //! use media_light
 //! use cell_light
 
-// Mean irradiance of a lamp over a box of sides `size` about p, which it is close to, and which it
+// Mean irradiance of a local light over a box of sides `size` about p, which it is close to, and which it
 // reaches attenuated by `passed` at p. The box is cut into 27, each of which stands for a ball.
 fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, passed: vec3f) -> vec3f {
     let distance = length(p - light.position);

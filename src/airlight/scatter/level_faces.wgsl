@@ -12,7 +12,7 @@ fn closed(first: vec3u, axis: u32, plane: i32, side: u32) -> f32 {
     if (plane <= 0 || plane >= i32(f[axis])) {
         return 0.0;
     }
-    // A hop the other way enters the cell below the plane.
+    // A hop back enters the cell below the plane.
     let layer = plane - i32(side);
     let across = (axis + 1u) % 3u;
     let up = (axis + 2u) % 3u;

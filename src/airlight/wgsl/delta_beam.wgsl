@@ -19,12 +19,12 @@ fn quasi_forward_anisotropy(g: vec3f, albedo: vec3f, tau: vec3f) -> vec3f {
 }
 
 // After m forward scatterings in the mean, at least one, of which each keeps a share of direction.
-fn forward_cosine(m: vec3f, kept: vec3f) -> vec3f {
+fn forward_cosine(m: vec3f, cosine: vec3f) -> vec3f {
     let small = m < vec3f(0.01);
     let safe = select(m, vec3f(1.0), small);
     let none = exp(-safe);
-    let exact = (exp(-safe * (1.0 - kept)) - none) / (1.0 - none);
-    return select(exact, kept * (1.0 - 0.5 * m * (1.0 - kept)), small);
+    let exact = (exp(-safe * (1.0 - cosine)) - none) / (1.0 - none);
+    return select(exact, cosine * (1.0 - 0.5 * m * (1.0 - cosine)), small);
 }
 
 // Of diffuse light, what leaves the medium before it is turned; see maths/delta_beam.py, unturned.

@@ -68,12 +68,12 @@ fn side_ends(level: u32, node: vec2u, side: u32) -> array<vec2u, 2> {
 // Of a leaf. Sides are +x +y -x -y; of equal neighbours the lower draws the wall.
 fn beyond(layer: u32, own: Facet, side: u32) -> Beyond {
     let step = select(vec2i(1, 0), vec2i(0, 1), (side & 1u) == 1u) * select(1, -1, side > 1u);
-    let place = vec2i(own.node) + step;
+    let beside = vec2i(own.node) + step;
     var result: Beyond;
     var is_own = true;
-    result.facet = Facet(own.level, vec2u(place), vec4f(NEVER, 0.0, 0.0, 0.0));
-    if (all(place >= vec2i(0)) && all(place < vec2i(i32(tree.side >> own.level)))) {
-        let node = vec2u(place);
+    result.facet = Facet(own.level, vec2u(beside), vec4f(NEVER, 0.0, 0.0, 0.0));
+    if (all(beside >= vec2i(0)) && all(beside < vec2i(i32(tree.side >> own.level)))) {
+        let node = vec2u(beside);
         if (is_in_whole(layer, own.level, node)) {
             result.facet = facet_of(layer, own.level + 1u, node / 2u);
         } else if (is_whole(layer, own.level, node)) {

@@ -1,5 +1,5 @@
 // How a map is read over a pixel's footprint: trilinear probes along the footprint's longer axis, as many as
-// it is longer than wide. Samplers know that, too, but each driver does it in its own way (lavapipe's is
+// it is longer than wide. Samplers know that, too, but each driver does it differently (lavapipe's is
 // wrong for maps with a scale), and the CPU paths read maps without samplers.
 
 const MOST_PROBES = 8.0;

@@ -7,7 +7,7 @@
 
 // The light that a step scatters to the eye. `reached`: metres of the step, times the transmittance
 // of the media; `reduced_reached`: times that of the reduced media. Light that is scattered again
-// on its way to the eye is blurred, by .29 sqrt(2 (1 - g)) of the path.
+// on its path to the eye is blurred, by .29 sqrt(2 (1 - g)) of the path.
 fn forward_light(
     p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f,
 ) -> ForwardLight {

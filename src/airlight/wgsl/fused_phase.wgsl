@@ -1,4 +1,4 @@
-// Light scattered twice or more with one bend; see maths/forward_phase.py. The including pass binds
+// Light scattered twice or more that is deflected once; see maths/forward_phase.py. The including pass binds
 // `fused`, two tables for each medium: rgb by its g of each channel.
 
 const FUSED_COSINES = 64u;

@@ -5,7 +5,7 @@
 // Source: Kaplanyan2010 section 7 and Fig. 8 (right), where the ray averages the intensity of the
 // four cells it passes, divided by squared distance.
 // differs: what arrives is the light of the cells before the faces that stop the ray; the average
-// of all cells passed shows the air before a wall as much as the wall.
+// of all cells passed shows the light before a wall as much as the wall.
 
 const GLOSSY_CELLS = 32u;           // faces crossed at most
 const GLOSSY_LEAST_LEFT = 0.02;     // transmittance that counts as none, and ends a ray
@@ -41,7 +41,7 @@ fn glossy_open(lattice: LatticeParams, cell: f32, coordinates: vec3f, axis: u32)
 }
 
 // How much of a closed face that a ray crosses `height` cells above its own surface is that
-// surface: a slanted one lies in the way of rays along it, in steps as large as cells.
+// surface: a slanted one blocks rays along it, in steps as large as cells.
 fn glossy_own(n: vec3f, towards: vec3f, axis: u32, height: f32) -> f32 {
     let against = max(0.0, -n[axis] * towards[axis]);
     return GLOSSY_OWN * against * (1.0 - smoothstep(0.75, 1.75, height));
@@ -107,9 +107,9 @@ fn glossy_walk(
             let open = min(1.0, glossy_open(lattice, face, coordinates, axis) + own);
             if (goes) {
                 transmittance *= open;
-                let kept = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
-                lost = left - kept;
-                left = kept;
+                let passing = saturate((transmittance - GLOSSY_LEAST_LEFT) / (1.0 - GLOSSY_LEAST_LEFT));
+                lost = left - passing;
+                left = passing;
                 seen = coordinates;
                 seen[axis] = cell[axis] + 0.5;
                 cell[axis] += towards[axis];

@@ -15,7 +15,7 @@ fn outside_lattices() -> f32 {
 
 fn inside_lattices() -> f32 { return 1.0 - outside_lattices(); }
 
-// The row above the depth of a point, and the fraction of the way to the next.
+// The row above the depth of a point, and the fraction to the next.
 fn half_space_row(p: vec3f) -> vec2f {
     let depth = own.half_space_sigma_t * max(own.half_space_top - p.y, 0.0);
     let row = min(depth / (1.0 + depth) / HALF_SPACE_LAST, 1.0) * f32(HALF_SPACE_ROWS - 1u);

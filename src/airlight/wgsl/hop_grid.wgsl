@@ -48,20 +48,20 @@ fn hop_volume(n: u32, cell: vec3u) -> f32 {
     return solid_angles[cell.y * g.count.x + cell.x] * (r1 * r1 * r1 - r0 * r0 * r0) / 3.0;
 }
 
-// A place in cells from the grid's corner to a point in the medium's frame. Inside a shell, r is
+// From coordinates in cells from the grid's corner to a point in the medium's frame. Inside a shell, r is
 // linear.
-fn hop_point(n: u32, place: vec3f) -> vec3f {
+fn hop_point(n: u32, coordinates: vec3f) -> vec3f {
     let g = grids[n];
     if (g.is_radial == 0u) {
-        let at = g.cell * place;
+        let at = g.cell * coordinates;
         return g.corner + at.x * g.axis_x + at.y * g.axis_y + at.z * g.axis_z;
     }
-    let shell = u32(place.z);
-    let r = mix(shell_edge(n, shell), shell_edge(n, shell + 1u), fract(place.z));
-    return g.corner + r * octahedron_decode(2.0 * place.xy / f32(g.count.x) - 1.0);
+    let shell = u32(coordinates.z);
+    let r = mix(shell_edge(n, shell), shell_edge(n, shell + 1u), fract(coordinates.z));
+    return g.corner + r * octahedron_decode(2.0 * coordinates.xy / f32(g.count.x) - 1.0);
 }
 
-// The other way round; shells by the logarithm of r outside the innermost one.
+// The inverse; shells by the logarithm of r outside the innermost one.
 fn hop_place(n: u32, point: vec3f) -> vec3f {
     let g = grids[n];
     let away = point - g.corner;

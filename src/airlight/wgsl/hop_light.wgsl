@@ -20,7 +20,7 @@ fn hop_slot(n: u32, index: u32) -> u32 {
 }
 
 // `gate`: share of light along the grid's own that surfaces between this cell and the one before let
-// through, both ways.
+// through, in both directions.
 fn send_out(slot: u32, power: vec3f, a: vec3f, gate: f32) {
     let r = cap_fractions(a.r);
     let g = cap_fractions(a.g);
@@ -32,7 +32,7 @@ fn send_out(slot: u32, power: vec3f, a: vec3f, gate: f32) {
 
 const EVEN_WAY = 0.674;
 
-// How long the way of a lobe's light is, in hops; see maths/ordinate_hops.py.
+// How long the path of a lobe's light is, in hops; see maths/ordinate_hops.py.
 fn straight_way(n: u32, a: vec3f) -> vec3f {
     if (hops.is_paper == 1u || grids[n].is_radial == 1u) {
         return vec3f(1.0);
@@ -48,9 +48,9 @@ fn mean_on_the_way(x: vec3f) -> vec3f {
     return select(1.0 - 0.5 * x, (1.0 - exp(-safe)) / safe, x > vec3f(1e-3));
 }
 
-// In-scattered radiance towards the eye, per unit scattering coefficient, on `way` hops.
-fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f, way: vec3f) -> vec3f {
-    let path = hop_path(n, cell.z) * way;
+// In-scattered radiance towards the eye, per unit scattering coefficient, on a path of `steps` hops.
+fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f, steps: vec3f) -> vec3f {
+    let path = hop_path(n, cell.z) * steps;
     let point = hop_point(n, vec3f(cell) + 0.5);
     let absorbed = rho * params.sigma_t * (1.0 - params.albedo) * path;
     let light = mean_on_the_way(absorbed) * power * path / hop_volume(n, cell);

@@ -25,11 +25,11 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     let o = medium_coordinates(0u, origin);
     let d = (media[0].volume_from_world * vec4f(direction, 0.0)).xyz;
     let back = -(media[0].volume_from_world * vec4f(light.direction, 0.0)).xyz;
-    let still = abs(back) < vec3f(1e-12);
-    let inverse = 1.0 / select(back, vec3f(1.0), still);
+    let is_parallel = abs(back) < vec3f(1e-12);
+    let inverse = 1.0 / select(back, vec3f(1.0), is_parallel);
     box_exit = select((select(vec3f(0.0), vec3f(1.0), back > vec3f(0.0)) - o) * inverse,
-        vec3f(MEDIUM_FAR), still);
-    box_exit_slope = select(-d * inverse, vec3f(0.0), still);
+        vec3f(MEDIUM_FAR), is_parallel);
+    box_exit_slope = select(-d * inverse, vec3f(0.0), is_parallel);
 }
 
 fn least(v: vec3f) -> f32 {

@@ -49,8 +49,8 @@ fn weight_alone(p: vec3f) -> f32 {
 }
 
 // warped_axis on all three, one division each.
-fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
-    let t = place - cell;
+fn warped_alone(coordinates: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
+    let t = coordinates - cell;
     let is_below = t < low;
     let is_above = (t > 1.0 + high) & !is_below;
     let width = select(select(max(1.0 + high - low, vec3f(0.25)), 1.0 - high, is_above),
@@ -62,13 +62,13 @@ fn bent_alone(place: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec3f {
 // lattice_eased(warped_coordinates(p)) of the only lattice, p along its axes, from its packed cells
 // (media/march/cells.py).
 fn eased_alone(p: vec3f) -> vec3f {
-    let place = (p - alone.origin) * alone.per_metre;
-    let cell = clamp(floor(place), vec3f(0.0), alone.last);
+    let coordinates = (p - alone.origin) * alone.per_metre;
+    let cell = clamp(floor(coordinates), vec3f(0.0), alone.last);
     let walls = textureLoad(march_cells, vec3i(cell), 0).zw;
-    let bent = bent_alone(place, cell, unpack4x8snorm(walls.x).xyz, unpack4x8snorm(walls.y).xyz);
-    let there = clamp(floor(bent), vec3f(0.0), alone.last);
+    let warped = warped_alone(coordinates, cell, unpack4x8snorm(walls.x).xyz, unpack4x8snorm(walls.y).xyz);
+    let there = clamp(floor(warped), vec3f(0.0), alone.last);
     let faces = textureLoad(march_cells, vec3i(there), 0).xy;
-    let t = clamp(bent - there, vec3f(0.0), vec3f(1.0)) - 0.5;
+    let t = clamp(warped - there, vec3f(0.0), vec3f(1.0)) - 0.5;
     let low = unpack4x8unorm(faces.x).xyz;
     let high = unpack4x8unorm(faces.y).xyz;
     let inside = there + 0.5 + t * select(low, high, t > vec3f(0.0));
@@ -125,7 +125,7 @@ fn lattice_blended(states: texture_3d<f32>, is_power: bool) -> vec4f {
     return sum;
 }
 
-// Cells of the finest lattice that has the place, over the finest lattice's.
+// Cells of the finest lattice that has the point, over the finest lattice's.
 fn march_step_share(p: vec3f) -> f32 {
     if (LATTICES_AT_ONCE == 1u) {
         return 1.0;

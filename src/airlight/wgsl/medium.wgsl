@@ -29,14 +29,14 @@ fn mean_absorption_depth(x: f32) -> f32 {
 }
 
 fn ray_box_interval(origin: vec3f, direction: vec3f, low: vec3f, high: vec3f) -> vec2f {
-    let still = direction == vec3f(0.0);
+    let is_parallel = direction == vec3f(0.0);
     let inside = (low <= origin) & (origin <= high);
-    let inverse = 1.0 / select(direction, vec3f(1.0), still);
+    let inverse = 1.0 / select(direction, vec3f(1.0), is_parallel);
     let a = (low - origin) * inverse;
     let b = (high - origin) * inverse;
     let open = select(vec3f(MEDIUM_FAR), vec3f(-MEDIUM_FAR), inside);
-    let near = select(min(a, b), open, still);
-    let far = select(max(a, b), -open, still);
+    let near = select(min(a, b), open, is_parallel);
+    let far = select(max(a, b), -open, is_parallel);
     return vec2f(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 

@@ -39,14 +39,14 @@ fn reduced_depth(n: u32, cell: u32) -> vec3f {
 
 fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f {
     var often = vec3f(0.0);
-    var kept = vec3f(0.0);
+    var cosines = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
         let share = forward_share(media[m].g) * media[m].albedo;
         let times = share * passed_of(m, n, cell) * media[m].sigma_t;
         often += times;
-        kept += times * (1.0 + 2.0 * media[m].g) / 3.0;
+        cosines += times * (1.0 + 2.0 * media[m].g) / 3.0;
     }
-    return forward_cosine(often, kept / max(often, vec3f(1e-20)));
+    return forward_cosine(often, cosines / max(often, vec3f(1e-20)));
 }
 
 fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f {

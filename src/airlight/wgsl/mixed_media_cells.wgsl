@@ -14,8 +14,8 @@ fn absorbing(cell: u32) -> vec3f {
 fn transporting(cell: u32) -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
-        let kept = media[m].albedo * media[m].g;
-        sum += density[m * params.cells + cell] * media[m].sigma_t * (1.0 - kept);
+        let forward = media[m].albedo * media[m].g;
+        sum += density[m * params.cells + cell] * media[m].sigma_t * (1.0 - forward);
     }
     return sum;
 }

@@ -16,9 +16,9 @@ fn near_field_at(position: vec2f, own: f32) -> NearField {
     }
     let size = vec2f(textureDimensions(near_field));
     // A texel is the mean of 4 x 4 from the one before it, so its middle is half a texel farther.
-    let place = position * size / params.size - 1.0;
-    let base = floor(place);
-    let t = place - base;
+    let at = position * size / params.size - 1.0;
+    let base = floor(at);
+    let t = at - base;
     var light = vec3f(0.0);
     var direction = vec4f(0.0);
     var open = 0.0;

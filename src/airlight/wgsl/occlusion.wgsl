@@ -25,7 +25,7 @@ fn hidden_flux(state: vec4f, direction: vec3f, visibility: f32) -> f32 {
     return max(state.x * (1.0 - visibility) - dot(state.yzw, direction), 0.0);
 }
 
-// The lattice's irradiance e with the near occluders' own light in the place of what it has from them.
+// The lattice's irradiance e with the near occluders' own light instead of what it has from them.
 fn replaced(e: vec3f, from_them: vec3f, own: vec3f) -> vec3f {
     return max(e - from_them, vec3f(0.0)) + 3.14159265 * own;
 }

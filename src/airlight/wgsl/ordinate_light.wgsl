@@ -17,8 +17,8 @@ fn mean_inverse_square(away: vec3f) -> f32 {
     var total = 0.0;
     for (var part = 0u; part < 8u; part++) {
         let side = vec3f(vec3u(part, part >> 1u, part >> 2u) & vec3u(1u)) - 0.5;
-        let place = away + 0.5 * side * params.cell;
-        let r2 = max(dot(place, place), 0.1 * h2);
+        let sample = away + 0.5 * side * params.cell;
+        let r2 = max(dot(sample, sample), 0.1 * h2);
         total += (1.0 + h2 / (12.0 * r2)) / r2;
     }
     return total / 8.0;

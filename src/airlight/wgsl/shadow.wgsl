@@ -30,10 +30,10 @@ fn lit_share(
         return 1.0;
     }
     let ndc = clip.xyz / clip.w;
-    let place = ndc.xy * vec2f(0.5, -0.5) + 0.5;
+    let coordinates = ndc.xy * vec2f(0.5, -0.5) + 0.5;
     // A local light's views end where its light does, or at the next one's edge, over which the move may
     // have taken the point: the outermost texels then stand for it.
-    let uv = select(place, saturate(place), view.is_perspective != 0u);
+    let uv = select(coordinates, saturate(coordinates), view.is_perspective != 0u);
     if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {
         return 1.0;
     }

@@ -10,7 +10,7 @@ const LAST_LEVEL = 3u;
 const MOST_INTERVALS = 4u;   // found before they are integrated
 const NOWHERE = 4.0;    // an s that is never reached
 
-// One eye ray on its way over one shadow map. It is a line there; s goes from 0 to 1 along it, and
+// One eye ray over one shadow map. It is a line there; s goes from 0 to 1 along it, and
 // t is the ray parameter in the world.
 struct Walk {
     is_parallel: bool,

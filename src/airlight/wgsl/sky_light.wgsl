@@ -6,13 +6,13 @@ const LARGEST_HALF = 65504.0;
 struct SkyLight {
     fluence: vec3f,     // W m^-2
     flux: mat3x3f,      // net, by axis
-    even: mat3x4f,      // of the third band, see third_band.wgsl
+    squares: mat3x4f,   // of the third band, see third_band.wgsl
     rest: vec3f,
     plus: mat3x3f,      // irradiance on faces towards +x, +y, +z
     minus: mat3x3f,
 }
 
-fn stored(even: f32, flux: vec3f) -> vec4f {
-    let v = params.scale * vec4f(even, flux);
+fn stored(fluence: f32, flux: vec3f) -> vec4f {
+    let v = params.scale * vec4f(fluence, flux);
     return clamp(v, vec4f(-LARGEST_HALF), vec4f(LARGEST_HALF));
 }

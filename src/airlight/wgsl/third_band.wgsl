@@ -22,9 +22,9 @@ fn third_slab(k: f32) -> vec4f {
 // Per g^2, rgb; `travel`: unit, of the light that leaves, along the lattices' axes.
 fn sky_third_at(travel: vec3f) -> vec3f {
     let v = travel;
-    let even = vec4f(
+    let squares = vec4f(
         v.x * v.x - v.z * v.z, v.y * v.y - v.z * v.z, 2.0 * v.x * v.y, 2.0 * v.x * v.z);
     let rest = 2.0 * v.y * v.z * third_slab(3.0).rgb;
     return 7.5 * (rest + vec3f(
-        dot(third_slab(0.0), even), dot(third_slab(1.0), even), dot(third_slab(2.0), even)));
+        dot(third_slab(0.0), squares), dot(third_slab(1.0), squares), dot(third_slab(2.0), squares)));
 }

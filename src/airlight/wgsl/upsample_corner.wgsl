@@ -27,11 +27,11 @@ struct Corner {
 
 // The k-th of four texels around a pixel.
 fn corner_of(position: vec2f, k: u32) -> Corner {
-    let place = position / f32(rays.scale) - 0.5;
+    let at = position / f32(rays.scale) - 0.5;
     let last = vec2i(rays.reduced) - 1;
     // Four different texels even at the image's edge, so that both of a block's sides are there.
-    let base = clamp(floor(place), vec2f(0.0), vec2f(max(last - 1, vec2i(0))));
-    let t = saturate(place - base);
+    let base = clamp(floor(at), vec2f(0.0), vec2f(max(last - 1, vec2i(0))));
+    let t = saturate(at - base);
     let corner = vec2u(k & 1u, k >> 1u);
     let texel = min(vec2i(base) + vec2i(corner), last);
     let share = select(1.0 - t, t, corner == vec2u(1u));

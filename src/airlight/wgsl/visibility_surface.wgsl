@@ -41,11 +41,11 @@ fn material_of(index: u32) -> PackedMaterial {
     let color = two_words(bits.x);
     let emission = two_words(bits.y);
     let rest = two_words(bits.z);
-    let place = two_words(bits.w);
+    let corner = two_words(bits.w);
     let gloss = unpack2x16float(rest.x);
     return PackedMaterial(vec4f(unpack2x16float(color.x), unpack2x16float(color.y)),
         vec4f(unpack2x16float(emission.x), unpack2x16float(emission.y)), gloss.x, gloss.y,
-        vec4u(place, rest.y & 0xffffu, rest.y >> 16u));
+        vec4u(corner, rest.y & 0xffffu, rest.y >> 16u));
 }
 
 fn transform_of(index: u32) -> mat4x4f {

@@ -21,6 +21,7 @@ struct Seen {
 override IS_SAMPLED: bool = false;
 var<private> per_texel: vec4f;
 
+// A texel of a reduced image, and the depth of the pixel.
 fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
     if (IS_SAMPLED) {
         return textureSampleLevel(source, nearest, (texel + 0.5) * per_texel.xy, 0.0);
@@ -60,15 +61,17 @@ fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
 @fragment fn fragment(seen: Seen) -> Finished {
     let pixel = vec2i(seen.position.xy);
     per_texel = seen.per_texel;
+    // How far the pixel's own ray goes.
     let reach = length(seen.direction);
     let shown = depth_shown(seen.position.xy);
     let own = select(min(reach * seen.grid.w / max(shown, 1e-30), EYE_RAY_FAR), EYE_RAY_FAR,
         shown <= 0.0);
-    let place = seen.position.xy / seen.grid.x - 0.5;
+    // The four texels around the pixel.
+    let at = seen.position.xy / seen.grid.x - 0.5;
     let last = seen.grid.yz;
     // Four different texels even at the edge of the image, so that both sides of a block are there.
-    let base = clamp(floor(place), vec2f(0.0), max(last - 1.0, vec2f(0.0)));
-    let t = saturate(place - base);
+    let base = clamp(floor(at), vec2f(0.0), max(last - 1.0, vec2f(0.0)));
+    let t = saturate(at - base);
     // Joint bilateral upsampling by depth.
     var multiple = vec3f(0.0);
     var sky = vec3f(0.0);
@@ -91,7 +94,7 @@ fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
     // The first two targets are multiplied by what is written.
     let T = transmittance_to(seen, reach, own);
     var out: Finished;
-    out.direct = vec4f(T, 1.0);     
+    out.direct = vec4f(T, 1.0);
     out.indirect = vec4f(T, 1.0);
     out.multiple = vec4f(multiple, 1.0);
     out.transmittance = vec4f(T, 1.0);

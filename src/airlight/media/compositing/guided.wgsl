@@ -1,3 +1,4 @@
+// Upsamples what was marched, and sharpens it by the density along each pixel's own ray (Elek2014 section 4.4).
 //! use media
 //! use upsample_weight
 
@@ -29,6 +30,7 @@ fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f 
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Sharpened {
+    // Light and transmittance of the four texels around the pixel, by depth.
     let own = own_distance(position.xy);
     var light = vec3f(0.0);
     var through = vec3f(0.0);
@@ -46,6 +48,7 @@ fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f 
     }
     light /= total;
     through /= total;
+    // Where the texels differ, the pixel's own transmittance is marched, and its light follows its opacity.
     let is_asked = any(high - low > vec3f(SAME_MEDIUM));
     let direction = pixel_direction(rays.world_from_clip, position.xy, vec2f(rays.size));
     let exact = marched_transmittance(normalize(direction), own, is_asked);

@@ -1,3 +1,4 @@
+// The transmittance of homogeneous media to the surface of a pixel, in closed form.
 //! use media
 //! use eye_ray
 

@@ -9,6 +9,7 @@ const OPEN_TO = vec4f(0.5);
     if (any(id >= lattice.count)) {
         return;
     }
+    // Walls' shifts on all faces, and their visibility as interpolation weighs it.
     let cell = vec3i(id);
     let texel = lattice_texel(lattice, cell);
     let low = wall_shifts_low(lattice, cell);

@@ -49,6 +49,7 @@ var<private> eye_path: f32;
 // Densities in the middle of a step: looked up once, because they cost more than all else.
 var<private> media_density_here: array<f32, MEDIA_COUNT>;
 
+// Fill the copies.
 fn march_begin() {
     own = march;
     for (var m = 0u; m < MEDIA_COUNT; m++) {
@@ -73,6 +74,7 @@ fn densities_at(p: vec3f, t: f32) {
     }
 }
 
+// m^-1 of media that lattices light; next of all media.
 fn lit_scattering_here() -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {

@@ -1,3 +1,5 @@
+// The mean of 4 x 4 texels of about the same depth: all sixteen offsets of the jitter.
+
 // Texels farther off than this share of the depth do not count.
 const DEPTH_TOLERANCE = 0.1;
 

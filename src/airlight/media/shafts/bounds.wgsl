@@ -2,6 +2,7 @@
 // their size. Level 0 has been copied from the maps.
 //! use shadow_levels
 
+// Where the square with a texel is, of a layer and level; in fours.
 fn at(texel: vec2u, layer: u32, level: u32) -> u32 {
     return level_entry(2u * layer * params.side * params.side, params.side, level, texel) / 4u;
 }
@@ -31,6 +32,7 @@ fn of_columns(first: vec2u, upper: vec4u, lower: vec4u) -> array<vec4f, 2> {
     if (any(square >= vec2u(squares)) || id.z >= params.layers) {
         return;
     }
+    // The two rows of finer squares below four squares of this level.
     let finer = select(params.level - 1u, 0u, IS_FIRST);
     let texel = square << vec2u(params.level);
     let upper = at(texel, id.z, finer);
@@ -39,6 +41,7 @@ fn of_columns(first: vec2u, upper: vec4u, lower: vec4u) -> array<vec4f, 2> {
     let b = bounds[upper + 1u];
     let c = bounds[lower];
     let d = bounds[lower + 1u];
+    // Of depths, or of bounds: the nearest and the farthest of each four.
     var made: vec4u;
     if (IS_FIRST) {
         let l = of_columns(texel, a, c);

@@ -1,6 +1,7 @@
 // How many triangles the leaves within each square have.
 //! use facets
 
+// Those of a leaf: both ends of its column, and walls towards neighbours that it is in charge of.
 fn triangles_of(layer: u32, level: u32, node: vec2u) -> u32 {
     let own = facet_of(layer, level, node);
     let bits = leaf_sides(layer, own);
@@ -18,6 +19,7 @@ fn triangles_of(layer: u32, level: u32, node: vec2u) -> u32 {
     if (any(id.xy >= vec2u(tree.side >> tree.level)) || is_in_whole(id.z, tree.level, id.xy)) {
         return;
     }
+    // Of the leaf itself, or of the four squares within.
     var sum = 0u;
     if (is_whole(id.z, tree.level, id.xy)) {
         sum = triangles_of(id.z, tree.level, id.xy);

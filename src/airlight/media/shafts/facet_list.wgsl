@@ -1,6 +1,7 @@
 // From the root down: where each square's triangles begin, and the leaves' triangles themselves.
 //! use facets
 
+// Each writes triangles from an index on, and returns the next one.
 fn put(at: u32, own: Facet, kind: u32) -> u32 {
     if (at < arrayLength(&triangles)) {
         triangles[at] = packed_triangle(own.level, own.node, kind);
@@ -49,6 +50,7 @@ fn put_leaf(level: u32, node: vec2u, first: u32) -> u32 {
     if (any(id.xy >= vec2u(tree.side >> tree.level)) || is_in_whole(layer, tree.level, id.xy)) {
         return;
     }
+    // Where this square's own begin; at the root, where their number says how much there is to draw.
     var at = places[bounds_index(tree.side, layer, tree.level, id.xy)];
     if (tree.level == tree.top) {
         draws[layer] = Draw(3u * min(at, arrayLength(&triangles)), 1u, 0u, 0u);
@@ -63,9 +65,9 @@ fn put_leaf(level: u32, node: vec2u, first: u32) -> u32 {
         if (tree.level == 1u) {
             at = put_leaf(0u, child, at);
         } else {
-            let place = bounds_index(tree.side, layer, tree.level - 1u, child);
-            let count = places[place];
-            places[place] = at;
+            let entry = bounds_index(tree.side, layer, tree.level - 1u, child);
+            let count = places[entry];
+            places[entry] = at;
             at += count;
         }
     }

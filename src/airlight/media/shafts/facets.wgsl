@@ -15,6 +15,7 @@ fn texel_in_depth(layer: u32, depth: f32) -> f32 {
     return view.texel.x * inverse_distance / abs(along.w);
 }
 
+// The plane of a square: depth in its middle, slopes, how far it lies off; -1 where none fits.
 fn fitted(layer: u32, node: vec2u) -> vec4f {
     let below = tree.level - 1u;
     let a = facet_plane(layer, below, 2u * node);
@@ -23,6 +24,7 @@ fn fitted(layer: u32, node: vec2u) -> vec4f {
     let d = facet_plane(layer, below, 2u * node + 1u);
     let opened = vec4f(0.0, 0.0, 0.0, -1.0);
     let centres = vec4f(a.x, b.x, c.x, d.x);
+    // All four are planes, or nothing is in any of them.
     if (min(min(a.w, b.w), min(c.w, d.w)) < 0.0) {
         return opened;
     }
@@ -32,6 +34,7 @@ fn fitted(layer: u32, node: vec2u) -> vec4f {
     if (any(centres >= vec4f(NEVER))) {
         return opened;
     }
+    // The least-squares plane of their middles, and the most that theirs differ from it.
     let size = f32(1u << below);
     let slope = vec2f(b.x - a.x + d.x - c.x, c.x - a.x + d.x - b.x) / (2.0 * size);
     var off = 0.25 * abs(a.x + d.x - b.x - c.x);
@@ -40,12 +43,14 @@ fn fitted(layer: u32, node: vec2u) -> vec4f {
             max(turned(a, slope), turned(b, slope)), max(turned(c, slope), turned(d, slope)));
         off += 0.5 * size * turn + max(max(a.w, b.w), max(c.w, d.w));
     }
+    // As good as the tolerance, and no step.
     let middle = 0.25 * (a.x + b.x + c.x + d.x);
     let unit = texel_in_depth(layer, middle);
     let fits = off <= tree.tolerance * unit && abs(slope.x) + abs(slope.y) <= STEEPEST * unit;
     return select(opened, vec4f(middle, slope, off), fits);
 }
 
+// How much slopes differ.
 fn turned(plane: vec4f, slope: vec2f) -> f32 {
     return abs(plane.y - slope.x) + abs(plane.z - slope.y);
 }

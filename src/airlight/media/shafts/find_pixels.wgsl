@@ -3,6 +3,7 @@
 //! use upsample_corner
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    // Joint bilateral interpolation, and between which colours it is.
     let own = own_distance(position.xy);
     var sum = vec3f(0.0);
     var total = 0.0;

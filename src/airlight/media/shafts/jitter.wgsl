@@ -1,7 +1,8 @@
+// Single scattering by jittered steps, one sample of each light in each.
 //! use eye_ray
 //! use media_light
 
-// Sixteen places in a step, in the order of a 4 x 4 Bayer matrix.
+// Sixteen offsets in a step, in the order of a 4 x 4 Bayer matrix.
 fn bayer(pixel: vec2u) -> f32 {
     let p = pixel & vec2u(3u);
     let q = (p.x ^ p.y);
@@ -33,7 +34,7 @@ fn visibility(light: LightData, p: vec3f) -> f32 {
 
 // Where in t0..t1 to sample a light: x the ray parameter, y the weight of its irradiance, which
 // for a local light is the exact integral of 1/r^2.
-fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) -> vec2f {
+fn sampled_distance(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) -> vec2f {
     if (light.kind == LIGHT_DIRECTIONAL) {
         return vec2f(mix(t0, t1, u), t1 - t0);
     }
@@ -47,11 +48,11 @@ fn sample_place(light: LightData, direction: vec3f, t0: f32, t1: f32, u: f32) ->
 
 // One light's share of a step, scattered to the eye, before the media attenuate it on the path there.
 fn step_radiance(
-    light: LightData, index: u32, direction: vec3f, place: vec2f,
+    light: LightData, index: u32, direction: vec3f, sample: vec2f,
 ) -> vec3f {
-    let p = rays.eye + place.x * direction;
+    let p = rays.eye + sample.x * direction;
     var travel = light.direction;
-    var gain = place.y;
+    var gain = sample.y;
     if (light.kind != LIGHT_DIRECTIONAL) {
         travel = normalize(p - light.position);
         if (sends_by_direction(light.kind)) { gain *= sent_share(light, travel); }
@@ -71,10 +72,12 @@ fn step_radiance(
     if (any(id.xy >= rays.reduced)) {
         return;
     }
+    // The ray, cut into equal steps; a phase of the jitter by pixel and frame.
     let ray = picked_ray(rays, id.xy, textureLoad(picked, vec2i(id.xy), 0).xy);
     let hull = media_enter(rays.eye, ray.direction, ray.distance);
     let longest = max((hull.y - hull.x) / f32(params.steps), 1e-6);
     let u = fract(bayer(id.xy) + f32(rays.frame) * 0.6180340);
+    // What each light scatters in each step, attenuated on the path to the eye.
     var sum = vec3f(0.0);
     var grid_depth = vec3f(0.0);
     var t = hull.x;
@@ -85,9 +88,9 @@ fn step_radiance(
         var k = 0u;
         loop {
             let light = lights[k];
-            let place = sample_place(light, ray.direction, t, t + dt, u);
-            let depth = homogeneous_depth(0.0, place.x) + grid_depth + grids * (place.x - t);
-            sum += exp(-depth) * step_radiance(light, k, ray.direction, place);
+            let sample = sampled_distance(light, ray.direction, t, t + dt, u);
+            let depth = homogeneous_depth(0.0, sample.x) + grid_depth + grids * (sample.x - t);
+            sum += exp(-depth) * step_radiance(light, k, ray.direction, sample);
             k++;
             if (k >= params.light_count) { break; }
         }

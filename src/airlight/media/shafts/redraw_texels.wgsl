@@ -10,8 +10,8 @@
         return;
     }
     loop {
-        let place = chosen[i].w;
-        let texel = vec2u(place & 0xffffu, place >> 16u);
+        let packed = chosen[i].w;
+        let texel = vec2u(packed & 0xffffu, packed >> 16u);
         let ray = picked_ray(rays, texel, textureLoad(picked, vec2i(texel), 0).xy);
         let drawn = single_scattered(ray.direction, ray.distance);
         textureStore(scattered, texel, vec4f(drawn, ray.distance));

@@ -34,7 +34,7 @@ struct WallCorner {
 }
 
 // Which corner of a facet's top a triangle's vertex is.
-fn vertex_place(own: Facet, kind: u32, k: u32) -> vec2u {
+fn top_corner(own: Facet, kind: u32, k: u32) -> vec2u {
     let size = 1u << own.level;
     let low = own.node * size;
     if (kind < 2u) {
@@ -56,7 +56,7 @@ fn vertex_place(own: Facet, kind: u32, k: u32) -> vec2u {
 }
 
 // A lattice point of the map at a depth, in the world; at NEVER, where its light goes to.
-fn world_place(at: vec2u, depth: f32, light: u32) -> vec4f {
+fn world_of(at: vec2u, depth: f32, light: u32) -> vec4f {
     let view = views[tree.layer];
     let ndc = vec2f(at) / f32(tree.resolution) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let near = view.world_from_clip * vec4f(ndc, 0.0, 1.0);
@@ -89,7 +89,7 @@ fn wall_corner(own: Facet, part: u32, k: u32) -> WallCorner {
     let first = depth_at(own, at);
     let last = depth_at(other, at);
     let cuts = depths_between(tree.layer, at, own.level, first, last);
-    // From own to neighbour: first, cuts, last; the second half goes the other way.
+    // From own to neighbour: first, cuts, last; the second half goes back.
     let step = j + select(k - 1u, 2u - k, is_second);
     if (step == 0u) {
         return WallCorner(at, first);
@@ -121,6 +121,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
 }
 
 @vertex fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    // A corner of the top, of the same at infinity, or of a wall.
     let packed = triangles[index / 3u];
     let kind = packed % KINDS;
     let leaf = leaf_of(packed);
@@ -130,15 +131,16 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
     if (kind >= WALL) {
         corner = wall_corner(own, kind - WALL, k);
     } else if (kind >= LID) {
-        // The other way round.
-        corner = WallCorner(vertex_place(own, kind - LID, 2u - k), NEVER);
+        // Seen from behind.
+        corner = WallCorner(top_corner(own, kind - LID, 2u - k), NEVER);
     } else {
-        corner.at = vertex_place(own, kind, k);
+        corner.at = top_corner(own, kind, k);
         corner.depth = depth_at(own, corner.at);
     }
+    // On the image, its plane known from the eye.
     var out: Corner;
     out.light = light_of_layer();
-    let world = world_place(corner.at, corner.depth, out.light);
+    let world = world_of(corner.at, corner.depth, out.light);
     out.plane = plane_of(own, kind);
     out.clip = params.clip_from_eye * vec4f(world.xyz - world.w * rays.eye, world.w);
     // Clipped at the eye plane only: what lies behind the surface counts, too.
@@ -147,6 +149,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
 }
 
 @fragment fn fragment(in: Corner, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    // The eye ray, and the stretch of it that the light reaches at all.
     let texel = vec2u(in.clip.xy);
     let centre = in.clip.xy * f32(rays.scale);
     let direction = normalize(pixel_direction(rays.world_from_clip, centre, vec2f(rays.size)));
@@ -154,6 +157,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
     let light = lights[in.light];
     let hull = visible_interval(media_enter(rays.eye, direction, reach));
     let span = light_span(light, rays.eye, direction, hull);
+    // Up to the face, or to the end of the stretch.
     let t = -in.plane.w / dot(in.plane.xyz, direction);
     let end = select(min(t, span.y), span.y, all(in.plane.xyz == vec3f(0.0)));
     if (span.x >= end) {
