@@ -6,15 +6,17 @@ import gc
 import weakref
 from contextlib import nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cffi import FFI
 
 from airlight.gpu import recorded
 from airlight.gpu.commands import Commands
 from airlight.gpu.layout import Struct, f32, u32
 from airlight.gpu.memory import Buffer
-from airlight.gpu.recorded import Recorded
+from airlight.gpu.recorded import Recorded, direct_calls
 from airlight.gpu.sliced import SlicedCommands
 from airlight.gpu.slots import storage, uniform
 from airlight.rendering import Renderer
@@ -309,3 +311,15 @@ def test_renderers_beside_each_other_draw_what_fresh_ones_do(gpu, technique):
     np.testing.assert_array_equal(of_a, fresh(share, size))
     np.testing.assert_array_equal(of_b, fresh(3.0 * share, (24, 18)))
     assert of_a.max() > 0.0
+
+
+def test_functions_of_another_library_are_not_called() -> None:
+    ffi = FFI()
+    ffi.cdef("int abs(int);")
+    other = SimpleNamespace(
+        wgpuComputePassEncoderSetPipeline=ffi.dlopen(None).abs,
+        wgpuComputePassEncoderSetBindGroup=ffi.dlopen(None).abs,
+        wgpuComputePassEncoderDispatchWorkgroups=ffi.dlopen(None).abs,
+    )
+    assert direct_calls(other, ffi) is None
+    assert direct_calls(SimpleNamespace(), ffi) is None

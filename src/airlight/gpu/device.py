@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import wgpu
-from wgpu.backends.wgpu_native import GPUCommandEncoder, _api, ffi
+from wgpu.backends.wgpu_native import ffi
 
 from ..errors import DeviceError
 from .asked import Asked, asked_features, asked_limits, chosen_asked, has_uniforms_in_storage
@@ -23,7 +23,7 @@ from .code_paths import Paths, chosen_paths
 from .failures import OPEN_REMEDY, TO_FIND, TO_OPEN, Guarded, check_memory, is_alive, lost
 from .pipelines import Pipelines
 from .process import enter_driver
-from .quick_types import declare_only_what_is_named, keep_attachments, keep_labels
+from .quick_types import declare_only_what_is_named
 from .scope import Memory, Scope
 
 NO_DRIVER_REMEDY = (
@@ -32,8 +32,6 @@ NO_DRIVER_REMEDY = (
 )
 _PREFERENCE = ("DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other")
 declare_only_what_is_named(ffi)
-keep_attachments(GPUCommandEncoder)
-keep_labels(_api)
 
 
 @dataclass(frozen=True)

@@ -172,11 +172,8 @@ class FullscreenPass(RasterPipeline):
     vertex_entry = "fullscreen"
 
     def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
-        """Write `targets` (textures, or views); `values` name every slot.
-
-        Every pixel is written; a CPU adapter would clear them one by one before that.
-        """
-        kept = len(targets) if self.gpu.takes_cpu_paths else self._blended
+        """Write `targets` (textures, or views); `values` name every slot."""
+        kept = self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         if commands.tally is not None:
             width, height = getattr(targets[0], "size", (0, 0))[:2]

@@ -15,7 +15,6 @@ import wgpu
 from wgpu.backends.wgpu_native import ffi, lib
 
 from .layout import Struct
-from .quick_types import dispatch_calls
 
 if TYPE_CHECKING:
     from .bindings import Bindings
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
 _ALIGNMENT = 256  # of dynamic offsets, WebGPU's default limit
 _MOST = 4  # recordings kept; each holds its parameters and bind groups
-_CALLS = dispatch_calls(lib, ffi)
 T = TypeVar("T")
 
 
@@ -177,3 +175,37 @@ def _row(pipeline: Any, group: Any, offsets: list[int], dispatch: Dispatch) -> _
         return pipeline, group, offsets, dispatch.groups
     handles = [None if one is None else one._internal for one in (pipeline, group)]
     return handles[0], handles[1], ffi.new("uint32_t[]", offsets), dispatch.groups
+
+
+_DISPATCH_CALLS = {
+    "SetPipeline": ("Encoder", "Pipeline"),
+    "SetBindGroup": ("Encoder", "uint32_t", "Group", "size_t", "uint32_t *"),
+    "DispatchWorkgroups": ("Encoder", "uint32_t", "uint32_t", "uint32_t"),
+}
+
+
+def direct_calls(lib: Any, ffi: Any) -> tuple[Any, ...] | None:
+    """The C functions that set a compute pass's pipeline and bind group and dispatch.
+
+    wgpu-py wraps each, to raise what goes wrong in it at once; a pass tells when it ends, too. That
+    is a tenth of the Python of a foggy frame with its 400 dispatches. None where the library has
+    other ones.
+    """
+    found = []
+    for name, wanted in _DISPATCH_CALLS.items():
+        call = getattr(lib, f"wgpuComputePassEncoder{name}", None)
+        try:
+            given = [argument.cname for argument in ffi.typeof(call).args]
+        except (TypeError, AttributeError):
+            return None
+        if len(given) != len(wanted) or not all(map(_is_like, given, wanted)):
+            return None
+        found.append(call)
+    return tuple(found)
+
+
+def _is_like(given: str, wanted: str) -> bool:
+    return given == wanted or (wanted.isalpha() and wanted in given and given.endswith("*"))
+
+
+_CALLS = direct_calls(lib, ffi)

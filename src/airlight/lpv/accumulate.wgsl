@@ -2,7 +2,7 @@
 //! needs fn unpacked(v: State) -> vec4f
 
 override IS_SCALED: bool = false;   // the state is in stored units, the total is not
-override PER_LANE: u32 = 1;         // values that an invocation adds
+override PER_INVOCATION: u32 = 1;   // values that it adds
 
 const LARGEST_RATIO = 0.97;
 
@@ -15,8 +15,8 @@ fn tail(channel: u32) -> f32 {
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(local_invocation_index) own: u32, @builtin(workgroup_id) group: vec3u,
 ) {
-    let first = group.x * WX * PER_LANE + own;
-    let end = min(params.values, (group.x + 1u) * WX * PER_LANE);
+    let first = group.x * WX * PER_INVOCATION + own;
+    let end = min(params.values, (group.x + 1u) * WX * PER_INVOCATION);
     // A state of the sum, or the last block times what all blocks after it would add.
     var scale = 1.0;
     if (IS_SCALED) {

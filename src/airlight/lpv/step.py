@@ -81,8 +81,6 @@ class _PropagateCells(ComputePass):
 
     def __init__(self, gpu: Gpu, kind: StepKind, format: Format) -> None:
         self.slots = _slots(format.element, "vec4u")  # type: ignore[misc]
-        # One run of lanes: a CPU adapter runs groups without work, too.
-        self.workgroup = (LANES, 1, 1) if gpu.takes_cpu_paths else (32, 8, 1)  # type: ignore[misc]
         super().__init__(gpu, constants=kind.constants, generated=format.wgsl + kind.wgsl)
 
 

@@ -10,7 +10,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from .storage import FLOAT, Format
 
-_CPU_PER_LANE = 16  # values: a CPU adapter takes 7 ns to begin an invocation
+_PER_INVOCATION = 16  # values, so that a grid of 256^3 cells has few enough workgroups
 
 
 class AccumulateParams(Struct):
@@ -33,7 +33,6 @@ class Sums:
 
     def __init__(self, gpu: Gpu, cells: int, format: Format, range: Buffer) -> None:
         self._cells, self._range = cells, range
-        self._per_lane = _CPU_PER_LANE if gpu.takes_cpu_paths else 1
         self._powers = Buffer(gpu, "power of the last blocks", 32)
         self._power = _power_pass(gpu, format)
         self._accumulate = _accumulate_pass(gpu, format)
@@ -55,7 +54,7 @@ class Sums:
         values = 3 * self._cells
         self._accumulate.dispatch(
             commands,
-            (-(-values // self._per_lane),),
+            (-(-values // _PER_INVOCATION),),
             params=AccumulateParams.of(values=values, is_tail=int(is_tail), is_first=int(is_first)),
             state=state,
             powers=self._powers,
@@ -103,6 +102,6 @@ def _accumulate_pass(gpu: Gpu, format: Format) -> ComputePass:
 
     constants = {
         "IS_SCALED": float(format is not FLOAT),
-        "PER_LANE": float(_CPU_PER_LANE if gpu.takes_cpu_paths else 1),
+        "PER_INVOCATION": float(_PER_INVOCATION),
     }
     return Accumulate(gpu, constants=constants, generated=format.wgsl)
