@@ -15,7 +15,7 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
-from ..gpu.memory import Buffer, Texture, buffer_of, nearest_sampler
+from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..maths.area_light import cosine_table
@@ -76,7 +76,6 @@ class _AreaLighting(FullscreenPass):
             texture("albedo", "2d", "unfilterable-float"),
             texture("normal", "2d", "unfilterable-float"),
             texture("emission", "2d", "unfilterable-float"),
-            sampler("image_sampler", "non-filtering"),
             storage("emitters", EmitterData),
             storage("corners", CornerData),
             storage("samples", SampleData),
@@ -85,11 +84,10 @@ class _AreaLighting(FullscreenPass):
             sampler("shadow_compare", "comparison"),
             *((storage("lights", LightData), *media.slots) if media else ()),
         )
-        known = {"IS_SAMPLED": gpu.takes_cpu_paths, **has}
         super().__init__(
             gpu,
             generated=(media.wgsl + _THROUGH_MEDIA) if media else _NO_MEDIA,
-            constants={name: float(value) for name, value in known.items()},
+            constants={name: float(value) for name, value in has.items()},
         )
 
 
@@ -206,7 +204,6 @@ class AreaLighting:
             "albedo": gbuffer.albedo,
             "normal": gbuffer.normal,
             "emission": gbuffer.emission,
-            "image_sampler": nearest_sampler(self.gpu),
             "cosines": self._cosines,
             **self.shadows.bound,
         }

@@ -1,5 +1,4 @@
 //! use pixel_point
-//! use image_texel
 //! use area_light
 //! use specular_cosine
 //! needs fn media_passed(row: u32, p: vec3f) -> vec3f
@@ -207,13 +206,13 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let d = depth_texel(depth, pixel);
-    let glow = image_texel(emission, pixel);
+    let d = textureLoad(depth, pixel, 0);
+    let glow = textureLoad(emission, pixel, 0);
     if (d <= 0.0) {
         return glow;
     }
-    let base = image_texel(albedo, pixel);
-    let bent = image_texel(normal, pixel);
+    let base = textureLoad(albedo, pixel, 0);
+    let bent = textureLoad(normal, pixel, 0);
     var s: Seen;
     s.p = pixel_point(position.xy, d);
     s.v = normalize(params.eye - s.p);

@@ -27,10 +27,6 @@ class Irradiance:
 
 @dataclass(frozen=True, eq=False)
 class SkyIrradiance:
-    """The environment's direct light in every cell, W m^-2, as ambient cubes (McTaggart2004).
-
-    `version` changes whenever `cube` does.
-    """
+    """The environment's direct light in every cell, W m^-2, as ambient cubes (McTaggart2004)."""
 
     cube: Texture
-    version: int

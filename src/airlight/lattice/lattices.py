@@ -117,11 +117,6 @@ class Lattices:
         """The ambient cubes of the sky's light in all cells."""
         return self.largest.skylight.cube
 
-    @property
-    def sky_version(self) -> int:
-        """Changes whenever `cube` does."""
-        return sum(level.skylight.version for level in self.levels)
-
     def follow(self, camera: Camera) -> None:
         """Move the lattices to where `camera` wants them."""
         if camera != self._settled_for:

@@ -88,8 +88,6 @@ class Skylight:
         size_before = (1, 1, 1) if owner is None else (columns, rows, FACES * self._depth)
         self._previous = Texture(gpu, "sky light before", size_before, gpu.filtered, dimension="3d")
         self._made: Placement | None = None
-        self.version = 0
-        """Raised whenever cubes are recomputed."""
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)
 
@@ -113,7 +111,6 @@ class Skylight:
         if shift is not None:
             self._copy_previous(commands)
         self._made = self.placement
-        self.version += 1
         # All lights into all cells.
         rows = [
             {"direction": (*light.direction, light.spread), "irradiance": (*light.irradiance, 0.0)}

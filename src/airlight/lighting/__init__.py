@@ -5,7 +5,6 @@ surfaces       G-buffer -> emitted light -> occlusion -> lattice light -> direct
   lighting       the pass that adds it up; kernel: what its variants are compiled from
   occlusion      screen-space occlusion and near-field radiance
   glossy         which materials trace mirrored rays; glossy_pixels: their list on CPU adapters
-  lattice_coordinates   cached lookups of a camera that stands still
 view           a camera's matrices and textures; accumulate: the mean of jittered images
 lattice_box    the box that lattices cover
 """

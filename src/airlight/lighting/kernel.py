@@ -59,7 +59,7 @@ _LISTS = (
     storage("listed", "vec4u", "read_write"),
 )
 _LIT = """
-fn lit_of(pixel: vec2u) -> vec4f { return image_texel(lit, pixel); }
+fn lit_of(pixel: vec2u) -> vec4f { return textureLoad(lit, pixel, 0); }
 """
 _NOT_LIT = """
 fn lit_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
@@ -92,27 +92,16 @@ _MEDIA_FIRST = {
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-Part = Literal["whole", "lights", "lattices", "cached", "rest"]
+Part = Literal["whole", "lights", "lattices", "rest"]
 """Which light a pass adds up.
 
 whole     all of it
 lights    that of lights, emission and background, into one target
 rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
 lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
-cached    "lattices", with coordinates and sky light that `LatticeCoordinates` has cached
 """
 Gloss = Literal["none", "inline", "listed"]
 """Who traces smooth surfaces' mirrored rays into the lattice: nobody, the pass, `GlossyPixels`."""
-CACHED = ("cached_coordinates", "cached_sky", "cached_returned")
-"""What `LatticeCoordinates` brings, by slot."""
-_CACHED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in CACHED)
-_FROM_CACHE = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return image_texel({name}, pixel); }}\n"
-    for name in CACHED
-)
-_NOT_CACHED = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return vec4f(0.0); }}\n" for name in CACHED
-)
 
 
 @dataclass(frozen=True)
@@ -172,7 +161,6 @@ SURFACE_SLOTS = (
     texture("normal", "2d", "unfilterable-float"),
     texture("emission", "2d", "unfilterable-float"),
 )
-IMAGE_SAMPLER = sampler("image_sampler", "non-filtering")
 _LIGHT_SLOTS = (
     storage("lights", LightData),
     storage("parallel_views", LightViewData),
@@ -217,22 +205,18 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     """The light of lattices and sky; nothing of it for the part "lights"."""
     if part == "lights":
         return Kernel(_NOT_LISTED + _NO_LATTICES, {"HAS_LATTICES": 0.0}, {})
-    is_cached, is_listed = part == "cached", gloss == "listed"
+    is_listed = gloss == "listed"
     constants = {
         **light.constants,
         "HAS_LATTICES": 1.0,
-        "HAS_SKY": float(light.has_sky and not is_cached),
         "HAS_GLOSS": float(gloss == "inline"),
         "DAMPING": light.damping,
-        "HAS_CACHED": float(is_cached),
         "RETURNED": float(light.has_interreflection),
-        "HAS_NEAR_FIELD": float(part in ("lattices", "cached")),
+        "HAS_NEAR_FIELD": float(part == "lattices"),
     }
     generated = (
-        (TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED)
-        + (_FROM_CACHE if is_cached else _NOT_CACHED)
-        + "//! use lattices_light\n"
-    )
+        TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
+    ) + "//! use lattices_light\n"
     return Kernel(generated, constants, _LATTICES_FIRST)
 
 
@@ -263,13 +247,11 @@ def lighting_slots(
     part: Part, attenuation: Attenuation | None = None, gloss: Gloss = "none"
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`."""
-    is_after = part in ("lattices", "cached", "rest")
+    is_after = part in ("lattices", "rest")
     return (
         *SURFACE_SLOTS,
-        IMAGE_SAMPLER,
         *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
         *(() if part == "lights" else LATTICE_SLOTS),
-        *(_CACHED_SLOTS if part == "cached" else ()),
         *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
         *(_LISTS if gloss == "listed" and part != "lights" else ()),
     )

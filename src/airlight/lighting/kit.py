@@ -193,7 +193,7 @@ class Kit:
     @property
     def sky_irradiance(self) -> SkyIrradiance:
         """The environment's direct light on surfaces, not attenuated by media."""
-        return SkyIrradiance(self.lattices.cube, self.lattices.sky_version)
+        return SkyIrradiance(self.lattices.cube)
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -42,7 +42,6 @@ class Lighting(FullscreenPass):
         self.names = [slot.name for slot in self.slots]
         surfaces = {
             "HAS_SURFACES": float(emitters.has_surfaces),
-            "IS_SAMPLED": float(gpu.takes_cpu_paths),
         }
         kernel = (
             Kernel("", surfaces, {})

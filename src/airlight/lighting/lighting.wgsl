@@ -1,5 +1,4 @@
 //! use pixel_point
-//! use image_texel
 //! use surface_reflection
 //! needs fn background(direction: vec3f) -> vec3f
 //! needs fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f
@@ -27,7 +26,7 @@ struct Gathered {
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
     let pixel = vec2u(position.xy);
-    let d = depth_texel(depth, pixel);
+    let d = textureLoad(depth, pixel, 0);
     var out: Lit;
     out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
     let p = pixel_point(position.xy, d);
@@ -40,9 +39,9 @@ struct Gathered {
         }
         return out;
     }
-    let base = image_texel(albedo, pixel);
-    let normal_roughness = image_texel(normal, pixel);
-    let emission_specular = image_texel(emission, pixel);
+    let base = textureLoad(albedo, pixel, 0);
+    let normal_roughness = textureLoad(normal, pixel, 0);
+    let emission_specular = textureLoad(emission, pixel, 0);
     let n = normalize(normal_roughness.xyz);
     let r = reflector(base.rgb, base.a, normal_roughness.w, emission_specular.a);
     var found = Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);

@@ -21,9 +21,9 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
-from ..gpu.memory import Texture, nearest_sampler
+from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import sampler, texture, uniform
+from ..gpu.slots import texture, uniform
 from ..maths.transforms import F64
 from ..surface.gbuffer import GBuffer
 
@@ -52,7 +52,6 @@ class _ReducedSurfaces(FullscreenPass):
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
         texture("lit", "2d", "unfilterable-float"),
-        sampler("image_sampler", "non-filtering"),
     )
     targets = ("rgba32uint",)
     file = "occlusion_surfaces.wgsl"
@@ -114,8 +113,7 @@ class Occlusion:
         """
         usual = _CPU_SAMPLES if gpu.takes_cpu_paths else _GPU_SAMPLES
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
-        kind = {"HAS_LIGHT": float(has_light), "IS_SAMPLED": float(gpu.takes_cpu_paths)}
-        self._nearest = nearest_sampler(gpu)
+        kind = {"HAS_LIGHT": float(has_light)}
         self._surfaces = _ReducedSurfaces(gpu, constants=kind)
         samples = {name: float(count) for name, count in counts.items()}
         self._horizons = _HorizonSearch(gpu, constants=samples | kind)
@@ -141,7 +139,6 @@ class Occlusion:
             "depth": gbuffer.depth,
             "normal": gbuffer.normal,
             "lit": lit or gbuffer.normal,
-            "image_sampler": self._nearest,
         }
         self._surfaces.draw(commands, (layers.surfaces,), **inputs)
         self._horizons.draw(commands, (layers.sampled,), surfaces=layers.surfaces, **inputs)

@@ -1,7 +1,6 @@
 // Horizons around each texel of the image as `occlusion_surfaces` hands it on.
 //! use occlusion
 //! use near_field_texel
-//! use image_texel
 
 override SLICES: u32 = 2;
 override STEPS: u32 = 4;
@@ -49,12 +48,12 @@ struct Sample {
 // Beyond the image's border, the pixel at it.
 fn at_pixel(pixel: vec2i) -> Sample {
     let inside = vec2u(clamp(pixel, vec2i(0), vec2i(params.size) - 1));
-    let inverse = params.depth_scale * depth_texel(depth, inside);
+    let inverse = params.depth_scale * textureLoad(depth, inside, 0);
     var light = vec3f(0.0);
     if (HAS_LIGHT) {
-        light = image_texel(lit, inside).rgb;
+        light = textureLoad(lit, inside, 0).rgb;
     }
-    return Sample(point(inside, inverse), image_texel(normal, inside).xyz, light);
+    return Sample(point(inside, inverse), textureLoad(normal, inside, 0).xyz, light);
 }
 
 fn at_texel(texel: vec2i) -> Sample {

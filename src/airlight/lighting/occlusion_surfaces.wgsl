@@ -1,14 +1,13 @@
 // The image as horizons sample it: depth, normal and light of a texel side by side, and on CPU
 // adapters a quarter of the pixels, which stay in the caches.
 //! use near_field_texel
-//! use image_texel
 
 override HAS_LIGHT: bool = false;    // what occludes shows its light in `lit`
 
 const SAME_SURFACE = 0.1;       // depths that differ by less than this share
 
 fn inverse_distance(pixel: vec2u) -> f32 {
-    return params.depth_scale * depth_texel(depth, pixel);
+    return params.depth_scale * textureLoad(depth, pixel, 0);
 }
 
 // The pixel that stands for a texel: where its block has an edge, the near and the far side in
@@ -39,9 +38,9 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let inverse = inverse_distance(pixel);
     var surface = SurfaceTexel(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
     if (inverse > 0.0) {
-        surface.normal = image_texel(normal, pixel).xyz;
+        surface.normal = textureLoad(normal, pixel, 0).xyz;
         if (HAS_LIGHT) {
-            surface.light = image_texel(lit, pixel).rgb;
+            surface.light = textureLoad(lit, pixel, 0).rgb;
         }
     }
     return packed_surface(surface);

@@ -14,7 +14,7 @@ from ..area.attenuation import Attenuation
 from ..area.lighting import AreaLighting, AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.demands import fits
-from ..gpu.memory import Texture, linear_sampler, nearest_sampler
+from ..gpu.memory import Texture, linear_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
 from .glossy import is_any_glossy
@@ -28,7 +28,6 @@ from .kernel import (
     lighting_slots,
 )
 from .kit import Kit
-from .lattice_coordinates import LatticeCoordinates, can_cache
 from .lighting import Lighting
 from .occlusion import Occlusion, Reach
 from .view import View
@@ -42,7 +41,6 @@ class Surfaces:
         self._cpu_scope = kit.gpu.scope()  # of passes of CPU adapters, by the image's size
         self._passes: dict[Part, Lighting] = {}
         self.glossy: GlossyPixels | None = None
-        self._coordinates: LatticeCoordinates | None = None
         self._occlusion: Occlusion | None = None
         self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
             mesh.material for mesh in scene.meshes
@@ -56,7 +54,7 @@ class Surfaces:
                 kit.gpu, shadows, (mesh.material for mesh in scene.meshes), attenuation
             )
         self._emission: Texture | None = None
-        self._linear, self._nearest = linear_sampler(kit.gpu), nearest_sampler(kit.gpu)
+        self._linear = linear_sampler(kit.gpu)
 
     def draw(
         self, commands: Commands, view: View, irradiance: Irradiance, sky: SkyIrradiance
@@ -126,15 +124,9 @@ class Surfaces:
         irradiance: Irradiance,
         sky: SkyIrradiance,
     ) -> None:
-        kit, layers = self.kit, view.layers
+        layers = view.layers
         values = self._bound(view, part, irradiance, sky)
         self._make_cpu_passes(view.size)
-        # Lattice coordinates are cached while camera and walls do not change.
-        if self._coordinates and part == "lattices":
-            g, lattices = view.gbuffer, kit.lattices
-            key = (g, g.version, view.eye, lattices.placements, sky.version, kit.blockers.version)
-            cached = self._coordinates.encode(commands, view.size, key, values)
-            part, values = ("cached", values | cached) if cached else (part, values)
         lighting = self._lighting_of(part, irradiance)
         drawn = {name: values[name] for name in lighting.names if name in values}
         if self.glossy is None or part == "lights":
@@ -170,7 +162,6 @@ class Surfaces:
             "emission": self._emission,
             "near_field": view.occlusion.near,
             **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
-            "image_sampler": self._nearest,
             "sky_cube": sky.cube,
             **self.kit.blockers.bound,
             "linear_clamp": self._linear,
@@ -191,19 +182,13 @@ class Surfaces:
         )
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
-        """Create the extra passes of CPU adapters: glossy pixels, cached coordinates."""
+        """Create the extra pass of CPU adapters: glossy pixels."""
         is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
         self._cpu_scope.release()
         self._passes.clear()
         self.glossy = GlossyPixels(self._cpu_scope, self._lattices) if is_listed else None
-        is_one = self.kit.lattices.table.count == 1
-        is_cached = can_cache(self.gpu) and is_one and is_listed == self._is_glossy
-        self._coordinates = None
-        if is_cached:
-            gloss = self._gloss_of("lattices")
-            self._coordinates = LatticeCoordinates(self._cpu_scope, self._lattices, gloss)
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         if part not in self._passes:

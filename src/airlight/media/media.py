@@ -95,7 +95,7 @@ class Media(Solver):
             self.sky.encode(
                 commands, frame, blockers.walls, lattices.placements, shadows_changed=is_moved
             )
-        sky = SkyIrradiance(self.sky.cube, self.sky.version)
+        sky = SkyIrradiance(self.sky.cube)
         if not self.image.has_sky:
             return replace(fields, sky=sky)
         source = self.sky.source(blockers.bound, lattices.placements[:-1])

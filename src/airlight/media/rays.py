@@ -10,9 +10,9 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, u32, vec2u, vec3f
-from ..gpu.memory import Texture, nearest_sampler
+from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
-from ..gpu.slots import sampler, texture, uniform
+from ..gpu.slots import texture, uniform
 from ..lighting.view import View
 
 RESOLUTIONS = {"full": 1, "half": 2, "quarter": 4}
@@ -33,7 +33,6 @@ class _Rays(FullscreenPass):
     slots = (
         uniform("rays", RayParams),
         texture("depth", "2d", "depth"),
-        sampler("nearest_texel", "non-filtering"),
     )
     targets = ("rg32float",)
 
@@ -48,8 +47,7 @@ class Rays:
         self.gpu, self.scale = gpu, scale
         self._params: RayParams | None = None
         self._set_size(size)
-        self._nearest = nearest_sampler(gpu)
-        self._pass = _Rays(gpu, constants={"IS_SAMPLED": float(gpu.takes_cpu_paths)})
+        self._pass = _Rays(gpu)
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.size, scale = size, self.scale
@@ -82,5 +80,4 @@ class Rays:
             (self.picked,),
             rays=self._params,
             depth=view.gbuffer.depth,
-            nearest_texel=self._nearest,
         )

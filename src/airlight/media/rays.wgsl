@@ -4,16 +4,6 @@
 // Depths that differ by less than this share count as one surface.
 const SAME_SURFACE = 0.1;
 
-// CPU adapters sample the nearest texel in less time than a load takes.
-override IS_SAMPLED: bool = false;
-
-fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
-    if (IS_SAMPLED) {
-        return textureSampleLevel(depth, nearest_texel, (vec2f(vec2i(pixel)) + 0.5) * per_pixel, 0);
-    }
-    return textureLoad(depth, vec2i(pixel), 0);
-}
-
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let id = vec2u(position.xy);
     let size = vec2f(rays.size);
@@ -24,7 +14,6 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
     let right = rays.world_from_clip[0].xyz * (2.0 / size.x);
     let down = rays.world_from_clip[1].xyz * (-2.0 / size.y);
     let near = 1.0 / rays.world_from_clip[2].w;
-    let per_pixel = 1.0 / size;
     var nearest = vec2f(2.0 * EYE_RAY_FAR, 0.0);
     var farthest = vec2f(-1.0, 0.0);
     var chosen = vec2f(-1.0, 0.0);      // the middle one, where the image has it
@@ -34,7 +23,7 @@ fn depth_shown(pixel: vec2u, per_pixel: vec2f) -> f32 {
         let inside = texel_pixel(index, rays.scale);
         let pixel = first + inside;
         let direction = corner + f32(inside.x) * right + f32(inside.y) * down;
-        let shown = depth_shown(min(pixel, rays.size - 1u), per_pixel);
+        let shown = textureLoad(depth, min(pixel, rays.size - 1u), 0);
         let reach = min(length(direction) * near / max(shown, 1e-30), EYE_RAY_FAR);
         let here = vec2f(select(reach, EYE_RAY_FAR, shown <= 0.0), f32(index));
         let is_in = all(pixel < rays.size);

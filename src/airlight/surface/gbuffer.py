@@ -60,8 +60,6 @@ class GBuffer:
         self._visibility = VisibilityBuffer(gpu, size) if uses_visibility_buffer(gpu) else None
         self._parts = DrawParts(self._split)
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
-        self.version = 0
-        """Raised whenever they were drawn."""
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
@@ -85,7 +83,6 @@ class GBuffer:
         if key == self._key:
             return
         self._key = None  # until all is drawn: after an error nothing counts as drawn
-        self.version += 1
         self._rasterise(commands, scene, clip_from_world)
         self._key = key
 

@@ -1,13 +1,9 @@
 // What all lattices give to a surface, the finest that has it first. The including pass binds what
-// sky_reflected needs, and declares `is_traced_separately` and what `LatticeCoordinates` brings.
+// sky_reflected needs, and declares `is_traced_separately`.
 //! use sky_reflected
-//! needs fn cached_coordinates_of(pixel: vec2u) -> vec4f
-//! needs fn cached_returned_of(pixel: vec2u) -> vec4f
-//! needs fn cached_sky_of(pixel: vec2u) -> vec4f
 //! needs fn is_traced_separately(r: Reflector, n_v: f32) -> bool
 
 override DAMPING: f32 = 0.0;
-override HAS_CACHED: bool = false;      // lattice coordinates and the sky's light are read
 override HAS_NEAR_FIELD: bool = false;  // near surfaces' own light replaces what they hide
 override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
 
@@ -45,7 +41,6 @@ fn lattice_light(
 
 // What reaches the eye at `position` in the image, at depth d, from p; v leads to the eye.
 fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered {
-    let pixel = vec2u(position);
     var near = near_field_at(position, 1.0 / (params.world_from_clip[2].w * d));
     // All lattices have the same axes.
     let axes = lattice_of(0u);
@@ -56,10 +51,6 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     let is_listed = is_traced_separately(r, n_v);
     let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
     var out = Gathered(vec3f(0.0), vec3f(0.0), near.open, is_listed);
-    var cached = vec4f(0.0);
-    if (HAS_CACHED) {
-        cached = cached_coordinates_of(pixel);
-    }
     // The finest lattice that has the point; towards its border the next larger one.
     let last = last_lattice();
     var left = 1.0;
@@ -67,10 +58,7 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     loop {
         k = lattice_from(k, p);
         let weight = left * lattice_weight(lattice_of(k), p);
-        var uvw = cached.xyz;
-        if (!HAS_CACHED) {
-            uvw = lattice_coordinates(lattice_of(k), p, n_own);
-        }
+        let uvw = lattice_coordinates(lattice_of(k), p, n_own);
         let light = lattice_light(k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
         out.direct += weight * light.sky.shown;
         out.indirect += weight * light.indirect;
@@ -80,11 +68,6 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
         if (k > last || left <= 0.0) {
             break;
         }
-    }
-    if (HAS_CACHED) {
-        let sky = cached_sky_of(pixel);
-        out.direct += vec3f(cached.w, sky.xy);
-        out.indirect += vec3f(sky.zw, cached_returned_of(pixel).x);
     }
     return out;
 }
