@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from airlight.app.compare.cli import render_technique
+from airlight.app.compare.judging import render_technique
 from airlight.errors import AirlightError
 from airlight.reference.metrics import Metrics, compare
 from airlight.reference.stored import STORED, load_stored

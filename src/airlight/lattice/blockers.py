@@ -23,7 +23,8 @@ from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
-from ..surface.geometry import GpuScene, InstanceData
+from ..surface.geometry import GpuScene
+from ..surface.instances import InstanceData
 from .placement import LatticeParams, Placement
 from .surfels import SurfelData, follow, surfels
 

@@ -1,6 +1,7 @@
 """Surfaces as the camera and the lights see them.
 
-   scene -> geometry      meshes in shared buffers, drawn by material     textures   mip chains
+   scene -> geometry      meshes in shared buffers: vertices, instances   textures   mip chains
+               |          draws: by material, those in view
                |          mesh_pass: the base of every pass over them
                +-> gbuffer      depth, albedo, normal, emission of each pixel
                +-> shadow       depth of each light view                   light_views  projections

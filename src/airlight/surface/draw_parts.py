@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from .geometry import MOST_CACHED_VIEWS, Draw, GpuScene
+from .draws import MOST_CACHED_VIEWS, Draw
+from .geometry import GpuScene
 
 Parts = TypeVar("Parts")
 

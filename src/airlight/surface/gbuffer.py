@@ -12,7 +12,8 @@ from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
 from .draw_parts import DrawParts, in_draw_order
-from .geometry import Draw, GpuScene
+from .draws import Draw
+from .geometry import GpuScene
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 from .packed_maps import uses_visibility_buffer
 from .visibility_buffer import VisibilityBuffer, VisibilityParams

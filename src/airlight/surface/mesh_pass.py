@@ -9,7 +9,9 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.raster import RasterPipeline
 from ..gpu.slots import Slot, sampler, storage, texture
-from .geometry import MAPS, Draw, GpuScene, InstanceData
+from .draws import MAPS, Draw
+from .geometry import GpuScene
+from .instances import InstanceData
 from .materials import MaterialData
 
 MESH_SLOTS: tuple[Slot, ...] = (storage("materials", MaterialData),)

@@ -18,7 +18,8 @@ from ..gpu.raster import FullscreenPass, color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
 from .draw_parts import DrawParts, in_draw_order
-from .geometry import Draw, GpuScene
+from .draws import Draw
+from .geometry import GpuScene
 from .light_table import shared_fields
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline

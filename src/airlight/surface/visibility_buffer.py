@@ -18,7 +18,8 @@ from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
 from .draw_parts import in_draw_order
-from .geometry import Draw, GpuScene
+from .draws import Draw
+from .geometry import GpuScene
 from .mesh_pass import (
     INSTANCE_TRANSFORMS,
     MATERIAL_SLOTS,

@@ -1,6 +1,6 @@
 """`airlight compare`: techniques beside an unbiased reference.
 
-reference  rendered once, then cached -> result  images, scores, errors of each technique
+reference  rendered once, then cached -> judging  each technique rendered and scored -> result
 -> images  differences and FLIP maps -> page, style  one HTML file; cli: the command
 """
 

@@ -2,49 +2,23 @@
 
 from __future__ import annotations
 
-import platform
-import shlex
-import time
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ... import __version__
-from ...errors import AirlightError, SettingsError
-from ..options import Number, adapter_option, settings_option, shared_settings, size_option
+from ...errors import SettingsError
+from ..options import Number, adapter_option, settings_option, size_option
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads, show_warnings, warn
+from .judging import Plan, compare_scene
 
 if TYPE_CHECKING:
-    from ...reference.metrics import EqualTime
-    from ...scene.image import Image
-    from ...scene.scene import Scene
-    from ..progress import Report
-    from .reference import Reference
-    from .result import Comparison, Outcome
+    from .result import Comparison
 
 TECHNIQUE_OPTIONS = ("-t", "--technique")
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What a comparison is made with, as the options of `airlight compare` say.
-
-    `settings` go to each technique that has them; `noise`: relative MSE that the reference's noise
-    is to be below.
-    """
-
-    size: tuple[int, int] = (640, 360)
-    spp: int = 64
-    noise: float | None = None
-    timeout_s: float = 3600.0
-    samples: int = 16
-    settings: Mapping[str, str] = field(default_factory=dict)
-    adapter: str = "auto"
 
 
 class _ManyTechniques(click.Command):
@@ -159,130 +133,6 @@ def command(
     _say(comparison, output)
 
 
-def compare_scene(
-    scene: Scene,
-    label: str,
-    techniques: tuple[str, ...],
-    plan: Plan,
-    *,
-    output: Path,
-    report: Report = lambda stage, fraction: None,
-) -> Comparison:
-    """Render the reference, then each technique, and score them.
-
-    `label` is what the scene is called on a command line. A technique that fails is an outcome with
-    its error. Raises ReferenceFailure, and SettingsError for a setting that no technique has or
-    that cannot be.
-    """
-    from ...maths.tone import auto_exposure
-    from .reference import reference_for
-    from .result import Comparison
-
-    own = shared_settings(techniques, scene, plan.settings)
-    reference = reference_for(
-        scene, plan.size, plan.spp, noise=plan.noise, timeout_s=plan.timeout_s, report=report
-    )
-    outcomes = []
-    for index, name in enumerate(techniques):
-        report(f"rendering {name}", index / len(techniques))
-        outcomes.append(_outcome(scene, label, name, replace(plan, settings=own[name]), reference))
-    return Comparison(
-        scene=label,
-        command=_compare_command(label, techniques, output, plan),
-        size=plan.size,
-        samples=plan.samples,
-        stops=auto_exposure(reference.image.radiance),
-        reference=reference,
-        outcomes=tuple(outcomes),
-        about=_about(outcomes),
-    )
-
-
-def _outcome(
-    scene: Scene,
-    label: str,
-    name: str,
-    plan: Plan,
-    reference: Reference,
-) -> Outcome:
-    """One technique rendered and scored, with the settings of `plan`; errors are its own."""
-    from ...reference.metrics import compare
-    from .result import Outcome
-
-    words = ["airlight", "render", label, "-o", f"{name}.exr", "--layers", "--technique", name]
-    words += ["--size", _size_word(plan.size), "--samples", str(plan.samples)]
-    made = shlex.join([*words, *_settings_words(plan.settings)])
-    try:
-        image, taken_s = render_technique(
-            scene, name, plan.size, plan.samples, plan.adapter, plan.settings
-        )
-        metrics = compare(image, reference.image)
-    except AirlightError as error:
-        return Outcome(name, made, error=str(error))
-    except Exception as error:  # one broken technique must not cost the others their page
-        return Outcome(name, made, error=f"internal error: {type(error).__name__}: {error}")
-    l2, floor_l2 = metrics.relative_l2 or 0.0, metrics.noise_floor_l2 or 0.0
-    return Outcome(
-        name,
-        made,
-        image,
-        metrics,
-        equal_time=_in_equal_time(metrics.relmse, reference.floor, taken_s, reference),
-        equal_time_l2=_in_equal_time(l2**2, floor_l2**2, taken_s, reference),
-        seconds=taken_s,
-    )
-
-
-def _in_equal_time(error: float, floor: float, taken_s: float, reference: Reference) -> EqualTime:
-    from ...reference.metrics import equal_time
-
-    return equal_time(
-        error,
-        taken_s,
-        floor=floor,
-        samples=reference.spp,
-        reference_seconds=reference.seconds,
-    )
-
-
-def render_technique(
-    scene: Scene,
-    technique: str,
-    size: tuple[int, int],
-    samples: int,
-    adapter: str = "auto",
-    settings: Mapping[str, Any] | None = None,
-) -> tuple[Image, float]:
-    """The image and the seconds it took once shaders were compiled and textures loaded.
-
-    Its layer one_bounce, where the technique can leave later bounces out, is the indirect light of
-    another one.
-    """
-    from ...rendering import Renderer
-
-    settings = settings or {}
-    with Renderer(scene, technique, size, adapter=adapter, settings=settings) as renderer:
-        renderer.frame(read=False)
-        started_s = time.perf_counter()
-        image = renderer.frame(samples=samples)
-        taken_s = time.perf_counter() - started_s
-    assert image is not None
-    if _has_bounces(technique, scene):
-        once = {**settings, "bounces": False}
-        with Renderer(scene, technique, size, adapter=adapter, settings=once) as renderer:
-            bounced = renderer.frame(samples=samples)
-        assert bounced is not None
-        layers = {**image.layers, "one_bounce": bounced.layers["indirect"]}
-        image = replace(image, layers=layers)
-    return image, taken_s
-
-
-def _has_bounces(technique: str, scene: Scene) -> bool:
-    from ...techniques import settings_class
-
-    return "bounces" in settings_class(technique, scene).__dataclass_fields__
-
-
 def write(comparison: Comparison, folder: Path) -> None:
     """index.html, contact_sheet.png and results.json, each whole or not at all."""
     from ...scene.io.writing import whole_file
@@ -299,27 +149,6 @@ def write(comparison: Comparison, folder: Path) -> None:
 
 def _files(folder: Path) -> tuple[Path, Path, Path]:
     return folder / "results.json", folder / "contact_sheet.png", folder / "index.html"
-
-
-def _compare_command(label: str, techniques: tuple[str, ...], output: Path, plan: Plan) -> str:
-    words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
-    words += ["--size", _size_word(plan.size), "--spp", str(plan.spp)]
-    words += ["--samples", str(plan.samples), *_settings_words(plan.settings)]
-    return shlex.join(words + ([] if plan.noise is None else ["--noise", f"{plan.noise:g}"]))
-
-
-def _size_word(size: tuple[int, int]) -> str:
-    return f"{size[0]}x{size[1]}"
-
-
-def _settings_words(settings: Mapping[str, str]) -> list[str]:
-    return [word for key, value in settings.items() for word in ("-D", f"{key}={value}")]
-
-
-def _about(outcomes: list[Outcome]) -> dict[str, str]:
-    stats = next((o.image.stats for o in outcomes if o.image is not None), {})
-    about = {"airlight": __version__, "machine": f"{platform.system()} {platform.machine()}"}
-    return about | ({"device": str(stats["device"])} if "device" in stats else {})
 
 
 def _say(comparison: Comparison, folder: Path) -> None:

@@ -1,0 +1,79 @@
+"""Vertices of all geometries of a scene in shared buffers.
+
+positions    float32 x 3, apart, because shadow maps read nothing else
+vertices     normal, texture coordinates, colour
+indices      of each geometry from 0, drawn with a base vertex
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer, buffer_of
+from ..scene.mesh import Geometry
+
+_VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
+
+
+class VertexBuffers:
+    """The buffers, and `offsets`: by a geometry's id, its first index and its first vertex."""
+
+    def __init__(self, gpu: Gpu, geometries: list[Geometry]) -> None:
+        self.offsets: dict[int, tuple[int, int]] = {}
+        index_count = vertex_count = 0
+        for geometry in geometries:
+            self.offsets[id(geometry)] = (index_count, vertex_count)
+            index_count += geometry.indices.size
+            vertex_count += len(geometry.positions)
+        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
+        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
+        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
+        self.positions: Buffer = buffer_of(gpu, "positions", positions, vertex=True)
+        self.vertices: Buffer = buffer_of(gpu, "vertices", vertices, vertex=True)
+        self.indices: Buffer = buffer_of(gpu, "indices", indices, index=True)
+        self.uploaded = {self.offsets[id(g)][1]: g for g in geometries}
+        """By first vertex, the geometry as it was uploaded last."""
+
+    def deform(self, first: int, geometry: Geometry) -> None:
+        """Upload the vertices of the geometry from vertex `first` on.
+
+        Raises SceneError where it has other triangles than before.
+        """
+        check_same_triangles(self.uploaded[first], geometry)
+        self.positions.write(geometry.positions, 12 * first)
+        self.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
+        self.uploaded[first] = geometry
+
+
+def check_same_triangles(old: Geometry, new: Geometry) -> None:
+    """Raise SceneError where a geometry became one of other triangles."""
+    same = len(old.positions) == len(new.positions) and (
+        np.shares_memory(old.indices, new.indices) or np.array_equal(old.indices, new.indices)
+    )
+    if not same:
+        raise SceneError(
+            f"a geometry of {len(old.positions)} vertices and {len(old.indices)} triangles became "
+            f"one of {len(new.positions)} and {len(new.indices)}, or other triangles",
+            remedy="Make a new Renderer",
+        )
+
+
+def _vertex_data(g: Geometry) -> NDArray[Any]:
+    data = np.zeros(len(g.positions), _VERTEX)
+    if g.normals is not None:
+        data["normal"][:, :3] = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0)
+    if g.uvs is not None:
+        data["uv"] = g.uvs
+    data["color"] = 1.0 if g.colors is None else g.colors
+    return data
+
+
+def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    if len(parts) == 1:
+        return np.ascontiguousarray(parts[0], dtype)
+    return np.concatenate(parts) if parts else np.zeros(empty, dtype)
