@@ -29,9 +29,10 @@ from .files import naming
 from .mitsuba_emitters import emitter, with_emission
 from .mitsuba_materials import NoSurface, material
 from .mitsuba_media import Held, held_medium, medium_and_volumes
+from .mitsuba_nodes import Node, walk
 from .mitsuba_shapes import shape_geometries
 from .mitsuba_textures import Source
-from .mitsuba_xml import Node, read_tree, walk
+from .mitsuba_xml import read_tree
 
 DEFAULT_FILM = (768, 576)
 DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)

@@ -15,8 +15,8 @@ from ..environment import Environment
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..material import Material
 from .images import read_radiance
+from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, color_input
-from .mitsuba_xml import Node
 
 MAX_HALF_ANGLE_DEG = 89.0
 _LEFT_OUT = ("projector", "directionalarea", "sunsky", "timed_sunsky", "sky", "sun", "collimated")

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from ..checks import Rgb
 from ..material import Material
+from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, bitmap, color_input, scalar_input, triple
-from .mitsuba_xml import Node
 from .texture_mix import packed_roughness_metallic, with_alpha
 
 # Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;

@@ -17,9 +17,9 @@ from ..checks import F32, F64, Bounds, Rgb
 from ..medium import Medium
 from ..volume import Volume
 from .files import opened
+from .mitsuba_nodes import Node
 from .mitsuba_shapes import Placed, shape_geometries, shape_matrix
 from .mitsuba_textures import Source, triple
-from .mitsuba_xml import Node
 from .volumes import read_volume
 
 UNIT: Bounds = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ...errors import SceneError, nearest
 from ..checks import F64
 from ..mesh import Geometry
+from .mitsuba_nodes import Node
 from .mitsuba_textures import Source
-from .mitsuba_xml import Node
 
 ROUND_STEPS = 96  # around a sphere, a cylinder or a disk
 

@@ -14,8 +14,8 @@ from ...maths.colour import srgb_encode
 from ..checks import F32, Rgb
 from ..material import Texture, Wrap
 from .images import read_radiance, read_texture
+from .mitsuba_nodes import Folders, Node
 from .mitsuba_values import Spectrum
-from .mitsuba_xml import Folders, Node
 from .texture_files import missing_texture
 
 CHECKER_PX = 128

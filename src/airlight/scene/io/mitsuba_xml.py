@@ -7,18 +7,15 @@ is every file outside the folder of the scene.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
-from ... import env
 from ...errors import SceneError, nearest
-from .files import inside, read_bytes, regular_file
+from .files import read_bytes
+from .mitsuba_nodes import MAX_DEPTH, Folders, Node, refuse_cycles
 from .mitsuba_values import VALUE_TAGS, parse_value
 
-MAX_DEPTH = 60
 MAX_INCLUDES = 64
 MOST_EXPANDED = 1 << 24
 """Characters that parameters put into a scene, all together."""
@@ -40,91 +37,6 @@ OBJECT_TAGS = frozenset(
         "volume",
     )
 )
-
-
-@dataclass(eq=False)
-class Node:
-    """A plugin of the scene: what it is, its values and the plugins inside it, in order.
-
-    `name` is the role it plays for its parent. Reading a value marks it as read, so that what
-    was left out can be told in the end.
-    """
-
-    tag: str
-    kind: str
-    name: str = ""
-    id: str = ""
-    values: dict[str, Any] = field(default_factory=dict)
-    children: list[Node] = field(default_factory=list)
-    read: set[str] = field(default_factory=set)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """The value called `name`."""
-        self.read.add(name)
-        return self.values.get(name, default)
-
-    def child(self, name: str) -> Node | None:
-        """The plugin that plays the role `name`."""
-        return next((c for c in self.children if c.name == name), None)
-
-    def all(self, tag: str) -> list[Node]:
-        """The plugins of one kind of thing."""
-        return [c for c in self.children if c.tag == tag]
-
-    def first(self, tag: str) -> Node | None:
-        """The first plugin of one kind of thing, if any."""
-        return next(iter(self.all(tag)), None)
-
-    def __str__(self) -> str:
-        return f"{self.tag} '{self.id}' ({self.kind})" if self.id else f"{self.tag} ({self.kind})"
-
-
-@dataclass
-class Folders:
-    """Where a scene looks for the files that it names: its own folder, and search paths before it.
-
-    Nothing outside of `root` is read: the scene's own folder, or AIRLIGHT_ROOT where that lies
-    around it.
-    """
-
-    own: Path
-    root: Path
-    search: list[Path] = field(default_factory=list)
-    skipped: list[str] = field(default_factory=list)
-
-    @classmethod
-    def of(cls, path: Path) -> Folders:
-        """Those of the scene at `path`. Raises SceneError where there is no such file."""
-        own = regular_file(path).resolve().parent
-        chosen = env.value("AIRLIGHT_ROOT")
-        root = Path(chosen).resolve() if chosen else own
-        return cls(own, root if own.is_relative_to(root) else own)
-
-    def find(self, name: str, where: object) -> Path:
-        """The first file of that name; where none exists, what it would be beside the scene.
-
-        Raises SceneError for a name that leads out of the root.
-        """
-        for folder in self.search:
-            found = inside(self.root, name, where, start=folder)
-            if found.exists():
-                return found
-        return inside(self.root, name, where, start=self.own)
-
-    def add(self, name: str, path: Path) -> None:
-        """Look in the folder `name`, as the file `path` says in a <path>, before all others.
-
-        One that lies outside of the root is skipped, and remembered as such.
-        """
-        try:
-            folder = inside(self.root, name, path, start=path.resolve().parent)
-        except SceneError:
-            self.skipped.append(name)
-            return
-        if folder.is_dir():
-            self.search.insert(0, folder)
-        else:
-            self.skipped.append(name)
 
 
 @dataclass
@@ -151,7 +63,7 @@ def read_tree(path: Path) -> tuple[Node, Folders]:
     scene = Node("scene", "scene")
     _fill(scene, root, reader, path, 0)
     _solve_references(reader)
-    _refuse_cycles(scene)
+    refuse_cycles(scene)
     return scene, reader.folders
 
 
@@ -263,36 +175,6 @@ def _solve_references(reader: _Reader) -> None:
                 found.tag, found.kind, name, found.id, found.values, found.children, found.read
             )
         node.children[place] = found
-
-
-def _refuse_cycles(scene: Node) -> None:
-    def visit(node: Node, above: tuple[int, ...]) -> None:
-        # Nodes in another role share their list of children: that is what makes them the same.
-        if id(node.children) in above:
-            raise SceneError(f"{node} contains itself")
-        if len(above) > 2 * MAX_DEPTH:
-            raise SceneError("references are chained too deep")
-        key = id(node.children)
-        if key in done:
-            return
-        for child in node.children:
-            visit(child, (*above, key))
-        done.add(key)
-
-    done: set[int] = set()
-    visit(scene, ())
-
-
-def walk(node: Node) -> Iterator[Node]:
-    """Every node below `node`, each once."""
-    seen: set[int] = set()
-    stack = [node]
-    while stack:
-        here = stack.pop()
-        if id(here.read) not in seen:
-            seen.add(id(here.read))
-            yield here
-            stack.extend(here.children)
 
 
 def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -> None:
