@@ -41,6 +41,12 @@ INSTEAD = {
     "take it with you": "exports",
     "look around": "viewer",
     "when it does not work": "troubleshooting",
+    "(ways of light|(lights|lobes) ways?)": "path; distance or direction, whichever is meant",
+    "even sk(y|ies)": "uniform sky",
+    "scatters? (un)?evenly": "scatters isotropically, anisotropically",
+    "glow of an ordinate": "angular blur of an ordinate",
+    "steady fields?": "converged",
+    "bent (cells?|coordinates)": "warped",
 }
 """A word or two as they are said in prose or joined in a name, and what to write instead."""
 

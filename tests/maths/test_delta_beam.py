@@ -7,7 +7,7 @@ import pytest
 
 from airlight.maths import delta_beam as db
 from airlight.maths.medium import ray_box_interval
-from airlight.maths.ordinates import even_sky
+from airlight.maths.ordinates import uniform_sky
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.sampling import fibonacci_sphere, orthonormal_frame
 
@@ -112,7 +112,7 @@ def test_a_blob_vanishes_in_a_white_furnace():
     air = db.MediumGrid(
         np.ones(3), rho, rho, np.full(3, 10.0), np.ones(3), np.array([0.0, 0.7, 0.9])
     )
-    sky = even_sky(48)
+    sky = uniform_sky(48)
     beams = [
         db.beam(air, *row)
         for row in zip(sky.direction, sky.irradiance, sky.mean_cosine, strict=True)
@@ -183,9 +183,9 @@ def test_quasi_forward_light_is_continuous_where_its_series_takes_over():
 
 
 @pytest.mark.parametrize("count", [16, 64])
-def test_the_sharpest_lobes_of_an_even_sky_sum_up_without_spots(count):
+def test_the_sharpest_lobes_of_an_uniform_sky_sum_up_without_spots(count):
     """Any lobe integrates to 1; sharper ones would show each ordinate."""
-    sky = even_sky(count)
+    sky = uniform_sky(count)
     views = fibonacci_sphere(400)
     cosines = -(views @ sky.direction.T)
     lobe = db.resolved_by(sky.mean_cosine)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.maths.ordinate_grid import grid_density, ordinate_grids, read_back
-from airlight.maths.ordinates import even_sky
+from airlight.maths.ordinates import uniform_sky
 
 
 def test_a_grid_along_an_axis_is_the_box_itself():
@@ -24,7 +24,7 @@ def test_a_grid_along_an_axis_is_the_box_itself():
 
 @pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (2.4, 4.8, 2.4), (1.0, 0.02, 3.0)])
 def test_turned_grids_span_the_box_with_few_enough_cells(extent):
-    sky = even_sky(24)
+    sky = uniform_sky(24)
     size = np.array(extent)
     grids = ordinate_grids(size, sky.direction, 12**3)
     assert (grids.count.prod(axis=1) <= 12**3).all()
@@ -41,7 +41,7 @@ def test_turned_grids_span_the_box_with_few_enough_cells(extent):
 def test_turned_grids_hold_the_mediums_mass():
     rng = np.random.default_rng(2)
     fine = rng.random((24, 24, 24))
-    grids = ordinate_grids(np.ones(3), even_sky(8).direction, 20**3)
+    grids = ordinate_grids(np.ones(3), uniform_sky(8).direction, 20**3)
     for n in range(8):
         mass = grid_density(grids, n, fine, np.ones(3)).sum() * grids.cell[n] ** 3
         assert mass == pytest.approx(fine.mean(), rel=0.02)

@@ -111,8 +111,8 @@ def test_a_lobe_s_way_is_shorter_than_hops_along_the_axes():
         mu = np.clip((1.0 + a * a - t * t) / (2.0 * a), -1.0, 1.0)[:, None]
         across = np.sqrt(1.0 - mu * mu) * (np.abs(np.cos(phi)) + np.abs(np.sin(phi)))
         want = (1.0 / (np.abs(mu) + across)).mean()
-        assert hop.straight_way(np.array(a)) == pytest.approx(want, abs=0.01)
-    assert hop.straight_way(np.array(1.0)) == 1.0
+        assert hop.straight_path(np.array(a)) == pytest.approx(want, abs=0.01)
+    assert hop.straight_path(np.array(1.0)) == 1.0
 
 
 def test_no_light_is_lost_or_made():

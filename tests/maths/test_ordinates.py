@@ -8,11 +8,11 @@ import pytest
 from airlight.maths.colour import luminance
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from airlight.maths.ordinates import (
-    even_sky,
     importance_sampled,
     joined,
     parallel,
     partition,
+    uniform_sky,
 )
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
@@ -52,8 +52,8 @@ def test_a_sun_gets_an_ordinate_of_its_own():
     assert got.solid_angle[brightest] < got.solid_angle.mean()
 
 
-def test_an_even_sky_is_cut_evenly():
-    got = even_sky(64)
+def test_an_uniform_sky_is_cut_evenly():
+    got = uniform_sky(64)
     np.testing.assert_allclose(got.irradiance.sum(axis=0), 4 * np.pi)
     assert got.solid_angle.max() < 1.4 * got.solid_angle.min()
     assert got.mean_cosine.min() > 0.975
@@ -90,7 +90,7 @@ def test_black_and_tiny_maps():
 
 def test_joined_and_turned():
     sun = parallel((0.0, -1.0, 0.0), (1.0, 2.0, 3.0))
-    both = joined([sun, even_sky(4)])
+    both = joined([sun, uniform_sky(4)])
     assert both.count == 5
     turned = both.turned(np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]))
     np.testing.assert_allclose(turned.direction[0], [0.0, 0.0, -1.0])

@@ -7,7 +7,7 @@ import pytest
 
 from airlight.maths.beam_phase import beam_phase_table
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
-from airlight.maths.ordinates import even_sky, partition
+from airlight.maths.ordinates import partition, uniform_sky
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.sky_phase import convolved, sky_gain
 from airlight.maths.transforms import F64
@@ -32,7 +32,7 @@ def test_it_is_the_integral():
 
 
 @pytest.mark.parametrize("g", [0.9, 0.999, -0.99])
-def test_an_even_sky_stays_even_and_light_is_kept(g):
+def test_an_uniform_sky_stays_even_and_light_is_kept(g):
     np.testing.assert_allclose(convolved(np.full((200, 400, 3), 2.0), (g,) * 3), 2.0, rtol=1e-9)
     radiance = sky()
     omega = latlong_row_solid_angles(48, 96)[:, None, None]
@@ -42,7 +42,7 @@ def test_an_even_sky_stays_even_and_light_is_kept(g):
 
 def test_the_gain_takes_the_spots_off():
     """Of 32 ordinates and g = .95: what is left is 1, where there were spots of tens of percent."""
-    g, even = (0.95,) * 3, even_sky(32)
+    g, even = (0.95,) * 3, uniform_sky(32)
     table = beam_phase_table(g, even.mean_cosine)
     gain = sky_gain(convolved(np.ones((48, 96, 3)), g), even, table)
     assert gain.std() > 0.05

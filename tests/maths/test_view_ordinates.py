@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
-from airlight.maths.ordinates import even_sky, partition
+from airlight.maths.ordinates import partition, uniform_sky
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.view_ordinates import resized, view_partition, view_samples
 
@@ -41,8 +41,8 @@ def test_more_ordinates_are_where_more_is_seen():
     assert near[1] >= near[0] + 2
 
 
-def test_an_even_view_of_an_even_sky_is_the_even_sky():
-    made, even = view_partition(np.ones((48, 96, 3)), 32, np.ones((16, 32))), even_sky(32)
+def test_an_even_view_of_an_uniform_sky_is_the_uniform_sky():
+    made, even = view_partition(np.ones((48, 96, 3)), 32, np.ones((16, 32))), uniform_sky(32)
     np.testing.assert_allclose(made.direction, even.direction, atol=0.06)
     np.testing.assert_allclose(made.irradiance, even.irradiance, rtol=0.15)
 

@@ -88,7 +88,7 @@ def test_a_sun_in_an_endless_medium_is_a_half_spaces(gpu, technique):
 
 
 def test_a_skys_light_scatters_once_in_the_half_space(gpu):
-    """A bright even sky: the light of the upper half of all directions, each through its depth."""
+    """A bright uniform sky: light of the upper half of all directions, each through its depth."""
     scene = small_plate((), Environment(radiance=(1.0, 1.0, 1.0)))
     with Renderer(scene, "single", SIZE, settings=_known("single")) as renderer:
         image = renderer.frame()

@@ -39,7 +39,7 @@ def lattice(gpu, rng):
     return LatticeSource(Placement((-2.0,) * 3, 0.5, (CELLS,) * 3), bound, 1.0, mean=mean)
 
 
-def test_means_alone_are_enough_where_air_scatters_evenly(gpu, look):
+def test_means_alone_are_enough_where_air_scatters_isotropically(gpu, look):
     """Three channels' states or their means; one lattice, or the same as two at one place."""
     medium = Medium((0.9, 0.5, 1.6), (0.9, 0.8, 1.0), bounds=BOX)
     seen = look(Scene(medium=medium, camera=Camera((0.4, 0.3, 4.0), (0.0, 0.0, 0.0), fov_y_deg=40)))

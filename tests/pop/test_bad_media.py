@@ -22,7 +22,7 @@ ONES = np.ones((4, 4, 4), np.float32)
 
 
 def emission(gpu: Gpu, volume: Volume) -> F64:
-    """Under an even sky of radiance 1, a sun and a lamp inside."""
+    """Under a uniform sky of radiance 1, a sun and a lamp inside."""
     solver, commands = PopSolver(gpu, volume, SETTINGS, lights=2), Commands(gpu)
     lights = (DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((0.1, 0.2, 0.3), (0.1, 0.1, 0.1)))
     solver.encode(commands, Illumination(lights, Environment((1.0, 1.0, 1.0)), EYE))

@@ -1,4 +1,4 @@
-"""Light of a lattice in a medium: an even lattice is an even sky."""
+"""Light of a lattice in a medium: an even lattice is a uniform sky."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_what_does_not_absorb_passes_the_lattice_on(gpu):
     assert emission(gpu, ball, None).max() == 0.0
 
 
-def test_an_even_lattice_is_an_even_sky(gpu):
+def test_an_even_lattice_is_an_uniform_sky(gpu):
     """In the mean; of the sky's light it is known how it leans, which absorption makes it do."""
     sooty = Volume((4.0,) * 3, shape="sphere", albedo=(0.9, 0.7, 0.3), g=(0.5,) * 3)
     got = emission(gpu, sooty, lattice(gpu, (1.0, 0, 0, 0), 2.0)).mean(axis=0)

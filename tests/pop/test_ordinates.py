@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from airlight.maths.beam_phase import PHASE_TABLE
-from airlight.maths.ordinates import even_sky, parallel
+from airlight.maths.ordinates import parallel, uniform_sky
 from airlight.pop.light.ordinates import SceneOrdinates
 from airlight.pop.light.table import Kind, OrdinateTable
 from airlight.pop.medium.placement import placed
@@ -53,7 +53,7 @@ def test_a_table_scales_by_the_brightest_and_refuses_more_than_it_holds(gpu):
     phase = table.phase.read().reshape(-1, PHASE_TABLE, 4)[0, :, :3]
     assert phase[0, 2] > phase[-1, 2]
     with pytest.raises(ValueError, match="4 ordinates in a table of 3"):
-        table.write(even_sky(4), (), at, box.g)
+        table.write(uniform_sky(4), (), at, box.g)
 
 
 @pytest.mark.parametrize("made_by", ["partition", "importance"])

@@ -1,4 +1,4 @@
-"""Several media at once, through one another: an even sky hides them, Monte Carlo agrees."""
+"""Several media at once, through one another: a uniform sky hides them, Monte Carlo agrees."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SUN = DirectionalLight((-0.6, -0.64, -0.48), (3.0, 3.0, 3.0))
 SIZE = (48, 32)
 
 
-def test_an_even_sky_hides_two_that_overlap(gpu: Gpu) -> None:
+def test_an_uniform_sky_hides_two_that_overlap(gpu: Gpu) -> None:
     """Different in every channel, and white: scattered light is what is missing of the sky."""
     media = (
         Volume((1.0, 1.6, 2.4), shape="box", bounds=LEFT, g=(0.0, 0.5, 0.8)),

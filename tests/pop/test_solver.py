@@ -13,7 +13,7 @@ from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths import delta_beam as db
-from airlight.maths.ordinates import Ordinates, even_sky
+from airlight.maths.ordinates import Ordinates, uniform_sky
 from airlight.maths.point_light_beam import axis_share, near_fluence, point_light_beam
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
@@ -137,7 +137,7 @@ def test_light_diffuses(solved, truth):
 
 
 def test_emission_and_its_furnace_correction(solved, truth):
-    white = twin(solved, even_sky(SETTINGS.ordinates), 1.0, is_white=True)
+    white = twin(solved, uniform_sky(SETTINGS.ordinates), 1.0, is_white=True)
     beams, quasi = white.solution.beam_emission(white.towards_eye)
     multiple = quasi + white.solution.diffuse_emission(white.towards_eye)
     correction = np.clip((1.0 - beams) / np.maximum(multiple, 1e-6), 0.5, 2.0)
@@ -231,7 +231,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
         solver.scale,
         solver.medium.placed.width,
     )
-    air = twin(solver, even_sky(1), scale).medium
+    air = twin(solver, uniform_sky(1), scale).medium
     beams, near = [], 0.0
     for light in LAMPS:
         position = at.point(np.array(light.position))

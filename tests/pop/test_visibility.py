@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.gpu.device import Gpu
-from airlight.maths.ordinates import even_sky, joined, parallel
+from airlight.maths.ordinates import joined, parallel, uniform_sky
 from airlight.maths.transforms import F64
 from airlight.pop.light.visibility import shadow_rows
 from airlight.pop.media import PopMedia
@@ -87,7 +87,7 @@ def test_a_wide_plate_keeps_the_upper_sky_out(gpu):
 
 def test_every_light_of_the_sky_belongs_to_one_ordinate():
     parallel_lights = parallel([(0, -1, 0), (1, 0, 0)], np.ones((2, 3)))
-    sky = even_sky(6)
+    sky = uniform_sky(6)
     toward = np.random.default_rng(3).standard_normal((40, 3))
     lamps = [
         DirectionalLight(tuple(d), (e,) * 3)
@@ -108,8 +108,8 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
 
 
 def test_an_ordinate_without_a_light_takes_the_nearest():
-    rows, parts = shadow_rows(even_sky(5), (), [DirectionalLight((0, -1, 0), (1, 1, 1))])
+    rows, parts = shadow_rows(uniform_sky(5), (), [DirectionalLight((0, -1, 0), (1, 1, 1))])
     assert list(rows["count"]) == [1] * 5
     assert list(parts["layer"]) == [0] * 5
-    rows, _ = shadow_rows(even_sky(5), (), [])
+    rows, _ = shadow_rows(uniform_sky(5), (), [])
     assert rows["count"].sum() == 0

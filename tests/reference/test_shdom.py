@@ -43,7 +43,7 @@ def test_straight_light_falls_off_as_beer_and_lambert_say():
 
 @pytest.mark.needs("numba")
 def test_a_cube_scatters_what_monte_carlo_says():
-    """Fluence in an isotropic cube under an even sky: within 8 %, darker at the walls."""
+    """Fluence in an isotropic cube under a uniform sky: within 8 %, darker at the walls."""
     from airlight.reference.tracer import BoxMedium, IsotropicEnvironment, trace
 
     outside = environment_series(np.ones((32, 64, 3)), 5)

@@ -1,4 +1,4 @@
-"""Media that scatter evenly for media that scatter forwards."""
+"""Isotropic media for media that scatter forwards."""
 
 import numpy as np
 

@@ -75,7 +75,7 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     var shift = 0.5 * (plus - minus);
     if (plus < -minus) {
         // A gap between them: the backmost surface of the side that covers more (a floor under a
-        // moulding), or, of sheets that block both ways, where most of their area is.
+        // moulding), or, of sheets that block from both sides, where most of their area is.
         let plus_cover = on_face(f, 2u * axis);
         let minus_cover = on_face(f, 2u * axis + 1u);
         shift = on_face(f, AXIS_MOMENT + axis) / max(cover, 1e-6);
@@ -94,7 +94,7 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
 fn is_enclosed(f: CellFace, hop: u32) -> bool {
     let facing = on_face(f, hop ^ 1u);
     let along = on_face(f, hop);
-    // What faces both ways is a sheet; what faces back far from it is another wall.
+    // What faces to both sides is a sheet; what faces back far from it is another wall.
     let sheets = facing + along - on_face(f, AXIS_COVER + hop / 2u);
     let is_apart = along < 0.25
         || (along > ENCLOSED_COVER && abs(backmost(f, hop ^ 1u) + backmost(f, hop)) > SEPARATE);

@@ -162,7 +162,7 @@ def propagate(
     return Propagated(seen, out["residual"], out["carried"], out["fluence"], exits, iterations)
 
 
-def straight_way(a: F64) -> F64:
+def straight_path(a: F64) -> F64:
     """How long the way of a lobe's light is, in hops: hops follow the axes, light does not.
 
     The mean of 1/(|x| + |y| + |z|) over Henyey-Greenstein directions about z; within 0.01.
@@ -171,7 +171,7 @@ def straight_way(a: F64) -> F64:
 
 
 def _way(hops: Hops, a: F64, *, is_paper: bool) -> F64 | float:
-    return 1.0 if is_paper or hops.is_radial else straight_way(a)
+    return 1.0 if is_paper or hops.is_radial else straight_path(a)
 
 
 def _carried(hops: Hops, is_paper: bool) -> float:

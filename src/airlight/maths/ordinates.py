@@ -119,7 +119,7 @@ def importance_sampled(radiance: ArrayLike, count: int, importance: F64 | None =
     return Ordinates(-towards, irradiance, solid_angle, 1.0 - solid_angle / (4.0 * np.pi))
 
 
-def even_sky(count: int) -> Ordinates:
+def uniform_sky(count: int) -> Ordinates:
     """`count` ordinates of an environment of radiance 1 everywhere."""
     height = WORKING_HEIGHT
     return partition(np.ones((height, 2 * height, 3)), count)
@@ -135,7 +135,7 @@ def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
     omega = np.repeat(latlong_row_solid_angles(height, width)[:, None], width, axis=1)
     direction = latlong_texel_directions(height, width)
     power = radiance * omega[..., None]
-    # An even sky's centroids are weighted by a little of everything, and black texels by all.
+    # A uniform sky's centroids are weighted by a little of everything, and black texels by all.
     light = luminance(power) + 1e-9 * omega * max(float(luminance(power).sum()), 1e-30)
     rows, columns = max(1, height // WORKING_HEIGHT), max(1, width // (2 * WORKING_HEIGHT))
     blocks = (rows, columns)

@@ -8,7 +8,7 @@ frame.
 from __future__ import annotations
 
 from ..gpu.commands import Commands
-from ..maths.ordinates import even_sky
+from ..maths.ordinates import uniform_sky
 from ..maths.transforms import F64
 from .delta.beams import DeltaBeams
 from .delta.emission import Emission
@@ -29,7 +29,7 @@ class Furnace:
         others = medium.mixture.media - 1
         self._mixture = Mixture(medium.gpu, medium.cells, others, has_blocks=False)
         self._beams = DeltaBeams(medium, settings, settings.ordinates, self._mixture)
-        self._sky = even_sky(settings.ordinates)
+        self._sky = uniform_sky(settings.ordinates)
 
     def encode_medium(self, commands: Commands) -> None:
         """Take a changed medium: solve it."""

@@ -18,7 +18,7 @@ from ..gpu.slots import sampler, storage, uniform
 from ..lattice.blockers import BLOCKER_SLOTS
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
-from ..maths.ordinates import even_sky
+from ..maths.ordinates import uniform_sky
 from ..maths.transforms import F64
 from .delta.beams import DeltaBeams
 from .light.table import OrdinateData
@@ -62,7 +62,7 @@ class IndirectLight:
 
     def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
         self._medium = medium
-        self._sky = even_sky(settings.ordinates)
+        self._sky = uniform_sky(settings.ordinates)
         self._uniform = DeltaBeams(medium, settings, settings.ordinates, medium.mixture)
         self._pass, self._linear = _Indirect(medium.gpu), linear_sampler(medium.gpu)
 

@@ -59,12 +59,12 @@ class PopSettings:
     )
     exact_sky: bool = setting(
         True,
-        "whether the sky's light that scatters once is exact in clear air, however few "
+        "whether the sky's light that scatters once is exact without a medium, however few "
         "directions stand for it",
     )
     furnace_correction: float = setting(
         1.0,
-        "share of the error under an even sky that is taken off multiple scattering; 0: none",
+        "share of the error under a uniform sky that is taken off multiple scattering; 0: none",
         low=0.0,
         high=1.0,
     )

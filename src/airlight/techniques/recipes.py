@@ -96,7 +96,7 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
     """Multiple scattering on one lattice (Billeter2012).
 
     Light that surfaces reflect and light that media scatter enter the same lattice and propagate
-    to 26 neighbours, absorbed and scattered on the way, until the field is steady. Surfaces read
+    to 26 neighbours, absorbed and scattered on the way, until the field converges. Surfaces read
     its irradiance; view rays march through its mean radiance; single scattering is exact.
     """
     from ..media.media import Media

@@ -33,7 +33,7 @@ fn send_out(slot: u32, power: vec3f, a: vec3f, gate: f32) {
 const EVEN_WAY = 0.674;
 
 // How long the path of a lobe's light is, in hops; see maths/ordinate_hops.py.
-fn straight_way(n: u32, a: vec3f) -> vec3f {
+fn straight_path(n: u32, a: vec3f) -> vec3f {
     if (hops.is_paper == 1u || grids[n].is_radial == 1u) {
         return vec3f(1.0);
     }

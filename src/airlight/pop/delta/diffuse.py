@@ -7,6 +7,8 @@ bits are reproducible. The preconditioner is the diagonal of the operator. See `
 
 from __future__ import annotations
 
+from typing import Any
+
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
@@ -159,29 +161,8 @@ class Diffuse:
             phi=v["phi"],
             **self._mixture.cell_bound,
         )
-        # p = z + beta p, then phi += alpha p and r -= alpha A p.
         for step in range(steps):
-            before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
-            iteration = StepParams(step=step)
-            self._search.dispatch(
-                commands,
-                cells,
-                **common,
-                iteration=iteration,
-                before=before,
-                search=search,
-                product=v["product"],
-            )
-            self._update.dispatch(
-                commands,
-                cells,
-                **common,
-                iteration=iteration,
-                search=search,
-                product=v["product"],
-                phi=v["phi"],
-                residual=v["residual"],
-            )
+            self._step(commands, step, common)
         # Fluence and net flux from phi.
         self._flux.dispatch(
             commands,
@@ -193,6 +174,19 @@ class Diffuse:
             diffuse=self.diffuse,
             **self._mixture.cell_bound,
         )
+
+    def _step(self, commands: Commands, step: int, common: dict[str, Any]) -> None:
+        """Search along p = z + beta p; then phi += alpha p and r -= alpha A p."""
+        v, cells = self._vectors, (self.cells,)
+        before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
+        shared = {
+            **common,
+            "iteration": StepParams(step=step),
+            "search": search,
+            "product": v["product"],
+        }
+        self._search.dispatch(commands, cells, **shared, before=before)
+        self._update.dispatch(commands, cells, **shared, phi=v["phi"], residual=v["residual"])
 
     @property
     def residual(self) -> Buffer:

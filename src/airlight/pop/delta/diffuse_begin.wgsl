@@ -6,6 +6,7 @@
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
     let volume = params.cell.x * params.cell.y * params.cell.z;
+    // Through each face: half of both cells' net power, or what leaves the box.
     let d = diffusivity(index);
     var total = deposits[index].xyz;
     for (var face = 0u; face < 6u; face++) {
@@ -30,6 +31,7 @@ fn source(index: u32) -> vec3f {
     @builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
+    // The diagonal is the preconditioner.
     var product = vec3f(0.0);
     if (id.x < params.cells) {
         let b = source(id.x);

@@ -24,6 +24,7 @@ fn neighbours(index: u32, section: u32, stride: u32, is_low: bool, beta: vec3f) 
     let now = whole_sum(RZ + (iteration.step & 1u), lane);
     let last = whole_sum(RZ + (~iteration.step & 1u), lane);
     let beta = select(quotient(now, last), vec3f(0.0), iteration.step == 0u);
+    // A p: the diagonal less the links to six neighbours.
     var product_sum = vec3f(0.0);
     if (id.x < params.cells) {
         let index = id.x;

@@ -8,6 +8,7 @@
     // alpha = r.z over p.Ap.
     let now = whole_sum(RZ + (iteration.step & 1u), lane);
     let alpha = quotient(now, whole_sum(SEARCHED, lane));
+    // The solution and its residual, and z for the next search direction.
     var rz = vec3f(0.0);
     if (id.x < params.cells) {
         let index = id.x;

@@ -7,6 +7,7 @@
     if (id.x >= params.cells || reach[id.x] == 0u) {
         return;
     }
+    // What is scattered towards the eye: once, and more often.
     let point = cell_centre(cell_of(id.x));
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);

@@ -10,11 +10,13 @@
     if (id.x >= BLOCKS_PER_AXIS * BLOCKS_PER_AXIS * BLOCKS_PER_AXIS) {
         return;
     }
+    // The cells of the block.
     let at = vec3u(id.x % BLOCKS_PER_AXIS, (id.x / BLOCKS_PER_AXIS) % BLOCKS_PER_AXIS,
         id.x / (BLOCKS_PER_AXIS * BLOCKS_PER_AXIS));
     let low = at * params.count / BLOCKS_PER_AXIS;
     let high = (at + 1u) * params.count / BLOCKS_PER_AXIS;
     let volume = params.cell.x * params.cell.y * params.cell.z;
+    // Sums over them: power, its net flux, centre of mass, optical depth.
     var power = vec3f(0.0);
     var moment = array<vec3f, 3>(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var position = vec3f(0.0);

@@ -59,10 +59,10 @@ class GridParams(Struct):
     capacity = u32("cells that each grid has room for")
     grids = u32("how many there are")
     first_row = u32("the first grid's light among the ordinates")
-    first_lamp = u32("grid of the first local light")
+    first_local = u32("grid of the first local light")
     columns = u32("of a grid that begin together")
     is_paper = u32("1: Elek2014 as printed")
-    is_last = u32("1: what is left joins the residuum")
+    is_last = u32("1: all light that still propagates joins the residuum")
     is_added = u32("1: added to the deposits of beams")
 
 
@@ -71,7 +71,7 @@ class GridLights:
     """The lights that propagate in grids: rows of an ordinate table from `first_row` on.
 
     `scale`, W m^-2, as in the table. The last `virtual` lights are virtual point lights, whose
-    grids the device places.
+    grids are placed on the device.
     """
 
     ordinates: Ordinates
@@ -168,7 +168,7 @@ class Grids:
             capacity=self.capacity,
             grids=self.count,
             first_row=self.first_row,
-            first_lamp=self.ordinates,
+            first_local=self.ordinates,
             columns=self.columns,
             is_paper=int(self._is_paper),
             is_last=int(is_last),

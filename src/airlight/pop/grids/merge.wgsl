@@ -20,14 +20,14 @@ fn across_seam(n: u32, at: vec2i) -> vec2u {
 }
 
 // Trilinear and weighted by density, so that empty cells do not count.
-fn read_grid(n: u32, place: vec3f) -> GridLight {
+fn read_grid(n: u32, coordinates: vec3f) -> GridLight {
     var sum = GridLight(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let g = grids[n];
     let is_radial = g.is_radial == 1u;
     let top = vec3f(g.count) - 1.0;
-    var at = clamp(place - 0.5, vec3f(0.0), top);
+    var at = clamp(coordinates - 0.5, vec3f(0.0), top);
     if (is_radial) {
-        at = vec3f(place.xy - 0.5, at.z);
+        at = vec3f(coordinates.xy - 0.5, at.z);
     }
     let low = floor(at);
     let part = at - low;

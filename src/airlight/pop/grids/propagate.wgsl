@@ -75,16 +75,16 @@ fn scattered(n: u32, cell: vec3u, rho: f32, a: vec3f) -> Scattered {
     // As printed, the lobe alone widens.
     if (hops.is_paper == 1u) {
         let g = max(params.g, vec3f(0.0));
-        let kept = select(vec3f(0.0), pow(max(g, vec3f(1e-9)), depth), g > vec3f(0.0));
-        return Scattered(vec3f(0.0), a * select(vec3f(1.0), kept, depth > vec3f(0.0)));
+        let widened = select(vec3f(0.0), pow(max(g, vec3f(1e-9)), depth), g > vec3f(0.0));
+        return Scattered(vec3f(0.0), a * select(vec3f(1.0), widened, depth > vec3f(0.0)));
     }
     // Else a share of the scattering, reduced by g, joins the residuum; the rest widens the lobe.
     let lost = depth * (1.0 - params.g);
     if (grids[n].is_radial == 1u) {
         let peaked = params.g >= vec3f(PEAKED);
         let share = select(vec3f(SHARE_RADIAL), vec3f(SHARE_RADIAL_PEAKED), peaked);
-        let bent = path / max(shell_radius(n, cell.z), path);
-        let after = a * exp(-(1.0 - share) * lost) + 2.0 / 3.0 * (1.0 - a * a) * bent;
+        let narrowing = path / max(shell_radius(n, cell.z), path);
+        let after = a * exp(-(1.0 - share) * lost) + 2.0 / 3.0 * (1.0 - a * a) * narrowing;
         return Scattered(1.0 - exp(-share * lost), clamp(after, vec3f(0.0), vec3f(LARGEST_A)));
     }
     let after = a * exp(-(1.0 - SHARE) * lost);
@@ -108,13 +108,13 @@ fn step_cell(n: u32, index: u32) {
     // What absorption leaves of it, and scattering of that.
     let absorption = rho * params.sigma_t * (1.0 - params.albedo);
     let power = select(1.0, 0.0, is_lost) * sum.power
-        * exp(-absorption * hop_path(n, cell.z) * straight_way(n, a));
+        * exp(-absorption * hop_path(n, cell.z) * straight_path(n, a));
     let gone = scattered(n, cell, rho, a);
     a = gone.a;
     let left = power * (1.0 - gone.leaving);
     // What the eye sees of it, what joins the residuum, and what is sent on.
     if (rho > 0.0) {
-        gathered[slot] += vec4f(seen_light(n, cell, rho, left, a, straight_way(n, a)), 0.0);
+        gathered[slot] += vec4f(seen_light(n, cell, rho, left, a, straight_path(n, a)), 0.0);
     }
     let handed = select(power * gone.leaving, power, hops.is_last == 1u);
     let carried = select(CARRIED, 0.0, hops.is_paper == 1u || grids[n].is_radial == 1u);

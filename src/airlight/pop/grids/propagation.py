@@ -64,7 +64,7 @@ class GridPropagation:
         # Light that scatters once in every cell of every grid.
         with commands.stage("pop initialisation"):
             self.propagate.encode_begin(commands, params, light, eye)
-        # From cell to cell; what the eye sees of it is gathered on the way.
+        # From cell to cell; what the eye sees of it is gathered as it goes.
         with commands.stage("pop propagation"):
             self.propagate.encode(commands, params, eye, self.iterations)
         # All grids on the cells of the medium.

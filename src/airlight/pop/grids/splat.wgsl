@@ -3,7 +3,8 @@
 //! use hop_grid
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = hops.first_lamp + id.y;
+    // A cell of a grid of shells.
+    let n = hops.first_local + id.y;
     if (n >= hops.grids || id.x >= hop_cells(n) || grids[n].is_radial == 0u) {
         return;
     }

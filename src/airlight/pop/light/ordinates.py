@@ -9,11 +9,11 @@ import numpy as np
 
 from ...maths.ordinates import (
     Ordinates,
-    even_sky,
     importance_sampled,
     joined,
     parallel,
     partition,
+    uniform_sky,
 )
 from ...maths.transforms import F64
 from ...maths.view_ordinates import view_partition, view_samples
@@ -97,7 +97,7 @@ class SceneOrdinates:
 
     def _of_uniform(self, environment: Environment) -> Ordinates | None:
         """Those of a uniform sky, which are those of the furnace correction: its error vanishes."""
-        uniform = even_sky(self.count)
+        uniform = uniform_sky(self.count)
         light = np.asarray(environment.radiance) * environment.scale
         self.sky = uniform_light(uniform)
         return replace(uniform, irradiance=uniform.irradiance * light) if light.any() else None

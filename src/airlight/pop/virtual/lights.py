@@ -93,7 +93,7 @@ class _Pick(ComputePass):
         uniform("lattice", LatticeParams),
         texture("lattice_walls", "3d"),
         storage("ordinates", OrdinateData, "read_write"),
-        storage("places", "vec4f", "read_write"),
+        storage("light_cells", "vec4f", "read_write"),
     )
     workgroup = (64, 1, 1)
     file = "pick.wgsl"
@@ -105,7 +105,7 @@ class _Visibility(ComputePass):
         uniform("virtual_lights", VirtualVisibilityParams),
         uniform("lattice", LatticeParams),
         *BLOCKER_SLOTS,
-        storage("places", "vec4f"),
+        storage("light_cells", "vec4f"),
         storage("reach", "u32"),
         storage("passed", "f32", "read_write"),
     )
@@ -124,7 +124,7 @@ class VirtualLights:
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
         # Lattice coordinates of each virtual point light.
-        self._places = Buffer(gpu, "virtual lights in cells", 16 * reflected.count)
+        self._light_cells = Buffer(gpu, "virtual lights in cells", 16 * reflected.count)
         self._sum, self._pick = _Tiles(gpu, generated=_CONSTANTS), _Pick(gpu, generated=_CONSTANTS)
         self._scan, self._visibility = _Scan(gpu), _Visibility(gpu)
         self._first_row = 0
@@ -157,7 +157,7 @@ class VirtualLights:
                 lattice=self._from.placement.params(),
                 lattice_walls=self._from.blockers.walls,
                 ordinates=table.rows,
-                places=self._places,
+                light_cells=self._light_cells,
             )
 
     def encode_visibility(self, commands: Commands, params: MediumParams, passed: Buffer) -> None:
@@ -174,7 +174,7 @@ class VirtualLights:
             virtual_lights=virtual_lights,
             lattice=self._from.placement.params(),
             **self._from.blockers.bound,
-            places=self._places,
+            light_cells=self._light_cells,
             reach=self._medium.density.reach,
             passed=passed,
         )

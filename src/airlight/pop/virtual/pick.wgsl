@@ -66,5 +66,5 @@ fn piece_area(taken: Reflecting, texels: f32) -> f32 {
     ordinates[row].spot = vec4f(piece_area(taken, texels) / PI, 0.0, 0.0, 0.0);
     // Half a cell before the surface, in lattice coordinates.
     let own = lattice_from_world(lattice, taken.normal);
-    places[id.x] = vec4f(warped_surface_coordinates(lattice, taken.point, own) + 0.5 * own, 1.0);
+    light_cells[id.x] = vec4f(warped_surface_coordinates(lattice, taken.point, own) + 0.5 * own, 1.0);
 }

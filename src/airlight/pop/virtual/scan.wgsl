@@ -1,4 +1,4 @@
-// Running sums of all tiles, in place, by one workgroup, in a fixed order.
+// Running sums of all tiles, written over them, by one workgroup, in a fixed order.
 
 var<workgroup> sums: array<f32, WX>;
 
