@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.device import Gpu
-from airlight.gpu.memory import Buffer, buffer_of
+from airlight.gpu.memory import buffer_of
 from airlight.gpu.slots import storage
 from airlight.rays.rays import RAY_SLOTS, RayScene
 from airlight.scene import Scene
@@ -48,7 +49,7 @@ _KERNEL = """
 
 @dataclass
 class Found:
-    """What rays found, a row each; `corners` (N, 3, 3) of the triangle in its own space."""
+    """What rays found, a row each."""
 
     t: np.ndarray
     triangle: np.ndarray
@@ -60,7 +61,6 @@ class Found:
     shading_normal: np.ndarray
     uv: np.ndarray
     material: np.ndarray
-    corners: np.ndarray
 
     @property
     def is_hit(self) -> np.ndarray:
@@ -68,12 +68,25 @@ class Found:
 
 
 class Rays:
-    """The rays of a scene; `send` them from origins along directions (N, 3)."""
+    """The rays of a scene; `send` them from origins along directions (N, 3).
 
-    def __init__(self, gpu: Gpu, scene: Scene, kernel: ComputePass) -> None:
-        self.gpu, self.commands, self.kernel = gpu.scope(), Commands(gpu), kernel
-        self.meshes = GpuScene(self.gpu, scene)
+    Where it `has_moved`, the scene was made with its meshes elsewhere.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, kernel: Callable[..., ComputePass], *, has_moved: bool
+    ) -> None:
+        self.gpu, self.commands, self._kernel = gpu.scope(), Commands(gpu), kernel
+        aside = np.eye(4)
+        aside[:3, 3] = 1.0, 2.0, 3.0
+        elsewhere = [
+            replace(mesh, world_from_object=aside @ mesh.world_from_object) for mesh in scene.meshes
+        ]
+        made = replace(scene, meshes=tuple(elsewhere)) if has_moved else scene
+        self.meshes = GpuScene(self.gpu, made)
         self.scene = RayScene(self.gpu, self.meshes)
+        if has_moved:
+            self.move(scene)
 
     def move(self, scene: Scene) -> None:
         self.scene.update(self.commands, scene)
@@ -87,7 +100,7 @@ class Rays:
         scope = self.gpu.scope()
         given = [buffer_of(scope, "rays", data) for data in (from_, towards)]
         found = buffer_of(scope, "found", np.zeros((5 * count, 4), np.float32))
-        self.kernel.dispatch(
+        self._kernel(self.scene.constants).dispatch(
             self.commands,
             (count, 1, 1),
             origins=given[0],
@@ -99,10 +112,7 @@ class Rays:
         rows = found.read(np.float32).reshape(count, 5, 4).copy()
         scope.release()
         words = rows.view(np.uint32)
-        triangles = _read(self.scene.triangles).reshape(-1, 16)
         is_hit = words[:, 0, 1] != NO_HIT
-        corners = np.full((count, 3, 3), np.nan, np.float32)
-        corners[is_hit] = triangles[words[is_hit, 0, 1], :9].reshape(-1, 3, 3)
         return Found(
             np.where(is_hit, rows[:, 0, 0], np.inf),
             words[:, 0, 1],
@@ -114,22 +124,27 @@ class Rays:
             rows[:, 4, :3],
             np.stack([rows[:, 3, 3], rows[:, 4, 3]], axis=1),
             words[:, 2, 3],
-            corners,
         )
 
 
-def _read(buffer: Buffer) -> np.ndarray:
-    return np.asarray(buffer.read(np.float32))
-
-
 @pytest.fixture
-def rays(gpu: Gpu, kernel: Callable[..., ComputePass]) -> Any:
-    """rays(scene) -> Rays."""
+def rays(gpu: Gpu, tmp_path: Path) -> Any:
+    """rays(scene, has_moved=False) -> Rays."""
     made: list[Rays] = []
-    tracing = kernel(_KERNEL, _SLOTS)
+    kernels: dict[tuple[Any, ...], ComputePass] = {}
+    path = tmp_path / "rays_kernel.wgsl"
+    path.write_text(_KERNEL)
+    members = {"slots": _SLOTS, "workgroup": (64, 1, 1), "file": str(path), "__module__": __name__}
+    kind = type("RaysKernel", (ComputePass,), members)
 
-    def make(scene: Scene) -> Rays:
-        made.append(Rays(gpu, scene, tracing))
+    def kernel(constants: dict[str, float]) -> ComputePass:
+        key = tuple(constants.items())
+        if key not in kernels:
+            kernels[key] = kind(gpu, constants=constants)
+        return kernels[key]
+
+    def make(scene: Scene, has_moved: bool = False) -> Rays:
+        made.append(Rays(gpu, scene, kernel, has_moved=has_moved))
         return made[-1]
 
     yield make

@@ -25,6 +25,7 @@ class Slot:
     struct: type[Struct] | None = None
     is_dynamic: bool = False
     formats: frozenset[str] = field(default_factory=frozenset)
+    wide: str = ""  # the declaration for CPU adapters with 64-bit integers, where it is another
 
 
 def uniform(name: str, struct: type[Struct]) -> Slot:
@@ -45,8 +46,10 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 
 
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
-    """The same slots for a device: images as it filters them, uniforms as it reads them."""
+    """The same slots for a device: images as it filters them, buffers as it reads them."""
     made = tuple(_filtered(slot, gpu.filtered) for slot in slots)
+    if gpu.takes_cpu_paths and "shader-int64" in gpu.features:
+        made = tuple(replace(slot, declaration=slot.wide or slot.declaration) for slot in made)
     return on_cpu_adapter(made) if gpu.has_uniforms_in_storage else made
 
 

@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
-from ..scene.mesh import Geometry
-from .hierarchy import U32, build, child_boxes, cost
-from .words import node_words, triangle_boxes, triangle_words
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..scene.mesh import Geometry, Mesh
+from ..surface.draws import is_mirrored
+from ..surface.instances import normal_matrix
+from .hierarchy import U32, Hierarchy, child_boxes, cost
+from .kept import built
+from .words import (
+    HOLES,
+    INSTANCE_MASK,
+    SHARED,
+    TRIANGLE_WORDS,
+    node_words,
+    triangle_boxes,
+    triangle_words,
+)
 
 WORSE = 1.6
 """By which factor fitting may raise the cost of a hierarchy before it is rebuilt."""
@@ -13,13 +28,10 @@ WORSE = 1.6
 class MeshTree:
     """`tree`, `nodes` (N, NODE_WORDS) and `triangles` (T, TRIANGLE_WORDS) of a `geometry`."""
 
-    def __init__(self, geometry: Geometry) -> None:
+    def __init__(self, geometry: Geometry, *, has_holes: bool = False) -> None:
+        """`has_holes`: whether the material of any of its instances has."""
+        self._flags = SHARED | HOLES * has_holes
         self._build(geometry)
-
-    @property
-    def nodes_needed(self) -> int:
-        """Rows of `nodes`."""
-        return len(self.nodes)
 
     def move(self, geometry: Geometry) -> None:
         """Follow the vertices of the same triangles."""
@@ -27,7 +39,7 @@ class MeshTree:
             self._build(geometry)
 
     def _build(self, geometry: Geometry) -> None:
-        self.tree = build(*triangle_boxes(geometry))
+        self.tree: Hierarchy = built(*triangle_boxes(geometry))
         self._built_cost = self._fit(geometry)
 
     def _fit(self, geometry: Geometry) -> float:
@@ -37,4 +49,67 @@ class MeshTree:
         self.geometry = geometry
         self.nodes: U32 = node_words(self.tree, lows, highs)
         self.triangles: U32 = triangle_words(geometry, order)
+        self.triangles[:, 9] = self._flags
         return cost(self.tree, lows, highs)
+
+
+class StillTree:
+    """One hierarchy over all instances that stand still, their triangles in the world.
+
+    An instance that moves is hidden: its triangles have no area, and are in no box.
+    """
+
+    def __init__(
+        self, meshes: Sequence[Mesh], instances: Sequence[int], has_holes: Sequence[bool]
+    ) -> None:
+        """`meshes` of all instances, in the scene's order, and whether their materials have holes;
+        `instances`: those that it holds."""
+        parts = [_in_world(meshes[index]) for index in instances]
+        words = [triangle_words(part, np.arange(len(part.indices))) for part in parts]
+        for index, rows in zip(instances, words, strict=True):
+            rows[:, 9] = index | HOLES * has_holes[index]
+        boxes = [triangle_boxes(part) for part in parts]
+        triangles = np.concatenate(words) if words else np.zeros((0, TRIANGLE_WORDS), np.uint32)
+        low, high = (
+            np.concatenate([box[k] for box in boxes]) if boxes else np.zeros((0, 3), np.float32)
+            for k in range(2)
+        )
+        self.tree = built(low, high)
+        order = self.tree.order
+        self._all: U32 = triangles[order]
+        self.triangles = self._all
+        self._low, self._high = low[order], high[order]
+        self.instances = self._all[:, 9] & INSTANCE_MASK
+        self._hidden: frozenset[int] = frozenset()
+        self._fit(self._low, self._high)
+
+    def hide(self, instances: frozenset[int]) -> bool:
+        """Hide just these instances; returns whether others were hidden before."""
+        if instances == self._hidden:
+            return False
+        self._hidden = instances
+        is_hidden = np.isin(self.instances, list(instances))[:, None]
+        self.triangles = self._all.copy()
+        self.triangles[:, :9] = np.where(is_hidden, 0, self._all[:, :9])
+        self._fit(np.where(is_hidden, np.inf, self._low), np.where(is_hidden, -np.inf, self._high))
+        return True
+
+    def _fit(self, low: np.ndarray, high: np.ndarray) -> None:
+        lows, highs = child_boxes(self.tree, low.astype(np.float32), high.astype(np.float32))
+        self.nodes: U32 = node_words(self.tree, lows, highs)
+        corners = np.concatenate([lows[0], highs[0]])
+        self.bounds = corners[np.isfinite(corners).all(axis=1)]
+
+
+def _in_world(mesh: Mesh) -> Geometry:
+    """The mesh's geometry where it stands, normals out of its front."""
+    matrix, geometry = mesh.world_from_object, mesh.geometry
+    positions = geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    normals = geometry.normals
+    if normals is not None:
+        turned = normals @ normal_matrix(matrix)[:3, :3].T
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        normals = np.where(length > 0.0, turned / np.maximum(length, 1e-300), normals)
+        normals = normals.astype(np.float32)
+    indices = geometry.indices[:, [0, 2, 1]] if is_mirrored(mesh) else geometry.indices
+    return Geometry(positions.astype(np.float32), indices, normals, geometry.uvs)

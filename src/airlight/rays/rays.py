@@ -1,8 +1,11 @@
-"""A scene's triangles as rays meet them: hierarchies of meshes, and one of the instances over them.
+"""A scene's triangles as rays meet them.
 
-meshes      a hierarchy each, built once; fitted again when vertices move, rebuilt when that
-            has made it too costly
-instances   a hierarchy over their boxes, rebuilt whenever one of them moves
+    still       all instances that stand where they stood at first: one hierarchy in the world
+    meshes      a hierarchy each of those that others show, built once; fitted again when vertices
+                move, rebuilt when that has made it too costly
+    instances   a hierarchy over their boxes and that of the still ones, rebuilt when one moves
+
+What is shown depends on the first frame and on this one, never on those between.
 """
 
 from __future__ import annotations
@@ -15,65 +18,73 @@ from numpy.typing import NDArray
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Buffer, buffer_of
-from ..gpu.slots import Slot, storage
+from ..gpu.memory import Buffer
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
-from .hierarchy import INDEX_MASK, LEAF, build, child_boxes
-from .mesh_tree import MeshTree
+from .hierarchy import F32, INDEX_MASK, LEAF, U32, build, child_boxes
+from .masks import INSTANCE_WORDS, Masks, is_gone
+from .mesh_tree import MeshTree, StillTree
+from .slots import RAY_SLOTS
 from .words import NODE_WORDS, moved_children, node_words
 
-INSTANCE_ROWS = 8
-"""Of four words, of an instance: object from world, world from object, and what it shows."""
+__all__ = ["RAY_SLOTS", "RayScene"]
+
+MOST_STILL = 1 << 20
+"""Triangles of still instances that are laid out in the world; further ones share geometries."""
 INSTANCE_LEVELS = 10
 _LOOSE = 2e-6  # of its farthest coordinate, by which an instance's box is wider than it
-
-RAY_SLOTS: tuple[Slot, ...] = (
-    storage("ray_nodes", "vec4u"),
-    storage("ray_triangles", "vec4u"),
-    storage("ray_instances", "vec4u"),
-)
-"""What a pass with `//! use rays` binds beside its own; `RayScene.bound` are the values."""
+_ROW = 4 * NODE_WORDS  # bytes of a node, and of a triangle
 
 
 class RayScene:
     """The buffers of RAY_SLOTS for the meshes of a `GpuScene`.
 
-    `update` before rays are sent; instances and materials are numbered as in the GpuScene.
+    A pass has `//! use rays` in its shader, RAY_SLOTS among its slots, `constants` among its own,
+    and `bound` among the values that it is given. Instances and materials are numbered as in the
+    GpuScene. Flattened instances that move are not hit.
     """
 
     def __init__(self, gpu: Gpu, scene: GpuScene) -> None:
-        self.gpu, self._scene = gpu, scene
+        self.gpu, self._order = gpu, scene.order
         self._keys = [scene.first_vertices[index] for index in scene.order]
+        self._first = [scene.original[index] for index in scene.order]
+        self._masks = Masks(self._first, scene.material_rows)
+        self._is_there = np.array([not is_gone(mesh.material) for mesh in self._first], bool)
+        self.still = StillTree(self._first, self._chosen(), self._masks.has_holes)
+        self._in_still = np.isin(np.arange(len(self._keys)), self.still.instances)
         self.trees: dict[int, MeshTree] = {}
-        self._moved: set[int] = set()
-        self._packed = b""
+        self._with_holes = {
+            key for key, hole in zip(self._keys, self._masks.has_holes, strict=True) if hole
+        }
+        self._meshes: Sequence[Mesh] | None = None
+        self._rooms: dict[int, int] = {}
+        self._packed: tuple[bytes, ...] = ()
+        self._buffers: list[Buffer] = []
         self._take(scene.current)
-        self._lay()
-        self._place(scene.current)
 
     @property
     def bound(self) -> dict[str, Any]:
         """The values of RAY_SLOTS."""
-        return {
-            "ray_nodes": self.nodes,
-            "ray_triangles": self.triangles,
-            "ray_instances": self.instances,
-        }
+        names = [slot.name for slot in RAY_SLOTS]
+        return dict(zip(names, self._buffers, strict=True))
 
     @property
     def constants(self) -> dict[str, float]:
-        """Constants of the pipelines that use `wgsl/rays.wgsl`: what this scene needs of it."""
-        return {"RAYS_MEET_MASKS": 0.0}
+        """Constants of the pipelines that send rays; others once something has moved."""
+        return {
+            "RAYS_MEET_MASKS": float(self._masks.are_there),
+            "RAYS_MEET_INSTANCES": float(bool(self.trees)),
+        }
 
     @property
     def stats(self) -> dict[str, Any]:
-        """Triangles (of each geometry once), instances, bytes on the device."""
+        """Triangles in hierarchies, instances, and bytes on the device."""
+        trees = [self.still.tree, *(tree.tree for tree in self.trees.values())]
         return {
-            "triangles": sum(len(tree.tree.order) for tree in self.trees.values()),
+            "triangles": sum(len(tree.order) for tree in trees),
             "instances": len(self._keys),
-            "bytes": self.nodes.nbytes + self.triangles.nbytes + self.instances.nbytes,
+            "bytes": sum(buffer.nbytes for buffer in self._buffers),
         }
 
     def update(self, commands: Commands, scene: Scene) -> None:
@@ -81,98 +92,127 @@ class RayScene:
 
         What moved is uploaded before all that `commands` submits from here on.
         """
-        if scene.meshes is self._meshes:
-            return
-        self._take(scene.meshes)
-        if any(tree.nodes_needed > self._rooms[key] for key, tree in self.trees.items()):
-            self._lay()
-        for key in self._moved:
-            self._write(key)
-        self._moved.clear()
-        self._place(scene.meshes)
+        if scene.meshes is not self._meshes:
+            self._take(scene.meshes)
+
+    def _chosen(self) -> list[int]:
+        """The instances that are laid out in the world, as many as fit."""
+        counts = np.array([len(mesh.geometry.indices) for mesh in self._first], np.int64)
+        counts[~self._is_there] = 0
+        fits = (np.cumsum(counts) <= MOST_STILL) & self._is_there
+        return [int(index) for index in np.flatnonzero(fits)]
 
     def _take(self, meshes: Sequence[Mesh]) -> None:
-        """Build the hierarchies of new geometries, and fit those of the ones that moved."""
+        """Show `meshes`, in the order of the scene."""
         self._meshes = meshes
-        for key, index in zip(self._keys, self._scene.order, strict=True):
-            geometry = meshes[index].geometry
+        ordered = [meshes[index] for index in self._order]
+        is_still = self._in_still & np.array(
+            [_stands(mesh, first) for mesh, first in zip(ordered, self._first, strict=True)], bool
+        )
+        hidden = frozenset(np.flatnonzero(self._in_still & ~is_still).tolist())
+        changed = {-1} if self.still.hide(hidden) else set()
+        placed = np.flatnonzero(~is_still & self._is_there)
+        changed |= self._grow({self._keys[i]: ordered[i] for i in placed})
+        if (
+            not self._buffers
+            or self.trees.keys() != self._rooms.keys() - {-1}
+            or any(len(tree.nodes) > self._rooms[key] for key, tree in self.trees.items())
+        ):
+            self._lay()
+            changed = {-1, *self.trees}
+        for key in changed:
+            self._write(key)
+        self._place(ordered, placed)
+
+    def _grow(self, shown: dict[int, Mesh]) -> set[int]:
+        """Build the hierarchies of these geometries, or fit them; returns which changed."""
+        changed = set()
+        for key, mesh in shown.items():
             tree = self.trees.get(key)
             if tree is None:
-                self.trees[key] = MeshTree(geometry)
-            elif tree.geometry is not geometry:
-                tree.move(geometry)
-                self._moved.add(key)
+                self.trees[key] = MeshTree(mesh.geometry, has_holes=key in self._with_holes)
+                changed.add(key)
+            elif tree.geometry is not mesh.geometry:
+                tree.move(mesh.geometry)
+                changed.add(key)
+        return changed
 
     def _lay(self) -> None:
-        """Make the buffers: nodes of the instances, then those of each mesh; its triangles."""
-        node, triangle = max(1, len(self._keys)), 0
+        """Make the buffers: nodes of the instances, of the still ones, of each mesh; triangles."""
+        node, triangle = len(self._keys) + 1, 0
         self._firsts: dict[int, tuple[int, int]] = {}
-        self._rooms: dict[int, int] = {}
-        for key, tree in self.trees.items():
-            self._firsts[key], self._rooms[key] = (node, triangle), tree.nodes_needed
-            node, triangle = node + tree.nodes_needed, triangle + len(tree.tree.order)
-        for name in ("nodes", "triangles", "instances"):
-            if hasattr(self, name):
-                getattr(self, name).release()
-        row = 4 * NODE_WORDS
-        self.nodes = Buffer(self.gpu, "ray nodes", row * node)
-        self.triangles = Buffer(self.gpu, "ray triangles", row * max(1, triangle))
-        rows = np.zeros((max(1, len(self._keys)), 4 * INSTANCE_ROWS), np.uint32)
-        self.instances = buffer_of(self.gpu, "ray instances", rows)
-        self._packed = b""
-        for key in self.trees:
-            self._write(key)
+        self._rooms = {}
+        shown: dict[int, StillTree | MeshTree] = {-1: self.still, **self.trees}
+        for key, tree in shown.items():
+            self._firsts[key], self._rooms[key] = (node, triangle), len(tree.nodes)
+            node, triangle = node + len(tree.nodes), triangle + len(tree.tree.order)
+        for buffer in self._buffers:
+            buffer.release()
+        words = 4 * (INSTANCE_WORDS * (len(self._keys) + 1) + self._masks.texels.size)
+        self._buffers = [
+            Buffer(self.gpu, "ray nodes", _ROW * node),
+            Buffer(self.gpu, "ray triangles", _ROW * max(1, triangle)),
+            Buffer(self.gpu, "ray instances", words),
+        ]
+        self._packed = ()
 
     def _write(self, key: int) -> None:
-        tree, (node, triangle) = self.trees[key], self._firsts[key]
+        tree = self.still if key == -1 else self.trees[key]
+        node, triangle = self._firsts[key]
         words = tree.nodes.copy()
         words[:, 12:16] = moved_children(words[:, 12:16], node, triangle)
-        self.nodes.write(words, 4 * NODE_WORDS * node)
-        self.triangles.write(tree.triangles, 4 * NODE_WORDS * triangle)
+        self._buffers[0].write(words, _ROW * node)
+        self._buffers[1].write(tree.triangles, _ROW * triangle)
 
-    def _place(self, meshes: Sequence[Mesh]) -> None:
-        """Build the hierarchy over the instances where they stand."""
-        rows = self._instance_rows(meshes)
-        low, high = self._boxes(meshes)
-        packed = rows.tobytes() + low.tobytes() + high.tobytes()
+    def _place(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> None:
+        """Build the hierarchy over the instances that have moved, and all still ones."""
+        count = len(self._keys)
+        rows = self._masks.rows.copy()
+        _put_transforms(rows, ordered)
+        rows[:count, 24] = [self._firsts.get(key, (0, 0))[0] for key in self._keys]
+        rows[count, 24] = rows[:, 34] = self._firsts[-1][0]
+        low, high, items = self._boxes(ordered, placed)
+        packed = (rows.tobytes(), low.tobytes(), high.tobytes())
         if packed == self._packed:
             return
         self._packed = packed
-        self.instances.write(rows)
-        there = np.flatnonzero(np.isfinite(low).all(axis=1))
-        tree = build(low[there], high[there], most=1, levels=INSTANCE_LEVELS)
-        lows, highs = child_boxes(tree, low[there][tree.order], high[there][tree.order])
+        self._buffers[2].write(np.concatenate([rows.ravel(), self._masks.texels]))
+        tree = build(low, high, most=1, levels=INSTANCE_LEVELS)
+        lows, highs = child_boxes(tree, low[tree.order], high[tree.order])
         words = node_words(tree, lows, highs)
         # Leaves lead to instances themselves, not to a place in an order.
-        children = tree.children.ravel()
-        is_leaf = children >= LEAF
-        items = there[tree.order][children[is_leaf] & INDEX_MASK]
-        flat = words[:, 12:16].reshape(-1).copy()
-        flat[is_leaf] = LEAF | items.astype(np.uint32)
-        words[:, 12:16] = flat.reshape(-1, 4)
-        self.nodes.write(words)
+        is_leaf = tree.children >= LEAF
+        words[:, 12:16][is_leaf] = LEAF | items[tree.order][tree.children[is_leaf] & INDEX_MASK]
+        self._buffers[0].write(words)
 
-    def _instance_rows(self, meshes: Sequence[Mesh]) -> NDArray[np.uint32]:
-        rows = np.zeros((max(1, len(self._keys)), 4 * INSTANCE_ROWS), np.uint32)
-        floats = rows.view(np.float32)
-        if not self._keys:
-            return rows
-        matrices = np.stack([meshes[index].world_from_object for index in self._scene.order])
-        floats[:, :12] = _inverses(matrices)[:, :3].reshape(-1, 12)
-        floats[:, 12:24] = matrices[:, :3].reshape(-1, 12)
-        rows[:, 24] = [self._firsts[key][0] for key in self._keys]
-        rows[:, 25] = self._scene.material_rows
-        return rows
-
-    def _boxes(self, meshes: Sequence[Mesh]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Around the instances, a little wider; not finite where an instance is flattened."""
-        ordered = [meshes[index] for index in self._scene.order]
-        boxes = np.array([mesh.world_bounds for mesh in ordered]).reshape(-1, 2, 3)
+    def _boxes(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> tuple[F32, F32, U32]:
+        """Boxes a little wider than what they are around, and their instances' rows."""
+        shown = [int(i) for i in placed if _is_invertible(ordered[i].world_from_object)]
+        boxes = np.array([ordered[i].world_bounds for i in shown]).reshape(-1, 2, 3)
+        if len(self.still.bounds):
+            corners = self.still.bounds
+            whole = np.stack([corners.min(axis=0), corners.max(axis=0)])[None]
+            boxes = np.concatenate([boxes, whole])
+            shown.append(len(ordered))
         wider = _LOOSE * np.abs(boxes).max(axis=(1, 2), initial=0.0)[:, None]
-        is_flat = [not _is_invertible(mesh.world_from_object) for mesh in ordered]
-        boxes[is_flat] = np.nan
         low, high = boxes[:, 0] - wider, boxes[:, 1] + wider
-        return low.astype(np.float32), high.astype(np.float32)
+        return low.astype(np.float32), high.astype(np.float32), np.array(shown, np.uint32)
+
+
+def _stands(mesh: Mesh, first: Mesh) -> bool:
+    """Whether a mesh is where it was at first."""
+    return mesh.geometry is first.geometry and (
+        mesh.world_from_object is first.world_from_object
+        or np.array_equal(mesh.world_from_object, first.world_from_object)
+    )
+
+
+def _put_transforms(rows: U32, ordered: Sequence[Mesh]) -> None:
+    """Object from world and world from object of each instance, and of the still ones."""
+    floats = rows.view(np.float32)
+    matrices = np.stack([*(mesh.world_from_object for mesh in ordered), np.eye(4)])
+    floats[:, :12] = _inverses(matrices)[:, :3].reshape(-1, 12)
+    floats[:, 12:24] = matrices[:, :3].reshape(-1, 12)
 
 
 def _is_invertible(matrix: NDArray[np.float64]) -> bool:
@@ -184,7 +224,6 @@ def _is_invertible(matrix: NDArray[np.float64]) -> bool:
 def _inverses(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     """Those of transforms (N, 4, 4); zero where there is none."""
     found = np.zeros_like(matrices)
-    for index, matrix in enumerate(matrices):
-        if _is_invertible(matrix):
-            found[index] = np.linalg.inv(matrix)
+    is_well = [_is_invertible(matrix) for matrix in matrices]
+    found[is_well] = np.linalg.inv(matrices[is_well])
     return found

@@ -2,9 +2,10 @@
 
 A node is NODE_WORDS: the corner of its box (3 float32); the steps of its grid, upper halves of
 float32 (x, y in one word, z with `axes`); lows and highs of its four children on that grid, a byte
-each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32), the
-texture coordinates of the first (2 float32), those of its edges (4 float16), three normals
-(octahedra of 2 x 16 bits).
+each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32); the
+instance that it belongs to where it stands in the world, else SHARED, and HOLES; texture
+coordinates of the first corner (2 float32) and of the edges (4 float16); three normals (octahedra,
+2 x 10 bits each).
 """
 
 from __future__ import annotations
@@ -13,11 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths.chunks import chunks
-from ..maths.octahedron import octahedron_pack16
+from ..maths.octahedron import octahedron_encode
 from ..scene.mesh import Geometry
 from .hierarchy import F32, INDEX_MASK, LEAF, U32, Hierarchy
 
 NODE_WORDS, TRIANGLE_WORDS = 16, 16
+SHARED, HOLES = 1 << 30, 1 << 31
+"""Of a triangle's instance: any instance of its geometry shows it; its material may have holes."""
+INSTANCE_MASK = SHARED - 1
 _HALF_MAX = 65504.0
 
 
@@ -67,22 +71,30 @@ def moved_children(children: U32, first_node: int, first_triangle: int) -> U32:
 
 
 def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
-    """(T, TRIANGLE_WORDS) of a geometry's triangles in this order."""
+    """(T, TRIANGLE_WORDS) of a geometry's triangles in this order, SHARED by its instances."""
     rows = np.zeros((len(order), TRIANGLE_WORDS), np.uint32)
     floats, halves = rows.view(np.float32), rows.view(np.float16)
-    normals = octahedron_pack16(geometry.normals) if geometry.normals is not None else None
+    normals = None if geometry.normals is None else packed_normals(geometry.normals)
     uvs = geometry.uvs
     for part in chunks(len(order)):
         corners = geometry.indices[order[part]]
         floats[part, :9] = geometry.positions[corners].reshape(-1, 9)
         if uvs is not None:
             uv = uvs[corners]
-            floats[part, 9:11] = uv[:, 0]
+            floats[part, 10:12] = uv[:, 0]
             edges = (uv[:, 1:] - uv[:, :1]).reshape(-1, 4)
-            halves[part, 22:26] = np.clip(edges, -_HALF_MAX, _HALF_MAX)
+            halves[part, 24:28] = np.clip(edges, -_HALF_MAX, _HALF_MAX)
         if normals is not None:
-            rows[part, 13:16] = normals[corners]
+            a, b, c = (normals[corners[:, k]] for k in range(3))
+            rows[part, 14] = a | (b & 0x3FF) << 20
+            rows[part, 15] = b >> 10 | c << 10
     return rows
+
+
+def packed_normals(normals: F32) -> U32:
+    """Unit vectors (N, 3) as points of the octahedron's square, 10 bits each; off by .0042 rad."""
+    square = np.round((octahedron_encode(normals) + 1.0) * 511.0).astype(np.uint32)
+    return np.asarray(square[:, 0] | square[:, 1] << 10)
 
 
 def triangle_boxes(geometry: Geometry, order: NDArray[np.int64] | None = None) -> tuple[F32, F32]:

@@ -30,7 +30,7 @@ def packed_instances(
     rows: list[dict[str, Any]] = [
         {
             "world_from_object": mesh.world_from_object,
-            "normal_from_object": _normal_matrix(mesh.world_from_object),
+            "normal_from_object": normal_matrix(mesh.world_from_object),
             "material": material,
             "size": _size(mesh, before),
         }
@@ -44,7 +44,7 @@ def is_mirrored(mesh: Mesh) -> bool:
     return bool(np.linalg.det(mesh.world_from_object[:3, :3]) < 0.0)
 
 
-def _normal_matrix(world_from_object: F64) -> F64:
+def normal_matrix(world_from_object: F64) -> F64:
     """The inverse transpose, which keeps normals perpendicular under non-uniform scale."""
     linear = world_from_object[:3, :3]
     normal = np.eye(4)

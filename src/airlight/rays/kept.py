@@ -1,0 +1,89 @@
+"""Hierarchies of large meshes, cached on disk by the boxes that they were built over."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import env
+from ..errors import AirlightError
+from ..scene.io.ledger import own_files
+from ..scene.io.numpy_files import opened_npz
+from ..scene.io.writing import whole_file
+from .hierarchy import COUNT_SHIFT, F32, INDEX_MASK, LEAF, Hierarchy, build
+
+WORTH_KEEPING = 20_000
+"""Triangles from which reading a file is quicker than building: 50 ms."""
+_VERSION = 1  # of `build`: what other versions made is not read
+
+
+def built(low: F32, high: F32) -> Hierarchy:
+    """`build`, from the cache where there is one; a cache that cannot be written changes nothing.
+
+    Raises SettingsError where the cache folder's name leads nowhere.
+    """
+    if len(low) < WORTH_KEEPING:
+        return build(low, high)
+    told = hashlib.blake2b(str(_VERSION).encode(), digest_size=16)
+    told.update(np.ascontiguousarray(low).data.cast("B"))
+    told.update(np.ascontiguousarray(high).data.cast("B"))
+    path = env.cache_folder() / "hierarchies" / f"{told.hexdigest()}.npz"
+    found = _read(path, len(low))
+    if found is None:
+        found = build(low, high)
+        _write(path, found)
+    return found
+
+
+def _write(path: Path, tree: Hierarchy) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as part:
+            np.savez(
+                part,
+                order=tree.order.astype(np.uint32),
+                children=tree.children,
+                axes=tree.axes.astype(np.uint8),
+                levels=np.array(tree.levels),
+            )
+    except (OSError, AirlightError):
+        return
+
+
+def _read(path: Path, count: int) -> Hierarchy | None:
+    """The hierarchy in a file over `count` items; None where there is none that is whole."""
+    try:
+        with own_files(), opened_npz(path) as file:
+            order, children = file.array("order").astype(np.int64), file.array("children")
+            axes, levels = file.array("axes").astype(np.uint32), file.array("levels").tolist()
+    except (AirlightError, ValueError):
+        return None
+    return (
+        Hierarchy(order, children, axes, tuple(levels))
+        if _is_whole(order, children, axes, levels, count)
+        else None
+    )
+
+
+def _is_whole(order: Any, children: Any, axes: Any, levels: list[int], count: int) -> bool:
+    """Whether each item is in one leaf and each node below one of the level before it."""
+    if children.dtype != np.uint32 or children.shape != (len(axes), 4) or order.shape != (count,):
+        return False
+    if levels[0] != 0 or levels[-1] != len(children) or len(levels) < 2:
+        return False
+    flat = children.ravel()
+    leaves = flat[flat >= LEAF]
+    nodes = np.sort(flat[(flat > 0) & (flat < LEAF)])
+    counts = ((leaves >> COUNT_SHIFT) & 7) + 1
+    firsts = leaves & INDEX_MASK
+    by_first = np.argsort(firsts)
+    ends = np.cumsum(counts[by_first])
+    return bool(
+        np.array_equal(np.sort(order), np.arange(count))
+        and np.array_equal(nodes, np.arange(1, len(children)))
+        and np.array_equal(firsts[by_first], ends - counts[by_first])
+        and (ends[-1] if len(ends) else 0) == count
+    )
