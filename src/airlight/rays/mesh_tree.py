@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..scene.mesh import Geometry, Mesh
-from ..surface.draws import is_mirrored
-from ..surface.instances import normal_matrix
+from ..surface.instances import is_mirrored, normal_matrix
 from .hierarchy import U32, Hierarchy, child_boxes, cost
 from .kept import built
 from .words import (
