@@ -127,7 +127,7 @@ def _light_facts(light: Light) -> dict[str, Any]:
 
 
 def _emitter_facts(scene: Scene) -> list[dict[str, Any]]:
-    """Glowing surfaces and lights with extent as techniques group them; power in W, by channel."""
+    """Emissive surfaces and lights with extent as techniques group them; power in W, by channel."""
     from ..area.emitters import Emitters
 
     found = Emitters(scene, samples=1, most=_MOST_EMITTERS)

@@ -53,7 +53,7 @@ def edge_integral(a: F64, b: F64) -> float:
 def sphere_irradiance(centre: F64, radius: float) -> float:
     """Irradiance, W m^-2, of a sphere, metres, also where the horizon cuts it (Snyder1996).
 
-    A receiver inside the sphere sees all of its hemisphere glow.
+    A receiver inside the sphere sees radiance in all of its hemisphere.
     """
     distance = max(float(np.linalg.norm(centre)), radius * 1.0001)
     cosine = float(np.clip(centre[2] / distance, -1.0, 1.0))

@@ -20,7 +20,7 @@ STRONGEST_FLUX = 0.95
 
 @dataclass(frozen=True, eq=False)
 class MediumGrid:
-    """Air in a box: `extent` (3,) m, cell mean density (z, y, x), coefficients (channel,).
+    """A medium in a box: `extent` (3,) m, cell mean density (z, y, x), coefficients (channel,).
 
     `sigma_t` m^-1 at density 1. `fine` (z, y, x) is the density that rays sample.
     """
@@ -66,7 +66,7 @@ def deposited_anisotropy(g: ArrayLike) -> F64:
 def resolved_by(mean_cosine: ArrayLike) -> F64:
     """The sharpest lobe, a mean cosine, that ordinates sum up without spots; 1 for a point.
 
-    N even parts of a sky have a mean cosine of 1 - 1/N. Degree sqrt(N) is the first that they do
+    N equal parts of a sky have a mean cosine of 1 - 1/N. Degree sqrt(N) is the first that they do
     not integrate: the share g^degree of a lobe is 5 % then. Narrow parts resolve more, and where
     one holds a small bright light its spot is there.
     """
@@ -98,7 +98,7 @@ def unturned(medium: MediumGrid, largest: float, mean_density: float | None = No
 
     1 less one and a half radii (three times the `largest` diffusivity, m) in units of the transport
     mean free path at `mean_density` (else the mean over the mass); at least 0. Measured in cubes, g
-    of .5 to .96 and optical depths of 1 to 30: the best share falls from 1 in thin air by a
+    of .5 to .96 and optical depths of 1 to 30: the best share falls from 1 in thin media by a
     straight line to 0 at that depth.
     """
     if mean_density is None:
@@ -225,8 +225,8 @@ class Solution:
     def bent(self) -> F64:
         """Flux (3, z, y, x, channel), W m^-2, that lobes of quasi-forward light lack.
 
-        On its way it counts as a beam's, so that all flux together is right; drawn as wide as it
-        is, it carries less. In thin air the rest belongs to the light that has left the beams,
+        On its path it counts as a beam's, so that all flux together is right; drawn as wide as it
+        is, it carries less. In thin media the rest belongs to the light that has left the beams,
         scattered forwards itself.
         """
         total = np.zeros_like(self.flux)

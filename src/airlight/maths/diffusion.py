@@ -13,7 +13,7 @@ F64 = NDArray[np.float64]
 def largest_diffusivity(density: F64, cell: F64) -> float:
     """A third of the medium's effective radius, m: D is capped there.
 
-    In thin air 1/(3 sigma) is longer than the medium is wide. Along the principal axes of its
+    In a thin medium 1/(3 sigma) is longer than the medium is wide. Along the principal axes of its
     density a homogeneous ball's radius is sqrt(5) times the standard deviation; the rates at which
     light gets out along the three, as 1/radius^2, add up: what is flat or long is left sideways.
     """

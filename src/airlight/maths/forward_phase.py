@@ -25,13 +25,13 @@ _STRAYED = 0.06  # per square of similar depth: what no longer is near its beam;
 
 
 def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
-    """sr^-1, of light scattered twice or more, at cosines `mu` between its way and the eye's.
+    """sr^-1, of light scattered twice or more, at cosines `mu` between its path and the eye's.
 
-    `depth`: optical depth of scattering, u, on both of its ways. Times sigma_s, the light's
+    `depth`: optical depth of scattering, u, on both of its paths. Times sigma_s, the light's
     irradiance and the transmittance of the reduced medium on both paths, exp((g - 1) u), it is
     emission:
     exp(-g u) sum over k >= 2 of u^(k-1)/k! (HG(g^k) - (1 - g^k - k g^(k-1) (1 - g))/4pi),
-    times exp(-.06 ((1 - g) u)^2), since deep in thick air ways are not straight.
+    times exp(-.06 ((1 - g) u)^2), since deep in thick media paths are not straight.
     """
     m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
     total = np.zeros(m.shape)
@@ -46,8 +46,8 @@ def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
 def last_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     """The same of light that goes straight on but for its last scattering, towards the eye.
 
-    `depth`: on the light's way alone; the air itself takes from what goes to the eye. exp(-g u) sum
-    over k >= 2 of u^(k-1)/(k-1)! (HG(g^k) - (1 - g^(k-1))/4pi), never below 0.
+    `depth`: on the light's path alone; the medium itself takes from what goes to the eye.
+    exp(-g u) sum over k >= 2 of u^(k-1)/(k-1)! (HG(g^k) - (1 - g^(k-1))/4pi), never below 0.
     """
     m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
     total = np.zeros(m.shape)

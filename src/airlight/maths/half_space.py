@@ -1,7 +1,7 @@
 """Light in a homogeneous half-space that parallel light enters from above.
 
-What a lattice cannot hold of air that goes on for ever: far from everything, light depends on the
-depth alone. Scattering counts as isotropic; coefficients of air that scatters forwards are scaled
+What a lattice cannot hold of a medium without an end: far from everything, light depends on the
+depth alone. Scattering counts as isotropic; coefficients of media that scatter forwards are scaled
 by similarity before (`scatter.reduced`).
 Source: the integral equation of Schwarzschild and Milne (Chandrasekhar 1950, section 12).
 """
@@ -24,7 +24,7 @@ _EDGES = np.concatenate([[0.0], np.geomspace(0.02, 40.0, 64)])
 class PlaneLight:
     """At optical depths (N,) below the top: `scattered` fluence (N,) of light that was scattered
     at least once, its net `flux` downwards (N,) and what of it comes from above, `down` (N,);
-    W m^-2. `sent` (M,): what layers of air scatter, per optical depth.
+    W m^-2. `sent` (M,): what layers of the medium scatter, per optical depth.
     """
 
     depth: F64

@@ -24,9 +24,9 @@ F64 = NDArray[np.float64]
 RHO = 0.93
 # Cells that light wanders across as RHO has it; on longer lattices it keeps straighter.
 _WANDERED = 25
-# Of the light that a lattice of thin air holds, this share is there in truth; measured.
+# Of the light that a lattice of a thin medium holds, this share is there in truth; measured.
 _TRUE_SHARE = 0.95
-# lattice6.surface_irradiance's `scale` for summed states of this scheme, in clear air; measured.
+# lattice6.surface_irradiance's `scale` for summed states of this scheme, no medium; measured.
 LOOKUP_SCALE = 1.1  # scattered light: see scattered_lookup_scale
 
 
@@ -73,8 +73,8 @@ def hops() -> Hops:
 def persistence(longest_side: int) -> float:
     """Share of its net direction that light keeps on a hop, by the lattice's longest side, cells.
 
-    What it loses is scattering that no air does. RHO^2 fits 25 cells best, beside Monte Carlo. On
-    more of them the same share would keep light in the lattice too long: 1.06 times its true way
+    What it loses is scattering that no medium does. RHO^2 fits 25 cells best, beside Monte Carlo.
+    On more of them the same share would keep light in the lattice too long: 1.06 times its true path
     through 8 cells, 1.27 times through 24. The power is fitted to rooms of 32 cells.
     """
     lost = (1.0 - RHO**2) * float((_WANDERED / longest_side) ** 1.5)
@@ -226,10 +226,10 @@ def mean_hop_length() -> float:
 
 
 def scattered_lookup_scale() -> float:
-    """lattice6.surface_irradiance's `scale` where light comes from all of the air: 1.288.
+    """lattice6.surface_irradiance's `scale` where light comes from all of the medium: 1.288.
 
     With it, what surfaces are lit by is what the hops of a state bring to a wall, so that no light
-    is lost. In clear air most light comes from few surfaces, and LOOKUP_SCALE errs less.
+    is lost. Without a medium most light comes from few surfaces, and LOOKUP_SCALE errs less.
     """
     table = hops()
     return 4.0 * float(table.weights[table.directions[:, 2] < -1e-9].sum())

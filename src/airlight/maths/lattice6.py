@@ -37,17 +37,17 @@ LOOKUP_SCALE = 0.69
 # on all walls: .45 at 0, .41 at 0.25, .39 at 0.5, .40 at 0.6; a floor beside a wall wants little:
 # .056 at 0, .07 at 0.25, .11 at 0.4.
 SPREAD_KEPT = 0.25
-# Light should turn as much on its way through a room whatever its cells: what a hop loses of the
+# Light should turn as much on its path through a room whatever its cells: what a hop loses of the
 # spread is .75 in rooms of 24 cells, whose mean chord is 16, and less in finer ones. With the same
 # loss per hop light diffuses in fine lattices: it falls back on what sent it (a Cornell box of 64
 # cells: indirect light 1.27 of the truth), and is too bright where it lingers.
 _CHORD_CELLS = 16.0
 _LARGEST_SPREAD = 0.75
-# Light that turns less needs longer to be even: fewer steps than that do not know what is left.
+# Light that turns less is isotropic later: fewer steps than that do not know what is left.
 _STEPS_PER_CHORD = 3.0
 LEAST_STEPS = 64
 """Steps made unless more are needed; with the tail they do for 32 cells."""
-# How much of the even part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
+# How much of the isotropic part of Geomerics2015's lobe surfaces behind a one-way field see. With 0
 # floors go black under the light that they reflect; 1 lets them light themselves twice as much.
 LEAST_BEHIND = 0.3
 
@@ -107,7 +107,7 @@ def spread_kept(count: tuple[int, int, int], iterations: int) -> float:
 
 
 def enough_steps(count: tuple[int, int, int]) -> int:
-    """Steps that light needs to be even in (x, y, z) cells: three mean chords of their cube."""
+    """Steps until light is isotropic in (x, y, z) cells: three mean chords of their cube."""
     return max(LEAST_STEPS, 2 * max(count))
 
 

@@ -1,4 +1,4 @@
-"""Grids turned along an ordinate: where they lie, what air is in them, how they are read back.
+"""Grids turned along an ordinate: where they lie, which medium is in them, how they are read back.
 
 Elek2014 section 4: one axis of the grid runs along the light, the grid spans the medium. Cells are
 cubes; a grid's third axis is the light's direction of travel. Arrays are (z, y, x) of that frame.

@@ -101,7 +101,7 @@ def first_light(
 ) -> F64:
     """Power W per cell before the first hop.
 
-    `irradiance` (z, y, x, channel) W m^-2 before the air takes any.
+    `irradiance` (z, y, x, channel) W m^-2 before the medium takes any.
     """
     depth = density[..., None] * medium.sigma_t * hops.path
     after = np.cumsum(depth, axis=0)

@@ -157,7 +157,7 @@ def _blocks(values: F64, blocks: tuple[int, int]) -> F64:
 def seeds(weight: F64, count: int) -> F64:
     """Unit directions (count, 3) towards the map, spread by `weight` (h, w).
 
-    A Fibonacci lattice through the map's cumulative weights: on an even map, the Fibonacci sphere.
+    A Fibonacci lattice through the map's cumulative weights: of a uniform map the sphere.
     """
     height, width = weight.shape
     i = np.arange(count)

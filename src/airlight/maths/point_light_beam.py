@@ -81,8 +81,9 @@ def near_fluence(
     """Fluence (z, y, x, channel), W m^-2, that beam and diffusion miss around a lamp.
 
     `away_m` (z, y, x): distance to it; `radius_m`: the medium's (three times the largest
-    diffusivity); `mean_density`: over its mass. In air thinner than the radius the lost part falls
-    faster than infinite air's. Where little of the way is filled, the lamp is outside: no loss.
+    diffusivity); `mean_density`: over its mass. In a medium thinner than the radius the lost part
+    falls faster than an infinite one's. Where little of the path is filled, the lamp is outside:
+    no loss.
     """
     f = forward_share(medium.g)
     scattering = medium.sigma_t * medium.albedo * (1.0 - f)

@@ -25,8 +25,8 @@ SIDE = 16  # cells of the view's grid along each axis (Elek2014)
 ROWS = 16  # of the map, 32 columns (Elek2014)
 HOPS = 16
 _MERGED = 2  # cells along each axis that leave as one
-_NEAREST = 1e-3  # of the farthest depth: where the view's grid begins around an eye in the air
-_LEAVING = 4  # points along each axis of the air's box from which the way out is marched
+_NEAREST = 1e-3  # of the farthest depth: where the view's grid begins around an eye in the medium
+_LEAVING = 4  # points along each axis of the medium's box from which the path out is marched
 _SHARPEST = 0.98
 
 
@@ -143,7 +143,7 @@ def _merged(grid: ViewGrid, power: F64, along: F64, even: float) -> Lobes:
 
 @dataclass(frozen=True, eq=False)
 class ExitDensity:
-    """Density passed (point, direction), m, on leaving the air along `directions` (n, 3).
+    """Density passed (point, direction), m, on leaving the medium along `directions` (n, 3).
 
     It is the same for every view.
     """
@@ -153,7 +153,7 @@ class ExitDensity:
 
 
 def exit_density(medium: MediumGrid, directions: F64) -> ExitDensity:
-    """From a few points of the air's box, in steps of a sixth of its shortest side."""
+    """From a few points of the medium's box, in steps of a sixth of its shortest side."""
     unit = (np.arange(_LEAVING) + 0.5) / _LEAVING
     z, y, x = np.meshgrid(unit, unit, unit, indexing="ij")
     points = (np.stack([x, y, z], axis=-1) * medium.extent)[..., None, :]

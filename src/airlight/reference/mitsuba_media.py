@@ -1,7 +1,7 @@
-"""Air and density volumes as Mitsuba media behind invisible (`null`) boundaries.
+"""Media and density volumes as Mitsuba media behind invisible (`null`) boundaries.
 
-Mitsuba knows one medium per point. A volume inside the scene's air therefore carries the sum
-of both: sigma_t = air + volume, exactly; the albedo and the mix of their phase functions are
+Mitsuba knows one medium per point. A volume inside the scene's medium therefore carries the sum
+of both: sigma_t = medium + volume, exactly; the albedo and the mix of their phase functions are
 ratios, exact where the two are alike or the volume is of constant density, else interpolated
 between voxels.
 """

@@ -1,6 +1,6 @@
 """airlight meshes as Mitsuba shapes: a PLY for each geometry, placed as the scene places it.
 
-What glows and what is mirrored is written in world space: an area emitter's back side lies a
+What is emissive and what is mirrored is written in world space: an area emitter's back side lies a
 length in metres behind its front, and Mitsuba takes a mirrored triangle's back for its front.
 """
 
@@ -19,7 +19,7 @@ from .mitsuba_files import FileStore, write_exr, write_ply
 from .mitsuba_material import add_bitmap, is_absent, is_masked, linear_pixels, material_reference
 from .mitsuba_xml import add_matrix, add_reference, add_rgb, add_text, add_truth, plugin
 
-BACK_OFFSET = 1e-5  # of the scene's diagonal: the gap between the two sides of a glowing sheet
+BACK_OFFSET = 1e-5  # of the scene's diagonal: the gap between the two sides of an emissive sheet
 EMISSION_LEVELS = 24  # colours a texture's glow is reduced to where Mitsuba cannot map it
 
 

@@ -1,4 +1,4 @@
-"""Our own Monte Carlo light tracer for scattering air in a box.
+"""Our own Monte Carlo light tracer for a scattering medium in a box.
 
 Independent of the GPU code and of Mitsuba, it reports what Mitsuba does not: fluence and net
 flux per cell, light by scattering order, the energy that leaves each face, the brightness seen

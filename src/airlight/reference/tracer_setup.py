@@ -1,4 +1,4 @@
-"""What the tracer is asked: a box of air and a light, as plain values and as the kernel's tuples.
+"""What the tracer is asked: a medium in a box and a light, as values and as the kernel's tuples.
 
 No Numba here, so that media and sources can be written down without it.
 """

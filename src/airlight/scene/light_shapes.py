@@ -44,13 +44,13 @@ def _disk() -> Geometry:
 
 
 def light_mesh(light: AreaLight, material: Material | None = None) -> Mesh:
-    """The surface of a light; `material`: the one that it has already, else one that glows."""
+    """The surface of a light; `material`: the one that it has already, else an emissive one."""
     material = material or light_material(light)
     return Mesh(unit_geometry(light.shape), material, world_from_unit(light), LIGHT_MESH)
 
 
 def light_material(light: AreaLight) -> Material:
-    """Black, and glowing."""
+    """Black, and emissive."""
     return Material(
         name=LIGHT_MESH,
         base_color=(0.0, 0.0, 0.0),

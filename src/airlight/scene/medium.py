@@ -1,4 +1,4 @@
-"""What fills the air: extinction, albedo and phase function."""
+"""Participating media: extinction, albedo and phase function."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from . import checks
 from .checks import F64, Bounds, Rgb
 
 FILL_MARGIN = 1e-3
-"""Of the diagonal: air that fills a scene ends outside its walls."""
+"""Of the diagonal: a medium that fills a scene ends outside its walls."""
 _ABOVE = 0.25
 """Of a scene's height: how far an endless medium reaches above it."""
 _OPAQUE = 14.0
@@ -29,7 +29,7 @@ class Medium:
 
     `sigma_t` extinction in m^-1, `albedo` = sigma_s/sigma_t in [0, 1], `g` the mean cosine of
     the Henyey-Greenstein phase function in (-1, 1), each per RGB channel. Without `bounds`
-    (metres) it fills the scene's bounds, the camera included. `endless` air goes on sideways and
+    (metres) it fills the scene's bounds, the camera included. An `endless` one goes on sideways and
     downwards without an end, below the height `top` (metres; by default the scene's top and a
     quarter of its height above that): fog without a top would let no sun in.
     """
@@ -86,7 +86,7 @@ def extinction_and_albedo(sigma_s: Any, sigma_a: Any) -> tuple[Rgb, Rgb]:
 
 
 def filled_box(low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
-    """What air without bounds fills: the scene's box low..high and the eye, metres."""
+    """What a medium without bounds fills: the scene's box low..high and the eye, metres."""
     low, high = np.minimum(low, eye), np.maximum(high, eye)
     margin = FILL_MARGIN * float(np.linalg.norm(high - low)) + 1e-6
     return low - margin, high + margin

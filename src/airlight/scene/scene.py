@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Meshes, lights, air and a camera. Change one with `dataclasses.replace`.
+    """Meshes, lights, media and a camera. Change one with `dataclasses.replace`.
 
     `settings` holds what a scene file says under [technique.NAME], unchecked until used.
     `warnings` are what a loader dropped, replaced or approximated, for the user to read.

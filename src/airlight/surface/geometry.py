@@ -117,7 +117,7 @@ class GpuScene:
         self.version += 1
 
     def _relight(self, meshes: tuple[Mesh, ...]) -> bool:
-        """Upload the emission of materials that glow otherwise than before; whether any do."""
+        """Upload the emission of materials that changed it; returns whether any did."""
         changed = False
         for mesh, first in zip(meshes, self._first, strict=True):
             row = self._material_index[id(first.material)]

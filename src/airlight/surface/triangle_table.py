@@ -129,7 +129,7 @@ class TriangleTable:
         return packed
 
     def relight(self, row: int, material: Material) -> None:
-        """Show the emission of a material that glows otherwise than before."""
+        """Show the emission of a material that changed it."""
         self._rows["emission"][row] = np.minimum(material.emission, _HALF_MAX)
         self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
 

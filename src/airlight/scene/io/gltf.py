@@ -1,8 +1,8 @@
 """glTF 2.0 and GLB: meshes, materials, punctual lights, the first camera, and what moves them.
 
 Photometric units are read as radiometric ones, WATTS_PER_LUMEN = 1: a candela is a W sr^-1, a
-lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lamps and glowing surfaces keep
-their proportion; exposure sets the rest.
+lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lights and emissive surfaces keep their
+proportion; exposure sets the rest.
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ class GltfFile:
             return None
         light = listed[hung.index("light", listed, "lights")]
         if light.has("range"):
-            self._warn(light, "its range is left out: it shines as far as it does")
+            self._warn(light, "its range is left out: it lights as far as it reaches")
         strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
         red, green, blue = (
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))

@@ -122,7 +122,7 @@ def _scene(tree: Node, source: Source) -> Scene:
 
 
 def _with_filling_medium(scene: Scene) -> Scene:
-    """Air in a box that `reference.write_mitsuba` gives to air without bounds, without them."""
+    """A medium without bounds, which `reference.write_mitsuba` gave a box, without them again."""
     medium = scene.medium
     if medium is None or medium.bounds is None or not (scene.meshes or scene.volumes):
         return scene

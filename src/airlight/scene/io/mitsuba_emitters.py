@@ -1,4 +1,4 @@
-"""Mitsuba's emitters as lights, an environment, and glowing surfaces."""
+"""Mitsuba's emitters as lights, an environment, and emissive surfaces."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def emitter(node: Node, source: Source) -> Light | Environment | None:
 
 
 def with_emission(material: Material, node: Node, source: Source) -> Material:
-    """`material` glowing as an area emitter does: on its front only."""
+    """`material` emissive as an area emitter is: on its front only."""
     if node.kind != "area":
         source.note(f"{node} on a shape is left out")
         return material

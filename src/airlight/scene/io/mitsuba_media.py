@@ -1,7 +1,7 @@
-"""Mitsuba's media, and the shapes that hold them, as air and volumes.
+"""Mitsuba's media, and the shapes that hold them, as a medium and volumes.
 
 Where media nest, Mitsuba's inner one stands alone and airlight's adds to the outer one: the
-outer air is taken off the inner coefficients.
+outer medium is taken off the inner coefficients.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def held_medium(shape: Node, interior: Node, exterior: Node | None, source: Sour
 def medium_and_volumes(
     held: list[Held], around_camera: Node | None, source: Source
 ) -> tuple[Medium | None, tuple[Volume, ...]]:
-    """The scene's one homogeneous air, and everything else as volumes."""
+    """The scene's one homogeneous medium, and everything else as volumes."""
     air = _largest_box(held)
     medium: Medium | None = None
     if air is not None:
@@ -136,21 +136,21 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
 
 
 def _without_medium(held: Held, air: Held | None, source: Source) -> tuple[F64 | F32, F64, float]:
-    """Coefficients less those of the air around, where the shape lies in it."""
+    """Coefficients less those of the medium around, where the shape lies in it."""
     if air is None or held.exterior is None or held.exterior.id != air.node.id:
         if air is not None and _lies_inside(held, air):
-            source.note(f"{held.node} lies in the air of the scene, whose extinction it adds to")
+            source.note(f"{held.node} lies in the medium of the scene, whose extinction it adds to")
         return held.sigma_t, held.albedo, held.g
     inner, outer = (np.asarray(h.sigma_t, dtype=np.float64) for h in (held, air))
     rest: F64 = inner - outer
     if rest.min() < -1e-4 * float(outer.max()):
-        source.note(f"{held.node} is thinner than the air around it, which cannot be said")
+        source.note(f"{held.node} is thinner than the medium around it, which cannot be said")
     sigma_t: F64 = np.maximum(rest, 0.0)
     scattered = inner * held.albedo - outer * air.albedo
     totals = [part.reshape(-1, 3).sum(axis=0) for part in (scattered, sigma_t)]
     albedo = np.clip(totals[0] / np.maximum(totals[1], 1e-30), 0.0, 1.0)
     if held.g != air.g:
-        source.note(f"{held.node}: its g is taken as its own, the mix with the air is left out")
+        source.note(f"{held.node}: its g is taken as its own, the mix with the medium is left out")
     return sigma_t, albedo, held.g
 
 
@@ -265,7 +265,7 @@ def _mean_cosine(phase: Node | None, source: Source) -> float:
         parts = phase.all("phase")
         phase.read.update(phase.values)
         if len(parts) == 2 and parts[1].name == "phase_1":
-            # As written by reference/mitsuba_media.py: the air's, then the volume's own.
+            # As written by reference/mitsuba_media.py: the medium's, then the volume's own.
             _mean_cosine(parts[0], source)
             return _mean_cosine(parts[1], source)
     source.note(f"{phase} is read as isotropic")

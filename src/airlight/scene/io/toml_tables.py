@@ -172,7 +172,7 @@ _SCATTERING = (
 
 MEDIUM = Table(
     "medium",
-    "Homogeneous air. Without bounds it fills the scene's bounds, the camera included.",
+    "A homogeneous medium. Without bounds it fills the scene's bounds, the camera included.",
     (
         *_SCATTERING,
         Key("bounds", checks.bounds, "two corners", "the box it fills", "m"),
@@ -196,7 +196,7 @@ MEDIUM = Table(
 
 VOLUME = Table(
     "volume",
-    "Air of varying density: a density grid, or a shape of density 1. Coefficients hold at "
+    "A medium of varying density: a density grid, or a shape of density 1. Coefficients hold at "
     "density 1. It is placed as a mesh is, after its bounds.",
     (
         Key(
@@ -269,7 +269,8 @@ _PREAMBLE = """\
 
 A TOML file. Every key is checked; an unknown one is refused with the nearest known name. Paths \
 are relative to the scene file. Vectors are arrays of three numbers, a colour is three linear \
-Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are the ways light goes.
+Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are those \
+of travel: away from the light.
 
 A scene file may name any file of the machine, because its author is its user. What comes from \
 elsewhere may not: a glTF's buffers and images, and all that a Mitsuba XML names, must lie in that \

@@ -57,7 +57,7 @@ _KEYS = (
         "up",
         checks.unit_vec3,
         "vector",
-        "the way of a rectangle's height, as far as it lies in its plane",
+        "the direction of a rectangle's height, as far as it lies in its plane",
         default="[0, 0, -1]",
         stands_for="direction",
         moves=True,
@@ -157,12 +157,12 @@ class AreaLight(LightType):
         return [self._side(side) for side in sides]
 
     def _side(self, side: float) -> Emitter:
-        glow = Emitter("emitter", "area", {"radiance": Colour(self.radiance)})
+        light = Emitter("emitter", "area", {"radiance": Colour(self.radiance)})
         black = Emitter("bsdf", "diffuse", {"reflectance": Colour((0.0, 0.0, 0.0))})
         if self.shape == "sphere":
             centre = Point(self.position)
             return Emitter(
-                "shape", "sphere", {"center": centre, "radius": self.radius}, (glow, black)
+                "shape", "sphere", {"center": centre, "radius": self.radius}, (light, black)
             )
         # Mitsuba's are 2 m across and face +z; ours are 1 m across and face +y.
         unit = world_from_unit(self)
@@ -170,7 +170,7 @@ class AreaLight(LightType):
         placed[:3, 0], placed[:3, 1] = 0.5 * side * unit[:3, 2], 0.5 * unit[:3, 0]
         placed[:3, 2], placed[:3, 3] = side * unit[:3, 1], unit[:3, 3]
         placed[:3, 3] += min(side, 0.0) * _BEHIND * max(self.size) * unit[:3, 1]
-        return Emitter("shape", self.shape, {"to_world": placed}, (glow, black))
+        return Emitter("shape", self.shape, {"to_world": placed}, (light, black))
 
 
 def world_from_unit(light: AreaLight) -> F64:

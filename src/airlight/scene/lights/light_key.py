@@ -50,7 +50,7 @@ DIRECTION = LightKey(
     "direction",
     checks.unit_vec3,
     UNIT_VECTOR,
-    "the way its light goes",
+    "of travel: away from the light",
     required=True,
     stands_for="direction",
     moves=True,
