@@ -19,6 +19,7 @@ from .gpu.device import open_gpu
 from .gpu.one_thread import OneThread
 from .gpu.process import enter_driver, is_forked
 from .lighting.accumulate import Accumulator
+from .lighting.read_layers import read_layers
 from .lighting.view import View
 from .maths.sampling import pixel_jitter
 from .maths.tone import auto_exposure
@@ -41,7 +42,6 @@ MAX_SIDE_PX = 16384
 STILL_SAMPLES = 8
 _MOST_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
-NOT_ADDED = ("transmittance",)  # layers that are averaged over samples, but are no radiance
 
 
 class Renderer:
@@ -90,6 +90,7 @@ class Renderer:
         self._means = gpu.scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
         gpu.memory.forget_peak()
+        # What is made half when an error comes is given back with the stack.
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
             self.commands = Commands(gpu)
@@ -152,10 +153,12 @@ class Renderer:
 
     def _draw(self, samples: int, progress: Progress | None) -> None:
         """Draw the solved scene once per sample, and submit all work."""
+        # Without anti-aliasing the one sample lies in the middle of its pixel.
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)
             self.technique.draw(self.commands, self.view)
+            # Several samples are averaged on the device, and submitted one by one.
             if samples > 1:
                 self._accumulate(index)
                 self.commands.submit()
@@ -309,38 +312,11 @@ class Renderer:
 
     def _image(self, samples: int) -> Image:
         textures = self.technique.layers(self.view)
-        layers = {
-            name: (
-                self._accumulator.read(name)
-                if samples > 1 and self._accumulator
-                else texture.read()
-            )[..., :3].astype(np.float32)
-            for name, texture in textures.items()
-        }
-        radiance = np.sum([layers[n] for n in textures if n not in NOT_ADDED], axis=0)
-        g = self.view.gbuffer
-        layers |= {
-            "albedo": g.albedo.read()[..., :3].astype(np.float32),
-            "normal": g.normal.read()[..., :3].astype(np.float32),
-            "depth": self._distance(),
-        }
+        means = self._accumulator if samples > 1 else None
+        layers, radiance = read_layers(self.view, textures, means)
         stops = self.scene.camera.exposure_stops
         exposure = float(auto_exposure(radiance)) if stops is None else stops
         return Image(radiance, layers, exposure_stops=exposure, stats=self.stats())
-
-    def _distance(self) -> np.ndarray[Any, np.dtype[np.float32]]:
-        """The distance along each pixel's ray, m; infinite where there is no surface."""
-        depth = self.view.gbuffer.depth.read().astype(np.float64)
-        height, width = depth.shape
-        x = (np.arange(width) + 0.5) / width * 2.0 - 1.0
-        y = 1.0 - (np.arange(height) + 0.5) / height * 2.0
-        safe = np.maximum(depth, 1e-9)
-        clip = np.stack(
-            [*np.broadcast_arrays(x[None, :], y[:, None]), safe, np.ones_like(safe)], axis=-1
-        )
-        world = clip @ self.view.world_from_clip.T
-        distance = np.linalg.norm(world[..., :3] / world[..., 3:] - self.view.eye, axis=-1)
-        return np.where(depth > 0.0, distance, np.inf).astype(np.float32)
 
 
 def render(
@@ -372,6 +348,7 @@ def render(
         assert image is not None
         if not timed:
             return image
+        # Times are those of single samples, once everything is compiled.
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
         for _ in range(4):

@@ -6,5 +6,6 @@ surfaces       G-buffer -> emitted light -> occlusion -> lattice light -> direct
   occlusion      screen-space occlusion and near-field radiance
   glossy         which materials trace mirrored rays; glossy_pixels: their list on CPU adapters
 view           a camera's matrices and textures; accumulate: the mean of jittered images
+read_layers    a drawn view as arrays
 lattice_box    the box that lattices cover
 """

@@ -74,8 +74,8 @@ def persistence(longest_side: int) -> float:
     """Share of its net direction that light keeps on a hop, by the lattice's longest side, cells.
 
     What it loses is scattering that no medium does. RHO^2 fits 25 cells best, beside Monte Carlo.
-    On more of them the same share would keep light in the lattice too long: 1.06 times its true path
-    through 8 cells, 1.27 times through 24. The power is fitted to rooms of 32 cells.
+    On more of them the same share would keep light in the lattice too long: 1.06 times its true
+    path through 8 cells, 1.27 times through 24. The power is fitted to rooms of 32 cells.
     """
     lost = (1.0 - RHO**2) * float((_WANDERED / longest_side) ** 1.5)
     return max(RHO**2, 1.0 - lost)

@@ -1,8 +1,8 @@
 """glTF 2.0 and GLB: meshes, materials, punctual lights, the first camera, and what moves them.
 
 Photometric units are read as radiometric ones, WATTS_PER_LUMEN = 1: a candela is a W sr^-1, a
-lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lights and emissive surfaces keep their
-proportion; exposure sets the rest.
+lux a W m^-2, and an emissive strength a W m^-2 sr^-1, so that lights and emissive surfaces keep
+their proportion; exposure sets the rest.
 """
 
 from __future__ import annotations
