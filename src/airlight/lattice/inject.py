@@ -33,6 +33,7 @@ class InjectParams(Struct):
 
     resolution = u32("texels")
     layers = u32()
+    block = u32("texels along each side of a block, which is injected as a whole")
     least = f32("m, objects up to this size are left out, wholly in from half as much more on")
     next_least = f32("m, the same for the next larger lattice")
     has_static = u32("1: objects that never moved are left out like others")
@@ -134,11 +135,13 @@ class Inject(ComputePass):
         `lights` are asked for where media attenuate them.
         """
         media = {**self._attenuation.bound, **lights.bound} if self._attenuation and lights else {}
+        side = -(-maps.resolution // maps.block)
         self.dispatch(
             commands,
-            (maps.resolution, maps.resolution, maps.layers),
+            (side, side, maps.layers),
             params=InjectParams.of(
                 resolution=maps.resolution,
+                block=maps.block,
                 layers=maps.layers,
                 least=small.least,
                 next_least=small.next_least,

@@ -1,10 +1,13 @@
-// Every texel of a reflective shadow map is a virtual point light, whose cosine lobe enters the cell
-// half a cell in front of it (Kaplanyan2010 section 3.1; twin of the lobe: maths.sh.cosine_lobe).
+// Every texel of a reflective shadow map, or every block of texels, is a virtual point light, whose
+// cosine lobe enters the cell half a cell in front of it (Kaplanyan2010 section 3.1; twin of the lobe:
+// maths.sh.cosine_lobe).
 // The including pass says what of a layer's light arrives at a point: light_arriving(layer, p).
 //! use lattice_space
 //! use lobes
 //! use light_texel
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
+
+const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
 
 // 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
@@ -22,27 +25,64 @@ fn object_share(size: f32, p: vec3f) -> f32 {
     return share * select(mix(lattice_weight(lattice, p), 1.0, beyond), 1.0, beyond >= 1.0);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
+// What texels show of one surface: sums over them of places, normals and W.
+struct Seen { place: vec3f, normal: vec3f, power: vec3f, size: f32, texels: f32 }
+
+// Whether a texel that shows p, of this normal and an object of this size, belongs to it.
+fn is_of(seen: Seen, p: vec3f, n: vec3f, size: f32) -> bool {
+    let along = seen.normal / seen.texels;
+    return size == seen.size && dot(n, along) > 0.9
+        && abs(dot(p - seen.place / seen.texels, along)) < PLANE * lattice.cell;
+}
+
+// Its flux, half a cell before it, where it is not in the cell of the wall itself.
+fn add_seen(seen: Seen, layer: u32) {
+    if (seen.texels <= 0.0) {
         return;
     }
-    let texel = vec2i(id.xy);
-    let power_density = textureLoad(flux, texel, id.z, 0).rgb;
-    let d = textureLoad(depth, texel, id.z, 0);
-    if (d >= 1.0 || all(power_density <= vec3f(0.0))) {
-        return;
-    }
-    // The surface that the texel shows.
-    let view = views[id.z];
-    let centre = texel_centre(id.xy, params.resolution);
-    let facing = textureLoad(normal, texel, id.z, 0);
-    let n = lattice_from_world(lattice, normalize(facing.xyz));
-    let p = texel_point(view, centre, d);
-    // Its flux, half a cell before it, where it is not in the cell of the wall itself.
-    let share = object_share(facing.w, p);
+    let p = seen.place / seen.texels;
+    let share = object_share(seen.size, p);
     if (share > 0.0) {
+        let n = lattice_from_world(lattice, normalize(seen.normal));
         let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
-        let measure = share * texel_measure(view, centre, params.resolution);
-        add_lobe(coordinates, n, light_arriving(id.z, p) * power_density * measure);
+        add_lobe(coordinates, n, share * light_arriving(layer, p) * seen.power);
     }
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy * params.block >= vec2u(params.resolution)) || id.z >= params.layers) {
+        return;
+    }
+    // A block is one light for the surface that its first texel shows, and one for whatever else is in
+    // it: an edge that moves brings light by the texel, at the cost of a light for each block.
+    let view = views[id.z];
+    var first = Seen(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
+    var other = first;
+    for (var k = 0u; k < params.block * params.block; k++) {
+        let texel = id.xy * params.block + vec2u(k % params.block, k / params.block);
+        let power_density = textureLoad(flux, texel, id.z, 0).rgb;
+        let d = textureLoad(depth, texel, id.z, 0);
+        if (any(texel >= vec2u(params.resolution)) || d >= 1.0
+            || all(power_density <= vec3f(0.0))) {
+            continue;
+        }
+        // The surface that the texel shows, and its flux.
+        let centre = texel_centre(texel, params.resolution);
+        let facing = textureLoad(normal, texel, id.z, 0);
+        let n = normalize(facing.xyz);
+        let p = texel_point(view, centre, d);
+        let power = power_density * texel_measure(view, centre, params.resolution);
+        // No flux is lost: a third surface's counts as the second's.
+        if (first.texels == 0.0 || is_of(first, p, n, facing.w)) {
+            first = Seen(first.place + p, first.normal + n, first.power + power, facing.w,
+                first.texels + 1.0);
+        } else if (other.texels == 0.0 || is_of(other, p, n, facing.w)) {
+            other = Seen(other.place + p, other.normal + n, other.power + power, facing.w,
+                other.texels + 1.0);
+        } else {
+            other.power += power;
+        }
+    }
+    add_seen(first, id.z);
+    add_seen(other, id.z);
 }

@@ -23,7 +23,11 @@ class LpvSettings(SurfaceSettings):
     )
     storage: str = setting("float32", "how lattices are stored between steps", choices=STORAGES)
     map_resolution: int = setting(
-        256, "side of reflective shadow maps", unit="px", low=8, high=4096
+        256,
+        "side of reflective shadow maps; directional lights' are drawn at twice that",
+        unit="px",
+        low=8,
+        high=4096,
     )
     surfel_source: str = setting("meshes", "what blockers are sampled from", choices=SOURCES)
     surfel_resolution: int = setting(

@@ -23,7 +23,7 @@ from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..maths.lattice6 import LOOKUP_SCALE, enough_steps
 from ..scene.scene import Scene
-from ..surface.light_maps import LightMaps
+from ..surface.light_maps import BLOCK, LightMaps
 from ..surface.reflective import ReflectiveShadowMaps
 from .border import Border
 from .cascades import Cascade, cascades
@@ -52,7 +52,7 @@ class LpvSolver(Solver):
         self.points = InjectPoints(gpu)
         self.linear = linear_sampler(gpu)
         # Light: reflective shadow maps, lattices of cells, the textures that surfaces read.
-        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution)
+        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution, block=BLOCK)
         self.cascades = cascades(kit, settings, self.steps)
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         largest = max(part.placement.cells for part in self.cascades)

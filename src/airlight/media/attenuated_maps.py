@@ -71,6 +71,7 @@ class _Attenuated(ReflectiveShadowMaps):
         self, gpu: Gpu, name: str, of: ReflectiveShadowMaps, attenuate: ComputePass
     ) -> None:
         self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
+        self.block = of.block
         self.depth, self.normal = of.depth, of.normal
         self._from, self._attenuate = of, attenuate
         size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)

@@ -21,7 +21,7 @@ from ..lighting.kit import Kit
 from ..maths.lattice26_walls import returned_sharpness
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
-from ..surface.light_maps import LightMaps
+from ..surface.light_maps import BLOCK, LightMaps
 from ..surface.light_table import LightData, packed_lights
 from .cell_lights import CellLights
 from .cells import LatticeCells, sky_capacity
@@ -46,7 +46,9 @@ class Injection:
         self.meshes, self.lights, self.sky = kit.meshes, kit.lights, kit.sky
         self.blockers = kit.blockers
         # Reflective shadow maps of the lights, and whose each layer is.
-        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution)
+        # Random points of rays are drawn for every texel.
+        block = 1 if settings.single in ("random", "stratified") else BLOCK
+        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution, block=block)
         self._map_lights = [
             MapLights(kit.lights.table, buffer_of(gpu, "map owners", owner_rows(owners)))
             for owners in self.maps.owners

@@ -52,7 +52,11 @@ class ScatterSettings:
     samples: int = setting(8, "points of a map texel's ray", low=1, high=64)
     seed: int = setting(0, "of random points", low=0)
     map_resolution: int = setting(
-        256, "side of reflective shadow maps", unit="px", low=8, high=4096
+        256,
+        "side of reflective shadow maps; directional lights' are drawn at twice that",
+        unit="px",
+        low=8,
+        high=4096,
     )
 
 

@@ -1,6 +1,9 @@
 """Reflective shadow maps of all lights of a scene.
 
-Directional lights share one array of maps, local lights another of half the side.
+Directional lights share one array of maps, local lights another of half the side. The light of a
+sun comes past edges, of roofs, windows or columns, which wander over texels as it moves. So its
+maps may be drawn finer than virtual point lights are, `BLOCK` texels to a side of each, and are
+turned about the light, so that no row of texels lies along upright walls.
 """
 
 from __future__ import annotations
@@ -16,6 +19,10 @@ from .light_views import light_views, view_count
 from .reflective import ReflectiveShadowMaps
 
 SMALLEST_LOCAL = 8  # texels
+BLOCK = 2
+"""Texels along each side of a block that is one virtual light, in maps of directional lights."""
+TURN_DEG = 20.0
+"""Of the texels of a sun's map about its light: along no wall."""
 
 
 class LightMaps:
@@ -25,16 +32,21 @@ class LightMaps:
     number and the kinds of lights are fixed.
     """
 
-    def __init__(self, gpu: Gpu, lights: Sequence[Light], resolution: int) -> None:
-        """`resolution`: side of a directional light's map, texels."""
-        sides, names = (resolution, max(SMALLEST_LOCAL, resolution // 2)), ("directional", "local")
+    def __init__(
+        self, gpu: Gpu, lights: Sequence[Light], resolution: int, *, block: int = 1
+    ) -> None:
+        """`resolution`: blocks along the side of a directional light's map, each of `block` by
+        `block` texels.
+        """
+        sides = (resolution * block, max(SMALLEST_LOCAL, resolution // 2))
+        names, blocks = ("directional", "local"), (block, 1)
         self.owners = [
             [row for row, light in group for _ in range(view_count(light))]
             for group in _by_kind(lights)
         ]
         self.groups = tuple(
-            ReflectiveShadowMaps(gpu, name, side, len(owners))
-            for name, side, owners in zip(names, sides, self.owners, strict=True)
+            ReflectiveShadowMaps(gpu, name, side, len(owners), block=n)
+            for name, side, n, owners in zip(names, sides, blocks, self.owners, strict=True)
         )
 
     @property
@@ -53,7 +65,7 @@ class LightMaps:
         for group, maps in zip(_by_kind(lights), self.groups, strict=True):
             if group:
                 own = [light for _, light in group]
-                views = light_views(own, low, high, maps.resolution)
+                views = light_views(own, low, high, maps.resolution, turn_deg=TURN_DEG)
                 is_drawn = maps.encode(commands, meshes, own, views) or is_drawn
         return is_drawn
 

@@ -78,12 +78,18 @@ def widened(view: LightView, times: float) -> LightView:
     return LightView(wide, texel, view.is_perspective, view.light)
 
 
-def light_views(lights: Iterable[Light], low: F64, high: F64, resolution: int) -> list[LightView]:
-    """The views of all lights over the box low..high (metres), in the lights' order."""
+def light_views(
+    lights: Iterable[Light], low: F64, high: F64, resolution: int, *, turn_deg: float = 0.0
+) -> list[LightView]:
+    """The views of all lights over the box low..high (metres), in the lights' order.
+
+    `turn_deg`: how far the texels of parallel light are turned about it. Else upright edges lie
+    along columns of texels, which change all at once when the light moves.
+    """
     views: list[LightView] = []
     for index, light in enumerate(lights):
         if isinstance(light, DirectionalLight):
-            views.append(_parallel(light, index, low, high, resolution))
+            views.append(_parallel(light, index, (low, high), resolution, turn_deg))
         elif light.is_sampled:
             continue
         elif light.cone is not None and view_count(light) == 1:
@@ -101,9 +107,10 @@ def view_count(light: Light) -> int:
 
 
 def _parallel(
-    light: DirectionalLight, index: int, low: F64, high: F64, resolution: int
+    light: DirectionalLight, index: int, box: tuple[F64, F64], resolution: int, turn_deg: float
 ) -> LightView:
-    view, near, far = _extent_along(_triple(light.direction), _triple(low), _triple(high))
+    low, high = _triple(box[0]), _triple(box[1])
+    view, near, far = _extent_along(_triple(light.direction), low, high, turn_deg)
     margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
@@ -119,9 +126,12 @@ def _triple(values: Sequence[float] | F64) -> Vec3:
 
 
 @lru_cache(maxsize=64)
-def _extent_along(direction: Vec3, low: Vec3, high: Vec3) -> tuple[F64, F64, F64]:
-    """view_from_world of a directional light, and the box low..high in that view."""
+def _extent_along(direction: Vec3, low: Vec3, high: Vec3, turn_deg: float) -> tuple[F64, F64, F64]:
+    """view_from_world of a directional light, turned about it, and the box low..high in that."""
     view = view_from_world((0.0, 0.0, 0.0), direction, (0.0, 1.0, 0.0))
+    if turn_deg:
+        cos, sin = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+        view[:2] = np.array([[cos, -sin], [sin, cos]]) @ view[:2]
     corners = transformed(box_corners(np.array(low), np.array(high)), view)
     return view, corners.min(axis=0), corners.max(axis=0)
 

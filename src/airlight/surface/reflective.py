@@ -63,8 +63,11 @@ class ReflectiveShadowMaps:
     flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel
     """
 
-    def __init__(self, gpu: Gpu, label: str, resolution: int, layers: int) -> None:
-        self.resolution, self.layers = resolution, layers
+    def __init__(
+        self, gpu: Gpu, label: str, resolution: int, layers: int, *, block: int = 1
+    ) -> None:
+        """`block`: texels along each side of a block that counts as one virtual point light."""
+        self.resolution, self.layers, self.block = resolution, layers, block
         size = (resolution, resolution, layers) if layers else (1, 1, 1)
 
         def map_of(name: str, format: str) -> Texture:
