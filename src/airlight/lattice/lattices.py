@@ -141,6 +141,7 @@ def follow(nest: Nest, levels: Sequence[Level], camera: Camera, *, is_first: boo
     """
     eye = np.asarray(camera.position, np.float64)
     look = np.subtract(camera.target, camera.position)
+    # A lattice that moves is filled again: one a frame, where its borders are not read yet.
     may_move = is_settled = True
     for index, level in enumerate(levels):
         if not nest.follows(index):

@@ -136,6 +136,7 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
     """
     if not nest.follows(level):
         return placement
+    # From the wanted centre, in from the borders unless those are the box's own sides.
     cell = placement.cell
     half = 0.5 * cell * np.array(placement.count)
     room_low, room_high = _room(nest, placement)

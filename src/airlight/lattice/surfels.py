@@ -216,6 +216,7 @@ def _albedo_and_cover(
 
 def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F64, F64]:
     """Base colour (n, 3), linear, and the share (n,) of each surfel that is not cut away."""
+    # The material's own, times its texture; cut away where alpha is below the cutoff.
     colour = np.tile(np.asarray(material.base_color), (count, 1))
     cover = np.ones(count)
     texture = material.base_color_texture

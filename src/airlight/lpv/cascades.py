@@ -91,6 +91,7 @@ def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = Fals
     Where they leave it open, the gaps between the scene's surfaces say how many there are: a scene
     has the same number wherever its camera and lights go. Raises SettingsError.
     """
+    # Along the walls, over surfaces and perhaps their medium, the finest ahead of the camera.
     axes = lattice_axes(scene, follows_walls=settings.follow_walls)
     low, high = lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes)
     count, ratio = settings.cascades, settings.cascade_ratio

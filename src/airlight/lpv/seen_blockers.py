@@ -25,6 +25,7 @@ class SeenBlockers:
         self._kit = kit
         width, height = kit.context.size
         self._aspect = width / height
+        # One view for the camera, and those of each light's shadow maps.
         count = 1 + sum(view_count(light) for light in kit.context.scene.lights)
         resolution, peels = settings.surfel_resolution, settings.peel_layers
         self.maps = SurfelViews(kit.gpu, resolution, count, peels)

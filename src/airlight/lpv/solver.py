@@ -97,6 +97,7 @@ class LpvSolver(Solver):
 
     def _find_stale(self, commands: Commands, scale: float) -> None:
         """Mark the lattices whose static light is of another sky, geometry, scale or medium."""
+        # Static light is stored as long as all that it depends on stays.
         sky, media = self.kit.sky.version, self.media.version if self.media else -1
         is_all = sky != self._sky_version or scale != self._static_scale
         is_all = is_all or media != self._media_version
@@ -208,6 +209,7 @@ class LpvSolver(Solver):
 
     def _added(self, frame: Frame, fields: Fields) -> Fields:
         """The fields, with irradiance, reflected and perhaps scattered light."""
+        # What surfaces read, and the same light as media take it.
         textures = self.media.textures if self.media else self.textures
         irradiance = Irradiance(
             {"lattices": self.kit.lattices.table.filled(self.rows), **textures.bound},

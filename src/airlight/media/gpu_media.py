@@ -174,6 +174,7 @@ class GpuMedia:
         )
 
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
+        # The scene's own medium comes first, then its volumes in their order.
         rows = []
         if scene.medium is not None:
             box = medium_box(scene.medium, low, high, scene.camera.position)

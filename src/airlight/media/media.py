@@ -88,6 +88,7 @@ class Media(Solver):
 
     def _lit_by_sky(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         assert self.sky is not None
+        # In cells, where anything changed; surfaces and media read the same cells.
         lattices, blockers = self.kit.lattices, self.kit.blockers
         seen = (self.kit.meshes.version, blockers.version)
         is_moved, self._sky_seen = seen != self._sky_seen, seen

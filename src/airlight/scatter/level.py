@@ -34,10 +34,12 @@ class Level:
         cells = count[0] * count[1] * count[2]
         light = CHANNELS * cells * 16
         self.count, self.cell, self.cells, self.is_finest = count, cell_m, cells, is_finest
+        # States in turn; their track, and what a step makes of a correction.
         self.sum, self.spare, self.track, self.answer = (
             Buffer(gpu, f"{name} {count}", light) for name in ("sum", "spare", "track", "answer")
         )
         self.packs = new_packs(gpu, cells if kind.has_walls else 1)
+        # Coarser levels own what the solver gives the finest: residual, medium, walls.
         varied = CHANNELS * cells if kind.is_varied and not is_finest else 2
         walls = cells if kind.has_walls and not is_finest else 1
         self.source = Buffer(gpu, f"residual {count}", 16 if is_finest else light)

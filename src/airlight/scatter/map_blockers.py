@@ -84,6 +84,7 @@ class MapBlockers(Blockers):
         self.follow_vertices()
         if not self.meshes.draws:
             return
+        # What six white lights from outside see, then its texels into the sums.
         lights = views_along(self.placement.axes)
         views = light_views(lights, *self.meshes.bounds, self.maps.resolution)
         self.maps.encode(commands, self.meshes, lights, views)

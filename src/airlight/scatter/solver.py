@@ -73,6 +73,7 @@ class ScatterSolver(Solver):
 
     def _added(self, scene: Scene, fields: Fields) -> Fields:
         """The fields, with what was solved."""
+        # What surfaces read; then what media scatter, which surfaces also reflect into others.
         table = self.kit.lattices.table.filled([self.surfaces.params()])
         irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_reflected=True)
         light = self.emission.source(

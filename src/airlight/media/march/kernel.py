@@ -97,6 +97,7 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
         made += [texture(f"source{i}", "3d") for i in range(variant.sources)]
+    # Lattices, the sky's likewise, and of each what its form reads.
     names: list[str] = []
     if variant.has_lattice or variant.has_sky:
         made += [
@@ -112,6 +113,7 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     names += ["sky_mean"] * (variant.sky == "mean")
     names += ["sky_third"] * (variant.sky == "three bands")
     made += [texture(name, "3d") for name in names]
+    # What comes beside lattices.
     beams = forward_slots() if variant.has_forward else ()
     beams += half_space_slots() if variant.half_space_side else ()
     return (*made, *beams)

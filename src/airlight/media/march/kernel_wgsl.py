@@ -52,6 +52,7 @@ def _sources_wgsl(variant: Variant) -> str:
     """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
     `step_share`: the length of a step from a point, in steps of the finest source.
     """
+    # Textures of emission one by one, then the lattice, whole or through the reduced media.
     sources, has_lattices = variant.sources, variant.has_lattice or variant.has_sky
     parts = ["    lattice_enter(p);\n"] if has_lattices else []
     parts += [
@@ -128,6 +129,7 @@ def _emission_wgsl(name: str) -> str:
 
     Media whose single scattering comes with a source of its own do not scatter it.
     """
+    # Samples of three channels, then what each medium scatters of them by its own g.
     samples = "".join(
         f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
         for c in ("red", "green", "blue")

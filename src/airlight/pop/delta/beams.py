@@ -50,10 +50,12 @@ class DeltaBeams:
         point lights in grids leave the radiance that the eye sees of them.
         """
         self._medium, self._settings, self._indirect = medium, settings, indirect
+        # What arrives, what of it leaves the beams, and where that spreads.
         self.light = IncidentLight(medium, mixture, settings, capacity, takes_others=takes_others)
         self.diffuse = Diffuse(medium.gpu, medium.placement, mixture)
         self._deposit = Deposit(medium, self.light)
         self._near = NearLight(medium, self.light)
+        # Virtual point lights may propagate in grids of their own.
         self._in_grids = uses_virtual_grids(settings, alone=mixture.is_alone)
         self._virtual_grids: GridPropagation | None = None
         self._propagated_for = b""  # the eye

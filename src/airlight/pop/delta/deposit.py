@@ -7,7 +7,6 @@ from ...gpu.compute import ComputePass
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
 from ..light.incident import IncidentLight
-from ..light.table import OrdinateData
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 
@@ -22,12 +21,11 @@ class Deposit(ComputePass):
         self._medium, self._light = medium, light
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
-            storage("ordinates", OrdinateData),
-            *mixture.beam_slots,
-            storage("passed", "f32"),
+            *light.slots,
             storage("density", "f32"),
             storage("deposits", "vec4f", "read_write"),
         )
+        # Beams of all media, and what of them stays in the medium's own cells.
         beams = mixture.beam_wgsl(has_blocks=bool(light.blocks))
         super().__init__(medium.gpu, generated=beams + mixture.cell_wgsl_after_beams)
 
@@ -38,9 +36,7 @@ class Deposit(ComputePass):
             commands,
             (self._medium.cells,),
             params=params,
-            ordinates=light.table.rows,
-            passed=light.passed,
             density=self._medium.density.cells,
             deposits=deposits,
-            **light.mixture.beam_bound,
+            **light.bound,
         )

@@ -97,12 +97,9 @@ class Emission:
             (self._medium.cells,),
             params=params,
             **bound_by_view(light.table, eye, self._correction),
-            passed=light.passed,
-            diffuse=diffuse,
-            reach=self._medium.density.reach,
+            **self._bound(light, diffuse),
             refined=self._refined,
             emission=self.texture,
-            **light.mixture.beam_bound,
         )
 
     def encode_furnace(
@@ -122,12 +119,18 @@ class Emission:
             (self._medium.cells,),
             params=params,
             **bound_by_view(light.table, eye, 0.0),
-            passed=light.passed,
-            diffuse=diffuse,
-            reach=self._medium.density.reach,
+            **self._bound(light, diffuse),
             corrections=self.corrections,
-            **light.mixture.beam_bound,
         )
+
+    def _bound(self, light: IncidentLight, diffuse: Buffer) -> dict[str, Any]:
+        """What both passes read of the cells, by slot name."""
+        return {
+            "passed": light.passed,
+            **light.mixture.beam_bound,
+            "diffuse": diffuse,
+            "reach": self._medium.density.reach,
+        }
 
 
 def bound_by_view(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:

@@ -15,7 +15,6 @@ from ...gpu.slots import storage, uniform
 from ...maths.delta_beam import beam_loss, forward_share
 from ...maths.point_light_beam import NEAR_TABLE, near_table
 from ..light.incident import IncidentLight
-from ..light.table import OrdinateData
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 
@@ -30,9 +29,7 @@ class NearLight(ComputePass):
         self._medium, self._light = medium, light
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
-            storage("ordinates", OrdinateData),
-            *mixture.beam_slots,
-            storage("passed", "f32"),
+            *light.slots,
             storage("missing", "vec4f"),
             storage("diffuse", "vec4f", "read_write"),
         )
@@ -45,6 +42,7 @@ class NearLight(ComputePass):
         if (*g, *albedo) == self._written:
             return
         self._written = (*g, *albedo)
+        # Of what leaves a beam, the share that is not scattered forwards, channel by channel.
         staying = np.asarray(albedo) * (1.0 - forward_share(g))
         texels = np.zeros((NEAR_TABLE, 4), np.float32)
         for channel, ratio in enumerate(staying / np.maximum(beam_loss(g, albedo), 1e-12)):
@@ -58,9 +56,7 @@ class NearLight(ComputePass):
             commands,
             (self._medium.cells,),
             params=params,
-            ordinates=light.table.rows,
-            passed=light.passed,
             missing=self._table,
             diffuse=diffuse,
-            **light.mixture.beam_bound,
+            **light.bound,
         )

@@ -68,6 +68,7 @@ class BlockVisibility(ComputePass):
         if made == self._made:
             return
         self._made = made
+        # From every cell to four samples of every block.
         medium = self._receiver
         params = BlockVisibilityParams(
             world_from_medium=medium.placement.world_from_medium, blocks=self._blocks

@@ -117,6 +117,7 @@ class Grids:
         self.side = side + side % 2
         self.shells = side
         self.capacity = grid_capacity(side)
+        # Where the grids are, the density in their cells, and which cells light passes.
         self.rows = Buffer(gpu, "grids", GridData.dtype.itemsize * most)
         self.density = Buffer(gpu, "density of grids", 4 * self.capacity * most)
         self.listed = Buffer(gpu, "cells of grids", 4 * (1 + self.capacity * most))

@@ -71,6 +71,7 @@ class Merge:
             "gathered": gathered,
             "splatted": self._splatted,
         }
+        # Shells around local lights add to cells; parallel grids are read by them.
         radial = grids.local + grids.virtual
         if radial:
             self._splat.dispatch(commands, (grids.capacity, radial), **common)

@@ -7,9 +7,11 @@ encode   virtual point lights -> column density of every path -> shadows of surf
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from ...gpu.commands import Commands
 from ...gpu.memory import Buffer
+from ...gpu.slots import Slot, storage
 from ...maths.ordinates import Ordinates
 from ...scene.lights import Light
 from ..exchange.irradiance import InterMediumLight
@@ -20,7 +22,7 @@ from ..settings import PopSettings
 from ..virtual.lights import VirtualLights
 from .paths import Paths
 from .sky_correction import SkyLight
-from .table import LocalLight, OrdinateTable
+from .table import LocalLight, OrdinateData, OrdinateTable
 from .visibility import Surfaces, Visibility
 
 
@@ -55,6 +57,24 @@ class IncidentLight:
         self._visibility: Visibility | None = None
         self._virtual: VirtualLights | None = None
         self._surfaces: Surfaces | None = None
+
+    @property
+    def slots(self) -> tuple[Slot, ...]:
+        """Of passes that sum over all ordinates in each cell; `bound` binds them."""
+        return (
+            storage("ordinates", OrdinateData),
+            storage("passed", "f32"),
+            *self.mixture.beam_slots,
+        )
+
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By the names of `slots`."""
+        return {
+            "ordinates": self.table.rows,
+            "passed": self.passed,
+            **self.mixture.beam_bound,
+        }
 
     @property
     def passed(self) -> Buffer:

@@ -81,6 +81,7 @@ class Paths(ComputePass):
             "linear_clamp": density.linear,
             "passed": self.passed,
         }
+        # The medium's own density, then that of the others.
         self.dispatch(commands, extent, **shared, fine=density.fine)
         if self._others is not None:
             self._others.dispatch(

@@ -183,6 +183,7 @@ class VirtualLights:
         self, first_row: int, scale: float
     ) -> list[tuple[ReflectiveShadowMaps, VirtualParams]]:
         """The maps, each set with its parameters."""
+        # Texels count by what they send into the sphere around the medium.
         placement = self._medium.placement
         to_world = placement.world_from_medium
         half = 0.5 * placement.extent
