@@ -5,10 +5,12 @@ from __future__ import annotations
 import ast
 import dataclasses
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import airlight
 from airlight.errors import SceneError
 from airlight.gpu.source import LIBRARIES
 from airlight.scene import Medium, Scene
@@ -101,3 +103,28 @@ def test_no_direction_outside_the_cone_is_lit(light):
     if light.cone is not None:
         assert not lit[cosine < np.cos(np.radians(light.cone[1]))].any()
     assert lit[-1]
+
+
+ROOT = Path(airlight.__file__).parent
+ASK_FOR_A_TYPE = {
+    "area/sources.py": "surfaces of area lights, balls about points",
+    "pop/light/table.py": "what `as_point` gives: points and spots",
+    "scatter/forward.py": "lights without extent",
+    "scene/light_shapes.py": "the surfaces of area lights",
+}
+"""Others ask `LightType`; only whether a light is directional may be asked anywhere."""
+
+
+def asks(path: Path) -> bool:
+    """Whether a module asks a light whether it is a point, spot, area light or a sample."""
+    calls = (n for n in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(n, ast.Call))
+    return any(
+        ast.unparse(call.func) == "isinstance"
+        and re.search(r"\b(Point|Spot|Area)Light\b|\bLightSample\b", ast.unparse(call.args[1]))
+        for call in calls
+    )
+
+
+def test_nobody_else_asks_which_type_a_light_is_of():
+    found = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if asks(path)}
+    assert found == ASK_FOR_A_TYPE.keys()
