@@ -66,7 +66,7 @@ def test_an_eight_bit_image_comes_back_as_it_was(tmp_path):
         (
             ["builtin:cornell", "{in}.obj"],
             "error: {in}.obj: a scene cannot be written as '.obj'. "
-            "End its name in .xml, for Mitsuba 3, or in .toml.",
+            "End its name in .xml, for Mitsuba 3, in .glb or in .toml.",
         ),
         (["nowhere.toml", "{in}.xml"], "error: nowhere.toml: file not found. Check the path."),
         (

@@ -7,9 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from airlight import AreaLight, PointLight, PointLights, SpotLight
+from airlight import AreaLight, PointLight, PointLights, Scene, SpotLight
+from airlight.reference.mitsuba import write_mitsuba
 from airlight.reference.mitsuba_files import FileStore
 from airlight.reference.mitsuba_lights import light_elements, point_emitters
+from airlight.scene.io.mitsuba import load_mitsuba
+from airlight.scene.light_shapes import light_mesh
 from airlight.scene.lights.spot import spot_pixels, spot_share
 
 
@@ -67,3 +70,29 @@ def test_area_lights_are_shapes_that_glow(tmp_path):
     assert float(radiance.split()[0].rstrip(",")) == pytest.approx(4.0)
     light_elements(SpotLight((0, 1, 0), (0, -1, 0), 1.0, radius=0.1), files, notes)
     assert len(notes) == 2
+
+
+@pytest.mark.parametrize(
+    "light",
+    [
+        AreaLight((1, 2, 3), (4, 5, 6), direction=(0.6, -0.8, 0), up=(0, 0, 1), size=(2, 0.5)),
+        AreaLight((1, 2, 3), 4, "disk", direction=(1, 2, 2), radius=0.3, reflectance=(0.5, 0, 1)),
+        AreaLight((1, 2, 3), 4, "sphere", radius=0.3, reflectance=0.25),
+        AreaLight((1, 2, 3), 4, direction=(0, 0, 1), up=(0, 1, 0), two_sided=True),
+        AreaLight((1, 2, 3), 4, "disk", visible=False, two_sided=True),
+    ],
+    ids=["rectangle", "disk", "sphere", "two-sided", "unseen"],
+)
+def test_an_area_light_comes_back_from_mitsuba(light, tmp_path):
+    write_mitsuba(Scene(lights=(light,)), tmp_path / "scene.xml")
+    read = load_mitsuba(tmp_path / "scene.xml")
+    (back,) = read.lights
+    assert not read.meshes
+    same = ("shape", "two_sided", "visible", "radiance", "reflectance", "position")
+    for name in same:
+        assert getattr(back, name) == getattr(light, name), name
+    there, here = light_mesh(light).world_bounds, light_mesh(back).world_bounds
+    np.testing.assert_allclose(here, there, atol=1e-6)
+    if light.shape != "sphere":
+        np.testing.assert_allclose(back.direction, light.direction, atol=1e-6)
+    assert back.area == pytest.approx(light.area)

@@ -1,4 +1,4 @@
-"""`airlight convert`: a scene to Mitsuba XML or a scene file, or an image to another format."""
+"""`airlight convert`: a scene to Mitsuba XML, GLB or a scene file; an image to another format."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 LINEAR_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe")
 DISPLAY_SUFFIXES = (".png", ".jpg", ".jpeg")
 IMAGES_OUT = (".exr", ".hdr", *DISPLAY_SUFFIXES)
-SCENES_OUT = (".xml", ".toml")
+SCENES_OUT = (".xml", ".glb", ".toml")
 
 
 @click.command("convert")
@@ -42,6 +42,7 @@ def command(source: str, target: Path, exposure: float | None, tone_map: str | N
 
     \b
     airlight convert room.toml room.xml     any scene to Mitsuba 3
+    airlight convert room.toml room.glb     any scene's meshes, materials, lights and camera
     airlight convert room.glb room.toml     a scene file that names its meshes and grids
     airlight convert room.exr room.png      images: .exr .hdr .png .jpg
     """
@@ -78,7 +79,7 @@ def convert_image(
 
 
 def convert_scene(source: str, target: Path) -> None:
-    """Write the scene that `source` names as Mitsuba XML or a scene file, saying what it lacks.
+    """Write the scene that `source` names as Mitsuba XML, GLB or a scene file; say what it lacks.
 
     Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format, and
     where a scene file would lose meshes or density grids.
@@ -87,18 +88,19 @@ def convert_scene(source: str, target: Path) -> None:
         raise SettingsError(
             f"a scene cannot be written as '{target.suffix}'",
             where=target,
-            remedy="End its name in .xml, for Mitsuba 3, or in .toml.",
+            remedy="End its name in .xml, for Mitsuba 3, in .glb or in .toml.",
         )
     check_writable(target)
     scene = load_scene(source)
     check_writable(target)
     if target.suffix.lower() == ".toml":
         _refuse_loss(scene, source, target)
-    notes = (
-        _write_toml(scene, source, target)
-        if target.suffix.lower() == ".toml"
-        else (_write_xml(scene, target))
-    )
+    if target.suffix.lower() == ".toml":
+        notes = _write_toml(scene, source, target)
+    elif target.suffix.lower() == ".glb":
+        notes = _write_glb(scene, target)
+    else:
+        notes = _write_xml(scene, target)
     show_warnings(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)
@@ -130,6 +132,12 @@ def _write_xml(scene: Scene, target: Path) -> Sequence[str]:
     from ..reference.mitsuba import write_mitsuba
 
     return write_mitsuba(scene, target)
+
+
+def _write_glb(scene: Scene, target: Path) -> Sequence[str]:
+    from ..scene.io.gltf_write import write_gltf
+
+    return write_gltf(scene, target)
 
 
 def _write_toml(scene: Scene, source: str, target: Path) -> Sequence[str]:

@@ -11,7 +11,7 @@ from ..errors import SettingsError
 from ..lattice.surfels import outer_side, winding_number
 from ..maths.colour import srgb_decode
 from ..scene.checks import F64
-from ..scene.light_shapes import LIGHT_MESH, light_material, unit_geometry
+from ..scene.light_shapes import LightMesh, light_material, unit_geometry
 from ..scene.lights import AreaLight, Light, PointLight, SpotLight
 from ..scene.lights.area import ball, world_from_unit
 from ..scene.material import Texture
@@ -48,7 +48,7 @@ def sources(scene: Scene) -> list[Source]:
     found = [
         Source(mesh, side, mesh=row)
         for row, mesh in enumerate(scene.meshes)
-        if mesh.material.is_emissive and mesh.name != LIGHT_MESH
+        if mesh.material.is_emissive and not isinstance(mesh, LightMesh)
         for side in _sides(mesh, eye)
     ]
     for row, light in enumerate(scene.lights):

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from . import shapes
+from .checks import Rgb
 from .lights import AreaLight, AreaShape, Light
 from .lights.area import world_from_unit
 from .material import Material
 from .mesh import Geometry, Mesh
 from .scene import Scene
 
-LIGHT_MESH = "area light"
-"""The name of the mesh of a visible area light."""
+_NAME = "area light"
 _DISK_SEGMENTS = 48
+
+
+@dataclass(frozen=True, eq=False)
+class LightMesh(Mesh):
+    """The mesh of a visible area light, whose light is the light's own."""
 
 
 @cache
@@ -46,14 +51,14 @@ def _disk() -> Geometry:
 def light_mesh(light: AreaLight, material: Material | None = None) -> Mesh:
     """The surface of a light; `material`: the one that it has already, else an emissive one."""
     material = material or light_material(light)
-    return Mesh(unit_geometry(light.shape), material, world_from_unit(light), LIGHT_MESH)
+    return LightMesh(unit_geometry(light.shape), material, world_from_unit(light), _NAME)
 
 
 def light_material(light: AreaLight) -> Material:
-    """Black, and emissive."""
+    """Matte, and emissive."""
     return Material(
-        name=LIGHT_MESH,
-        base_color=(0.0, 0.0, 0.0),
+        name=_NAME,
+        base_color=light.reflectance,
         specular=0.0,
         emission=light.radiance,
         two_sided=light.two_sided,
@@ -83,8 +88,12 @@ class LightMeshes:
 
     def _material(self, row: int, light: AreaLight) -> Material:
         known = self._materials.get(row)
-        wanted = (light.radiance, light.two_sided)
-        if known is None or (known[0].radiance, known[0].two_sided) != wanted:
+        wanted = _looks(light)
+        if known is None or _looks(known[0]) != wanted:
             known = (light, light_material(light))
         self._materials[row] = known
         return known[1]
+
+
+def _looks(light: AreaLight) -> tuple[Rgb, Rgb, bool]:
+    return light.radiance, light.reflectance, light.two_sided

@@ -11,9 +11,12 @@ import pytest
 from PIL import Image
 
 from airlight.errors import SceneError
-from airlight.scene import DirectionalLight, PointLight, Scene, SpotLight
+from airlight.scene import AreaLight, DirectionalLight, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.io import load
 from airlight.scene.io.mitsuba import load_mitsuba
+from airlight.scene.light_shapes import unit_geometry
+from airlight.scene.lights.area import world_from_unit
+from airlight.scene.material import DEFAULT_MATERIAL
 
 
 def scene(tmp_path: Path, body: str, name: str = "scene.xml") -> Scene:
@@ -236,13 +239,89 @@ def test_lights(tmp_path: Path) -> None:
     assert read.warnings[1] == "emitter (projector) is left out: emitters of this kind are not read"
 
 
-def test_area_lights_glow_on_their_front(tmp_path: Path) -> None:
-    read = scene(
-        tmp_path,
-        SENSOR.format("")
-        + '<shape type="rectangle"><emitter type="area"><rgb name="radiance" value="1 2 3"/>'
-        "</emitter></shape>",
+GLOW = '<emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter>'
+BLACK = '<bsdf type="diffuse"><rgb name="reflectance" value="0 0 0"/></bsdf>'
+
+
+def placed(kind: str, matrix: np.ndarray, inside: str = GLOW) -> str:
+    numbers = " ".join(f"{x:.17g}" for x in matrix.ravel())
+    place = f'<transform name="to_world"><matrix value="{numbers}"/></transform>'
+    return SENSOR.format("") + f'<shape type="{kind}">{place}{inside}</shape>'
+
+
+def test_area_emitters_are_area_lights(tmp_path: Path) -> None:
+    read = scene(tmp_path, SENSOR.format("") + f'<shape type="rectangle">{GLOW}</shape>')
+    (light,) = read.lights
+    assert read.meshes == ()
+    # Mitsuba's default BSDF reflects a half.
+    assert light == AreaLight(
+        (0, 0, 0),
+        (1, 2, 3),
+        direction=(0, 0, 1),
+        up=(0, 1, 0),
+        size=(2, 2),
+        radius=1.0,
+        reflectance=0.5,
     )
+
+
+@pytest.mark.parametrize("kind", ["rectangle", "disk", "sphere"])
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+@pytest.mark.parametrize("flipped", [False, True])
+def test_an_area_light_is_where_its_triangles_are(
+    tmp_path: Path, kind: str, mirror: float, flipped: bool
+) -> None:
+    """The shape without its emitter is a mesh: the same surface, facing the same way."""
+    turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    size = (1.5, 0.5, 2.0) if kind == "rectangle" else (1.5, 1.5, 1.5)
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn * size * (1.0, 1.0, mirror * np.sign(np.linalg.det(turn)))
+    matrix[:3, 3] = (1, 2, 3)
+    flip = '<boolean name="flip_normals" value="true"/>' if flipped else ""
+    read = scene(tmp_path, placed(kind, matrix, GLOW + BLACK + flip))
+    (mesh,) = scene(tmp_path, placed(kind, matrix, BLACK + flip)).meshes
+    if kind == "sphere" and flipped:  # it glows inwards, which no light says
+        assert not read.lights
+        return
+    (light,) = read.lights
+    assert light.reflectance == (0, 0, 0)
+    own = Mesh(unit_geometry(light.shape), DEFAULT_MATERIAL, world_from_unit(light))
+    for extreme in (np.min, np.max):  # triangles of rims and balls differ
+        np.testing.assert_allclose(extreme(_world(own), 0), extreme(_world(mesh), 0), atol=0.02)
+    if kind != "sphere":
+        np.testing.assert_allclose(_normal(own), _normal(mesh), atol=1e-5)
+
+
+def _world(mesh: Mesh) -> np.ndarray:
+    m = mesh.world_from_object
+    return mesh.geometry.positions @ m[:3, :3].T + m[:3, 3]
+
+
+def _normal(mesh: Mesh) -> np.ndarray:
+    """Of the front of the first triangle."""
+    a, b, c = mesh.geometry.positions[mesh.geometry.indices[0]].astype(np.float64)
+    m = mesh.world_from_object[:3, :3]
+    front = np.cross(m @ (b - a), m @ (c - a)) * np.sign(np.linalg.det(m))
+    return front / np.linalg.norm(front)
+
+
+@pytest.mark.parametrize(
+    ("kind", "matrix", "inside"),
+    [
+        ("rectangle", [[1, 0.5, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], GLOW),
+        ("disk", np.diag((1.0, 2.0, 1.0, 1.0)), GLOW),
+        ("sphere", np.diag((1.0, 2.0, 1.0, 1.0)), GLOW),
+        ("cube", np.eye(4), GLOW),
+        ("rectangle", np.eye(4), GLOW + '<bsdf type="plastic"/>'),
+        ("rectangle", np.diag((1.0, 0.0, 1.0, 1.0)), GLOW),
+    ],
+    ids=["skewed", "oval", "egg", "cube", "gloss", "flat"],
+)
+def test_what_no_area_light_says_stays_a_surface_that_glows(
+    tmp_path: Path, kind: str, matrix: np.ndarray, inside: str
+) -> None:
+    read = scene(tmp_path, placed(kind, np.asarray(matrix), inside))
+    assert not read.lights
     material = read.meshes[0].material
     assert (material.emission, material.two_sided) == ((1, 2, 3), False)
 

@@ -27,6 +27,7 @@ from ..mesh import Mesh
 from ..scene import Scene
 from .files import naming
 from .mitsuba_emitters import emitter, with_emission
+from .mitsuba_lights import area_light, is_back
 from .mitsuba_materials import NoSurface, material
 from .mitsuba_media import Held, held_medium, medium_and_volumes
 from .mitsuba_nodes import Node, walk
@@ -141,7 +142,7 @@ def _read_shape(node: Node, found: _Found, source: Source) -> None:
     exterior = next((c for c in node.all("medium") if c.name == "exterior"), None)
     if interior is not None:
         found.held.append(held_medium(node, interior, exterior, source))
-    if re.fullmatch(r"mesh_\d+_back", node.id):
+    if re.fullmatch(r"mesh_\d+_back", node.id) or is_back(node):
         return  # the other side of a glowing sheet, as reference/mitsuba_shapes.py writes it
     try:
         made = material(node.first("bsdf"), source)
@@ -149,6 +150,10 @@ def _read_shape(node: Node, found: _Found, source: Source) -> None:
         node.read.update(node.values)
         return
     made = _glowing(node, made, source)
+    light = area_light(node, made)
+    if light is not None:
+        found.lights.append(light)
+        return
     for part in shape_geometries(node, source):
         found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
 

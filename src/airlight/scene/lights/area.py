@@ -27,6 +27,10 @@ def _two_lengths(value: Any, name: str) -> tuple[float, float]:
     return checks.pair(value, name, low=_LEAST_M, high=checks.MOST_M)
 
 
+def _reflectance(value: Any, name: str) -> Rgb:
+    return checks.rgb(value, name, high=1.0)
+
+
 _KEYS = (
     POSITION,
     LightKey(
@@ -82,6 +86,13 @@ _KEYS = (
         moves=True,
         control=Control("length", "radius (m)"),
     ),
+    LightKey(
+        "reflectance",
+        _reflectance,
+        "colour",
+        "of its surface, which is matte, where it is seen",
+        default="0",
+    ),
     LightKey("two_sided", checks.boolean, "boolean", "the back gives light, too", default="false"),
     LightKey(
         "visible",
@@ -100,7 +111,8 @@ class AreaLight(LightType):
     A "rectangle" of `size` (width, height), metres, a "disk" or a "sphere" of `radius`, metres,
     about `position`. `direction`: of the front's normal; `up` lies in the plane of a rectangle's
     normal and its height. A sphere gives light outwards and has no direction. `two_sided`: the back
-    gives light, too. `visible`: whether the surface is seen, and casts shadows. Raises SceneError.
+    gives light, too. `visible`: whether the surface is seen, casts shadows, and reflects as a matte
+    surface of that `reflectance`. Raises SceneError.
     """
 
     position: Vec3
@@ -110,6 +122,7 @@ class AreaLight(LightType):
     up: Vec3 = (0.0, 0.0, -1.0)
     size: tuple[float, float] = (1.0, 1.0)
     radius: float = 0.5
+    reflectance: Rgb = (0.0, 0.0, 0.0)
     two_sided: bool = False
     visible: bool = True
 
@@ -150,7 +163,7 @@ class AreaLight(LightType):
         return 0.0
 
     def emitters(self, notes: list[str]) -> Sequence[Emitter]:
-        """A black shape with an area emitter; the back of a two-sided one is its own shape."""
+        """A matte shape with an area emitter; the back of a two-sided one is its own shape."""
         if not self.visible:
             notes.append("a light that is not seen: Mitsuba shows it, and it casts shadows")
         sides = (1.0, -1.0) if self.two_sided and self.shape != "sphere" else (1.0,)
@@ -158,19 +171,37 @@ class AreaLight(LightType):
 
     def _side(self, side: float) -> Emitter:
         light = Emitter("emitter", "area", {"radiance": Colour(self.radiance)})
-        black = Emitter("bsdf", "diffuse", {"reflectance": Colour((0.0, 0.0, 0.0))})
+        matte = Emitter("bsdf", "diffuse", {"reflectance": Colour(self.reflectance)})
+        mark = light_mark(is_back=side < 0.0, is_seen=self.visible, is_two_sided=self.two_sided)
         if self.shape == "sphere":
             centre = Point(self.position)
-            return Emitter(
-                "shape", "sphere", {"center": centre, "radius": self.radius}, (light, black)
-            )
+            ball = {"center": centre, "radius": self.radius}
+            return Emitter("shape", "sphere", ball, (light, matte), mark=mark)
         # Mitsuba's are 2 m across and face +z; ours are 1 m across and face +y.
         unit = world_from_unit(self)
         placed = np.eye(4)
         placed[:3, 0], placed[:3, 1] = 0.5 * side * unit[:3, 2], 0.5 * unit[:3, 0]
         placed[:3, 2], placed[:3, 3] = side * unit[:3, 1], unit[:3, 3]
         placed[:3, 3] += min(side, 0.0) * _BEHIND * max(self.size) * unit[:3, 1]
-        return Emitter("shape", self.shape, {"to_world": placed}, (light, black))
+        return Emitter("shape", self.shape, {"to_world": placed}, (light, matte), mark=mark)
+
+    def punctual(self, notes: list[str]) -> None:
+        """None: where it is seen it is an emissive mesh."""
+        if not self.visible:
+            notes.append("a light with extent that is not seen has no place in glTF")
+
+
+_MARK = "airlight_light"
+
+
+def light_mark(*, is_back: bool, is_seen: bool, is_two_sided: bool) -> str:
+    """The beginning of a shape's id, by which reading it knows what Mitsuba cannot say."""
+    words = [
+        *(["back"] if is_back else []),
+        *(["two_sided"] if is_two_sided else []),
+        *(["unseen"] if not is_seen else []),
+    ]
+    return "_".join([_MARK, *words])
 
 
 def world_from_unit(light: AreaLight) -> F64:

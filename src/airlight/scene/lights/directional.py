@@ -10,7 +10,7 @@ from .. import checks
 from ..checks import Rgb, Vec3
 from .emitters import Colour, Emitter, Vector
 from .light_key import DIRECTION, Control, LightKey
-from .light_type import LightRow, LightType
+from .light_type import LightRow, LightType, Punctual
 
 _IRRADIANCE = LightKey(
     "irradiance",
@@ -56,3 +56,7 @@ class DirectionalLight(LightType):
         """Mitsuba's own."""
         sent, along = Colour(self.irradiance), Vector(self.direction)
         return [Emitter("emitter", "directional", {"direction": along, "irradiance": sent})]
+
+    def punctual(self, notes: list[str]) -> Punctual:
+        """glTF's own."""
+        return Punctual(self.irradiance, direction=self.direction)

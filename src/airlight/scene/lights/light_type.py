@@ -4,7 +4,8 @@ fields       `keys`: scene files, keyframes, the viewer and the checks of Python
 device       `row`, and `sent_share`: the twin of sent_share.wgsl
 shadows      `cone`; `is_sampled` where samples of it have the shadow maps
 bounds       `most_power`
-others       `moved` by a transform, `emitters` for Mitsuba, `as_point` for principal ordinates
+others       `moved` by a transform, `emitters` for Mitsuba, `punctual` for glTF, `as_point` for
+             principal ordinates
 """
 
 from __future__ import annotations
@@ -41,6 +42,23 @@ class LightRow:
     nearest: float = 1e-8
     body: float = 0.0
     gap: float = 0.0
+
+
+NO_RADIUS_IN_GLTF = "a light's radius: glTF's lights are points, their shadows are hard"
+
+
+@dataclass(frozen=True)
+class Punctual:
+    """A light as glTF's KHR_lights_punctual has it, whose type has the same name.
+
+    `strength`: W m^-2 of a directional light, W sr^-1 of others; `cone_deg`: inner and outer half
+    angle of a spot.
+    """
+
+    strength: Rgb
+    position: Vec3 = (0.0, 0.0, 0.0)
+    direction: Vec3 = (0.0, 0.0, -1.0)
+    cone_deg: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -109,6 +127,11 @@ class LightType:
     def emitters(self, notes: list[str]) -> Sequence[Emitter]:
         """The light in Mitsuba's terms; what Mitsuba cannot do is added to `notes`."""
         raise NotImplementedError
+
+    def punctual(self, notes: list[str]) -> Punctual | None:
+        """The light in glTF's terms, None where it has none; what is lost is added to `notes`."""
+        del notes
+        return None
 
     def as_point(self) -> PointLight | SpotLight | None:
         """The light as principal ordinates know local ones; None for a distant or sampled one."""

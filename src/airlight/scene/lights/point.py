@@ -11,7 +11,7 @@ from ..checks import Rgb, Vec3
 from .area import ball
 from .emitters import Colour, Emitter, Point
 from .light_key import INTENSITY, POSITION, RADIUS, LightKey
-from .light_type import LightRow, LightType
+from .light_type import NO_RADIUS_IN_GLTF, LightRow, LightType, Punctual
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,12 @@ class PointLight(LightType):
         if self.radius > 0.0:
             return ball(self.position, self.intensity, self.radius).emitters(notes)
         return [point_emitter(self.position, self.intensity)]
+
+    def punctual(self, notes: list[str]) -> Punctual:
+        """glTF's own, whose radius is none."""
+        if self.radius > 0.0:
+            notes.append(NO_RADIUS_IN_GLTF)
+        return Punctual(self.intensity, self.position)
 
     def as_point(self) -> PointLight:
         """Itself."""

@@ -14,7 +14,7 @@ from ..checks import F32, F64, Rgb, Vec3
 from ..keys import within
 from .emitters import Colour, Emitter, ImageFile, LookAt
 from .light_key import DIRECTION, INTENSITY, POSITION, RADIUS, Control, LightKey
-from .light_type import LightRow, LightType
+from .light_type import NO_RADIUS_IN_GLTF, LightRow, LightType, Punctual
 
 SPOT_PX = 1024
 _NARROWEST = 1e-4  # cosines that the fade spans at least, as in sent_share.wgsl
@@ -111,6 +111,13 @@ class SpotLight(LightType):
                 inner=() if inner == outer else (texture,),
             )
         ]
+
+    def punctual(self, notes: list[str]) -> Punctual:
+        """glTF's own, whose radius is none."""
+        if self.radius > 0.0:
+            notes.append(NO_RADIUS_IN_GLTF)
+        cone = (self.inner_deg, self.outer_deg)
+        return Punctual(self.intensity, self.position, self.direction, cone)
 
     def as_point(self) -> SpotLight:
         """Itself."""

@@ -1,0 +1,85 @@
+"""Mitsuba's rectangles, disks and spheres that glow, as area lights."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+
+from ..checks import F64, Vec3
+from ..lights import AreaLight
+from ..lights.area import AREA_SHAPES, AreaShape
+from ..material import Material
+from .mitsuba_shapes import shape_matrix
+from .mitsuba_xml import Node
+
+_SKEW = 1e-4  # of a side: how far axes may be from right angles and from equal lengths
+
+
+def area_light(node: Node, made: Material) -> AreaLight | None:
+    """The light that a glowing shape of the material `made` is.
+
+    None where a light cannot say it: other shapes, images, gloss, skewed placements, balls that
+    glow inwards. Those stay surfaces, which light as well.
+    """
+    if node.kind not in AREA_SHAPES or not made.is_emissive or not _is_matte(made):
+        return None
+    light = _placed(node, made)
+    if light is None:
+        return None
+    both, unseen = "_two_sided" in _mark(node), "_unseen" in _mark(node)
+    return replace(light, reflectance=made.base_color, two_sided=both, visible=not unseen)
+
+
+def is_back(node: Node) -> bool:
+    """Whether a shape is the back of a two-sided light, which its front says already."""
+    return "_back" in _mark(node)
+
+
+def _mark(node: Node) -> str:
+    return node.id if node.id.startswith("airlight_light") else ""
+
+
+def _is_matte(made: Material) -> bool:
+    images = (
+        made.base_color_texture,
+        made.metallic_roughness_texture,
+        made.normal_texture,
+        made.emission_texture,
+    )
+    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not any(images)
+
+
+def _placed(node: Node, made: Material) -> AreaLight | None:
+    matrix = shape_matrix(node)
+    x, y, z = matrix[:3, :3].T
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    is_turned = bool(node.get("flip_normals", False))
+    if node.kind == "sphere":
+        axes = matrix[:3, :3] / max(float(lengths[0]), 1e-30)
+        if is_turned or np.abs(axes.T @ axes - np.eye(3)).max() > _SKEW or lengths[0] == 0.0:
+            return None
+        centre = np.array(node.get("center", (0.0, 0.0, 0.0)), np.float64)
+        radius = float(node.get("radius", 1.0)) * float(lengths[0])
+        at = matrix[:3, :3] @ centre + matrix[:3, 3]
+        return AreaLight(_vec(at), made.emission, "sphere", radius=radius)
+    normal = np.cross(x, y) * (1.0 if x @ np.cross(y, z) >= 0.0 else -1.0)
+    if abs(x @ y) > _SKEW * lengths[0] * lengths[1] or not np.linalg.norm(normal) > 0.0:
+        return None
+    if node.kind == "disk" and abs(lengths[0] - lengths[1]) > _SKEW * lengths[0]:
+        return None
+    normal = (-1.0 if is_turned else 1.0) * normal / np.linalg.norm(normal)
+    return AreaLight(
+        _vec(matrix[:3, 3]),
+        made.emission,
+        cast(AreaShape, node.kind),
+        direction=_vec(normal),
+        up=_vec(y / lengths[1]),
+        size=(2.0 * float(lengths[0]), 2.0 * float(lengths[1])),
+        radius=float(lengths[0]),
+    )
+
+
+def _vec(values: F64) -> Vec3:
+    return (float(values[0]), float(values[1]), float(values[2]))
