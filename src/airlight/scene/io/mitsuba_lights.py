@@ -11,8 +11,8 @@ from ..checks import F64, Vec3
 from ..lights import AreaLight
 from ..lights.area import AREA_SHAPES, AreaShape
 from ..material import Material
-from .mitsuba_shapes import shape_matrix
 from .mitsuba_nodes import Node
+from .mitsuba_shapes import shape_matrix
 
 _SKEW = 1e-4  # of a side: how far axes may be from right angles and from equal lengths
 
