@@ -2,7 +2,7 @@
 
 glTF 2.0 with KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_specular and
 KHR_texture_transform, in the units that `gltf` reads: a W sr^-1 is a candela. An area light that is
-seen is a mesh that glows, which reading takes for the same light.
+seen is an emissive mesh, which reading takes for the same light.
 """
 
 from __future__ import annotations

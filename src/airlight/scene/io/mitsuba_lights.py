@@ -1,4 +1,4 @@
-"""Mitsuba's rectangles, disks and spheres that glow, as area lights."""
+"""Mitsuba's emissive rectangles, disks and spheres as area lights."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _SKEW = 1e-4  # of a side: how far axes may be from right angles and from equal 
 
 
 def area_light(node: Node, made: Material) -> AreaLight | None:
-    """The light that a glowing shape of the material `made` is.
+    """The light that an emissive shape of the material `made` is.
 
     None where a light cannot say it: other shapes, images, gloss, skewed placements, balls that
-    glow inwards. Those stay surfaces, which light as well.
+    emit inwards. Those stay surfaces, which light as well.
     """
     if node.kind not in AREA_SHAPES or not made.is_emissive or not _is_matte(made):
         return None
