@@ -13,7 +13,7 @@ from ...maths.sampling import orthonormal_frame
 from .. import checks
 from ..checks import F64, Rgb, Vec3
 from ..keys import one_of, within
-from .emitters import Colour, Emitter, Point
+from .emitters import Colour, Emitter, Point, Value
 from .light_key import DIRECTION, POSITION, Control, LightKey
 from .light_type import LightRow, LightType
 
@@ -174,8 +174,7 @@ class AreaLight(LightType):
         matte = Emitter("bsdf", "diffuse", {"reflectance": Colour(self.reflectance)})
         mark = light_mark(is_back=side < 0.0, is_seen=self.visible, is_two_sided=self.two_sided)
         if self.shape == "sphere":
-            centre = Point(self.position)
-            ball = {"center": centre, "radius": self.radius}
+            ball: dict[str, Value] = {"center": Point(self.position), "radius": self.radius}
             return Emitter("shape", "sphere", ball, (light, matte), mark=mark)
         # Mitsuba's are 2 m across and face +z; ours are 1 m across and face +y.
         unit = world_from_unit(self)
