@@ -22,17 +22,22 @@ _TO_MIDDLE = 1e-9  # of the cost: where all places cost the same, the middle one
 
 @dataclass(frozen=True)
 class Boxes:
-    """Boxes of items in units of the longest side of the box around all: low, high (3, T)."""
+    """Boxes of items in units of the longest side of the box around all: low, high (3, T).
+
+    `middle` (3, T) are their centres.
+    """
 
     low: F64
     high: F64
+    middle: F64
 
     @classmethod
     def of(cls, low: NDArray[np.float32], high: NDArray[np.float32]) -> Boxes:
         """Those of corners (T, 3), metres."""
         least, most = low.min(axis=0).astype(np.float64), high.max(axis=0).astype(np.float64)
         scale = 1.0 / max(float((most - least).max()), 1e-300)
-        return cls(*(np.ascontiguousarray(((x - least) * scale).T) for x in (low, high)))
+        lows, highs = (np.ascontiguousarray(((x - least) * scale).T) for x in (low, high))
+        return cls(lows, highs, 0.5 * (lows + highs))
 
 
 @dataclass(frozen=True)
@@ -88,31 +93,53 @@ def sweep(parts: Parts, boxes: Boxes, most: int) -> tuple[Parts, Cuts]:
 
 def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
     """The items along the longest side of the box around their centres, and that side's axis."""
-    centres = [0.5 * (boxes.low[k][parts.items] + boxes.high[k][parts.items]) for k in range(3)]
+    centres = [middle[parts.items] for middle in boxes.middle]
     least = np.stack([np.minimum.reduceat(c, parts.starts) for c in centres])
     sides = np.stack([np.maximum.reduceat(c, parts.starts) for c in centres]) - least
     axis = sides.argmax(axis=0)
     along = np.choose(axis[numbers], centres)
     of_part = np.take_along_axis(least, axis[None], axis=0)[0]
     side = np.maximum(np.take_along_axis(sides, axis[None], axis=0)[0], 1e-300)
-    key = numbers + (0.999 * (along - of_part[numbers])) / side[numbers]
-    return parts.items[np.argsort(key)], axis
+    share = (along - of_part[numbers]) / side[numbers]
+    return parts.items[_order(numbers, share, len(axis))], axis
+
+
+def _order(numbers: Ints, share: F64, count: int) -> Ints:
+    """The order by part, of which there are `count`, and then by share, 0 to 1.
+
+    Both and the place go into one integer: NumPy sorts values several times faster than places.
+    """
+    place_bits = len(numbers).bit_length()
+    share_bits = 62 - place_bits - count.bit_length()
+    key = numbers << (place_bits + share_bits)
+    key |= (share * ((1 << share_bits) - 1)).astype(np.int64) << place_bits
+    key |= np.arange(len(numbers))
+    key.sort()
+    return key & ((1 << place_bits) - 1)
 
 
 def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64, F64, F64]:
     """Half the areas of the boxes around the items up to each, behind each, and in each part."""
-    far = _APART * numbers
-    before, after = [], []
-    for low, high in zip(boxes.low, boxes.high, strict=True):
-        lows, highs = low[items], high[items]
-        top = np.maximum.accumulate(highs + far)
-        before.append(top - np.minimum.accumulate(lows - far) - 2.0 * far)
-        top = np.maximum.accumulate((highs - far)[::-1])[::-1]
-        after.append(top - np.minimum.accumulate((lows + far)[::-1])[::-1] + 2.0 * far)
-    up_to = _half_area(before)
+    far: F64 = _APART * numbers.astype(np.float64)
+    found = [
+        _sides(low[items], high[items], far)
+        for low, high in zip(boxes.low, boxes.high, strict=True)
+    ]
+    up_to = _half_area([before for before, _ in found])
     behind = np.zeros_like(up_to)
-    behind[:-1] = _half_area(after)[1:]
+    behind[:-1] = _half_area([after for _, after in found])[1:]
     return up_to, behind, up_to[parts.starts + parts.counts - 1]
+
+
+def _sides(low: F64, high: F64, far: F64) -> tuple[F64, F64]:
+    """Along one axis: sides of the boxes around the items up to each, and from each on."""
+    apart = 2.0 * far
+    before = np.maximum.accumulate(high + far)
+    before -= np.minimum.accumulate(low - far)
+    before -= apart
+    after = np.maximum.accumulate((high - far)[::-1])
+    after -= np.minimum.accumulate((low + far)[::-1])
+    return before, after[::-1] + apart
 
 
 def _half_area(sides: list[F64]) -> F64:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..progress import Report
     from .frames import Case
 
-PARTS = ("frames", "propagation", "first-image", "growth", "pop")
+PARTS = ("frames", "propagation", "first-image", "growth", "pop", "rays")
 ROOM_SIZE, ATRIUM_SIZE, QUICK_SIZE = (640, 360), (1280, 720), (96, 54)
 QUICK_SETTINGS = {"resolution": 12, "iterations": 2, "map_resolution": 32}
 
@@ -77,7 +77,7 @@ QUICK = Plan(
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(output: Path | None, **options: Any) -> None:
-    """Measure frames, propagation beside C, the first image, memory and growth.
+    """Measure frames, propagation beside C, the first image, memory, growth and rays.
 
     \b
     airlight bench -o bench.json
@@ -127,6 +127,10 @@ def measured(
         from .pop import measure
 
         results["pop"] = measure(adapter, report, quick=quick)
+    if "rays" in wanted:
+        from . import rays
+
+        results["rays"] = rays.measure(adapter, scenes, report, quick=quick)
     return results
 
 

@@ -33,6 +33,8 @@ def tables(results: Mapping[str, Any]) -> list[Table]:
     found += [_growth(table) for table in results.get("growth", ())]
     if results.get("pop"):
         found += pop_tables(results["pop"])
+    if results.get("rays"):
+        found.append(_rays(results["rays"]))
     return found
 
 
@@ -200,6 +202,24 @@ def pop_tables(found: Mapping[str, Any]) -> list[Table]:
         columns = (growth["axis"], "frame, ms", *names)
         tables.append(Table(f"Principal ordinates: growth with {growth['axis']}", columns, lines))
     return tables
+
+
+def _rays(found: Mapping[str, Any]) -> Table:
+    rows = []
+    for case in found["cases"]:
+        kinds = case["kinds"]
+        per_triangle = case["bytes"] / max(case["triangles"], 1)
+        rate = (f"{k['rays'] / max(k['ms'], 1e-6) * 1e-3:.2f}" for k in kinds.values())
+        per_ray = (f"{k['cpu_ms'] * 1e6 / max(k['rays'], 1):.0f}" for k in kinds.values())
+        sizes = (f"{case['triangles']:,}", f"{per_triangle:.0f}", f"{case['build_s']:.2f}")
+        rows.append((case["scene"], *sizes, *rate, *per_ray))
+    kinds = list(found["cases"][0]["kinds"])
+    columns = (
+        *("scene", "triangles", "bytes each", "built in, s of processor"),
+        *(f"{kind}, Mray/s" for kind in kinds),
+        *(f"{kind}, ns of processor" for kind in kinds),
+    )
+    return Table(f"Rays, one a pixel of {_by(found['size'])}", columns, tuple(rows))
 
 
 def _by(size: Sequence[int]) -> str:
