@@ -160,3 +160,77 @@ def test_bad_materials(material, spec, message):
     with pytest.raises(SceneError) as error:
         material(spec)
     assert message in str(error.value)
+
+
+CORNERS = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
+
+
+@pytest.fixture
+def placed(draft):
+    """The mesh and warnings of a triangle with CORNERS for coordinates that wears `spec`."""
+
+    def load(spec: dict):
+        draft.json["images"] = [{"bufferView": draft.view(png("red"))}]
+        draft.json["textures"] = [{"source": 0}]
+        uvs = draft.array(CORNERS, "f4")
+        draft.single({**draft.triangle(TEXCOORD_0=uvs), "material": 0})
+        draft.json["materials"] = [spec]
+        scene = load_gltf(draft.glb())
+        return scene.meshes[0], scene.warnings
+
+    return load
+
+
+def image_of(texture, mesh):
+    """Where in the image each vertex lies."""
+    return mesh.geometry.uvs * np.array(texture.scale) + np.array(texture.offset)
+
+
+def at(**transform):
+    return {"index": 0, "extensions": {"KHR_texture_transform": transform}}
+
+
+def test_a_turned_image_lies_where_the_extensions_own_example_has_it(placed):
+    # Offset [0, 1], a quarter turn, half the size: "only the lower left quadrant of the source
+    # image, rotated clockwise 90 degrees". The upper left of what is shown is then the image's
+    # lower left corner (v runs downwards), its upper right the middle of the left edge.
+    base = at(offset=[0, 1], rotation=np.pi / 2, scale=[0.5, 0.5])
+    mesh, warnings = placed({"pbrMetallicRoughness": {"baseColorTexture": base}})
+    expected = [(0.0, 1.0), (0.0, 0.5), (0.5, 1.0)]
+    np.testing.assert_allclose(
+        image_of(mesh.material.base_color_texture, mesh), expected, atol=1e-6
+    )
+    assert warnings == ()
+
+
+def test_scale_comes_before_rotation(placed):
+    c, s = np.cos(0.3), np.sin(0.3)
+    base = at(offset=[0.25, -0.5], rotation=0.3, scale=[2, 3])
+    mesh, _ = placed({"pbrMetallicRoughness": {"baseColorTexture": base}})
+    # (u, v) -> (c 2u + s 3v, -s 2u + c 3v) + offset, written out corner by corner.
+    expected = [(0.25, -0.5), (2 * c + 0.25, -2 * s - 0.5), (3 * s + 0.25, 3 * c - 0.5)]
+    np.testing.assert_allclose(
+        image_of(mesh.material.base_color_texture, mesh), expected, atol=1e-6
+    )
+
+
+def test_images_turned_alike_keep_their_own_size_and_place(placed):
+    pbr = {"baseColorTexture": at(rotation=0.5, scale=[2, 2])}
+    normal = at(rotation=0.5, scale=[8, 8], offset=[0.125, 0])
+    mesh, warnings = placed({"pbrMetallicRoughness": pbr, "normalTexture": normal})
+    base, bumps = mesh.material.base_color_texture, mesh.material.normal_texture
+    np.testing.assert_allclose(
+        image_of(bumps, mesh), 4.0 * image_of(base, mesh) + (0.125, 0), atol=1e-6
+    )
+    assert warnings == ()
+
+
+def test_an_image_turned_by_another_angle_is_warned_of(placed):
+    pbr = {"baseColorTexture": at(rotation=0.5)}
+    mesh, warnings = placed({"pbrMetallicRoughness": pbr, "normalTexture": at(rotation=0.2)})
+    c, s = np.cos(0.5), np.sin(0.5)
+    np.testing.assert_allclose(
+        image_of(mesh.material.base_color_texture, mesh), [(0, 0), (c, -s), (s, c)], atol=1e-6
+    )
+    assert len(warnings) == 1
+    assert "materials[0].normalTexture: its image is turned by another angle" in warnings[0]

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from .gltf_json import Item
 from .gltf_material import Materials
 from .gltf_mesh import Primitive, read_primitive
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
+from .gltf_uv import UvFrame
 
 WATTS_PER_LUMEN = 1.0
 
@@ -61,7 +63,7 @@ class GltfFile:
         self.materials = Materials(document, buffers)
         self.warnings: list[str] = list(warnings)
         self._meshes = document.items("meshes")
-        self._geometries: dict[tuple[str, int], Primitive | None] = {}
+        self._geometries: dict[tuple[Any, ...], Primitive | None] = {}
         self._deforms = Deforms(document, buffers)
 
     def world(self) -> dict[int, F64]:
@@ -106,7 +108,7 @@ class GltfFile:
         placed = []
         for primitive in mesh.items("primitives"):
             material = self.materials.of(primitive)
-            read = self._geometry(primitive, material.uv_set)
+            read = self._geometry(primitive, material.frame)
             if read is None:
                 continue
             shape = self._deforms.shape(node, primitive, read)
@@ -121,8 +123,8 @@ class GltfFile:
                 placed.append((Mesh(geometry, material.material, place, name), part))
         return placed
 
-    def _geometry(self, primitive: Item, uv_set: int) -> Primitive | None:
-        key = (primitive.place, uv_set)
+    def _geometry(self, primitive: Item, frame: UvFrame) -> Primitive | None:
+        key = (primitive.place, frame.key)
         if key not in self._geometries:
             if primitive.child("extensions").has(DRACO) and not self.buffers.decompress(primitive):
                 self._warn(
@@ -130,7 +132,7 @@ class GltfFile:
                     f"{DRACO} needs the package DracoPy (pip install 'airlight[gltf]'): what the "
                     "file holds uncompressed is shown",
                 )
-            read = read_primitive(primitive, self.buffers, uv_set)
+            read = read_primitive(primitive, self.buffers, frame)
             if read is None:
                 self._warn(primitive, "points and lines are left out")
             self._geometries[key] = read

@@ -14,6 +14,7 @@ from ...errors import SceneError
 from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap
 from .gltf_buffers import Buffers, uri_bytes, uri_file
 from .gltf_json import Item
+from .gltf_uv import ImageUse, UvFrame, image_use, shared_frame
 from .images import read_texture
 from .texture_files import missing_texture
 
@@ -37,10 +38,10 @@ _UNDERSTOOD = {
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class PlacedMaterial:
-    """A material and the texture coordinate set (TEXCOORD_n) that its images use."""
+    """A material, and the texture coordinates that its images read."""
 
     material: Material
-    uv_set: int
+    frame: UvFrame
 
 
 class Materials:
@@ -59,7 +60,7 @@ class Materials:
     def of(self, primitive: Item) -> PlacedMaterial:
         """The material of a primitive, or the default one."""
         if not primitive.has("material"):
-            return PlacedMaterial(DEFAULT_MATERIAL, 0)
+            return PlacedMaterial(DEFAULT_MATERIAL, UvFrame())
         k = primitive.index("material", self.items, "materials")
         if k not in self._made:
             self._made[k] = self._material(self.items[k])
@@ -70,34 +71,51 @@ class Materials:
             "name": item.text("name") or item.place,
             "two_sided": item.flag("doubleSided"),
         }
-        sets: list[int] = []
-        self._reflection(item, values, sets)
+        uses: list[ImageUse] = []
+        self._reflection(item, values, uses)
         normal = item.child("normalTexture")
-        values["normal_texture"] = self._texture(item, "normalTexture", sets, is_srgb=False)
+        values["normal_texture"] = self._texture(item, "normalTexture", uses, is_srgb=False)
         values["normal_scale"] = normal.number("scale", 1.0)
-        self._emission(item, values, sets)
+        self._emission(item, values, uses)
         self._coverage(item, values)
-        if len(set(sets)) > 1:
-            self._warn(item, f"its images use texture coordinates {sorted(set(sets))}; one is used")
-        return PlacedMaterial(Material(**values), sets[0] if sets else 0)
+        frame = self._frame(item, values, uses)
+        return PlacedMaterial(Material(**values), frame)
 
-    def _reflection(self, item: Item, values: dict[str, Any], sets: list[int]) -> None:
+    def _frame(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> UvFrame:
+        """The coordinates that the images share; their textures in `values` are placed by them."""
+        frame, textures, lost = shared_frame(uses)
+        placed = {id(use.texture): made for use, made in zip(uses, textures, strict=True)}
+        for name, value in values.items():
+            values[name] = placed.get(id(value), value)
+        sets = sorted({use.uv_set for use in uses})
+        if len(sets) > 1:
+            self._warn(item, f"its images use texture coordinates {sets}; one is used")
+        for use in lost:
+            if use.uv_set == frame.uv_set:
+                self._warn(
+                    use.item,
+                    "its image is turned by another angle than others of the material, "
+                    "it lies as they do",
+                )
+        return frame
+
+    def _reflection(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> None:
         """Base colour, alpha, roughness, metallic and specular."""
         extensions = item.child("extensions")
         if extensions.has("KHR_materials_pbrSpecularGlossiness"):
             old = extensions.child("KHR_materials_pbrSpecularGlossiness")
             factor = old.floats("diffuseFactor", 4, (1.0,) * 4)
-            values["base_color_texture"] = self._texture(old, "diffuseTexture", sets)
+            values["base_color_texture"] = self._texture(old, "diffuseTexture", uses)
             values["roughness"] = _unit(1.0 - old.number("glossinessFactor", 1.0))
             self._warn(item, "specular-glossiness is approximated as a dielectric")
         else:
             pbr = item.child("pbrMetallicRoughness")
             factor = pbr.floats("baseColorFactor", 4, (1.0,) * 4)
-            values["base_color_texture"] = self._texture(pbr, "baseColorTexture", sets)
+            values["base_color_texture"] = self._texture(pbr, "baseColorTexture", uses)
             values["metallic"] = _unit(pbr.number("metallicFactor", 1.0))
             values["roughness"] = _unit(pbr.number("roughnessFactor", 1.0))
             values["metallic_roughness_texture"] = self._texture(
-                pbr, "metallicRoughnessTexture", sets, is_srgb=False
+                pbr, "metallicRoughnessTexture", uses, is_srgb=False
             )
         values["base_color"] = tuple(_unit(c) for c in factor[:3])
         values["alpha"] = _unit(factor[3])
@@ -113,14 +131,14 @@ class Materials:
             elif unread := set(extensions.child(name).keys()) - _UNDERSTOOD[name]:
                 self._warn(item, f"{', '.join(sorted(unread))} of {name} left out")
 
-    def _emission(self, item: Item, values: dict[str, Any], sets: list[int]) -> None:
+    def _emission(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> None:
         factor = item.floats("emissiveFactor", 3, (0.0, 0.0, 0.0))
         strength = item.at("extensions", "KHR_materials_emissive_strength").number(
             "emissiveStrength", 1.0
         )
         values["emission"] = tuple(max(c * strength, 0.0) for c in factor)
         if max(values["emission"]) > 0.0:
-            values["emission_texture"] = self._texture(item, "emissiveTexture", sets)
+            values["emission_texture"] = self._texture(item, "emissiveTexture", uses)
 
     def _coverage(self, item: Item, values: dict[str, Any]) -> None:
         """alpha and alpha_cutoff of alphaMode and transmission."""
@@ -142,7 +160,7 @@ class Materials:
             raise item.child("alphaMode").error(f"'{mode}' is unknown")
 
     def _texture(
-        self, parent: Item, key: str, sets: list[int], *, is_srgb: bool = True
+        self, parent: Item, key: str, uses: list[ImageUse], *, is_srgb: bool = True
     ) -> Texture | None:
         """The texture that parent[key] names, placed by KHR_texture_transform."""
         if not parent.has(key):
@@ -150,17 +168,11 @@ class Materials:
         info = parent.child(key)
         texture = self._textures[info.index("index", self._textures, "textures")]
         pixels = self._image(texture, is_srgb=is_srgb)
-        transform = info.at("extensions", "KHR_texture_transform")
-        sets.append(transform.integer("texCoord", info.integer("texCoord", 0)))
-        if transform.number("rotation", 0.0) != 0.0:
-            self._warn(info, "the rotation of its image is left out")
         if pixels is None:
             return None
-        su, sv = transform.floats("scale", 2, (1.0, 1.0))
-        ou, ov = transform.floats("offset", 2, (0.0, 0.0))
-        return dataclasses.replace(
-            pixels, wrap=self._wrap(texture), scale=(su, sv), offset=(ou, ov)
-        )
+        use = image_use(info, dataclasses.replace(pixels, wrap=self._wrap(texture)))
+        uses.append(use)
+        return use.texture
 
     def _wrap(self, texture: Item) -> tuple[Wrap, Wrap]:
         if not texture.has("sampler"):

@@ -13,6 +13,7 @@ from ..checks import F32
 from ..mesh import Geometry
 from .gltf_buffers import Buffers
 from .gltf_json import Item
+from .gltf_uv import UvFrame
 from .normals import compact, creased_normals
 
 TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
@@ -30,8 +31,8 @@ class Primitive:
     is_flat: bool
 
 
-def read_primitive(primitive: Item, buffers: Buffers, uv_set: int) -> Primitive | None:
-    """The same, with where its vertices come from.
+def read_primitive(primitive: Item, buffers: Buffers, frame: UvFrame) -> Primitive | None:
+    """The triangles of a primitive, its texture coordinates those of `frame`.
 
     Without normals it is shaded flat, as the specification (3.7.2.1) demands.
     Raises SceneError.
@@ -48,7 +49,7 @@ def read_primitive(primitive: Item, buffers: Buffers, uv_set: int) -> Primitive 
     triangles = _triangles(primitive, buffers, len(positions), mode)
     per_vertex = {
         "normals": _normals(attributes, buffers),
-        "uvs": _optional(attributes, buffers, f"TEXCOORD_{uv_set}", 2),
+        "uvs": _uvs(attributes, buffers, frame),
         "colors": _colors(attributes, buffers),
     }
     for name, values in per_vertex.items():
@@ -119,6 +120,13 @@ def _normals(attributes: Item, buffers: Buffers) -> F32 | None:
     up = np.array((0.0, 1.0, 0.0), dtype=np.float32)
     unit: F32 = np.where(length > 0.0, normals / np.maximum(length, 1e-30), up)
     return unit
+
+
+def _uvs(attributes: Item, buffers: Buffers, frame: UvFrame) -> F32 | None:
+    uvs = _optional(attributes, buffers, f"TEXCOORD_{frame.uv_set}", 2)
+    if uvs is None or frame.matrix is None:
+        return uvs
+    return _as_float(uvs.astype(np.float64) @ frame.matrix.T)
 
 
 def _colors(attributes: Item, buffers: Buffers) -> F32 | None:
