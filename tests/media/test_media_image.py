@@ -14,7 +14,6 @@ from airlight.lighting.lights import Lights
 from airlight.media.media_image import Expected, MediaImage
 from airlight.media.settings import MediaSettings
 from airlight.media.shafts import image as shaft_image
-from airlight.media.shafts.shafts import Shafts
 from airlight.rendering import Renderer
 from airlight.scene import (
     Camera,
@@ -28,7 +27,6 @@ from airlight.scene import (
 )
 
 SIZE = (44, 32)
-SLITS = (44, 240)
 """Rows at which shafts fit between sites, but not between reduced texels."""
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
 LAMP = PointLight((0.3, 1.2, -0.2), (3.0, 2.0, 1.0))
@@ -150,50 +148,6 @@ def test_pixels_are_redrawn_where_texels_differ(
     assert off[0] > 2.0 * off[1] > 0.0
     # With no difference allowed every pixel is its own.
     assert off[2] < 1e-6 * exact.sum()
-
-
-@pytest.fixture
-def slits(square: Callable[..., Mesh]) -> Scene:
-    """Sunlight from the side through slits, each a little more than two pixels high."""
-    step, height = 0.31, 0.05
-    boards = tuple(
-        square((-1.9, k * step, 0.0), (0, 0.5 * (step - height), 0), (0, 0, 1.0))
-        for k in range(-7, 8)
-    )
-    thin = Medium((0.05, 0.05, 0.05), bounds=((-2.0, -2.0, -0.1), (2.0, 2.0, 0.1)))
-    return Scene(
-        meshes=boards,
-        lights=(DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0)),),
-        medium=thin,
-        camera=Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y_deg=60),
-    )
-
-
-def test_shafts_narrower_than_sites_are_apart(
-    gpu: Gpu, look: Any, owned: Any, slits: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Between two dark sites there may be a shaft, as long as these are so coarse."""
-    seen = look(slits, SLITS)
-    exact = full(gpu, seen, owned)
-    off = []
-    for spacing in (shaft_image.SAMPLE_SPACING, 0):  # 0: as if sites were never too far apart
-        monkeypatch.setattr(shaft_image, "SAMPLE_SPACING", spacing)
-        drawn_so = seen.read(drawn(gpu, seen, owned).single_scatter)
-        off.append(float(np.linalg.norm(drawn_so - exact) / np.linalg.norm(exact)))
-    assert off[0] < 0.05
-    assert off[1] > 0.1
-
-
-def test_sites_are_made_when_they_are_first_used(gpu: Gpu, look: Any, owned: Any) -> None:
-    scene = Scene(
-        lights=(SUN,),
-        medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
-        camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=4),
-    )
-    for contrast, is_used in ((1.0, False), (0.0, False), (0.1, True)):
-        air = drawn(gpu, look(scene, SIZE), owned, shaft_contrast=contrast)
-        assert isinstance(air.shafts.scheme, Shafts)
-        assert (air.shafts.scheme._sparse is not None) == is_used
 
 
 def test_surfaces_are_where_the_last_image_left_them(

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from airlight.gpu.device import Gpu
-from airlight.gpu.memory import Texture
-from airlight.lighting.lights import Lights
-from airlight.media.media_image import MediaImage
-from airlight.media.settings import MediaSettings
-from airlight.media.shafts.shafts import Shafts
 from airlight.reference.quadrature import (
     box_path,
     directional_single_scatter,
@@ -131,30 +124,3 @@ def test_the_shadow_of_a_half_plane(look: Any, scattered_once: Any, light: Light
     image = scattered_once(seen, maps=MAPS)
     expected = truth(light, seen, is_lit)
     assert l2(image, expected) < 0.01
-
-
-@pytest.mark.parametrize("size", [(200, 120), (201, 123)])
-def test_texels_between_sites(gpu: Gpu, look: Any, size: tuple[int, int]) -> None:
-    """One reduced texel in four is drawn first; the others are drawn, or hardly differ from it."""
-    thin = Medium((0.05, 0.05, 0.05), tuple(ALBEDO), (0.0, 0.0, 0.0), BOX)
-    seen = look(replace(fog(EYES["inside"], SUN, sheet=True), medium=thin), size)
-    lights = Lights(gpu, seen.scene.lights, None, 1024, 1024)
-    low, high = (np.array(c) for c in BOX)
-    lights.encode(seen.commands, seen.meshes, seen.scene.lights, None, low, high)
-    air = MediaImage(gpu, seen.scene, size, lights, MediaSettings())
-    air.solve(seen.commands, seen.scene, low, high)
-    rays, shafts = air.shaft_rays, air.shafts.scheme
-    assert isinstance(shafts, Shafts)
-    rays.encode(seen.commands, seen.view)
-    target = Texture(gpu, "test", rays.reduced, "rgba32float", written=True)
-    images = []
-    for contrast in (0.0, 1e-6, 0.2):
-        shafts.encode(seen.commands, lights, target, contrast)
-        seen.commands.submit()
-        images.append(target.read().copy())
-    drawn, differing, sparse = images
-    # Nothing is alike but what has no light at all.
-    np.testing.assert_allclose(differing, drawn, rtol=1e-5)
-    np.testing.assert_array_equal(sparse[..., 3], drawn[..., 3])
-    assert 0.0 < l2(sparse[..., :3], drawn[..., :3]) < 0.005
-    assert 0.3 < np.mean(np.any(sparse != drawn, axis=-1)) < 0.75

@@ -179,7 +179,7 @@ class MediaImage:
         """Draw single scattering of lights; `is_listed`: `compose` upsamples and redraws it."""
         assert self.shafts
         reduced, full = self.textures.target("single"), self.textures.full("single")
-        self.shafts.encode(commands, view, lights, reduced)
+        self.shafts.encode(commands, lights, reduced)
         if not is_listed and not self.shafts.refine(commands, view, lights, reduced, full):
             self._upsampled(commands, view, "single")
 

@@ -59,18 +59,24 @@ fn warped_alone(coordinates: vec3f, cell: vec3f, low: vec3f, high: vec3f) -> vec
         + (t - select(low, 1.0 + high, is_above)) / width;
 }
 
-// lattice_eased(warped_coordinates(p)) of the only lattice, p along its axes, from its packed cells
-// (media/march/cells.py).
+// How open a face has to be for its neighbour to be mixed in, as open_fraction has it.
+const OPEN_FROM = vec3f(0.15);
+const OPEN_TO = vec3f(0.5);
+
+// lattice_eased(warped_coordinates(p)) of the only lattice, p along its axes.
 fn eased_alone(p: vec3f) -> vec3f {
+    let lattice = first_lattices();
     let coordinates = (p - alone.origin) * alone.per_metre;
     let cell = clamp(floor(coordinates), vec3f(0.0), alone.last);
-    let walls = textureLoad(march_cells, vec3i(cell), 0).zw;
-    let warped = warped_alone(coordinates, cell, unpack4x8snorm(walls.x).xyz, unpack4x8snorm(walls.y).xyz);
+    let warped = warped_alone(coordinates, cell, wall_shifts_low(lattice, vec3i(cell)),
+        wall_shifts_high(lattice, vec3i(cell)));
     let there = clamp(floor(warped), vec3f(0.0), alone.last);
-    let faces = textureLoad(march_cells, vec3i(there), 0).xy;
+    let texel = lattice_texel(lattice, vec3i(there));
+    let xy = textureLoad(lattice_visibility_a, texel, 0);
+    let z = textureLoad(lattice_visibility_b, texel, 0);
     let t = clamp(warped - there, vec3f(0.0), vec3f(1.0)) - 0.5;
-    let low = unpack4x8unorm(faces.x).xyz;
-    let high = unpack4x8unorm(faces.y).xyz;
+    let low = smoothstep(OPEN_FROM, OPEN_TO, vec3f(xy.x, xy.z, z.x));
+    let high = smoothstep(OPEN_FROM, OPEN_TO, vec3f(xy.y, xy.w, z.y));
     let inside = there + 0.5 + t * select(low, high, t > vec3f(0.0));
     return (clamp(inside, vec3f(0.5), alone.count - 0.5) + alone.first) * alone.per_texel;
 }

@@ -7,7 +7,6 @@
 
 // Squares finer than this are not opened any more once a ray has spent its nodes.
 const LAST_LEVEL = 3u;
-const MOST_INTERVALS = 4u;   // found before they are integrated
 const NOWHERE = 4.0;    // an s that is never reached
 
 // One eye ray over one shadow map. It is a line there; s goes from 0 to 1 along it, and
@@ -34,9 +33,8 @@ struct Walk {
     level: u32,
     node: u32,
     lit_from: f32,      // s where the interval that is not yet ended began; NOWHERE in the dark
-    intervals: vec4f,   // s, the latest two lit intervals that were found and not yet taken
-    older: vec4f,       // the two before
-    count: u32,         // of them all
+    interval: vec2f,    // s, the lit interval that was found last
+    is_found: bool,     // whether there is one that was not yet taken
 }
 
 var<private> walk: Walk;
@@ -132,30 +130,26 @@ fn visit_square() {
     walk.node++;
 }
 
-// Stores an interval of s among those that were found.
+// Stores an interval of s as found.
 fn store_interval(found: vec2f, is_found: bool) {
-    walk.older = select(walk.older, vec4f(walk.intervals.zw, walk.older.xy), is_found);
-    walk.intervals = select(walk.intervals, vec4f(found, walk.intervals.xy), is_found);
-    walk.count += select(0u, 1u, is_found);
+    walk.interval = select(walk.interval, found, is_found);
+    walk.is_found = walk.is_found || is_found;
 }
 
-// Walks until some lit intervals are found or the map ends. Only the walk is in this loop: rays that run in step
-// wait for each other once for all of their intervals, not at every one.
-fn find_intervals() {
-    walk.count = 0u;
+// Walks until a lit interval is found or the map ends; whether one was.
+fn find_interval() -> bool {
+    walk.is_found = false;
     if (walk.s < 1.0) {
         loop {
             visit_square();
             if (walk.node >= 4u * walk.max_nodes) { walk.s = 1.0; }
-            if (walk.count >= MOST_INTERVALS || walk.s >= 1.0) { break; }
+            if (walk.is_found || walk.s >= 1.0) { break; }
         }
     }
+    return walk.is_found;
 }
 
-// Of the intervals that were found the one before the latest `later` ones, m.
-fn found_interval(later: u32) -> vec2f {
-    let near = select(walk.intervals.xy, walk.intervals.zw, later == 1u);
-    let far = select(walk.older.xy, walk.older.zw, later == 3u);
-    let found = select(near, far, later >= 2u);
-    return interval_between(found.x, found.y);
+// The interval that was found, m.
+fn found_interval() -> vec2f {
+    return interval_between(walk.interval.x, walk.interval.y);
 }

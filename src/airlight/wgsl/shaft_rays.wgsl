@@ -68,22 +68,17 @@ fn view_radiance(
     enter_map(clip0, step, outer, select(outer, inner, is_in), t0, t1, resolution);
     walk.s = select(1.0, 0.0, is_in);
     walk.lit_from = select(0.0, walk.lit_from, is_in);
+    // Every lit interval from the nearest on; the last is what is lit at the end of the map, and beyond it.
     loop {
-        find_intervals();
-        // Density grids are stepped through with the intervals: from the nearest on.
-        let is_done = walk.s >= 1.0;
-        let count = walk.count + select(0u, 1u, is_done);
-        var taken = 0u;
-        loop {
-            let found = found_interval(max(walk.count, taken + 1u) - taken - 1u);
-            let interval = select(found, last_interval(), taken == walk.count);
-            if (interval.y > interval.x) {
-                sum += lit_interval(light, index, rays.eye, direction, interval.x, interval.y);
-            }
-            taken++;
-            if (taken >= count) { break; }
+        let is_found = find_interval();
+        var interval = last_interval();
+        if (is_found) {
+            interval = found_interval();
         }
-        if (is_done) { break; }
+        if (interval.y > interval.x) {
+            sum += lit_interval(light, index, rays.eye, direction, interval.x, interval.y);
+        }
+        if (!is_found) { break; }
     }
     return sum;
 }

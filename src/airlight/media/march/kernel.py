@@ -103,7 +103,6 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
         made += [
             storage("lattices", LatticeParams),
             sampler("linear_clamp"),
-            texture("march_cells", "3d", "uint"),
         ]
         colours = ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         names += [f"lattice_{name}" for name in colours]

@@ -29,7 +29,6 @@ from ...lattice.table import LatticeTable
 from ...maths.transforms import F64
 from ..gpu_media import GpuMedia
 from ..rays import Rays
-from .cells import MarchCells
 from .forward_source import fused_rows
 from .kernel import (
     MAX_LEVELS_AT_ONCE,
@@ -128,7 +127,6 @@ class March:
         self._table = Buffer(gpu, "sources", SourceData.dtype.itemsize * max(1, sources))
         self._written = b""
         self._lattices: LatticeTable | None = None
-        self._cells = MarchCells(gpu)
         self.params: MarchParams | None = None  # the last ones
         self._passes: dict[Variant, _March] = {}
         self._fused: Buffer | None = None
@@ -151,11 +149,6 @@ class March:
         # Steps are as long as the smallest cells of all that is marched.
         cells = [s.cell_m for s in (*light.sources, lattice, sky) if s is not None]
         bound = self._bound(variant, light)
-        one = lattice or sky
-        if one is not None:  # nested lattices are read as they are
-            bound["march_cells"] = self._cells.texture
-            if variant.levels == 1:
-                bound["march_cells"] = self._cells.encode(commands, one.placement.count, bound)
         self.params = _params(light, steps, min(cells, default=math.inf))
         # All targets in one pass, or in two where a device has too few.
         textures = {

@@ -17,7 +17,6 @@ from .jitter import Jitter
 from .shadow_rays import ShadowRays
 from .shadow_volumes import Volumes
 from .shafts import Shafts
-from .sparse import SAMPLE_SPACING
 
 COARSE_TEXEL = 1.0 / 80.0
 """The side of a reduced texel over its distance, beyond which shafts fit between texels. With fov_y
@@ -47,15 +46,9 @@ class ShaftImage:
         """Compute what depends on shadow maps alone, after they changed."""
         self.scheme.prepare(commands)
 
-    def encode(self, commands: Commands, view: View, lights: Lights, target: Texture) -> None:
+    def encode(self, commands: Commands, lights: Lights, target: Texture) -> None:
         """Fill `target`, of the size of the reduced rays: radiance, W m^-2 sr^-1."""
-        if not isinstance(self.scheme, Shafts):
-            self.scheme.encode(commands, lights, target)
-            return
-        # Where shafts may fit between sparse samples, every texel is sampled.
-        is_fine = SAMPLE_SPACING * self._texel_side(view) <= COARSE_TEXEL
-        contrast = self._contrast(view) if is_fine else 0.0
-        self.scheme.encode(commands, lights, target, contrast)
+        self.scheme.encode(commands, lights, target)
 
     def refine(
         self, commands: Commands, view: View, lights: Lights, reduced: Texture, target: Texture

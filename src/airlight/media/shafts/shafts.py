@@ -20,7 +20,6 @@ from ...lighting.lights import Lights
 from ..pixel_list import PixelList, RedrawParams, pixel_list_slots
 from ..rays import RayParams, Rays
 from .shadow_rays import ShadowRays
-from .sparse import SparseShafts
 
 
 class _Shafts(ComputePass):
@@ -67,13 +66,10 @@ class Shafts:
         self._pass = _Shafts(shadows)
         self._find, self._redraw = _FindPixels(shadows.gpu), _RedrawPixels(shadows)
         self.listed = PixelList(shadows.gpu, rays.size)
-        self._sparse: SparseShafts | None = None  # made when it is first used
 
     def resize(self) -> None:
         """Go on with images of the size of the rays."""
         self.listed.resize(self._rays.size)
-        if self._sparse:
-            self._sparse.resize()
 
     def prepare(self, commands: Commands) -> None:
         """Compute the hierarchies, after shadow maps changed."""
@@ -84,20 +80,10 @@ class Shafts:
         commands: Commands,
         lights: Lights,
         scattered: Texture,
-        contrast: float = 0.0,
     ) -> None:
-        """Fill `scattered`, of the size of `Rays.reduced`: radiance, W m^-2 sr^-1; alpha: m.
-
-        `contrast`: as `redrawn` has it; a reduced image is then made of sparse samples where they
-        are alike. 0: every texel is sampled, because shafts may fit between sparse ones.
-        """
+        """Fill `scattered`, of the size of `Rays.reduced`: radiance, W m^-2 sr^-1; alpha: m."""
         rays = self._rays
         bound = self._shadows.bound(rays, lights)
-        # One texel in four where that may do, and those between that differ; else all of them.
-        if rays.scale > 1 and 0.0 < contrast < 1.0:
-            self._sparse = self._sparse or SparseShafts(self._shadows, rays)
-            self._sparse.encode(commands, scattered, contrast, bound)
-            return
         self._pass.dispatch(
             commands, rays.reduced, picked=rays.picked, **bound, scattered=scattered
         )
