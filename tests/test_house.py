@@ -529,3 +529,18 @@ def test_the_wheel_carries_every_shader_and_the_type_marker(tmp_path):
     }
     assert wanted <= carried, sorted(wanted - carried)
     assert not [name for name in carried if name.startswith("tests/")]
+
+
+def test_what_cpu_adapters_do_otherwise_is_in_one_list():
+    """`gpu.code_paths.CodePaths`: each of its fields selects something, and nothing else does."""
+    texts = {relative(path).removeprefix("src/airlight/"): path.read_text() for path in modules()}
+    listed = texts.pop("gpu/code_paths.py")
+    fields = re.findall(r"^    (\w+): (?:bool|int|tuple\[int, int\])$", listed, re.MULTILINE)
+    assert len(fields) > 5
+    for name in fields:
+        assert f"    {name} " in listed, f"{name} is not described"
+        assert any(f"paths.{name}" in text for text in texts.values()), f"nobody asks {name}"
+    # What is true of the adapter itself, or is told to people.
+    asked = {name for name, text in texts.items() if re.search(r"\.is_cpu\b|paths\.name\b", text)}
+    apart = {"gpu/device.py", "gpu/commands.py", "rendering.py"}
+    assert {name for name in asked - apart if not name.startswith("app/")} == set()

@@ -283,7 +283,7 @@ def test_progress_and_stats(gpu, corner):
     stats = json.loads(json.dumps(image.stats))
     assert stats["device"] == gpu.info.name
     assert stats["adapter_type"] == gpu.info.adapter_type
-    assert stats["paths"] == gpu.paths
+    assert stats["paths"] == gpu.paths.name
     assert stats["size"] == [64, 48]
     assert stats["triangles"] == 4
     assert stats["iterations"] == 16

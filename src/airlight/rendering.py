@@ -209,7 +209,7 @@ class Renderer:
         return {
             "device": self.gpu.info.name,
             "adapter_type": self.gpu.info.adapter_type,
-            "paths": self.gpu.paths,
+            "paths": self.gpu.paths.name,
             "frame_ms": _median(self.frame_ms[1:]),
             "python_ms": _median(self.python_ms[1:]),
             "first_image_s": self._first_image_s,

@@ -13,6 +13,7 @@ from airlight.gpu.asked import (
     chosen_asked,
     has_uniforms_in_storage,
 )
+from airlight.gpu.code_paths import CPU_PATHS, GPU_PATHS
 from airlight.gpu.device import open_gpu
 
 
@@ -34,11 +35,11 @@ def test_features_are_those_that_are_there_and_none_by_default():
     assert asked_features("default", FEATURES) == []
 
 
-@pytest.mark.parametrize("paths", ["gpu", "cpu"])
-def test_no_more_than_the_adapter_has_is_asked_for(paths):
+@pytest.mark.parametrize("taken", [GPU_PATHS, CPU_PATHS])
+def test_no_more_than_the_adapter_has_is_asked_for(taken):
     there = {name: value // 2 for name, value in DEFAULT_LIMITS.items()}
-    assert asked_limits("auto", paths, there) == there
-    assert asked_limits("default", paths, {"max-buffer-size": 1 << 40}) == {
+    assert asked_limits("auto", taken, there) == there
+    assert asked_limits("default", taken, {"max-buffer-size": 1 << 40}) == {
         "max-buffer-size": DEFAULT_LIMITS["max-buffer-size"]
     }
 
@@ -52,7 +53,7 @@ def test_a_device_of_the_defaults_has_them_and_no_feature(gpu):
 
 def test_parameters_are_in_storage_where_the_device_binds_so_many(gpu):
     cpu = open_gpu(gpu.info.name, "cpu", "default")
-    assert cpu.takes_cpu_paths and not cpu.has_uniforms_in_storage
+    assert cpu.paths.stored_uniforms and not cpu.has_uniforms_in_storage
     assert not has_uniforms_in_storage(DEFAULT_LIMITS)
     more = {name: 64 for name in DEFAULT_LIMITS}
     assert has_uniforms_in_storage(more)

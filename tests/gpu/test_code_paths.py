@@ -6,7 +6,7 @@ import pytest
 
 from airlight.errors import SettingsError
 from airlight.gpu import device
-from airlight.gpu.code_paths import chosen_paths
+from airlight.gpu.code_paths import CPU_PATHS, GPU_PATHS, chosen_paths
 from airlight.gpu.device import Gpu, open_gpu
 
 
@@ -20,9 +20,9 @@ from airlight.gpu.device import Gpu, open_gpu
     ],
 )
 def test_choice(wanted, is_cpu, expected, monkeypatch):
-    assert chosen_paths(wanted, is_cpu=is_cpu) == expected
+    assert chosen_paths(wanted, is_cpu=is_cpu).name == expected
     monkeypatch.setenv("AIRLIGHT_PATHS", wanted)
-    assert chosen_paths(is_cpu=is_cpu) == expected
+    assert chosen_paths(is_cpu=is_cpu).name == expected
 
 
 def test_other_words_are_refused(monkeypatch):
@@ -35,7 +35,7 @@ def test_other_words_are_refused(monkeypatch):
 
 def test_a_process_has_a_device_for_each(gpu, monkeypatch):
     both = [open_gpu(gpu.info.name, paths) for paths in ("gpu", "cpu")]
-    assert [made.takes_cpu_paths for made in both] == [False, True]
+    assert [made.paths for made in both] == [GPU_PATHS, CPU_PATHS]
     assert both[0] is not both[1]
     assert both[0].info == both[1].info == gpu.info
     assert gpu in both
@@ -45,12 +45,12 @@ def test_a_process_has_a_device_for_each(gpu, monkeypatch):
 
 @pytest.mark.both_paths
 def test_a_test_of_both_paths_has_each(gpu, paths):
-    assert gpu.paths == paths
+    assert gpu.paths.name == paths
     assert open_gpu(gpu.info.name) is gpu  # what a Renderer of the test opens
 
 
 def test_a_device_without_the_limits_of_the_cpu_paths_takes_them_all_the_same(gpu):
     card = device.AdapterInfo("Card", "DiscreteGPU", "Vulkan", "", "", gpu.info.index)
-    plain = Gpu(card, "cpu", "default")
-    assert plain.takes_cpu_paths and not plain.has_uniforms_in_storage
-    assert Gpu(card, "gpu").paths == "gpu"
+    plain = Gpu(card, CPU_PATHS, "default")
+    assert plain.paths.stored_uniforms and not plain.has_uniforms_in_storage
+    assert Gpu(card, GPU_PATHS).paths is GPU_PATHS

@@ -6,11 +6,9 @@ import pytest
 
 from airlight.gpu.layout import Struct, f32
 from airlight.gpu.slots import (
-    FILTERED,
     declarations,
     image,
     on_cpu_adapter,
-    on_device,
     sampler,
     storage,
     texture,
@@ -74,13 +72,3 @@ def test_cpu_adapters_get_uniforms_from_storage():
     assert turned[0].is_dynamic and turned[0].struct is Params
     assert turned[1:] == slots[1:]
     assert slots[0].layout["buffer"]["type"] == "uniform"
-
-
-def test_images_that_are_filtered_have_the_device_s_format(gpu):
-    """And others their own."""
-    slots = (image("light", FILTERED, "3d"), image("walls", "rgba8snorm", "3d"))
-    light, walls = on_device(slots, gpu)
-    assert gpu.filtered in ("rgba16float", "rgba32float")
-    assert light.layout["storage_texture"]["format"] == gpu.filtered
-    assert light.declaration == f"var light: texture_storage_3d<{gpu.filtered}, write>;"
-    assert walls == slots[1]

@@ -18,7 +18,7 @@ def device_page(gpu: Gpu) -> str:
     about = [
         f"- device: {info.name} ({info.adapter_type}), vendor {info.vendor or 'unnamed'}",
         f"- driver: {info.driver or 'unnamed'} ({info.backend})",
-        f"- code paths: {gpu.paths}; light is filtered as {gpu.filtered}",
+        f"- code paths: {gpu.paths.name}",
         *(f"- feature {name}: {'yes' if name in gpu.features else 'no'}" for name in FEATURES),
     ]
     rows = [

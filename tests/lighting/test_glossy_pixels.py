@@ -48,7 +48,7 @@ def test_apart_or_with_the_rest(
         with Renderer(polished, "lpv", SIZE, settings=settings) as renderer:
             seen[is_apart] = renderer.frame().layers
             has_list = renderer.technique.surfaces.glossy is not None
-            assert has_list == (is_apart and gpu.takes_cpu_paths)
+            assert has_list == (is_apart and gpu.paths.listed_gloss)
     for name in ("direct", "indirect"):
         np.testing.assert_allclose(seen[True][name], seen[False][name], rtol=2e-5, atol=1e-6)
     with Renderer(polished, "lpv", SIZE, settings={**settings, "glossy_rays": False}) as renderer:

@@ -15,7 +15,7 @@ GRANTED = 16
 @pytest.fixture(scope="module")
 def least(gpu: Gpu) -> Gpu:
     """A device that has no more than those."""
-    return open_gpu(gpu.info.name, gpu.paths, "default")
+    return open_gpu(gpu.info.name, gpu.paths.name, "default")
 
 
 @pytest.mark.parametrize("part", ["whole", "lights", "lattices", "rest"])

@@ -63,7 +63,7 @@ def graphics_facts(wanted: str) -> tuple[dict[str, Any], AirlightError | None]:
     listed = [asdict(info) for info in found]
     try:
         chosen = device.choose(found, wanted)
-        paths = code_paths.chosen_paths(is_cpu=chosen.is_cpu)
+        paths = code_paths.chosen_paths(is_cpu=chosen.is_cpu).name
     except AirlightError as error:
         return {"adapters": listed, "used": None, "because": str(error), "paths": None}, error
     because = device.chosen_reason(found, chosen, wanted)

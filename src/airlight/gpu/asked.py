@@ -13,14 +13,13 @@ from typing import Literal, cast
 
 from .. import env
 from ..errors import SettingsError
-from .code_paths import Paths
+from .code_paths import CodePaths
 
 Asked = Literal["auto", "default"]
 SWITCH = "AIRLIGHT_LIMITS"
 _KNOWN = ("auto", "default")
 
 FEATURES = (
-    "float32-filterable",
     "float32-blendable",
     "timestamp-query",
     "subgroup",
@@ -66,12 +65,11 @@ _MORE: Mapping[str, int] = {  # asked for where there is so much, used where it 
     "max-storage-textures-per-shader-stage": 6,
     "max-storage-buffers-per-shader-stage": 10,
 }
-_UNIFORMS_IN_STORAGE: Mapping[str, int] = {  # on the CPU paths, see slots.on_cpu_adapter
+_UNIFORMS_IN_STORAGE: Mapping[str, int] = {  # see slots.on_cpu_adapter
     "max-storage-buffers-per-shader-stage": 18,
     "max-dynamic-storage-buffers-per-pipeline-layout": 8,
 }
-_CPU_MORE: Mapping[str, int] = {  # what a triangle carries to its pixels, see carried.py
-    **_UNIFORMS_IN_STORAGE,
+_CARRIED: Mapping[str, int] = {  # what a triangle carries to its pixels, see carried.py
     "max-inter-stage-shader-variables": 31,
 }
 
@@ -96,9 +94,13 @@ def asked_features(asked: Asked, there: Collection[str]) -> list[str]:
     return [] if asked == "default" else [f for f in FEATURES if f in there]
 
 
-def asked_limits(asked: Asked, paths: Paths, there: Mapping[str, int]) -> dict[str, int]:
+def asked_limits(asked: Asked, paths: CodePaths, there: Mapping[str, int]) -> dict[str, int]:
     """The limits to request from an adapter that has those in `there`."""
-    more = {} if asked == "default" else {**_MORE, **(_CPU_MORE if paths == "cpu" else {})}
+    more: dict[str, int] = {} if asked == "default" else {**_MORE}
+    if more and paths.stored_uniforms:
+        more |= _UNIFORMS_IN_STORAGE
+    if more and paths.carried_parameters:
+        more |= _CARRIED
     wanted = {**DEFAULT_LIMITS, **more}
     return {name: min(value, there[name]) for name, value in wanted.items() if name in there}
 

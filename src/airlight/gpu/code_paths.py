@@ -1,16 +1,21 @@
-"""Which code paths a device takes, apart from what its adapter is.
+"""Everything that is done otherwise on CPU adapters than on GPUs, each with a name of its own.
 
-A CPU adapter runs invocations as lanes of vectors, reads slowly and rasterises slowly; a GPU has
-thousands of threads and caches. Kernels are laid out for the one or for the other, and some choices
-(numbers of samples, sizes of images, formats) follow. Each choice asks `Gpu.takes_cpu_paths`, so
-that both paths can be run, and held to each other, on one adapter. What is true of the adapter
-itself (that its timestamps mean nothing, that a viewer has to be coarse while it moves) asks
-`AdapterInfo.is_cpu`.
+A CPU adapter runs invocations as lanes of vectors, reads slowly, and shades blocks of pixels for
+each triangle; a GPU has thousands of threads and caches. `CodePaths` lists what follows from that:
+whoever has two ways asks one of its fields (`gpu.paths`), so that a search for a field's name finds
+all that it selects, and nothing else depends on the kind of adapter. AIRLIGHT_PATHS turns all of
+them on or off at once, so that both kinds can be run, and held to each other, on one adapter. What
+is true of the adapter itself (that its timestamps mean nothing, that a viewer has to be coarse
+while it moves) asks `AdapterInfo.is_cpu`.
+
+Each field earns its place: without it, a frame that people draw takes a tenth more processor time
+on a CPU adapter, or memory grows (docs/decisions.md has the table).
 """
 
 from __future__ import annotations
 
-from typing import Literal, cast
+from dataclasses import dataclass
+from typing import Literal
 
 from .. import env
 from ..errors import SettingsError
@@ -20,7 +25,58 @@ SWITCH = "AIRLIGHT_PATHS"
 _KNOWN = ("auto", "gpu", "cpu")
 
 
-def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> Paths:
+@dataclass(frozen=True)
+class CodePaths:
+    """What a device does, each as far as its features and limits allow.
+
+    row_lanes            kernels of both stencils whose lanes share rows of cells: `gpu.lanes`,
+                         `lpv/propagate_rows.wgsl`, `scatter/propagate_rows.wgsl`
+    visibility_buffer    triangle ids first, then each pixel's surface once, of maps in one buffer:
+                         `surface.visibility_buffer`, `packed_maps`, `triangle_table`, `provoking`
+    carried_parameters   full-screen triangles bring uniforms as flat interpolants: `gpu.carried`
+    stored_uniforms      uniforms are bound as storage buffers: `gpu.slots`
+    wide_reads           rows of hierarchies are read as 64-bit integers: `rays.slots`
+    listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`
+    occlusion_scale      pixels along a texel of screen-space occlusion: `lighting.occlusion`
+    occlusion_samples    its slices of the hemisphere, and steps on each side of one
+    """
+
+    name: Paths
+    row_lanes: bool
+    visibility_buffer: bool
+    carried_parameters: bool
+    stored_uniforms: bool
+    wide_reads: bool
+    listed_gloss: bool
+    occlusion_scale: int
+    occlusion_samples: tuple[int, int]
+
+
+GPU_PATHS = CodePaths(
+    "gpu",
+    row_lanes=False,
+    visibility_buffer=False,
+    carried_parameters=False,
+    stored_uniforms=False,
+    wide_reads=False,
+    listed_gloss=False,
+    occlusion_scale=1,
+    occlusion_samples=(3, 6),
+)
+CPU_PATHS = CodePaths(
+    "cpu",
+    row_lanes=True,
+    visibility_buffer=True,
+    carried_parameters=True,
+    stored_uniforms=True,
+    wide_reads=True,
+    listed_gloss=True,
+    occlusion_scale=2,
+    occlusion_samples=(2, 4),
+)
+
+
+def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> CodePaths:
     """The code paths for `wanted` (auto, gpu or cpu; AIRLIGHT_PATHS if None) on an adapter.
 
     auto: those made for the adapter, by whether it `is_cpu`. Raises SettingsError for another word.
@@ -34,5 +90,5 @@ def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> Paths:
             remedy="Use auto (those made for the adapter), gpu or cpu",
         )
     if key == "auto":
-        return "cpu" if is_cpu else "gpu"
-    return cast(Paths, key)
+        return CPU_PATHS if is_cpu else GPU_PATHS
+    return CPU_PATHS if key == "cpu" else GPU_PATHS

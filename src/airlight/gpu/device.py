@@ -19,7 +19,7 @@ from wgpu.backends.wgpu_native import ffi
 
 from ..errors import DeviceError
 from .asked import Asked, asked_features, asked_limits, chosen_asked, has_uniforms_in_storage
-from .code_paths import Paths, chosen_paths
+from .code_paths import CodePaths, chosen_paths
 from .failures import OPEN_REMEDY, TO_FIND, TO_OPEN, Guarded, check_memory, is_alive, lost
 from .pipelines import Pipelines
 from .process import enter_driver
@@ -53,7 +53,7 @@ class AdapterInfo:
 
 _OPENING = threading.RLock()  # drivers are asked what there is, and for it, by a thread at a time
 _found: list[Any] = []
-_opened: dict[tuple[AdapterInfo, Paths, Asked], Gpu] = {}
+_opened: dict[tuple[AdapterInfo, CodePaths, Asked], Gpu] = {}
 
 
 def _enumerate() -> list[Any]:
@@ -130,7 +130,7 @@ class Gpu(Scope):
     once. Raises DeviceError where it cannot be opened.
     """
 
-    def __init__(self, info: AdapterInfo, paths: Paths, asked: Asked = "auto") -> None:
+    def __init__(self, info: AdapterInfo, paths: CodePaths, asked: Asked = "auto") -> None:
         super().__init__()
         adapter = _enumerate()[info.index]
         check_memory(TO_OPEN)
@@ -148,7 +148,8 @@ class Gpu(Scope):
             ) from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
-        self.has_uniforms_in_storage = self.takes_cpu_paths and has_uniforms_in_storage(self.limits)
+        can_store = has_uniforms_in_storage(self.limits)
+        self.has_uniforms_in_storage = paths.stored_uniforms and can_store
         """Whether shaders read parameters from storage buffers, see `slots.on_cpu_adapter`."""
         self.pipelines = Pipelines()
         self.memory = Memory()
@@ -161,22 +162,8 @@ class Gpu(Scope):
 
     @property
     def is_cpu(self) -> bool:
-        """Whether this is a CPU adapter. Code paths ask `takes_cpu_paths` instead."""
+        """Whether this is a CPU adapter. Code paths ask `paths` instead."""
         return self.info.is_cpu
-
-    @property
-    def takes_cpu_paths(self) -> bool:
-        """Whether kernels are laid out for lanes and slow reads, not for threads and caches."""
-        return self.paths == "cpu"
-
-    @property
-    def filtered(self) -> str:
-        """The format of 3D textures of light that shaders filter.
-
-        Half floats; a CPU adapter filters whole ones in two thirds of the time.
-        """
-        is_whole = self.takes_cpu_paths and "float32-filterable" in self.features
-        return "rgba32float" if is_whole else "rgba16float"
 
     def scope(self) -> Gpu:
         """The same device with a scope of its own within this one, released no later than it."""

@@ -32,7 +32,7 @@ def has_row_lanes(gpu: Gpu) -> bool:
 
     Only CPU adapters are asked: a GPU's threads are served by its caches.
     """
-    if not gpu.takes_cpu_paths or any(name not in gpu.features for name in _FEATURES):
+    if not gpu.paths.row_lanes or any(name not in gpu.features for name in _FEATURES):
         return False
     if "row lanes" not in gpu.facts:
         gpu.facts["row lanes"] = _found_row_lanes(gpu)

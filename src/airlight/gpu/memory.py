@@ -277,10 +277,3 @@ def linear_sampler(gpu: Gpu, label: str = "linear clamp", wrap: str = "clamp-to-
         address_mode_v=wrap,
         address_mode_w=wrap,
     )
-
-
-def nearest_sampler(gpu: Gpu) -> Sampler:
-    """No filtering."""
-    return Sampler(
-        gpu, "nearest", mag_filter="nearest", min_filter="nearest", mipmap_filter="nearest"
-    )

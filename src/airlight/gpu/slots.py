@@ -10,8 +10,8 @@ import wgpu
 from .device import Gpu
 from .layout import Struct
 
-FILTERED = "filtered"
-"""The format of an image that shaders filter: that of the device, `Gpu.filtered`."""
+FILTERED = "rgba16float"
+"""The format of images of light that shaders filter: half floats, which all devices filter."""
 Dimension = Literal["2d", "2d-array", "3d", "cube"]
 
 
@@ -46,11 +46,10 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 
 
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
-    """The same slots for a device: images as it filters them, buffers as it reads them."""
-    made = tuple(_filtered(slot, gpu.filtered) for slot in slots)
-    if gpu.takes_cpu_paths and "shader-int64" in gpu.features:
-        made = tuple(replace(slot, declaration=slot.wide or slot.declaration) for slot in made)
-    return on_cpu_adapter(made) if gpu.has_uniforms_in_storage else made
+    """The same slots for a device: buffers and uniforms as it reads them."""
+    if gpu.paths.wide_reads and "shader-int64" in gpu.features:
+        slots = tuple(replace(slot, declaration=slot.wide or slot.declaration) for slot in slots)
+    return on_cpu_adapter(slots) if gpu.has_uniforms_in_storage else slots
 
 
 def on_cpu_adapter(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
@@ -60,14 +59,6 @@ def on_cpu_adapter(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
     values, and keeps the clones (4 MB an image): storage buffers it leaves alone.
     """
     return tuple(_from_storage(slot) if slot.is_dynamic else slot for slot in slots)
-
-
-def _filtered(slot: Slot, format: str) -> Slot:
-    image = slot.layout.get("storage_texture", {})
-    if image.get("format") != FILTERED:
-        return slot
-    layout = {"storage_texture": {**image, "format": format}}
-    return replace(slot, declaration=slot.declaration.replace(FILTERED, format), layout=layout)
 
 
 def _from_storage(slot: Slot) -> Slot:

@@ -67,7 +67,7 @@ class ChannelTextures:
 
         def made(channel: str) -> Texture:
             label = f"{name} {channel}"
-            return Texture(gpu, label, size, gpu.filtered, dimension="3d", written=True)
+            return Texture(gpu, label, size, FILTERED, dimension="3d", written=True)
 
         self.red, self.green, self.blue = made("red"), made("green"), made("blue")
 

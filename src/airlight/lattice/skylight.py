@@ -80,13 +80,13 @@ class Skylight:
             owner.cube
             if owner
             else Texture(
-                gpu, "sky light", (nx, ny, FACES * nz), gpu.filtered, dimension="3d", written=True
+                gpu, "sky light", (nx, ny, FACES * nz), FILTERED, dimension="3d", written=True
             )
         )
         # The cubes of a lattice that moves, as they were before it did.
         columns, rows, _ = placement.count
         size_before = (1, 1, 1) if owner is None else (columns, rows, FACES * self._depth)
-        self._previous = Texture(gpu, "sky light before", size_before, gpu.filtered, dimension="3d")
+        self._previous = Texture(gpu, "sky light before", size_before, FILTERED, dimension="3d")
         self._made: Placement | None = None
         self._lights = Buffer(gpu, "sky lights", SkyLightData.dtype.itemsize * max(1, capacity))
         self._pass = _Skylight(gpu)

@@ -27,9 +27,6 @@ from ..gpu.slots import texture, uniform
 from ..maths.transforms import F64
 from ..surface.gbuffer import GBuffer
 
-_CPU_SAMPLES, _GPU_SAMPLES = (2, 4), (3, 6)  # slices, steps on each side of one
-_CPU_SCALE, _GPU_SCALE = 2, 1
-
 
 class OcclusionParams(Struct):
     """Rays through pixels, from the eye and one metre deep, and the radius of the search."""
@@ -77,7 +74,7 @@ class OcclusionLayers:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
         """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
-        self.size, self.scale = size, scale or (_CPU_SCALE if gpu.takes_cpu_paths else _GPU_SCALE)
+        self.size, self.scale = size, scale or gpu.paths.occlusion_scale
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True)
@@ -111,7 +108,7 @@ class Occlusion:
 
         `has_light`: occluders contribute the radiance that they show.
         """
-        usual = _CPU_SAMPLES if gpu.takes_cpu_paths else _GPU_SAMPLES
+        usual = gpu.paths.occlusion_samples
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
         kind = {"HAS_LIGHT": float(has_light)}
         self._surfaces = _ReducedSurfaces(gpu, constants=kind)

@@ -183,7 +183,7 @@ class Surfaces:
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
         """Create the extra pass of CPU adapters: glossy pixels."""
-        is_listed = self._is_glossy and self.gpu.takes_cpu_paths and can_list(self.gpu, size)
+        is_listed = self._is_glossy and self.gpu.paths.listed_gloss and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
         self._cpu_scope.release()

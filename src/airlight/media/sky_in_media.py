@@ -125,7 +125,7 @@ class SkyInMedia:
 
         def made(name: str, depth: int) -> Texture:
             label, full = f"sky in media, {name}", (nx, ny, depth)
-            return Texture(gpu, label, full, gpu.filtered, dimension="3d", written=True)
+            return Texture(gpu, label, full, FILTERED, dimension="3d", written=True)
 
         # Two bands of three channels, their means, the third band, and the cube of surfaces.
         self.red, self.green, self.blue = (made(name, nz) for name in ("red", "green", "blue"))

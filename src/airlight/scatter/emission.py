@@ -57,7 +57,7 @@ class Emission(ChannelTextures):
         self.placement, self.scale = placement, 1.0
         self._pack = _Pack(gpu)
         self.mean = Texture(
-            gpu, "track mean", placement.count, gpu.filtered, dimension="3d", written=True
+            gpu, "track mean", placement.count, FILTERED, dimension="3d", written=True
         )
 
     def encode(

@@ -27,7 +27,7 @@ _TEXEL_BYTES, _MOST_BYTES = 8, 1 << 29
 
 def uses_visibility_buffer(gpu: Gpu) -> bool:
     """Whether the visibility buffer is the faster way on a device, so that maps are packed."""
-    return gpu.takes_cpu_paths and "shader-int64" in gpu.features
+    return gpu.paths.visibility_buffer and "shader-int64" in gpu.features
 
 
 def most_texels(gpu: Gpu) -> int:

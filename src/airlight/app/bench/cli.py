@@ -144,7 +144,7 @@ def machine(adapter: str) -> dict[str, Any]:
         "airlight": __version__,
         "device": info.name,
         "adapter_type": info.adapter_type,
-        "paths": gpu.paths,
+        "paths": gpu.paths.name,
         "backend": info.backend,
         "driver": info.driver,
         "cpu_cores": os.cpu_count(),

@@ -14,26 +14,10 @@ struct Seen {
     @location(2) @interpolate(flat) eye: vec3f,      // in that space
     @location(3) @interpolate(flat) sigma_t: vec3f,  // of that medium, m^-1
     @location(4) @interpolate(flat) grid: vec4f,     // pixels of a texel's side, last texel, 1/near
-    @location(5) @interpolate(flat) per_texel: vec4f,   // of the reduced images, of the image
 }
 
-// CPU adapters sample the nearest texel in half the time of a load.
-override IS_SAMPLED: bool = false;
-var<private> per_texel: vec4f;
-
-// A texel of a reduced image, and the depth of the pixel.
 fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
-    if (IS_SAMPLED) {
-        return textureSampleLevel(source, nearest, (texel + 0.5) * per_texel.xy, 0.0);
-    }
     return textureLoad(source, vec2i(texel), 0);
-}
-
-fn depth_shown(position: vec2f) -> f32 {
-    if (IS_SAMPLED) {
-        return textureSampleLevel(depth, nearest, position * per_texel.zw, 0);
-    }
-    return textureLoad(depth, vec2i(position), 0);
 }
 
 @vertex fn vertex(@builtin(vertex_index) index: u32) -> Seen {
@@ -45,7 +29,6 @@ fn depth_shown(position: vec2f) -> f32 {
     seen.eye = medium_coordinates(0u, rays.eye);
     seen.sigma_t = media[0].sigma_t;
     seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
-    seen.per_texel = 1.0 / vec4f(vec2f(rays.reduced), vec2f(rays.size));
     return seen;
 }
 
@@ -60,10 +43,9 @@ fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
 
 @fragment fn fragment(seen: Seen) -> Finished {
     let pixel = vec2i(seen.position.xy);
-    per_texel = seen.per_texel;
     // How far the pixel's own ray goes.
     let reach = length(seen.direction);
-    let shown = depth_shown(seen.position.xy);
+    let shown = textureLoad(depth, pixel, 0);
     let own = select(min(reach * seen.grid.w / max(shown, 1e-30), EYE_RAY_FAR), EYE_RAY_FAR,
         shown <= 0.0);
     // The four texels around the pixel.
