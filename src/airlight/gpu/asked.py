@@ -99,7 +99,7 @@ def asked_limits(asked: Asked, paths: CodePaths, there: Mapping[str, int]) -> di
     more: dict[str, int] = {} if asked == "default" else {**_MORE}
     if more and paths.stored_uniforms:
         more |= _UNIFORMS_IN_STORAGE
-    if more and paths.carried_parameters:
+    if more and paths.flat_interpolants:
         more |= _CARRIED
     wanted = {**DEFAULT_LIMITS, **more}
     return {name: min(value, there[name]) for name, value in wanted.items() if name in there}

@@ -33,7 +33,7 @@ class CodePaths:
                          `lpv/propagate_rows.wgsl`, `scatter/propagate_rows.wgsl`
     visibility_buffer    triangle ids first, then each pixel's surface once, of maps in one buffer:
                          `surface.visibility_buffer`, `packed_maps`, `triangle_table`, `provoking`
-    carried_parameters   full-screen triangles bring uniforms as flat interpolants: `gpu.carried`
+    flat_interpolants    full-screen triangles bring uniforms as flat interpolants: `gpu.carried`
     stored_uniforms      uniforms are bound as storage buffers: `gpu.slots`
     wide_reads           rows of hierarchies are read as 64-bit integers: `rays.slots`
     listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`
@@ -44,7 +44,7 @@ class CodePaths:
     name: Paths
     row_lanes: bool
     visibility_buffer: bool
-    carried_parameters: bool
+    flat_interpolants: bool
     stored_uniforms: bool
     wide_reads: bool
     listed_gloss: bool
@@ -56,7 +56,7 @@ GPU_PATHS = CodePaths(
     "gpu",
     row_lanes=False,
     visibility_buffer=False,
-    carried_parameters=False,
+    flat_interpolants=False,
     stored_uniforms=False,
     wide_reads=False,
     listed_gloss=False,
@@ -67,7 +67,7 @@ CPU_PATHS = CodePaths(
     "cpu",
     row_lanes=True,
     visibility_buffer=True,
-    carried_parameters=True,
+    flat_interpolants=True,
     stored_uniforms=True,
     wide_reads=True,
     listed_gloss=True,

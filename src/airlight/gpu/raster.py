@@ -118,7 +118,7 @@ class RasterPipeline:
         )
 
     def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
-        if self.gpu.paths.carried_parameters:
+        if self.gpu.paths.flat_interpolants:
             most = 4 * self.gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
             made = carried(self._slots, firsts, text, most)
             if made.entry != "fragment":
