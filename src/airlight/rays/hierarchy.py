@@ -44,12 +44,12 @@ class Hierarchy:
 def build(low: F32, high: F32, *, most: int = MOST_IN_LEAF, levels: int = LEVELS) -> Hierarchy:
     """A hierarchy over items by their boxes (T, 3), of at most `levels` levels.
 
-    Leaves have at most `most` items, more only where so many levels cannot hold them all.
+    Leaves have at most `most` items. More than `most` * 4^levels items need more levels.
     """
     if len(low) < 2:
         alone = np.array([[LEAF if len(low) else 0, 0, 0, 0]], np.uint32)
         return Hierarchy(np.arange(len(low)), alone, np.zeros(1, np.uint32), (0, 1))
-    growth = _Growth(most)
+    growth = _Growth(most, levels)
     boxes = Boxes.of(low, high)
     items = np.arange(len(low))
     parts = Parts(items, np.zeros(1, np.int64), np.full(1, len(items)))
@@ -70,15 +70,14 @@ def build(low: F32, high: F32, *, most: int = MOST_IN_LEAF, levels: int = LEVELS
 class _Growth:
     """The nodes so far, and whose children the parts of the next level will be."""
 
-    def __init__(self, most: int) -> None:
-        self.most = most
+    def __init__(self, most: int, levels: int) -> None:
+        self.most, self.most_levels = most, levels
         self.order: list[Ints] = []
         self.ordered = 0
         self.children: list[U32] = []
         self.axes: list[U32] = []
         self.levels = [0]
         self.parents = np.zeros(1, np.int64)  # node * 4 + slot of each part, in its level
-        self.is_root = True
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -93,12 +92,11 @@ class _Growth:
         """Make leaves of the parts that are better not divided; returns the others."""
         counts = parts.counts
         is_leaf = (counts <= self.most) & (counts * ITEM_COST <= 1.0 + cuts.cost * ITEM_COST)
-        is_leaf |= counts == 1
-        if self.is_root:
-            is_leaf[:] = False
-        else:
+        is_leaf |= (counts == 1) | ((counts <= self.most) & (len(self.axes) == self.most_levels))
+        if self.axes:
             self._hang(parts, is_leaf)
-        self.is_root = False
+        else:
+            is_leaf[:] = False  # the root is a node
         kept = parts.items[~np.repeat(is_leaf, counts)]
         counts = counts[~is_leaf]
         starts = np.cumsum(counts) - counts

@@ -17,7 +17,7 @@ from .hierarchy import COUNT_SHIFT, F32, INDEX_MASK, LEAF, Hierarchy, build
 
 WORTH_KEEPING = 20_000
 """Triangles from which reading a file is quicker than building: 50 ms."""
-_VERSION = 1  # of `build`: what other versions made is not read
+_VERSION = 2  # of `build`: what other versions made is not read
 
 
 def built(low: F32, high: F32) -> Hierarchy:
