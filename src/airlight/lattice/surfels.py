@@ -98,7 +98,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     area_normal = normal / np.maximum(length, 1e-30) * world_area / np.maximum(stretch, 1e-30)
     albedo, cover = _albedo_and_cover(mesh.material, geometry.uvs, corners, weights)
     # A closed body stops light with its outside; both sides of it would count every body twice.
-    made["area_normal"] = area_normal * cover[:, None]
+    made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
     made["reflectance"] = albedo
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
@@ -119,8 +119,10 @@ def follow(
             triangle, weights = samples_of(triangle_areas(original[index]), len(rows))
             old, new = _corners(before, triangle), _corners(after, triangle)
             cross = np.cross(new[1] - new[0], new[2] - new[0])
-            length = np.linalg.norm(np.cross(old[1] - old[0], old[2] - old[0]), axis=1)
-            share = np.linalg.norm(made["area_normal"][rows], axis=1) / np.maximum(length, 1e-30)
+            crossed = np.cross(old[1] - old[0], old[2] - old[0])
+            # Of a body that faces in, the side that counts is the triangles' back.
+            along = np.einsum("nc,nc->n", made["area_normal"][rows], crossed)
+            share = along / np.maximum(np.einsum("nc,nc->n", crossed, crossed), 1e-30)
             moved["position"][rows] = np.einsum("nk,knc->nc", weights, new)
             moved["area_normal"][rows] = cross * share[:, None]
     return moved
@@ -142,12 +144,13 @@ def _corners(geometry: Geometry, triangle: NDArray[np.int64]) -> F64:
 
 
 def _side(mesh: Mesh, outer: dict[int, int], points: F64) -> int:
-    """The side that blocks: 1 the front, 0 both."""
-    if outer[id(mesh.geometry)] <= 0:
+    """The side that blocks: 1 the front, -1 the back, 0 both that the material has."""
+    outside = outer[id(mesh.geometry)]
+    if outside == 0 or (outside < 0 and not mesh.material.two_sided):
         return 0
     low, high = mesh.world_bounds
     near = points[((points > low) & (points < high)).all(axis=1)]
-    return 0 if any(winding_number(mesh, point) > 0.5 for point in near) else 1
+    return 0 if any(winding_number(mesh, point) > 0.5 for point in near) else outside
 
 
 def winding_number(mesh: Mesh, point: F64) -> float:
