@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.lattice.surfels import _unmatched_edges, outer_side, surfels
+from airlight.lattice.bodies import _unmatched_edges, outer_side
+from airlight.lattice.surfels import surfels
 from airlight.scene import Geometry, Material, Mesh, Texture, shapes
 
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..errors import SettingsError
-from ..lattice.surfels import outer_side, winding_number
+from ..lattice.bodies import outer_side, winding_number
 from ..maths.colour import srgb_decode
 from ..scene.checks import F64
 from ..scene.light_shapes import LightMesh, light_material, unit_geometry

@@ -14,13 +14,11 @@ from ..gpu.layout import Struct, u32, vec3f
 from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo
-from ..maths.weld import open_vertices, welded
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
+from .bodies import sides
 
 F64 = NDArray[np.float64]
-
-_OPEN_EDGES = 0.01  # share of edges without a partner up to which a body counts as closed
 
 
 class SurfelData(Struct):
@@ -44,22 +42,21 @@ def surfels(
     `inside` (n, 3), metres: positions of the eye and of local lights; a closed body around one of
     them is a room, and blocks from both sides.
     """
-    # World areas, and which side of each body faces out; instances share what they can.
+    # World areas, which instances share, and which side of each body blocks.
     areas_of: dict[tuple[int, bytes], F64] = {}
     for mesh in meshes:
         if _area_key(mesh) not in areas_of:
             areas_of[_area_key(mesh)] = triangle_areas(mesh)
     areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
-    outer = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
-    points = np.zeros((0, 3)) if inside is None else inside
+    side = sides(meshes, np.zeros((0, 3)) if inside is None else inside)
     # Each mesh has surfels by its share of all area.
     total = max(float(areas.sum()), 1e-30)
     parts = []
     for instance, index in enumerate(order):
         share = max(1, round(count * float(areas[index]) / total))
-        side = _side(meshes[index], outer, points)
         mesh = meshes[index]
-        parts.append(_mesh_surfels(mesh, areas_of[_area_key(mesh)], instance, share, side))
+        own = areas_of[_area_key(mesh)]
+        parts.append(_mesh_surfels(mesh, own, instance, share, side[index]))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
 
 
@@ -141,60 +138,6 @@ def samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
 def _corners(geometry: Geometry, triangle: NDArray[np.int64]) -> F64:
     """(3, n, 3): the corners of triangles, metres, object space."""
     return geometry.positions[geometry.indices[triangle].T].astype(np.float64)
-
-
-def _side(mesh: Mesh, outer: dict[int, int], points: F64) -> int:
-    """The side that blocks: 1 the front, -1 the back, 0 both that the material has."""
-    outside = outer[id(mesh.geometry)]
-    if outside == 0 or (outside < 0 and not mesh.material.two_sided):
-        return 0
-    low, high = mesh.world_bounds
-    near = points[((points > low) & (points < high)).all(axis=1)]
-    return 0 if any(winding_number(mesh, point) > 0.5 for point in near) else outside
-
-
-def winding_number(mesh: Mesh, point: F64) -> float:
-    """How often the mesh winds around a point: 1 inside a closed body, 0 outside.
-
-    The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
-    """
-    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-    # Triangles as seen from the point: the solid angle of each.
-    corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
-    angle, indices = 0.0, mesh.geometry.indices
-    for part in chunks(len(indices)):
-        a, b, c = (corners[indices[part, k]] for k in range(3))
-        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        volume = np.einsum("nk,nk->n", a, np.cross(b, c))
-        dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
-        angle += float(2.0 * np.arctan2(volume, la * lb * lc + dots).sum())
-    return abs(angle) / (4.0 * np.pi)
-
-
-def outer_side(geometry: Geometry) -> int:
-    """1 or -1 where the triangles close a body and face out or in; 0 for open sheets."""
-    corners = welded(geometry.positions)[geometry.indices]
-    edges = int((corners != np.roll(corners, -1, axis=1)).sum())
-    if edges == 0 or _unmatched_edges(corners) > _OPEN_EDGES * edges:
-        return 0
-    # A closed body's signed volume says which side faces out.
-    centre = geometry.positions.mean(axis=0)
-    volume = 0.0
-    for part in chunks(len(geometry.indices)):
-        rows = geometry.indices[part]
-        a, b, c = (geometry.positions[rows[:, k]].astype(np.float64) - centre for k in range(3))
-        volume += float(np.einsum("nk,nk->", a, np.cross(b, c)))
-    return 1 if volume > 0.0 else -1
-
-
-def _unmatched_edges(corners: NDArray[np.int64]) -> int:
-    """How many edges of triangles `corners` (T, 3) have no partner in the opposite direction."""
-    # Both ends of an edge without a partner are open.
-    is_open = open_vertices(corners)
-    ahead = np.roll(corners, -1, axis=1)
-    doubtful = is_open[corners] & is_open[ahead] & (corners != ahead)
-    a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(is_open))
-    return len(a) - int(np.isin(a * n + b, b * n + a, kind="sort").sum())
 
 
 def _triangle_points(count: int) -> tuple[F64, F64]:

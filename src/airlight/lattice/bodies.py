@@ -1,0 +1,180 @@
+"""Closed bodies: which side of a mesh faces out, and what is inside.
+
+A closed body stops light with its outside alone. It need not be one mesh: files are cut by
+material, so that meshes whose edges meet close a body together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.chunks import chunks
+from ..maths.weld import open_vertices, welded
+from ..scene.mesh import Geometry, Mesh
+
+F64 = NDArray[np.float64]
+Edges = NDArray[np.int64]
+
+_OPEN_EDGES = 0.01  # share of edges without a partner up to which a body counts as closed
+_SAME = 2.0**-20  # of the scene's extent: edges so near to each other meet
+_MOST_EDGES = 1 << 20
+"""Of open meshes, the smallest first: what are more are leaves and the like."""
+
+
+def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
+    """The side of each mesh that blocks: 1 the front, -1 the back, 0 both that its material has.
+
+    `points` (n, 3), metres: a closed body around one of them is a room, and blocks from both sides.
+    """
+    closed = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
+    found = [closed[id(mesh.geometry)] for mesh in meshes]
+    bodies = [[index] for index, side in enumerate(found) if side != 0]
+    for body in _joined([index for index, side in enumerate(found) if side == 0], meshes):
+        outside = 1 if sum(_volume(meshes[index]) for index in body) > 0.0 else -1
+        for index in body:
+            found[index] = outside
+        bodies.append(body)
+    # Rooms, and what of single-sided materials faces in, block as their materials have it.
+    for body in bodies:
+        is_room = _is_around([meshes[index] for index in body], points)
+        for index in body:
+            if is_room or (found[index] < 0 and not meshes[index].material.two_sided):
+                found[index] = 0
+    return found
+
+
+def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
+    """How often meshes wind around a point: 1 inside a closed body, 0 outside.
+
+    The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
+    """
+    angle = 0.0
+    for mesh in [meshes] if isinstance(meshes, Mesh) else meshes:
+        linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+        # Triangles as seen from the point: the solid angle of each.
+        corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+        indices, own = mesh.geometry.indices, 0.0
+        for part in chunks(len(indices)):
+            a, b, c = (corners[indices[part, k]] for k in range(3))
+            la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+            volume = np.einsum("nk,nk->n", a, np.cross(b, c))
+            dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
+            own += float(2.0 * np.arctan2(volume, la * lb * lc + dots).sum())
+        angle += own * _handedness(mesh)
+    return abs(angle) / (4.0 * np.pi)
+
+
+def outer_side(geometry: Geometry) -> int:
+    """1 or -1 where the triangles close a body and face out or in; 0 for open sheets."""
+    corners = welded(geometry.positions)[geometry.indices]
+    edges = int((corners != np.roll(corners, -1, axis=1)).sum())
+    if edges == 0 or _unmatched_edges(corners) > _OPEN_EDGES * edges:
+        return 0
+    # A closed body's signed volume says which side faces out.
+    positions = geometry.positions
+    return 1 if _signed_volume(positions - positions.mean(axis=0), geometry.indices) > 0.0 else -1
+
+
+def _signed_volume(positions: NDArray[np.floating], indices: NDArray[np.uint32]) -> float:
+    """Six times the volume that triangles enclose, negative where they face in."""
+    volume = 0.0
+    for part in chunks(len(indices)):
+        a, b, c = (positions[indices[part, k]].astype(np.float64) for k in range(3))
+        volume += float(np.einsum("nk,nk->", a, np.cross(b, c)))
+    return volume
+
+
+def _volume(mesh: Mesh) -> float:
+    """A mesh's part, m^3, in six times the volume of the body that it closes with others."""
+    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
+    return _signed_volume(placed, mesh.geometry.indices) * _handedness(mesh)
+
+
+def _handedness(mesh: Mesh) -> float:
+    """-1 for a mesh under a mirroring transform, whose triangles face as if it did not mirror."""
+    return 1.0 if np.linalg.det(mesh.world_from_object[:3, :3]) >= 0.0 else -1.0
+
+
+def _unmatched_edges(corners: NDArray[np.int64]) -> int:
+    """How many edges of triangles `corners` (T, 3) have no partner in the opposite direction."""
+    # Both ends of an edge without a partner are open.
+    is_open = open_vertices(corners)
+    ahead = np.roll(corners, -1, axis=1)
+    doubtful = is_open[corners] & is_open[ahead] & (corners != ahead)
+    a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(is_open))
+    return len(a) - int(np.isin(a * n + b, b * n + a, kind="sort").sum())
+
+
+def _is_around(body: Sequence[Mesh], points: F64) -> bool:
+    """Whether a closed body holds one of the points."""
+    low = np.min([mesh.world_bounds[0] for mesh in body], axis=0)
+    high = np.max([mesh.world_bounds[1] for mesh in body], axis=0)
+    near = points[((points > low) & (points < high)).all(axis=1)]
+    return any(winding_number(body, point) > 0.5 for point in near)
+
+
+def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
+    """Groups of meshes, by index, of which each closes a body together."""
+    # The smallest first, as many as are quickly looked through.
+    by_size = sorted(open_ones, key=lambda index: len(meshes[index].geometry.indices))
+    sizes = np.cumsum([3 * len(meshes[index].geometry.indices) for index in by_size])
+    left = by_size[: int(np.searchsorted(sizes, _MOST_EDGES, side="right"))]
+    if len(left) < 2:
+        return []
+    # All edges in the world, between numbers of places that several may share.
+    places = [_placed_edges(meshes[index]) for index in left]
+    owner = np.concatenate([np.full(len(p), i) for i, p in zip(left, places, strict=True)])
+    ends = np.concatenate(places).reshape(-1, 3)
+    step = max(_SAME * float(np.ptp(ends, axis=0).max(initial=0.0)), 1e-30)
+    edges = welded(np.round(ends / step)).reshape(-1, 2)
+    is_edge = edges[:, 0] != edges[:, 1]
+    owner, edges = owner[is_edge], edges[is_edge]
+    # A mesh with edges that no other's meet is a sheet; without it, others may be, too.
+    while len(left):
+        which, is_met = _met(edges)
+        most = _OPEN_EDGES * np.bincount(owner, minlength=len(meshes))
+        missing = np.bincount(owner[~is_met], minlength=len(meshes))
+        kept = [index for index in left if missing[index] <= most[index]]
+        if len(kept) == len(left):
+            return _connected(left, owner, which)
+        stays = np.isin(owner, kept)
+        left, owner, edges = kept, owner[stays], edges[stays]
+    return []
+
+
+def _placed_edges(mesh: Mesh) -> F64:
+    """The ends (E, 2, 3), m, of all triangles' edges; what mirrors swaps them."""
+    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
+    rows = mesh.geometry.indices
+    ends = placed[np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2)]
+    return ends if _handedness(mesh) > 0.0 else ends[:, ::-1]
+
+
+def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
+    """The place of each of the `edges` (E, 2), and whether as many run there either way."""
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    _, which = np.unique(low * (edges.max() + 1) + high, return_inverse=True)
+    balance = np.bincount(which, weights=np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
+    return which, balance[which] == 0.0
+
+
+def _connected(left: list[int], owner: NDArray[np.int64], which: Edges) -> list[list[int]]:
+    """Groups of those `left` that have edges at the same places."""
+    order = np.argsort(which, kind="stable")
+    is_same = which[order][1:] == which[order][:-1]
+    one, two = owner[order][:-1][is_same], owner[order][1:][is_same]
+    group = {index: index for index in left}
+
+    def root(index: int) -> int:
+        while group[index] != index:
+            index = group[index]
+        return index
+
+    for a, b in np.unique(np.stack([one, two], axis=1), axis=0).tolist():
+        group[root(a)] = root(b)
+    return [[i for i in left if root(i) == head] for head in left if root(head) == head]
