@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import SettingsError
-from .options import Number
+from .options import Number, model_options
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
@@ -37,7 +37,14 @@ SCENES_OUT = (".xml", ".glb", ".toml")
     type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx of a linear image, none of an 8-bit one]",
 )
-def command(source: str, target: Path, exposure: float | None, tone_map: str | None) -> None:
+@model_options()
+def command(
+    source: str,
+    target: Path,
+    exposure: float | None,
+    tone_map: str | None,
+    model: dict[str, Any],
+) -> None:
     """Convert a scene or an image.
 
     \b
@@ -46,15 +53,18 @@ def command(source: str, target: Path, exposure: float | None, tone_map: str | N
     airlight convert room.glb room.toml     a scene file that names its meshes and grids
     airlight convert room.exr room.png      images: .exr .hdr .png .jpg
     """
+    from ..scene.io import model_keys
+
     reads(source)
     suffix = Path(source).suffix.lower()
+    model_keys(source, **model)
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
         check_writable(target, IMAGES_OUT)
         convert_image(Path(source), target, exposure, tone_map)
     elif exposure is not None or tone_map is not None:
         raise SettingsError("--exposure and --tone-map are for images", where=source)
     else:
-        convert_scene(source, target)
+        convert_scene(source, target, model)
     click.echo(str(target))
 
 
@@ -78,8 +88,10 @@ def convert_image(
     save_image(image, target)
 
 
-def convert_scene(source: str, target: Path) -> None:
+def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = None) -> None:
     """Write the scene that `source` names as Mitsuba XML, GLB or a scene file; say what it lacks.
+
+    `model` says how a mesh file is read: up, scale, variant.
 
     Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format, and
     where a scene file would lose meshes or density grids.
@@ -91,12 +103,12 @@ def convert_scene(source: str, target: Path) -> None:
             remedy="End its name in .xml, for Mitsuba 3, in .glb or in .toml.",
         )
     check_writable(target)
-    scene = load_scene(source)
+    scene = load_scene(source, model)
     check_writable(target)
     if target.suffix.lower() == ".toml":
         _refuse_loss(scene, source, target)
     if target.suffix.lower() == ".toml":
-        notes = _write_toml(scene, source, target)
+        notes = _write_toml(scene, source, target, model or {})
     elif target.suffix.lower() == ".glb":
         notes = _write_glb(scene, target)
     else:
@@ -140,11 +152,11 @@ def _write_glb(scene: Scene, target: Path) -> Sequence[str]:
     return write_gltf(scene, target)
 
 
-def _write_toml(scene: Scene, source: str, target: Path) -> Sequence[str]:
+def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any]) -> Sequence[str]:
     from ..scene.io.toml_text import scene_text
     from ..scene.io.writing import whole_file
 
-    text = scene_text(scene, scene, source, target.parent)
+    text = scene_text(scene, scene, source, target.parent, model=model)
     with whole_file(target) as part:
         part.write_text(text, encoding="utf-8")
     return [line[2:] for line in text.splitlines() if line.startswith("# ")]

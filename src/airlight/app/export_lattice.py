@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..errors import OutputError
-from .options import adapter_option, settings_option
+from .options import adapter_option, model_options, settings_option
 from .outputs import check_folder, check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
@@ -31,6 +31,7 @@ from .scene_argument import load_scene, reads, show_warnings
     help="lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.",
 )
 @settings_option()
+@model_options()
 @adapter_option()
 def command(scene: str, output: Path, **options: Any) -> None:
     """Solve the light in SCENE and write it as NumPy arrays with a JSON header.
@@ -47,7 +48,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     _check_output(output)
     from ..exports.solved import export_lattice
 
-    loaded = load_scene(scene)
+    loaded = load_scene(scene, options["model"])
     _check_output(output)
     export_lattice(
         loaded,

@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from ..errors import one_line
+from .options import model_options
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -22,21 +23,24 @@ _GRID_ENDINGS = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
 @click.command("info")
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
-def command(file: str, as_json: bool) -> None:
+@model_options()
+def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Say what a FILE holds.
 
     A scene (or builtin:NAME), an image or a density grid.
     """
+    from ..scene.io import model_keys
     from ..scene.io.images import IMAGE_SUFFIXES
 
+    model_keys(file, **model)
     ending = Path(file).suffix.lower()
     if ending in _GRID_ENDINGS:
         facts = grid_facts(Path(file))
     elif ending in IMAGE_SUFFIXES:
         facts = image_facts(Path(file))
     else:
-        scene = load_scene(file)
-        facts = scene_facts(scene)
+        scene = load_scene(file, model)
+        facts = {**scene_facts(scene), **_variant_facts(Path(file))}
         if not as_json:
             show_warnings(scene)
     click.echo(json_text(facts) if as_json else _text(facts))
@@ -77,6 +81,18 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "techniques": {name: dict(values) for name, values in scene.settings.items()},
         "warnings": list(scene.warnings),
     }
+
+
+def _variant_facts(path: Path) -> dict[str, Any]:
+    """The names of a glTF file's material variants, where it has any."""
+    from ..scene.io import GLTF_SUFFIXES
+
+    if path.suffix.lower() not in GLTF_SUFFIXES:
+        return {}
+    from ..scene.io.gltf import variant_names
+
+    names = variant_names(path)
+    return {"variants": list(names)} if names else {}
 
 
 def grid_facts(path: Path) -> dict[str, Any]:

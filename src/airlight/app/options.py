@@ -75,6 +75,42 @@ def settings_option(help: str = "A setting of the technique; may be repeated.") 
     )
 
 
+def model_options() -> Decorator:
+    """--up, --scale and --variant of a mesh file; the command gets `model`, {name: value}, of what
+    was given."""
+    options = (
+        click.option(
+            "--up",
+            type=click.Choice(["y", "z"]),
+            callback=_model,
+            expose_value=False,
+            help="Of a mesh file: the axis that points upwards.  [default: y]",
+        ),
+        click.option(
+            "--scale",
+            type=Number(min=0.0, min_open=True, max=1e9),
+            metavar="METRES",
+            callback=_model,
+            expose_value=False,
+            help="Of a mesh file: how long its unit is, .001 for millimetres.  [default: 1]",
+        ),
+        click.option(
+            "--variant",
+            metavar="NAME",
+            callback=_model,
+            expose_value=False,
+            help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        ),
+    )
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
 def check_settings(technique: str, settings: Mapping[str, str]) -> None:
     """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
     from ..scene.scene import Scene
@@ -114,6 +150,12 @@ def shared_settings(
             remedy=nearest(unknown[0], known),
         )
     return own
+
+
+def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+    model: dict[str, Any] = ctx.params.setdefault("model", {})
+    if value is not None:
+        model[str(param.name)] = value
 
 
 def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SettingsError
-from .options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
+from .options import (
+    SECONDS,
+    Number,
+    adapter_option,
+    check_settings,
+    model_options,
+    settings_option,
+    size_option,
+)
 from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, reads, show_warnings
@@ -63,6 +71,7 @@ _STARTED_S = time.perf_counter()
     type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx]",
 )
+@model_options()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.
@@ -79,7 +88,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     with progress(quiet=options["quiet"]) as report:
         report("loading", 0.0)
         started_s = time.perf_counter()
-        loaded = load_scene(scene)
+        loaded = load_scene(scene, options["model"])
         load_s = time.perf_counter() - started_s
         check_outputs(output, stats_path)
         from ..rendering import render

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 MOST_WARNINGS = 60
 
 
-def load_scene(text: str) -> Scene:
-    """The scene that SCENE names. Raises SceneError."""
+def load_scene(text: str, model: Mapping[str, Any] | None = None) -> Scene:
+    """The scene that SCENE names, `model` as `model_options` gives it. Raises SceneError."""
     from ..scene.io import load
 
-    return load(text)
+    return load(text, **(model or {}))
 
 
 def reads(*texts: str) -> None:

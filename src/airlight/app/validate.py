@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import AirlightError, SettingsError
+from .options import model_options
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -17,10 +18,11 @@ if TYPE_CHECKING:
 @click.command("validate")
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
-def command(file: str, as_json: bool) -> None:
+@model_options()
+def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
     try:
-        scene = load_scene(file)
+        scene = load_scene(file, model)
         check_techniques(scene, file)
         check_sequences(scene)
     except AirlightError as error:

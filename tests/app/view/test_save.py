@@ -26,6 +26,7 @@ def session():
         scene_now=lambda: scene,
         loaded=scene,
         source="builtin:cornell",
+        model={},
     )
 
 

@@ -81,3 +81,26 @@ def test_a_builtin_scene_that_does_not_fit_is_one_message(monkeypatch):
         "builtin:cornell: the scene does not fit into memory (3.00 GiB were wanted at once). "
         "Free some memory."
     )
+
+
+def test_a_bare_model_of_another_unit_that_stands_on_z(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1000 0 0\nv 0 500 2000\nf 1 2 3\n")
+    scene = load(tmp_path / "a.obj", up="z", scale=0.001)
+    np.testing.assert_allclose(scene.bounds, [(0, 0, -0.5), (1, 2, 0)], atol=1e-6)
+    assert scene.name == "a"
+    assert scene.camera != Camera()
+    # The camera is chosen for the model as it stands, so that it is as a scene file's would be.
+    text = '[[mesh]]\nfile = "a.obj"\nup = "z"\nscale = 0.001\n'
+    (tmp_path / "a.toml").write_text(text)
+    np.testing.assert_allclose(scene.bounds, load(tmp_path / "a.toml").bounds)
+
+
+@pytest.mark.parametrize("name", ["builtin:cornell", "a.toml", "a.vdb"])
+def test_only_mesh_files_are_turned_and_scaled(name):
+    with pytest.raises(SceneError, match="up and scale are for mesh files"):
+        load(name, up="z", scale=2.0)
+
+
+def test_a_model_of_no_size_is_refused():
+    with pytest.raises(SceneError, match="scale"):
+        load("a.obj", scale=0.0)

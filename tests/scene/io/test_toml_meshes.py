@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from airlight.errors import SceneError
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -18,7 +19,7 @@ from airlight.scene import (
     SpotLight,
     Texture,
 )
-from airlight.scene.io import toml_meshes
+from airlight.scene.io import load, toml_meshes
 from airlight.scene.io.toml_meshes import placed_mesh, rotation_xyz, world_from_mesh
 from airlight.scene.shapes import quad
 
@@ -145,3 +146,29 @@ def test_one_material_on_many_meshes_stays_one(from_file):
 def test_without_replacements_the_file_is_untouched(from_file):
     mesh = textured_mesh()
     assert from_file(Scene(meshes=(mesh,))).meshes[0].material is mesh.material
+
+
+def test_a_file_with_z_up_is_turned_before_all_else(tmp_path: Path):
+    (tmp_path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n")
+    values = {"file": "t.obj", "up": "z", "scale": (1, 10, 1), "translate": (0, 0, 5)}
+    (mesh,) = placed_mesh(values, "[[mesh]] 1", tmp_path).meshes
+    # The third corner: up 3 becomes y, what lay at y = 2 lies at z = -2.
+    points = mesh.geometry.positions @ mesh.world_from_object[:3, :3].T
+    np.testing.assert_allclose(points[2] + mesh.world_from_object[:3, 3], (0, 30, 3), atol=1e-6)
+
+
+def test_keyframes_keep_the_file_upright(tmp_path: Path):
+    (tmp_path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 3\nf 1 2 3\n")
+    (tmp_path / "a.toml").write_text(
+        '[[mesh]]\nfile = "t.obj"\nup = "z"\n[[mesh.key]]\ntime_s = 0\ntranslate = [0, 0, 0]\n'
+        "[[mesh.key]]\ntime_s = 1\ntranslate = [7, 0, 0]\n"
+    )
+    scene = load(tmp_path / "a.toml")
+    for time_s, left in ((0.0, 0.0), (1.0, 7.0)):
+        low, high = scene.at(time_s).bounds
+        np.testing.assert_allclose([low, high], [(left, 0, 0), (left + 1, 3, 0)], atol=1e-6)
+
+
+def test_a_shape_has_no_variant(tmp_path: Path):
+    with pytest.raises(SceneError, match="has a variant, and a shape has none"):
+        placed_mesh({"shape": "box", "variant": "red"}, "[[mesh]] 1", tmp_path)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...errors import SettingsError
-from ..options import Number, adapter_option, settings_option, size_option
+from ..options import Number, adapter_option, model_options, settings_option, size_option
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads, show_warnings, warn
@@ -102,6 +102,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     help="Jittered samples a pixel of each technique.",
 )
 @settings_option("A setting of each technique that has it; may be repeated.")
+@model_options()
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(
@@ -122,7 +123,7 @@ def command(
     check_outputs(*_files(output))
     with progress(quiet=quiet) as report:
         report("loading", 0.0)
-        loaded = load_scene(scene)
+        loaded = load_scene(scene, options["model"])
         check_outputs(*_files(output))
         plan = Plan(**options)
         comparison = compare_scene(loaded, scene, names, plan, output=output, report=report)

@@ -28,7 +28,7 @@ class Plan:
     """What a comparison is made with, as the options of `airlight compare` say.
 
     `settings` go to each technique that has them; `noise`: relative MSE that the reference's noise
-    is to be below.
+    is to be below; `model` says how a mesh file was read (up, scale, variant).
     """
 
     size: tuple[int, int] = (640, 360)
@@ -38,6 +38,7 @@ class Plan:
     samples: int = 16
     settings: Mapping[str, str] = field(default_factory=dict)
     adapter: str = "auto"
+    model: Mapping[str, Any] = field(default_factory=dict)
 
 
 def compare_scene(
@@ -92,7 +93,7 @@ def _outcome(
 
     words = ["airlight", "render", label, "-o", f"{name}.exr", "--layers", "--technique", name]
     words += ["--size", _size_word(plan.size), "--samples", str(plan.samples)]
-    made = shlex.join([*words, *_settings_words(plan.settings)])
+    made = shlex.join([*words, *_own_words(plan)])
     try:
         image, taken_s = render_technique(
             scene, name, plan.size, plan.samples, plan.adapter, plan.settings
@@ -167,7 +168,7 @@ def _has_bounces(technique: str, scene: Scene) -> bool:
 def _compare_command(label: str, techniques: tuple[str, ...], output: Path, plan: Plan) -> str:
     words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
     words += ["--size", _size_word(plan.size), "--spp", str(plan.spp)]
-    words += ["--samples", str(plan.samples), *_settings_words(plan.settings)]
+    words += ["--samples", str(plan.samples), *_own_words(plan)]
     return shlex.join(words + ([] if plan.noise is None else ["--noise", f"{plan.noise:g}"]))
 
 
@@ -175,8 +176,9 @@ def _size_word(size: tuple[int, int]) -> str:
     return f"{size[0]}x{size[1]}"
 
 
-def _settings_words(settings: Mapping[str, str]) -> list[str]:
-    return [word for key, value in settings.items() for word in ("-D", f"{key}={value}")]
+def _own_words(plan: Plan) -> list[str]:
+    settings = [w for key, value in plan.settings.items() for w in ("-D", f"{key}={value}")]
+    return settings + [w for key, value in plan.model.items() for w in (f"--{key}", str(value))]
 
 
 def _about(outcomes: list[Outcome]) -> dict[str, str]:

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...errors import OutputError, SettingsError
-from ..options import SECONDS, Number, adapter_option, check_settings, settings_option, size_option
+from ..options import (
+    SECONDS,
+    Number,
+    adapter_option,
+    check_settings,
+    model_options,
+    settings_option,
+    size_option,
+)
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
 from .folder import FrameFolder, sweep_video
@@ -58,6 +66,7 @@ if TYPE_CHECKING:
     type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx]",
 )
+@model_options()
 @adapter_option()
 @click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
 @click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")
@@ -79,7 +88,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     is_video = output.suffix.lower() in VIDEO_SUFFIXES
     reads(scene)
     _check_options(output, options, is_video=is_video)
-    loaded = load_scene(scene)
+    loaded = load_scene(scene, options["model"])
     if is_video:
         check_writable(output)
     show_warnings(loaded)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ..options import adapter_option, settings_option, size_option
+from ..options import adapter_option, model_options, settings_option, size_option
 from ..scene_argument import load_scene, show_warnings
 
 
@@ -29,6 +29,7 @@ from ..scene_argument import load_scene, show_warnings
 )
 @size_option("1280x720")
 @settings_option()
+@model_options()
 @adapter_option()
 @click.option(
     "--port",
@@ -61,7 +62,7 @@ def command(scene: str, place: str, **options: Any) -> None:
         raise click.UsageError("--port and --listen belong to --in browser")
     from .session import Session
 
-    loaded = load_scene(scene)
+    loaded = load_scene(scene, options["model"])
     show_warnings(loaded)
     session = Session(
         loaded,
@@ -69,6 +70,7 @@ def command(scene: str, place: str, **options: Any) -> None:
         technique=options["technique"],
         settings=options["settings"],
         adapter=options["adapter"],
+        model=options["model"],
     )
     if place == "window":
         from .window import open_window

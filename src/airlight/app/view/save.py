@@ -68,7 +68,9 @@ class Saver:
     def _text(self, folder: Path) -> str:
         s = self.session
         chosen = {s.state.technique: s.state.chosen_settings} if s.state.chosen_settings else {}
-        return scene_text(s.scene_now(), s.loaded, s.source or "builtin:scene", folder, chosen)
+        return scene_text(
+            s.scene_now(), s.loaded, s.source or "builtin:scene", folder, chosen, s.model
+        )
 
     def _free(self, suffix: str) -> Path:
         """The first path of the scene's name that is not taken."""

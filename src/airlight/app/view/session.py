@@ -50,10 +50,12 @@ class Session:
         technique: str = "auto",
         settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
+        model: Mapping[str, Any] | None = None,
     ) -> None:
         checked_settings(technique, scene, settings or {})
         self.gpu = open_gpu(adapter)
         self.source, self.loaded, self._adapter = source, scene, adapter
+        self.model = dict(model or {})
         look = Look(exposure_stops=scene.camera.exposure_stops, reach_m=reach_m(scene) / 4.0)
         own = {technique: dict(settings)} if settings else {}
         self.state = ViewState(scene, technique, own, look)
@@ -112,7 +114,7 @@ class Session:
     def reload(self) -> None:
         """Load the file again; what was changed here and not in the file stays."""
         try:
-            after = load(self.source)
+            after = load(self.source, **self.model)
         except AirlightError as error:
             self.state.message = str(error)
             return

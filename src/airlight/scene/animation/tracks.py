@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -102,11 +102,12 @@ class EnvironmentTrack:
 class Placing:
     """translate (m), rotate_deg and scale by keyframes; `still` gives those without a curve.
 
-    `rotate_deg`: about the world's X axis, then Y, then Z.
+    `rotate_deg`: about the world's X axis, then Y, then Z. `before` (4, 4) comes before all.
     """
 
     curves: Curves
     still: Mapping[str, tuple[float, float, float]]
+    before: F64 = field(default_factory=lambda: np.eye(4))
 
     def at(self, time_s: float) -> F64:
         """(4, 4) at a time."""
@@ -115,7 +116,7 @@ class Placing:
         scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
         matrix[:3, :3] = rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0))) * scale
         matrix[:3, 3] = values.get("translate", (0.0, 0.0, 0.0))
-        return matrix
+        return matrix @ self.before
 
     @property
     def end_s(self) -> float:

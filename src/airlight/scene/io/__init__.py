@@ -14,6 +14,7 @@ import functools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Literal
 
 from ...errors import SceneError, nearest
 from ..camera import Camera
@@ -22,13 +23,23 @@ from ..scene import Scene
 from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
-MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".ply", ".stl")
+GLTF_SUFFIXES = (".glb", ".gltf")
+MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl")
 VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
-def load(path: str | Path) -> Scene:
+def load(
+    path: str | Path,
+    *,
+    up: Literal["y", "z"] = "y",
+    scale: float = 1.0,
+    variant: str | None = None,
+) -> Scene:
     """A scene from a file, or from `builtin:NAME`.
+
+    Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
+    `variant` names one of a glTF file's material variants; other files say so themselves.
 
     Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
     camera one that frames them, as density grids (NumPy, VDB, Mitsuba .vol) do; scene files
@@ -36,18 +47,43 @@ def load(path: str | Path) -> Scene:
     scene's `warnings`. Raises SceneError.
     """
     written = str(path)
+    model = model_keys(written, up=up, scale=scale, variant=variant)
     if written.startswith(BUILTIN_PREFIX):
         from ..builtin import builtin_scene
 
         return builtin_scene(written.removeprefix(BUILTIN_PREFIX))
     file = Path(path)
     with naming(file):
-        scene = _loaded(file)
+        scene = _loaded(file, model)
         check_extent(scene)
     return scene
 
 
-def _loaded(file: Path) -> Scene:
+def model_keys(
+    path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
+) -> dict[str, Any]:
+    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked.
+
+    Raises SceneError where it is no mesh file.
+    """
+    given = {"up": up, "scale": scale, "variant": variant}
+    usual = {"up": "y", "scale": 1.0, "variant": None}
+    asked = {name: value for name, value in given.items() if value != usual[name]}
+    if asked and Path(path).suffix.lower() not in MESH_SUFFIXES:
+        raise SceneError(
+            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for mesh files "
+            f"({', '.join(MESH_SUFFIXES)})",
+            where=path,
+            remedy="In a scene file, each [[mesh]] has keys of these names.",
+        )
+    from .toml_tables import MESH
+
+    return {
+        key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
+    }
+
+
+def _loaded(file: Path, model: dict[str, Any]) -> Scene:
     suffix = file.suffix.lower()
     if suffix == ".toml":
         from .doubts import doubts
@@ -63,16 +99,30 @@ def _loaded(file: Path) -> Scene:
         from .volume_scene import load_volume_scene
 
         return with_defaults(load_volume_scene(file))
-    return with_defaults(load_meshes(file))
+    scene = load_meshes(file, model.get("variant"))
+    if model:
+        from .toml_meshes import placed
+
+        scene = placed(scene, model)
+    return with_defaults(scene)
 
 
-def load_meshes(file: Path) -> Scene:
+def load_meshes(file: Path, variant: str | None = None) -> Scene:
     """What a mesh file says and nothing more: no default light; Camera() where it has none.
 
-    Raises SceneError.
+    `variant` names one of a glTF file's material variants. Raises SceneError.
     """
     with naming(file):
-        return _mesh_reader(file)(file)
+        if variant is None:
+            return _mesh_reader(file)(file)
+        if file.suffix.lower() not in GLTF_SUFFIXES:
+            raise SceneError(
+                f"the variant '{variant}' is asked for, and only glTF files have variants",
+                where=file,
+            )
+        from .gltf import load_gltf
+
+        return load_gltf(file, variant)
 
 
 def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
@@ -81,7 +131,7 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         from .obj import load_obj
 
         return load_obj
-    if suffix in (".glb", ".gltf"):
+    if suffix in GLTF_SUFFIXES:
         from .gltf import load_gltf
 
         return load_gltf
@@ -121,10 +171,12 @@ def with_defaults(scene: Scene) -> Scene:
 
 
 __all__ = [
+    "GLTF_SUFFIXES",
     "MESH_SUFFIXES",
     "SCENE_SUFFIXES",
     "VOLUME_SUFFIXES",
     "load",
     "load_meshes",
+    "model_keys",
     "with_defaults",
 ]

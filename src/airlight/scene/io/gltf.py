@@ -33,16 +33,20 @@ from .gltf_material import Materials
 from .gltf_mesh import Primitive, read_primitive
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
 from .gltf_uv import UvFrame
+from .gltf_variants import listed_variants
 
 WATTS_PER_LUMEN = 1.0
 
 
-def load_gltf(path: Path) -> Scene:
+def load_gltf(path: Path, variant: str | None = None) -> Scene:
     """Read a .gltf or .glb file into a scene; Camera() where it has no camera.
 
-    Raises SceneError naming the file and the place in it, such as accessors[3].
+    `variant` is the name of the material variant to show. Raises SceneError naming the file and
+    the place in it, such as accessors[3].
     """
-    return read_gltf(path).scene()
+    file = read_gltf(path)
+    file.materials.choose(variant)
+    return file.scene()
 
 
 def read_gltf(path: Path) -> GltfFile:
@@ -50,6 +54,11 @@ def read_gltf(path: Path) -> GltfFile:
     document, binary = read_container(path)
     warnings = check_extensions(document)
     return GltfFile(document, Buffers(document, binary), warnings)
+
+
+def variant_names(path: Path) -> tuple[str, ...]:
+    """The material variants of a .gltf or .glb file. Raises SceneError."""
+    return listed_variants(read_container(path)[0])
 
 
 class GltfFile:

@@ -30,7 +30,6 @@ _SUPPORTED = {
 }
 _LOST = {
     "KHR_texture_basisu": "images in other formats are used where there are any",
-    "KHR_materials_variants": "materials are those of the first look",
     "KHR_node_visibility": "hidden nodes are shown",
     "MSFT_lod": "the finest level of detail is shown",
 }

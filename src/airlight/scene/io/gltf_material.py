@@ -15,6 +15,7 @@ from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap
 from .gltf_buffers import Buffers, uri_bytes, uri_file
 from .gltf_json import Item
 from .gltf_uv import ImageUse, UvFrame, image_use, shared_frame
+from .gltf_variants import variant_number, worn
 from .images import read_texture
 from .texture_files import missing_texture
 
@@ -50,6 +51,8 @@ class Materials:
     def __init__(self, document: Item, buffers: Buffers) -> None:
         self.warnings: list[str] = []
         self.items = document.items("materials")
+        self._document = document
+        self._variant: int | None = None
         self._buffers = buffers
         self._textures = document.items("textures")
         self._images = document.items("images")
@@ -57,11 +60,16 @@ class Materials:
         self._made: dict[int, PlacedMaterial] = {}
         self._pixels: dict[tuple[int, bool], Texture] = {}
 
+    def choose(self, variant: str | None) -> None:
+        """Show the material variant of this name; None: none. Raises SceneError if unknown."""
+        self._variant = None if variant is None else variant_number(self._document, variant)
+
     def of(self, primitive: Item) -> PlacedMaterial:
         """The material of a primitive, or the default one."""
-        if not primitive.has("material"):
+        wearer = worn(primitive, self._variant)
+        if not wearer.has("material"):
             return PlacedMaterial(DEFAULT_MATERIAL, UvFrame())
-        k = primitive.index("material", self.items, "materials")
+        k = wearer.index("material", self.items, "materials")
         if k not in self._made:
             self._made[k] = self._material(self.items[k])
         return self._made[k]

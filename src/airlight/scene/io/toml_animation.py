@@ -15,6 +15,7 @@ from ..animation import Animation, Curve, Track
 from ..animation.density import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import MeshTrack, Placing
+from ..checks import F64
 from ..lights import Light
 from ..scene import Scene
 from .toml_keys import ANIMATION, KEYS
@@ -79,14 +80,15 @@ def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict
 
 
 def mesh_tracks(
-    part: Scene, values: Raw, keys: Sequence[Any], world_from_mesh: Any, label: str
+    part: Scene, values: Raw, keys: Sequence[Any], placed: F64, upright: F64, label: str
 ) -> tuple[Track, ...]:
     """What moves the meshes of one [[mesh]]: its file's animation, its keyframes, or both.
 
-    `part` is the file's scene before it is placed, `values` the table's.
+    `part` is the file's scene before it is placed, `values` the table's; `placed` (4, 4) places it
+    in the world without keyframes, `upright` (4, 4) turns the file's upwards axis to +Y.
     """
     rigs = [t for t in (part.animation.tracks if part.animation else ()) if isinstance(t, Rig)]
-    placing: Any = world_from_mesh
+    placing: Any = placed
     if keys:
         if "matrix" in values:
             raise SceneError(
@@ -94,7 +96,9 @@ def mesh_tracks(
                 remedy="Use translate, rotate_deg and scale.",
             )
         still = {name: values[name] for name in _PLACES if name in values}
-        placing = Placing(curves("mesh", keys, values.get("between", "smooth"), label), still)
+        placing = Placing(
+            curves("mesh", keys, values.get("between", "smooth"), label), still, upright
+        )
     if rigs:
         return tuple(replace(_clip(rig, values, label), world_from_file=placing) for rig in rigs)
     for name in ("clip", "clip_start_s", "clip_speed", "clip_loop"):

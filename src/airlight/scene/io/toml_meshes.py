@@ -24,6 +24,9 @@ from .files import regular_file
 from .toml_animation import mesh_tracks
 
 _SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
+_Z_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
+_UPRIGHT: dict[str, F64] = {"y": np.eye(4), "z": _Z_UP}
+"""y-up from the file's axes: what pointed along +Z points along +Y, +X stays."""
 _RED_GREEN_BLUE = (0, 1, 2)
 _ROUGHNESS_CHANNEL, _METALLIC_CHANNEL = (1,), (2,)  # glTF 2.0, section 3.9.2
 
@@ -39,14 +42,26 @@ def placed_mesh(
     if ("file" in values) == ("shape" in values):
         raise SceneError(f"{label} needs either a file or a shape")
     if "file" in values:
-        scene = _read(folder / values["file"], values["file"], label)
+        scene = _read(folder / values["file"], values, label)
+    elif "variant" in values:
+        raise SceneError(f"{label} has a variant, and a shape has none")
     else:
         shape = values["shape"]
         scene = Scene(meshes=(Mesh(_SHAPES[shape](), name=shape),))
-    matrix = world_from_mesh(values, label)
-    tracks = mesh_tracks(scene, values, keys, matrix, label)
-    moving = replace(_moved(scene, matrix), animation=Animation(tracks) if tracks else None)
-    return _coloured(moving, values)
+    return _coloured(placed(scene, values, keys, label), values)
+
+
+def placed(
+    scene: Scene, values: Mapping[str, Any], keys: Sequence[Any] = (), label: str = ""
+) -> Scene:
+    """What a mesh file says, turned upright and where the keys `values` and `keys` put it.
+
+    Raises SceneError where matrix stands beside other transforms.
+    """
+    upright = _UPRIGHT[values.get("up", "y")]
+    matrix = world_from_mesh(values, label) @ upright
+    tracks = mesh_tracks(scene, values, keys, matrix, upright, label)
+    return replace(_moved(scene, matrix), animation=Animation(tracks) if tracks else None)
 
 
 def existing_file(path: Path, written: str, label: str) -> Path:
@@ -79,15 +94,16 @@ def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
     return matrix
 
 
-def _read(path: Path, written: str, label: str) -> Scene:
+def _read(path: Path, values: Mapping[str, Any], label: str) -> Scene:
     from . import MESH_SUFFIXES, load_meshes
 
+    written = values["file"]
     if path.suffix.lower() not in MESH_SUFFIXES:
         raise SceneError(
             f"{label}: file '{written}' is not a mesh file",
             remedy=f"Known endings: {', '.join(MESH_SUFFIXES)}.",
         )
-    return load_meshes(existing_file(path, written, label))
+    return load_meshes(existing_file(path, written, label), values.get("variant"))
 
 
 def _moved(scene: Scene, world_from_file: F64) -> Scene:

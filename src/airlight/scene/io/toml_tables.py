@@ -57,6 +57,16 @@ CAMERA = Table(
     ),
 )
 
+MODEL_KEYS = (
+    Key(
+        "up",
+        one_of("y", "z"),
+        '"y" or "z"',
+        "which axis of the file points upwards; it is turned before anything else",
+        default='"y"',
+    ),
+    Key("variant", checks.text, "text", "by name, one of a glTF file's material variants"),
+)
 _PLACEMENT = (
     Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
     Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
@@ -83,6 +93,7 @@ MESH = Table(
             '"box", "sphere", "plane" or "quad"',
             "instead of a file: 1 m across, centred at the origin; quad and plane face +Y",
         ),
+        *MODEL_KEYS,
         *_PLACEMENT,
         Key("base_color", unit_rgb, _COLOUR, "linear reflectance", default="the file's, or 0.8"),
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),

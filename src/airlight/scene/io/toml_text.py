@@ -38,14 +38,15 @@ def scene_text(
     source: str,
     folder: Path,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
+    model: Mapping[str, Any] | None = None,
 ) -> str:
     """A scene file for `scene`, loaded from `source` as `original` and changed since.
 
     `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
-    stand. `settings` by technique are written over the scene's own. A comment says what could
-    not be written.
+    stand. `settings` by technique are written over the scene's own; `model` are the keys with
+    which a mesh file was loaded (up, scale, variant). A comment says what could not be written.
     """
-    raw, notes = _original(source, folder)
+    raw, notes = _original(source, folder, model or {})
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
     if has_own_camera(scene):
         raw["camera"] = {}
@@ -70,7 +71,9 @@ def scene_text(
     return "".join(notes) + "\n".join(_lines(ordered, ())).strip() + "\n"
 
 
-def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
+def _original(
+    source: str, folder: Path, model: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(read_text(path))
@@ -81,7 +84,7 @@ def _original(source: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     if path.suffix.lower() in MESH_SUFFIXES:
-        return {"mesh": [{"file": _relative(path, folder)}]}, []
+        return {"mesh": [{"file": _relative(path, folder), **model}]}, []
     if path.suffix.lower() in VOLUME_SUFFIXES:
         return {"volume": [{"file": _relative(path, folder)}]}, []
     return {}, [_NO_MESHES.format(source=source)]
