@@ -60,7 +60,8 @@ def test_info_lists_them_and_convert_keeps_the_choice(shoe, tmp_path, capsys):
     out = tmp_path / "shoe.toml"
     words = ["convert", str(shoe), str(out), "--variant", "street", "--up", "z", "--scale", "0.5"]
     assert cli.run(words) == 0
-    back, asked = load(out), load(shoe, variant="street", up="z", scale=0.5)
+    assert cli.run(["convert", str(out), str(tmp_path / "again.toml")]) == 0
+    back, asked = load(tmp_path / "again.toml"), load(shoe, variant="street", up="z", scale=0.5)
     assert worn(back) == ["blue", "sole"]
     assert [m.world_from_object.tolist() for m in back.meshes] == [
         m.world_from_object.tolist() for m in asked.meshes

@@ -38,6 +38,7 @@ VALUES: dict[str, object] = {  # by "table.key", else by the key; others by thei
     "outer_deg": 88.0,
     "detail": 0.25,
     "up": [0, 0.6, 0.8],
+    "mesh.up": "z",
     "scale": 1.75,
     "fps": 12.5,
     "start_s": 0.125,
@@ -176,6 +177,8 @@ def same_again(folder, text: str):
 
 @pytest.mark.parametrize(("table", "kind", "key"), cases())
 def test_every_key_comes_back(folder, table, kind, key):
+    if key.name == "variant":
+        return  # needs a file that has some: test_gltf_variants.py
     tables = base(table, kind)
     own = tables[table]
     for other in INSTEAD.get(key.name, ()):
