@@ -26,7 +26,7 @@ from .strata import clusters, strata
 I64 = NDArray[np.int64]
 SCATTERING_EACH, SCATTERING_MOST = 4, 12
 """Samples that stand for one light, and for all, in lattices and media."""
-BUDGET = 3
+BUDGET = 2.5
 """Times `samples`: how many all lights have together; each has one at least."""
 _TEXTURED_GROUPS = 8  # that a surface of uneven glow is cut into
 _UNEVEN = 0.3  # deviation of the glow, of its mean, from which on it is
@@ -166,11 +166,11 @@ class Emitters:
         cut, weights = self._cut, self._weights
         spots = [row for row, source in enumerate(self._sources) if source.spot]
         is_spot = np.isin(cut.source, spots)
-        room = max(1, min(most, BUDGET * samples) - len(spots))
+        room = max(1, min(most, int(BUDGET * samples)) - len(spots))
         own = np.where(is_spot, 0.0, weights)
         groups = [(rows, -1) for rows in clusters(self._features(), own, self._atoms(), room)]
         groups += [(np.flatnonzero(cut.source == row), row) for row in spots]
-        budget = BUDGET * samples
+        budget = int(BUDGET * samples)
         while True:
             made = self._sampled(groups, samples, budget)
             layers = sum(6 if cube else 3 for group in made for cube in group.has_cube)
@@ -185,7 +185,7 @@ class Emitters:
         for rows, spot in groups:
             share = float(self._weights[rows].sum()) / total
             count = min(1 + int(share * max(budget - len(groups), 0)), each)
-            if len(groups) <= BUDGET and budget >= BUDGET * each:
+            if len(groups) <= BUDGET and budget >= int(BUDGET * each):
                 count = each
             parts = strata(self._own_features(rows), self._weights[rows], count)
             own = [rows[part] for part in parts]

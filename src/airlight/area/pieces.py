@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,7 @@ def layout(found: Sequence[Source]) -> Layout:
             uv = geometry.uvs[geometry.indices[triangle]].astype(np.float64)
             taps = np.einsum("tk,nkc,ncx->tnx", _TAPS, weights, uv)
             share = np.mean([texture_light(texture, tap) for tap in taps], axis=0)
-        part = smooth_parts(geometry) + parts
+        part = _parts_of(geometry) + parts
         parts = int(part.max()) + 1
         columns.append((np.full(len(triangle), row), triangle, weights, share, part[triangle]))
     if not columns:
@@ -101,8 +102,10 @@ def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
     corners = np.zeros((len(cut.source), 3, 3))
     radiance = np.zeros((len(cut.source), 3))
     sign = np.ones(len(cut.source))
+    # Pieces lie in the order of their sources.
+    first = np.searchsorted(cut.source, np.arange(len(found) + 1))
     for row, source in enumerate(found):
-        own = cut.source == row
+        own = slice(int(first[row]), int(first[row + 1]))
         geometry, placed = source.surface.geometry, source.surface.world_from_object
         world = geometry.positions.astype(np.float64) @ placed[:3, :3].T + placed[:3, 3]
         triangles = world[geometry.indices[cut.triangle[own]]]
@@ -114,6 +117,14 @@ def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
     double = np.linalg.norm(cross, axis=1)
     normals = sign[:, None] * cross / np.maximum(double, 1e-30)[:, None]
     return Pieces(corners.mean(axis=1), normals, 0.5 * double, radiance, corners)
+
+
+@lru_cache(maxsize=256)
+def _parts_of(geometry: Geometry) -> I64:
+    """`smooth_parts`, once for all meshes that share a geometry."""
+    part = smooth_parts(geometry)
+    part.flags.writeable = False
+    return part
 
 
 def smooth_parts(geometry: Geometry) -> I64:

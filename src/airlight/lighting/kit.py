@@ -49,7 +49,7 @@ class SurfaceSettings:
     )
     area_samples: int = setting(
         16,
-        "points of a light with extent that surfaces look for; all have 3 times as many",
+        "points of a light with extent that surfaces look for; all have 2.5 times as many",
         low=1,
         high=64,
     )
