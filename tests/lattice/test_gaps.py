@@ -91,16 +91,11 @@ def test_surfaces_that_face_nothing_have_no_gap():
     assert narrow_gap((box((-1, -1, -1), (1, 1, 1)),), STRAIGHT) == np.inf
 
 
-def test_cells_are_halved_until_two_are_in_a_gap():
-    assert [nested_count(gap, 1.0, 2.0) for gap in (np.inf, 2.0, 1.99, 1.0, 0.99)] == [
-        1,
-        1,
-        2,
-        2,
-        3,
-    ]
+def test_gaps_of_less_than_two_cells_get_four():
+    gaps = (np.inf, 2.0, 1.99, 1.0, 0.99)
+    assert [nested_count(gap, 1.0, 2.0) for gap in gaps] == [1, 1, 3, 3, 4]
     assert nested_count(0.01, 1.0, 2.0) == MOST
-    assert nested_count(0.5, 1.0, 4.0) == 2
+    assert nested_count(1.0, 1.0, 4.0) == 2
 
 
 @pytest.mark.parametrize("name", ["cornell", "room", "atrium", "wall-floor", "cloud"])
@@ -111,8 +106,8 @@ def test_rooms_keep_one_lattice(name):
 def test_a_large_ground_nests_lattices_and_settings_have_the_last_word():
     scene = lit(yard())
     nest = cascades_nest(scene, LpvSettings())
-    assert nest.levels[0].cell <= 1.5 < nest.levels[-1].cell
-    for count in (1, 3):
+    assert nest.levels[0].cell <= 0.75 < 1.5 < nest.levels[-1].cell
+    for count in (1, 2):
         asked = cascades_nest(scene, LpvSettings(cascades=count))
         assert len(asked.levels) == count
     assert len(cascades_nest(lit(yard(ground=8.0)), LpvSettings()).levels) == 1
@@ -127,4 +122,4 @@ def test_the_number_is_the_scenes_and_not_the_cameras(gpu, technique):
             image = renderer.frame(camera=Camera(position, (0.0, 1.0, 0.0)))
             assert np.isfinite(image.radiance).all() and image.radiance.mean() > 0.0
             assert len(renderer.stats()["cascades"]) == count
-    assert count == 2
+    assert count == 3

@@ -14,8 +14,10 @@ from ..scene.mesh import Mesh
 from .placement import F64, Axes
 from .surfels import samples_of, triangle_areas
 
-CELLS_A_GAP = 2.0
-"""Cells across a narrow gap: one for each of the surfaces that face each other across it."""
+FEWEST_CELLS = 2.0
+"""Cells across a narrow gap that one lattice must give it: one for each surface on its sides."""
+CELLS_A_GAP = 4.0
+"""Cells that the finest gives it where lattices are nested."""
 MOST = 4
 """Lattices that are nested without being asked for."""
 _NARROW = 0.2
@@ -31,10 +33,12 @@ _SHEET = 0.15
 def nested_count(gap_m: float, cell_m: float, ratio: float) -> int:
     """How many lattices to nest, so that the finest has `CELLS_A_GAP` cells across `gap_m`.
 
-    `cell_m`: side of the largest lattice's cells; each finer lattice's are smaller by `ratio`.
-    Between 1 and `MOST`.
+    One does where its own cells, `cell_m` wide, are `FEWEST_CELLS` across the gap; each finer
+    lattice's are smaller by `ratio`. Between 1 and `MOST`.
     """
-    finer = np.log(max(CELLS_A_GAP * cell_m / gap_m, 1.0)) / np.log(ratio)
+    if gap_m >= FEWEST_CELLS * cell_m:
+        return 1
+    finer = np.log(CELLS_A_GAP * cell_m / gap_m) / np.log(ratio)
     return int(min(1 + np.ceil(finer - 1e-9), MOST))
 
 

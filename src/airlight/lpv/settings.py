@@ -40,7 +40,7 @@ class LpvSettings(SurfaceSettings):
     cascades: int = setting(
         0,
         "nested lattices, which but for the largest follow the camera; "
-        "0: as many as give two cells to the gaps between surfaces",
+        "0: as many as give four cells to gaps between surfaces, where one gives less than two",
         low=0,
         high=6,
     )
