@@ -105,14 +105,45 @@ def test_a_scene_as_a_scene_file(tmp_path, capsys):
     assert 'file = "../tri.obj"' in (folder / "a.toml").read_text()
 
 
+XML = """<scene version="3.0.0">
+<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="0.1, 0.5, 0.9"/></bsdf>
+  <transform name="to_world"><scale x="1" y="2" z="3"/><translate x="4"/></transform></shape>
+<shape type="sphere"><bsdf type="roughconductor"><float name="alpha" value="0.25"/></bsdf></shape>
+<emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="7"/>
+</emitter>
+<emitter type="constant"><rgb name="radiance" value="0.25"/></emitter></scene>"""
+
+
 def test_no_mesh_is_lost_in_a_scene_file(tmp_path, capsys):
-    source = tmp_path / "a.xml"
-    source.write_text('<scene version="3.0.0"><shape type="cube"/></scene>')
-    target = tmp_path / "b.toml"
-    assert cli.run(["convert", str(source), str(target)]) == 2
-    told = capsys.readouterr().err
-    assert f"the meshes of {source} are none. Convert it to .xml" in told
-    assert not target.exists()
+    source, target = tmp_path / "a.xml", tmp_path / "deep" / "b.toml"
+    target.parent.mkdir()
+    source.write_text(XML)
+    for _ in range(2):  # once more over its own files
+        assert cli.run(["convert", str(source), str(target)]) == 0
+    assert sorted(p.name for p in target.parent.iterdir()) == ["b.toml", "b_meshes.glb"]
+    assert 'file = "b_meshes.glb"' in target.read_text()
+    before, after = load(source), load(target)
+    assert after.lights == before.lights
+    assert after.camera == before.camera
+    assert after.environment.radiance == before.environment.radiance
+    assert len(after.meshes) == len(before.meshes) == 2
+    for old, new in zip(before.meshes, after.meshes, strict=True):
+        np.testing.assert_allclose(new.world_bounds, old.world_bounds, atol=1e-5)
+        assert len(new.geometry.indices) == len(old.geometry.indices)
+        for name in ("base_color", "roughness", "metallic", "specular", "two_sided"):
+            np.testing.assert_allclose(
+                getattr(new.material, name), getattr(old.material, name), rtol=1e-6, err_msg=name
+            )
+
+
+def test_meshes_take_no_other_file_s_place(tmp_path, capsys):
+    source, taken = tmp_path / "a.xml", tmp_path / "b_meshes.glb"
+    source.write_text(XML)
+    taken.write_bytes(b"somebody's")
+    assert cli.run(["convert", str(source), str(tmp_path / "b.toml")]) == 2
+    assert f"{taken}: the meshes of {tmp_path / 'b.toml'} would go" in capsys.readouterr().err
+    assert taken.read_bytes() == b"somebody's"
+    assert not (tmp_path / "b.toml").exists()
 
 
 def test_a_builtin_scene_s_meshes_are_said_to_be_no_file(tmp_path, capsys):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import SettingsError
+from ..errors import OutputError, SettingsError
 from .options import Number, model_options
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
@@ -51,6 +51,7 @@ def command(
     airlight convert room.toml room.xml     any scene to Mitsuba 3
     airlight convert room.toml room.glb     any scene's meshes, materials, lights and camera
     airlight convert room.glb room.toml     a scene file that names its meshes and grids
+    airlight convert room.xml room.toml     Mitsuba's, its meshes in room_meshes.glb
     airlight convert room.exr room.png      images: .exr .hdr .png .jpg
     """
     from ..scene.io import model_keys
@@ -94,7 +95,7 @@ def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = N
     `model` says how a mesh file is read: up, scale, variant.
 
     Raises SceneError, OutputError, ReferenceFailure, and SettingsError for another format, and
-    where a scene file would lose meshes or density grids.
+    where a scene file would lose density grids.
     """
     if target.suffix.lower() not in SCENES_OUT:
         raise SettingsError(
@@ -118,20 +119,28 @@ def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = N
         click.echo(f"note: {note}", err=True)
 
 
+def _is_nameable(source: str) -> bool:
+    """Whether a scene file can name what `source` holds, or is `source` itself."""
+    from ..scene.io import MESH_SUFFIXES, VOLUME_SUFFIXES
+
+    return Path(source).suffix.lower() in (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
+
+
 def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
     """Raise SettingsError where a scene file could not name what the file `source` holds.
 
-    Of a builtin scene the rest is written, with a note: its meshes are code.
+    Meshes are written beside it. Of a builtin scene the rest is written, with a note: its meshes
+    are code.
     """
-    from ..scene.io import BUILTIN_PREFIX, MESH_SUFFIXES, VOLUME_SUFFIXES
+    from ..scene.io import BUILTIN_PREFIX
 
-    nameable = (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
-    if source.startswith(BUILTIN_PREFIX) or Path(source).suffix.lower() in nameable:
+    if source.startswith(BUILTIN_PREFIX) or _is_nameable(source):
         return
-    held = [
-        *(["meshes"] if scene.meshes else []),
-        *(["density grids"] if any(v.density is not None for v in scene.volumes) else []),
-    ]
+    held = []
+    if scene.meshes and target.exists() and not target.is_file():
+        held.append("meshes")  # beside a device there is no place
+    if any(volume.density is not None for volume in scene.volumes):
+        held.append("density grids")
     if held:
         raise SettingsError(
             f"a scene file names files, and the {' and '.join(held)} of {source} are none",
@@ -153,10 +162,35 @@ def _write_glb(scene: Scene, target: Path) -> Sequence[str]:
 
 
 def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any]) -> Sequence[str]:
+    from ..scene.io import BUILTIN_PREFIX
     from ..scene.io.toml_text import scene_text
     from ..scene.io.writing import whole_file
 
-    text = scene_text(scene, scene, source, target.parent, model=model)
+    original = scene
+    if scene.meshes and not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
+        source = str(_write_meshes(scene, target))
+        # Of that file nothing else comes, so that the scene file says all the rest.
+        original = replace(scene, lights=(), environment=None)
+    text = scene_text(scene, original, source, target.parent, model=model)
     with whole_file(target) as part:
         part.write_text(text, encoding="utf-8")
     return [line[2:] for line in text.splitlines() if line.startswith("# ")]
+
+
+def _write_meshes(scene: Scene, target: Path) -> Path:
+    """The meshes of a scene as NAME_meshes.glb beside the scene file `target`.
+
+    Raises OutputError where a file of that name is there that `convert` did not write.
+    """
+    from ..scene.io.gltf_write import is_written_here, write_gltf
+    from ..scene.scene import Scene
+
+    path = target.with_name(f"{target.stem}_meshes.glb")
+    if path.exists() and not is_written_here(path):
+        raise OutputError(
+            f"the meshes of {target} would go here, and another file is in their place",
+            where=path,
+            remedy="Move it away, or give the scene file another name.",
+        )
+    write_gltf(Scene(meshes=scene.meshes, camera=scene.camera), path)
+    return path

@@ -551,3 +551,17 @@ def test_a_search_path_outside_is_skipped_unless_the_user_allows_it(
     monkeypatch.setenv("AIRLIGHT_ROOT", str(tmp_path / "common"))  # not around the scene
     with pytest.raises(SceneError, match="file not found"):
         scene(inner, body + MESH)
+
+
+def test_open_surfaces_that_are_black_behind_in_mitsuba_are_named(tmp_path: Path) -> None:
+    grey = '<bsdf type="diffuse"/>'
+    closed = ['<shape type="cube"/>', '<shape type="sphere"/>']
+    both = f'<shape type="rectangle"><bsdf type="twosided">{grey}</bsdf></shape>'
+    assert scene(tmp_path, SENSOR.format("") + "".join(closed) + both).warnings == ()
+    sheets = [f'<shape type="{kind}" id="{kind}1"/>' for kind in ("rectangle", "disk", "cylinder")]
+    (told,) = scene(tmp_path, SENSOR.format("") + "".join([*closed, *sheets])).warnings
+    assert told == (
+        "open surfaces without 'twosided' are black on their back in Mitsuba, and reflect on both "
+        "sides here: shape 'rectangle1' (rectangle), shape 'disk1' (disk), "
+        "shape 'cylinder1' (cylinder)"
+    )

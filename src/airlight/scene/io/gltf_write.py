@@ -17,19 +17,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import SceneError
 from ..camera import Camera
 from ..checks import F32, F64, Vec3
 from ..light_shapes import LightMeshes
 from ..lights import Light, PointLight
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
+from .files import opened
 from .gltf import WATTS_PER_LUMEN
 from .gltf_write_material import material_json, texture_png
+from .ledger import own_files
 from .writing import whole_file
 
 Json = dict[str, Any]
 _FLOAT, _UINT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
+_HEAD_BYTES = 400  # the asset is the first thing that a document says
 _SHEAR = 1e-6  # cosine between axes from which on a placement is no turn and scale
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
@@ -52,6 +56,16 @@ def write_gltf(scene: Scene, path: Path) -> list[str]:
     with whole_file(Path(path)) as part:
         part.write_bytes(document.packed())
     return [*dict.fromkeys(document.notes), *_left_out(scene)]
+
+
+def is_written_here(path: Path) -> bool:
+    """Whether a file begins as `write_gltf` writes it."""
+    try:
+        with own_files(), opened(path) as file:
+            head = file.read(_HEAD_BYTES).replace(b" ", b"")
+    except SceneError:
+        return False
+    return head.startswith(b"glTF") and b'"generator":"airlight"' in head
 
 
 def _left_out(scene: Scene) -> list[str]:

@@ -11,19 +11,21 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.weld import open_vertices, welded
 from ..camera import Camera
 from ..checks import Vec3
 from ..environment import Environment
 from ..lights import Light
 from ..material import Material
 from ..medium import FILL_MARGIN, medium_box
-from ..mesh import Mesh
+from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from .files import naming
 from .mitsuba_emitters import emitter, with_emission
@@ -55,6 +57,8 @@ _HOW = frozenset(
         "max_value",
     )
 )
+_MOST_NAMED = 5
+_SAME_PLACE = 1e-5  # of a shape's extent
 _HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
 
 
@@ -64,6 +68,7 @@ class _Found:
     lights: list[Light] = field(default_factory=list)
     environment: Environment | None = None
     held: list[Held] = field(default_factory=list)
+    one_sided: list[str] = field(default_factory=list)
 
 
 def load_mitsuba(path: Path) -> Scene:
@@ -106,6 +111,7 @@ def _scene(tree: Node, source: Source) -> Scene:
     if integrator is not None and integrator.get("hide_emitters", False) and found.environment:
         found.environment = replace(found.environment, visible=False)
     _tell_unread(tree, source)
+    _tell_one_sided(found.one_sided, source)
     scene = Scene(
         meshes=tuple(found.meshes),
         lights=tuple(found.lights),
@@ -156,6 +162,28 @@ def _read_shape(node: Node, found: _Found, source: Source) -> None:
         return
     for part in shape_geometries(node, source):
         found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
+        if not (made.two_sided or made.is_emissive) and _is_open(part.geometry):
+            found.one_sided.append(str(node))
+
+
+def _is_open(geometry: Geometry) -> bool:
+    """Whether a surface has a rim, so that its back can be seen and lit."""
+    positions = geometry.positions.astype(np.float64)
+    # Seams of round shapes close but for rounding.
+    grain = _SAME_PLACE * max(float(np.abs(positions).max()), 1e-30)
+    corners = welded(np.round(positions / grain) + 0.0)[geometry.indices]
+    return bool(open_vertices(corners).any())
+
+
+def _tell_one_sided(shapes: Sequence[str], source: Source) -> None:
+    """Say which open surfaces reflect on their back, which is black in Mitsuba."""
+    if shapes:
+        more = len(shapes) - _MOST_NAMED
+        named = ", ".join(shapes[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+        source.note(
+            "open surfaces without 'twosided' are black on their back in Mitsuba, and reflect on "
+            f"both sides here: {named}"
+        )
 
 
 def _glowing(node: Node, made: Material, source: Source) -> Material:
