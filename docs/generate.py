@@ -23,6 +23,7 @@ from airlight import env
 from airlight.app.cli import airlight as command_line
 from airlight.app.scenes import descriptions
 from airlight.figures.registry import FIGURES
+from airlight.gather.settings import GatherSettings
 from airlight.lighting.kit import SurfaceSettings
 from airlight.media.settings import MediaSettings
 from airlight.scene.io.toml_tables import schema_markdown
@@ -34,7 +35,7 @@ _PART = re.compile(
     r"(<!-- generated: end -->)",
     re.DOTALL,
 )
-_SHARED = {"surfaces": SurfaceSettings, "air": MediaSettings}
+_SHARED = {"surfaces": SurfaceSettings, "gathering": GatherSettings, "air": MediaSettings}
 
 
 def generated_pages() -> dict[Path, str]:
@@ -74,7 +75,7 @@ def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def settings_table(name: str) -> str:
-    """Settings of a technique that are its own, or of a shared class (surfaces, air)."""
+    """Settings of a technique that are its own, or of a shared class (surfaces, gathering, air)."""
     if name in _SHARED:
         return _settings_rows(dataclasses.fields(_SHARED[name]))
     cls = technique_settings(name)

@@ -33,7 +33,7 @@ LAYERS = (
     "media",
 )
 """Rooms from the bottom up: data flows from each to those behind it."""
-SOLVERS = ("lpv", "scatter", "pop")
+SOLVERS = ("gather", "lpv", "scatter", "pop")
 _MAY_IMPORT: dict[str, tuple[str, ...]] = {
     **{room: LAYERS[:level] for level, room in enumerate(LAYERS)},
     "gpu": (),

@@ -3,7 +3,7 @@
     frame    the scene of this frame, and the box that shadow maps must cover
     solver   solve(commands, frame, fields) -> fields       independent of any view
              solve_view(commands, view, fields) -> fields   what depends on the eye
-    fields   irradiance -> lighting of surfaces
+    fields   irradiance, gathered -> lighting of surfaces
              scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
 
@@ -22,6 +22,7 @@ from .gpu.commands import Commands
 from .gpu.memory import Buffer, Texture
 from .lattice.irradiance import Irradiance, SkyIrradiance
 from .lattice.placement import Placement
+from .lighting.gathered import Gathered
 from .lighting.view import View
 from .maths.transforms import F64
 from .scene.scene import Scene
@@ -162,6 +163,7 @@ class Fields:
 
     sky          direct irradiance of the environment on surfaces, W m^-2
     irradiance   indirect irradiance of lattices on surfaces, W m^-2
+    gathered     irradiance of a view's pixels, W m^-2, which lighting takes in place of both
     reflected    light that surfaces reflect into media
     scattered    mean radiance on lattices, W m^-2 sr^-1; media scatter their share of it
     sky_scatter  the same, of the environment's direct light
@@ -171,6 +173,7 @@ class Fields:
 
     sky: SkyIrradiance
     irradiance: Irradiance | None = None
+    gathered: Gathered | None = None
     reflected: ReflectedLight | None = None
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None

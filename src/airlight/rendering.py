@@ -153,6 +153,7 @@ class Renderer:
 
     def _draw(self, samples: int, progress: Progress | None) -> None:
         """Draw the solved scene once per sample, and submit all work."""
+        self.view.is_still = samples > 1
         # Without anti-aliasing the one sample lies in the middle of its pixel.
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):

@@ -134,7 +134,7 @@ def test_a_constant_environment_is_a_map_too():
 
 def test_a_large_map_is_averaged_as_a_whole_one_is():
     pixels = np.random.default_rng(5).lognormal(size=(300, 610, 3)).astype(np.float32)
-    made = sky._shrunk_map(Environment(map=pixels, scale=0.7))
+    made = sky.shrunk_map(Environment(map=pixels, scale=0.7))
     squares = (pixels[:300, :608].astype(np.float64) * 0.7).reshape(75, 4, 152, 4, 3)
     np.testing.assert_array_equal(made, squares.mean(axis=(1, 3)))
 

@@ -23,6 +23,7 @@ from ..maths.transforms import F64
 from ..scene.material import Material
 from ..surface.gbuffer import GBuffer
 from ..surface.geometry import GpuScene
+from ..surface.hits import PIXELS, Hits, Points
 from ..surface.light_table import LightData
 from ..surface.shadow import ShadowMaps
 from .attenuation import Attenuation
@@ -68,11 +69,13 @@ class _AreaLighting(FullscreenPass):
     targets = ("rgba32float",)
     file = "lighting.wgsl"
 
-    def __init__(self, gpu: Gpu, media: Attenuation | None, has: Mapping[str, bool]) -> None:
-        """`has`: what the shader's overrides ask for, by their names."""
+    def __init__(
+        self, gpu: Gpu, media: Attenuation | None, has: Mapping[str, bool], points: Points
+    ) -> None:
+        """`has`: what the shader's overrides ask for, by their names; `points`: what is lit."""
         self.slots: tuple[Slot, ...] = (  # type: ignore[misc]
             uniform("params", AreaLightingParams),
-            texture("depth", "2d", "depth"),
+            points.slot,
             texture("albedo", "2d", "unfilterable-float"),
             texture("normal", "2d", "unfilterable-float"),
             texture("emission", "2d", "unfilterable-float"),
@@ -86,7 +89,7 @@ class _AreaLighting(FullscreenPass):
         )
         super().__init__(
             gpu,
-            generated=(media.wgsl + _THROUGH_MEDIA) if media else _NO_MEDIA,
+            generated=points.wgsl + ((media.wgsl + _THROUGH_MEDIA) if media else _NO_MEDIA),
             constants={name: float(value) for name, value in has.items()},
         )
 
@@ -168,9 +171,13 @@ class AreaLighting:
         shadows: AreaShadows,
         materials: Iterable[Material],
         media: Attenuation | None,
+        points: Points = PIXELS,
     ) -> None:
-        """`media`: what light is attenuated by on its way to surfaces of `materials`."""
-        self.gpu, self.shadows, self.media = gpu, shadows, media
+        """`media`: what light is attenuated by on its way to surfaces of `materials`.
+
+        `points`: whether those are pixels, or hits of rays.
+        """
+        self.gpu, self.shadows, self.media, self._points = gpu, shadows, media, points
         self._has_gloss = any(m.specular > 0.0 or m.metallic > 0.0 for m in materials)
         self._passes: dict[tuple[bool, ...], _AreaLighting] = {}
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
@@ -181,7 +188,7 @@ class AreaLighting:
     def encode(
         self,
         commands: Commands,
-        gbuffer: GBuffer,
+        gbuffer: GBuffer | Hits,
         camera: tuple[F64, tuple[float, float, float]],
         lights: Buffer,
     ) -> Texture:
@@ -200,10 +207,7 @@ class AreaLighting:
                 texel=1.0 / self.shadows.maps.resolution,
                 pad=0,
             ),
-            "depth": gbuffer.depth,
-            "albedo": gbuffer.albedo,
-            "normal": gbuffer.normal,
-            "emission": gbuffer.emission,
+            **gbuffer.bound,
             "cosines": self._cosines,
             **self.shadows.bound,
         }
@@ -217,5 +221,5 @@ class AreaLighting:
         has = {**kinds(self.shadows.emitters.list), "HAS_GLOSS": self._has_gloss}
         key = tuple(has.values())
         if key not in self._passes:
-            self._passes[key] = _AreaLighting(self.gpu, self.media, has)
+            self._passes[key] = _AreaLighting(self.gpu, self.media, has, self._points)
         return self._passes[key]

@@ -1,6 +1,7 @@
-//! use pixel_point
 //! use area_light
 //! use specular_cosine
+//! needs fn surface_depth(pixel: vec2u) -> f32
+//! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 //! needs fn media_passed(row: u32, p: vec3f) -> vec3f
 
 const POLYGON = 0u;
@@ -206,7 +207,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let d = textureLoad(depth, pixel, 0);
+    let d = surface_depth(pixel);
     let glow = textureLoad(emission, pixel, 0);
     if (d <= 0.0) {
         return glow;
@@ -214,7 +215,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     let base = textureLoad(albedo, pixel, 0);
     let bent = textureLoad(normal, pixel, 0);
     var s: Seen;
-    s.p = pixel_point(position.xy, d);
+    s.p = surface_point(position.xy, d);
     s.v = normalize(params.eye - s.p);
     s.n = normalize(bent.xyz);
     s.r = reflector(base.rgb, base.a, bent.w, glow.a);

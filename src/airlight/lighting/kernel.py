@@ -9,6 +9,7 @@ from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
+from ..surface.hits import PIXELS, Points
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 
@@ -92,16 +93,26 @@ _MEDIA_FIRST = {
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 _LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-Part = Literal["whole", "lights", "lattices", "rest"]
+Part = Literal["whole", "lights", "lattices", "rest", "gathered"]
 """Which light a pass adds up.
 
 whole     all of it
 lights    that of lights, emission and background, into one target
 rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
 lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
+gathered  on top of "lights" what rays gathered, and lattices' light in smooth surfaces alone
 """
 Gloss = Literal["none", "inline", "listed"]
 """Who traces smooth surfaces' mirrored rays into the lattice: nobody, the pass, `GlossyPixels`."""
+
+
+GATHERED = ("gathered_irradiance", "gathered_sky")
+"""What `Gathered` brings, by slot."""
+_GATHERED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in GATHERED)
+_FROM_GATHERED = "".join(
+    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return textureLoad({name}, pixel, 0); }}\n"
+    for name in GATHERED
+)
 
 
 @dataclass(frozen=True)
@@ -156,7 +167,7 @@ class LightingParams(Struct):
 
 SURFACE_SLOTS = (
     uniform("params", LightingParams),
-    texture("depth", "2d", "depth"),
+    PIXELS.slot,
     texture("albedo", "2d", "unfilterable-float"),
     texture("normal", "2d", "unfilterable-float"),
     texture("emission", "2d", "unfilterable-float"),
@@ -206,6 +217,14 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     if part == "lights":
         return Kernel(_NOT_LISTED + _NO_LATTICES, {"HAS_LATTICES": 0.0}, {})
     is_listed = gloss == "listed"
+    listing = TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
+    if part == "gathered":
+        if gloss != "inline":
+            text = f"{listing}{_FROM_GATHERED}//! use gathered_alone\n"
+            return Kernel(text, {"HAS_LATTICES": 1.0}, {})
+        constants = {**light.constants, "HAS_LATTICES": 1.0, "HAS_GLOSS": 1.0}
+        text = f"{listing}{_FROM_GATHERED}//! use gathered_light\n"
+        return Kernel(text, constants | {"HAS_OCCLUSION": 0.0}, _LATTICES_FIRST)
     constants = {
         **light.constants,
         "HAS_LATTICES": 1.0,
@@ -214,9 +233,7 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
         "RETURNED": float(light.has_interreflection),
         "HAS_NEAR_FIELD": float(part == "lattices"),
     }
-    generated = (
-        TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
-    ) + "//! use lattices_light\n"
+    generated = f"{listing}//! use lattices_light\n"
     return Kernel(generated, constants, _LATTICES_FIRST)
 
 
@@ -244,14 +261,19 @@ def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
 
 
 def lighting_slots(
-    part: Part, attenuation: Attenuation | None = None, gloss: Gloss = "none"
+    part: Part,
+    attenuation: Attenuation | None = None,
+    gloss: Gloss = "none",
+    points: Points = PIXELS,
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`."""
-    is_after = part in ("lattices", "rest")
+    is_after = part in ("lattices", "rest", "gathered")
+    has_lattices = part != "lights" and (part != "gathered" or gloss == "inline")
     return (
-        *SURFACE_SLOTS,
+        *(points.slot if slot is PIXELS.slot else slot for slot in SURFACE_SLOTS),
         *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
-        *(() if part == "lights" else LATTICE_SLOTS),
+        *(LATTICE_SLOTS if has_lattices else ()),
+        *(_GATHERED_SLOTS if part == "gathered" else ()),
         *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
         *(_LISTS if gloss == "listed" and part != "lights" else ()),
     )

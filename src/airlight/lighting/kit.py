@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..area.emitters import Emitters
+from ..area.lighting import AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..lattice.blockers import Blockers
@@ -133,6 +134,10 @@ class Kit:
             make_blockers=make_blockers,
         )
         self._dark: LatticeTextures | None = None
+        self.area_shadows: AreaShadows | None = None
+        """Of lights with extent, where there are any and surfaces that they could light."""
+        if self.emitters.count and self.meshes.draws:
+            self.area_shadows = AreaShadows(gpu, self.emitters, settings.lamp_resolution)
 
     @property
     def placement(self) -> Placement:
@@ -184,11 +189,19 @@ class Kit:
     @property
     def no_irradiance(self) -> Irradiance:
         """A field without indirect light."""
-        lattices = self.lattices
+        rows = [placement.params(1.0) for placement in self.lattices.placements]
+        return Irradiance({"lattices": self.lattices.table.filled(rows), **self._black.bound})
+
+    def darkened(self, irradiance: Irradiance) -> Irradiance:
+        """A field without indirect light that can be read in the same frame as `irradiance`."""
+        return replace(irradiance, bound={**irradiance.bound, **self._black.bound})
+
+    @property
+    def _black(self) -> LatticeTextures:
         if self._dark is None:
-            self._dark = LatticeTextures(self.gpu, self.placement, lattices.texture_size)
-        rows = [placement.params(1.0) for placement in lattices.placements]
-        return Irradiance({"lattices": lattices.table.filled(rows), **self._dark.bound})
+            size = self.lattices.texture_size
+            self._dark = LatticeTextures(self.gpu, self.placement, size)
+        return self._dark
 
     @property
     def sky_irradiance(self) -> SkyIrradiance:

@@ -10,6 +10,7 @@ from ..area.attenuation import Attenuation
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
+from ..surface.hits import PIXELS, Points
 from .kernel import (
     Emitters,
     Gloss,
@@ -36,15 +37,19 @@ class Lighting(FullscreenPass):
         *,
         gloss: Gloss = "none",
         attenuation: Attenuation | None = None,
+        points: Points = PIXELS,
     ) -> None:
-        """`part`: which light is added up. `attenuation`: the media between lights and surfaces."""
-        self.slots = lighting_slots(part, attenuation, gloss)  # type: ignore[misc]
+        """`part`: which light is added up. `attenuation`: the media between lights and surfaces.
+
+        `points`: whether surfaces are those of pixels, or hits of rays.
+        """
+        self.slots = lighting_slots(part, attenuation, gloss, points)  # type: ignore[misc]
         self.names = [slot.name for slot in self.slots]
         surfaces = {
             "HAS_SURFACES": float(emitters.has_surfaces),
         }
         kernel = (
-            Kernel("", surfaces, {})
+            Kernel(points.wgsl, surfaces, {})
             + lattices_kernel(part, lattices, gloss)
             + lights_kernel(part, emitters, attenuation)
         )

@@ -1,5 +1,6 @@
-//! use pixel_point
 //! use surface_reflection
+//! needs fn surface_depth(pixel: vec2u) -> f32
+//! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 //! needs fn background(direction: vec3f) -> vec3f
 //! needs fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f
 //! needs fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32)
@@ -26,10 +27,10 @@ struct Gathered {
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Lit {
     let pixel = vec2u(position.xy);
-    let d = textureLoad(depth, pixel, 0);
+    let d = surface_depth(pixel);
     var out: Lit;
     out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
-    let p = pixel_point(position.xy, d);
+    let p = surface_point(position.xy, d);
     let v = normalize(params.eye - p);
     if (!HAS_SURFACES || d <= 0.0) {
         if (HAS_LIGHTS) {

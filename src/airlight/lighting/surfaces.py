@@ -11,12 +11,13 @@ from dataclasses import replace
 from typing import Any
 
 from ..area.attenuation import Attenuation
-from ..area.lighting import AreaLighting, AreaShadows
+from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
 from ..gpu.demands import fits
 from ..gpu.memory import Texture, linear_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
+from .gathered import Gathered
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
 from .kernel import (
@@ -31,6 +32,8 @@ from .kit import Kit
 from .lighting import Lighting
 from .occlusion import Occlusion, Reach
 from .view import View
+
+_AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before
 
 
 class Surfaces:
@@ -48,22 +51,33 @@ class Surfaces:
         # Devices bind so many textures at once, and every volume brings its own.
         self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation))
         self._area: AreaLighting | None = None
-        if kit.emitters.count and kit.meshes.draws:
-            shadows = AreaShadows(kit.gpu, kit.emitters, kit.settings.lamp_resolution)
-            self._area = AreaLighting(
-                kit.gpu, shadows, (mesh.material for mesh in scene.meshes), attenuation
-            )
+        if kit.area_shadows is not None:
+            materials = (mesh.material for mesh in scene.meshes)
+            self._area = AreaLighting(kit.gpu, kit.area_shadows, materials, attenuation)
         self._emission: Texture | None = None
         self._linear = linear_sampler(kit.gpu)
 
     def draw(
-        self, commands: Commands, view: View, irradiance: Irradiance, sky: SkyIrradiance
+        self,
+        commands: Commands,
+        view: View,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+        gathered: Gathered | None = None,
     ) -> None:
-        """Fill the view's G-buffer and its layers of direct and indirect light."""
+        """Fill the view's G-buffer and its layers of direct and indirect light.
+
+        Light that rays `gathered` replaces that of lattices and sky, and the near field with it.
+        """
         meshes = self.kit.meshes
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
         self._emission = self._emitted(commands, view)
+        if gathered is not None:
+            with commands.stage("lighting"):
+                self._light(commands, view, "lights", irradiance, sky)
+                self._light(commands, view, "gathered", irradiance, sky, gathered)
+            return
         is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
         has_near_field = is_occluded and self._has_near_field(irradiance)
         # The near field sends the radiance that lights and emission give it.
@@ -123,9 +137,11 @@ class Surfaces:
         part: Part,
         irradiance: Irradiance,
         sky: SkyIrradiance,
+        gathered: Gathered | None = None,
     ) -> None:
         layers = view.layers
         values = self._bound(view, part, irradiance, sky)
+        values |= gathered.bound if gathered else {}
         self._make_cpu_passes(view.size)
         lighting = self._lighting_of(part, irradiance)
         drawn = {name: values[name] for name in lighting.names if name in values}
@@ -156,12 +172,10 @@ class Surfaces:
             **irradiance.bound,
             **lights.bound,
             **(self.attenuation.bound if self.attenuation else {}),
-            "depth": g.depth,
-            "albedo": g.albedo,
-            "normal": g.normal,
+            **g.bound,
             "emission": self._emission,
             "near_field": view.occlusion.near,
-            **({"lit": view.layers.lit} if part in ("lattices", "rest") else {}),
+            **({"lit": view.layers.lit} if part in _AFTER else {}),
             "sky_cube": sky.cube,
             **self.kit.blockers.bound,
             "linear_clamp": self._linear,

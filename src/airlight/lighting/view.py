@@ -31,6 +31,8 @@ class View:
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.sample = 0
+        self.is_still = False
+        """Whether its image is one of several samples, not a frame alone."""
         self.camera = Camera()
         self._aimed: tuple[Camera, tuple[float, float], tuple[int, int]] | None = None
 

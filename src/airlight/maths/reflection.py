@@ -37,3 +37,17 @@ def bihemispherical_albedo(
     mirrored = f0 * np.polynomial.polynomial.polyval(r, GGX_F0)
     mirrored = mirrored + f90 * np.polynomial.polynomial.polyval(r, GGX_F90)
     return np.asarray(base * (1.0 - m) * (1.0 - lost) + mirrored)
+
+
+def grazing_albedo(
+    base_color: ArrayLike, metallic: ArrayLike, roughness: ArrayLike, specular: ArrayLike
+) -> F64:
+    """The part (n,) of `bihemispherical_albedo` that F90 gives: light that grazes the surface.
+
+    Arguments as there.
+    """
+    base = np.asarray(base_color, dtype=np.float64)
+    m, r, s = (np.asarray(x, dtype=np.float64) for x in (metallic, roughness, specular))
+    f0 = 0.04 * s[..., None] * (1.0 - m[..., None]) + base * m[..., None]
+    f90 = np.clip(50.0 * f0.max(axis=-1), 0.0, 1.0)
+    return np.asarray(f90 * np.maximum(np.polynomial.polynomial.polyval(r, GGX_F90), 0.0))

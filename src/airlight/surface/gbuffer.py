@@ -70,6 +70,16 @@ class GBuffer:
         self.normal = Texture(gpu, "normal", size, "rgba16float", target=True)
         self.emission = Texture(gpu, "emission", size, "rgba16float", target=True)
 
+    @property
+    def bound(self) -> dict[str, Any]:
+        """By slot name, for lighting passes."""
+        return {
+            "depth": self.depth,
+            "albedo": self.albedo,
+            "normal": self.normal,
+            "emission": self.emission,
+        }
+
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on."""
         self._sized.release()

@@ -41,7 +41,7 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     """
     if environment is None or count < 1:
         return []
-    radiance = _shrunk_map(environment)
+    radiance = shrunk_map(environment)
     height, width = radiance.shape[:2]
     directions = turned(latlong_texel_directions(height, width), environment.rotation_deg)
     towards = directions.reshape(-1, 3)
@@ -90,7 +90,7 @@ def turned(directions: F64, rotation_deg: float) -> F64:
     return np.asarray(directions @ about_y.T)
 
 
-def _shrunk_map(environment: Environment) -> F64:
+def shrunk_map(environment: Environment) -> F64:
     """`environment_map`, averaged over squares of texels to about _ROWS rows.
 
     A large map is averaged one row of squares at a time, because as a whole it would take eight

@@ -25,7 +25,6 @@ from typing import Any
 from ..errors import SettingsError, nearest
 from ..gpu.device import Gpu
 from ..lighting.kit import Context, SurfaceSettings
-from ..lpv.settings import LpvSettings
 from ..scene.scene import Scene
 from ..scene.settings import make_settings
 from ..surface.geometry import GpuScene
@@ -45,7 +44,7 @@ class Recipe:
 RECIPES: dict[str, Recipe] = {
     "direct": Recipe(recipes.direct, SurfaceSettings),
     "single": Recipe(recipes.single, settings.SingleSettings),
-    "lpv": Recipe(recipes.lpv, LpvSettings),
+    "lpv": Recipe(recipes.lpv, settings.LpvTechniqueSettings),
     "lpv-march": Recipe(recipes.lpv_march, settings.LpvMarchSettings),
     "lpv-sum": Recipe(recipes.lpv_sum, settings.LpvMarchSettings),
     "lpv-scatter": Recipe(recipes.lpv_scatter, settings.LpvScatterSettings),

@@ -14,14 +14,16 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..fields import Solver
+from ..gather.settings import GatherSettings
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
-from ..lpv.settings import LpvSettings
 from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
 from .settings import (
     LpvMarchSettings,
     LpvScatterSettings,
     LpvScatterWithPopSettings,
+    LpvTechniqueSettings,
     LpvWithPopSettings,
     PopTechniqueSettings,
     SingleSettings,
@@ -41,7 +43,7 @@ def direct(context: Context, settings: SurfaceSettings) -> Technique:
     return Technique("direct", Kit(context, settings))
 
 
-def lpv(context: Context, settings: LpvSettings) -> Technique:
+def lpv(context: Context, settings: LpvTechniqueSettings) -> Technique:
     """Light propagation volumes (Kaplanyan2010): indirect light on surfaces, no media.
 
     Texels of reflective shadow maps are virtual point lights. Their light enters a lattice in two
@@ -52,7 +54,21 @@ def lpv(context: Context, settings: LpvSettings) -> Technique:
     from ..lpv.solver import LpvSolver
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
-    return Technique("lpv", kit, [LpvSolver(kit, settings)])
+    solvers: list[Solver] = [LpvSolver(kit, settings)]
+    # The paper's lookup is what its scheme is there to show.
+    if settings.scheme != "paper":
+        solvers += _gathering(kit, settings, bounces=settings.bounces)
+    return Technique("lpv", kit, solvers)
+
+
+def _gathering(kit: Kit, settings: GatherSettings, *, bounces: bool = True) -> list[Solver]:
+    """The final gather, where the settings ask for one and no media are in the rays' way."""
+    scene = kit.context.scene
+    if settings.gather == "off" or scene.medium is not None or scene.volumes:
+        return []
+    from ..gather.solver import GatherSolver
+
+    return [GatherSolver(kit, settings, bounces=bounces)]
 
 
 def single(context: Context, settings: SingleSettings) -> Technique:
@@ -104,8 +120,8 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 
     kit = _scattering_kit(context, settings)
     media = Media(kit, part_of(settings, MediaSettings), is_lattice_marched=True, has_multiple=True)
-    lattice = ScatterSolver(kit, settings)
-    return Technique("lpv-scatter", kit, [media, lattice], media=media)
+    solvers = [media, ScatterSolver(kit, settings), *_gathering(kit, settings)]
+    return Technique("lpv-scatter", kit, solvers, media=media)
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from ..gather.settings import GatherSettings
 from ..lighting.kit import SurfaceSettings
 from ..lpv.settings import LpvSettings
 from ..media.rays import RESOLUTIONS
@@ -22,12 +23,17 @@ class SingleSettings(SurfaceSettings, MediaSettings):
 
 
 @dataclass(frozen=True)
+class LpvTechniqueSettings(LpvSettings, GatherSettings):
+    """Settings of light propagation volumes on surfaces, and of the final gather."""
+
+
+@dataclass(frozen=True)
 class LpvMarchSettings(LpvSettings, MediaSettings):
     """Settings of light propagation volumes and of drawing media."""
 
 
 @dataclass(frozen=True)
-class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings):
+class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings, GatherSettings):
     """Settings of multiple scattering on a lattice and of drawing media."""
 
     occlusion: bool = setting(True, "whether surfaces block and reflect propagating light")
@@ -55,7 +61,7 @@ class PopTechniqueSettings(SurfaceSettings, PopSettings):
 
 
 @dataclass(frozen=True)
-class LpvWithPopSettings(LpvMarchSettings, PopSettings):
+class LpvWithPopSettings(LpvMarchSettings, PopSettings, GatherSettings):
     """Settings of `lpv`, which keep their names, and of principal ordinates."""
 
 
@@ -65,7 +71,7 @@ class LpvScatterWithPopSettings(LpvScatterSettings, PopSettings):
 
 
 @dataclass(frozen=True)
-class AutoSettings(SurfaceSettings):
+class AutoSettings(SurfaceSettings, GatherSettings):
     """Settings of `auto` whatever it chooses; `settings_class` has all of them for a scene."""
 
 

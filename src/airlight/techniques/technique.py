@@ -71,7 +71,7 @@ class Technique:
         for solver in self.solvers:
             fields = solver.solve_view(commands, view, fields)
         irradiance = fields.irradiance or self.kit.no_irradiance
-        self.surfaces.draw(commands, view, irradiance, fields.sky)
+        self.surfaces.draw(commands, view, irradiance, fields.sky, fields.gathered)
         if self.media:
             self.media.draw(commands, view, fields)
 

@@ -65,7 +65,8 @@ def test_air_is_marched_whole():
 def test_a_sky_gets_a_larger_lattice_where_nothing_propagates_on_it():
     assert finer_of("direct") == {"resolution": 64}
     assert finer_of("direct", resolution=160) == {}  # enough is enough
-    assert finer_of("lpv") == finer_of("auto") == {}
+    assert finer_of("lpv") == finer_of("auto") == {"gather": "always"}
+    assert finer_of("lpv", gather="off") == finer_of("lpv", gather="always") == {}
     assert finer_of("direct", sky=False) == {}
 
 

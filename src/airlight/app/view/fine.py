@@ -43,6 +43,10 @@ def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
     finer: dict[str, Any] = {
         name: "full" for name in _MARCHED if getattr(now, name, "full") != "full"
     }
+    # A view at rest is a still.
+    has_air = scene.medium is not None or scene.volumes
+    if getattr(now, "gather", "") == "still" and scene.meshes and not has_air:
+        finer["gather"] = "always"
     # Where light propagates, more cells are no better (docs/accuracy.md, larger lattices).
     if not hasattr(now, "occlusion") and (scene.meshes and scene.environment):
         finer |= _larger(now, scene, _MOST_CELLS[is_cpu])

@@ -1,0 +1,9 @@
+"""Final gather: a view's irradiance along rays, the lattices their cache of later bounces.
+
+points     G-buffer -> places and normals at reduced resolution
+trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
+sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
+sky        more rays towards what is bright outside
+solver     all of it in its order, batch by batch
+filtering  the points' light shared between neighbours, and brought to full resolution
+"""

@@ -1,0 +1,23 @@
+// One more ray from each surface that a ray has met.
+//! use gather
+//! use gather_hit
+
+const APART = 7919u;        // points between those whose numbers the rays of two segments share
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
+        return;
+    }
+    let place = textureLoad(places, id.xy, 0);
+    let n = textureLoad(normals, id.xy, 0).xyz;
+    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    if (place.w > 0.0) {
+        let ray = params.first_ray + id.y / params.reduced.y;
+        let y = id.y % params.reduced.y + APART * params.segment;
+        let direction = cosine_direction(n, later_numbers(id.x, y, ray));
+        found = gather_hit(place.xyz + params.raised * n, direction);
+    }
+    textureStore(hit_positions, id.xy, found.position);
+    textureStore(hit_normals, id.xy, found.normal);
+    textureStore(hit_albedos, id.xy, found.albedo);
+}

@@ -1,0 +1,63 @@
+// What a segment of paths found: its light, times what the segments before it reflect.
+//! use gather
+//! use sky_cells
+
+struct Path {
+    radiance: vec3f,        // W m^-2 sr^-1
+    inverse_m: f32,         // of the first segment's length; below 0 it left the scene
+    passed: vec3f,          // of the light that goes on
+    is_open: f32,
+}
+
+fn first_found(texel: vec2u, hit: vec4f) -> Path {
+    let at = vec2u(texel.x, texel.y % sky.reduced.y);
+    let place = textureLoad(places, at, 0);
+    var path = Path(vec3f(0.0), 0.0, vec3f(1.0), 1.0);
+    if (hit.w > 0.0) {
+        path.inverse_m = 1.0 / max(distance(hit.xyz, place.xyz), 1e-6);
+    } else if (place.w > 0.0) {
+        // Where a ray left the scene, its direction.
+        let seen = sky_along(hit.xyz);
+        let n = textureLoad(normals, at, 0).xyz;
+        let share = sky_share(dot(hit.xyz, n), seen.density, sky.rays, sky.sky_rays);
+        path = Path(share * seen.radiance, -1.0, vec3f(0.0), 0.0);
+    }
+    return path;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= sky.reduced.x || id.y >= sky.reduced.y * params.rays) {
+        return;
+    }
+    let hit = textureLoad(hit_positions, id.xy, 0);
+    let row = 2u * (id.y * sky.reduced.x + id.x);
+    var path: Path;
+    if (params.segment == 0u) {
+        path = first_found(id.xy, hit);
+    } else {
+        let radiance = paths[row];
+        let passed = paths[row + 1u];
+        path = Path(radiance.rgb, radiance.a, passed.rgb, passed.a);
+    }
+    if (path.is_open > 0.0) {
+        if (hit.w > 0.0) {
+            let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
+            let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;
+            var light = textureLoad(direct_light, id.xy, 0).rgb;
+            if (params.has_cache != 0u) {
+                let all_around = albedo / max(towards_lights, vec3f(1e-4));
+                light += all_around * textureLoad(indirect_light, id.xy, 0).rgb;
+            }
+            path.radiance += path.passed * light;
+            path.passed *= albedo;
+        } else {
+            // A sky with a sun in it lights surfaces through the lattice: it would be found by luck.
+            if (params.segment > 0u && sky.is_mild != 0u) {
+                path.radiance += path.passed * sky_along(hit.xyz).radiance;
+            }
+            path.is_open = 0.0;
+        }
+    }
+    paths[row] = vec4f(path.radiance, path.inverse_m);
+    paths[row + 1u] = vec4f(path.passed, path.is_open);
+}

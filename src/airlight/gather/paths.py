@@ -1,0 +1,84 @@
+"""Paths of a gather: what their segments found, one after the other."""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+from ..surface.hits import Hits
+from .points import Points
+from .sky_cells import SkyCells, SkyParams
+from .trace import Segment
+
+
+class FoldParams(Struct):
+    """Which segment it is, and whether lattices' light is on what it met."""
+
+    rays = u32("of a point")
+    segment = u32()
+    has_cache = u32()
+    pad = u32()
+
+
+class _Fold(ComputePass):
+    slots = (
+        uniform("params", FoldParams),
+        uniform("sky", SkyParams),
+        texture("places", "2d", "unfilterable-float"),
+        texture("normals", "2d", "unfilterable-float"),
+        texture("hit_positions", "2d", "unfilterable-float"),
+        texture("hit_normals", "2d", "unfilterable-float"),
+        texture("hit_albedos", "2d", "unfilterable-float"),
+        texture("direct_light", "2d", "unfilterable-float"),
+        texture("indirect_light", "2d", "unfilterable-float"),
+        storage("sky_cells", "vec4f"),
+        storage("paths", "vec4f", "read_write"),
+    )
+    workgroup = (8, 8, 1)
+    file = "fold.wgsl"
+
+
+class Paths:
+    """Two vec4f for each ray of a batch, as `fold.wgsl` has them."""
+
+    def __init__(self, gpu: Gpu, points: Points, cells: SkyCells, batch: int) -> None:
+        """For `batch` rays of each point."""
+        self._points, self._cells, self._fold = points, cells, _Fold(gpu)
+        self.buffer = Buffer(gpu, "gathered paths", 32 * points.count * batch)
+
+    def encode(
+        self,
+        commands: Commands,
+        hits: Hits,
+        light: tuple[Texture, Texture | None],
+        segment: Segment,
+        rays: int,
+    ) -> None:
+        """Add the `light` of the `hits` of a segment: that of lights, and perhaps of lattices.
+
+        `rays`: of a point, in this sample of the image.
+        """
+        direct, indirect = light
+        self._fold.dispatch(
+            commands,
+            (self._points.reduced[0], self._points.reduced[1] * len(segment.numbers)),
+            params=FoldParams(
+                rays=len(segment.numbers),
+                segment=segment.index,
+                has_cache=int(indirect is not None),
+                pad=0,
+            ),
+            sky=self._cells.params(self._points, rays, 0),
+            places=self._points.places,
+            normals=self._points.normals,
+            hit_positions=hits.positions,
+            hit_normals=hits.normal,
+            hit_albedos=hits.albedo,
+            direct_light=direct,
+            indirect_light=indirect or direct,
+            sky_cells=self._cells.buffer,
+            paths=self.buffer,
+        )

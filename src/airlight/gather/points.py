@@ -1,0 +1,102 @@
+"""Where light is gathered: a surface point for each block of pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
+from ..gpu.memory import Texture
+from ..gpu.slots import image, texture, uniform
+from ..lighting.view import View
+
+MOST_POINTS = 1 << 15
+"""Of an image; blocks grow as large as that asks."""
+
+
+class PointParams(Struct):
+    """The camera, and how the image is reduced."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    scale = u32("pixels along a side of a texel")
+    size = vec2f("px")
+    reduced = vec2u("texels")
+    sample = u32("of the still")
+    texel = f32("m, how wide a texel is one metre away")
+    pad = vec2u()
+
+
+class _Points(ComputePass):
+    slots = (
+        uniform("params", PointParams),
+        texture("depth", "2d", "depth"),
+        texture("normal", "2d", "unfilterable-float"),
+        image("places", "rgba32float"),
+        image("normals", "rgba16float"),
+    )
+    workgroup = (8, 8, 1)
+    file = "points.wgsl"
+
+
+class Points:
+    """The gather points of an image.
+
+    places   xyz world, m; w distance to the eye, m, 0 where there is no surface
+    normals  xyz world, facing the camera
+    """
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        """For an image of `size`, pixels."""
+        self.size = size
+        self.scale = reduction(size, MOST_POINTS)
+        width, height = (-(-side // self.scale) for side in size)
+        self.reduced = (width, height)
+        self.places = Texture(gpu, "gather places", self.reduced, "rgba32float", written=True)
+        self.normals = Texture(gpu, "gather normals", self.reduced, "rgba16float", written=True)
+        self._pass = _Points(gpu)
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.reduced[0] * self.reduced[1]
+
+    def texel_m(self, view: View) -> float:
+        """How wide a texel is one metre from the eye, m."""
+        down = view.world_from_clip[:3, 1] / view.world_from_clip[3, 2]
+        return float(np.linalg.norm(down)) * 2.0 * self.scale / self.size[1]
+
+    def params(self, view: View) -> PointParams:
+        """What passes over points or pixels must know of the camera."""
+        return PointParams(
+            world_from_clip=view.world_from_clip,
+            eye=view.eye,
+            scale=self.scale,
+            size=self.size,
+            reduced=self.reduced,
+            sample=view.sample,
+            texel=self.texel_m(view),
+            pad=(0, 0),
+        )
+
+    def encode(self, commands: Commands, view: View) -> None:
+        """Choose a pixel of each block; the view's G-buffer is drawn."""
+        self._pass.dispatch(
+            commands,
+            self.reduced,
+            params=self.params(view),
+            depth=view.gbuffer.depth,
+            normal=view.gbuffer.normal,
+            places=self.places,
+            normals=self.normals,
+        )
+
+
+def reduction(size: tuple[int, int], most: int) -> int:
+    """Pixels along a side of the smallest blocks of which an image of `size` has at most `most`."""
+    scale = 1
+    while (-(-size[0] // scale)) * (-(-size[1] // scale)) > most:
+        scale += 1
+    return scale

@@ -1,0 +1,32 @@
+// One surface point for each texel of a reduced image: that of one of its pixels, in each sample of the image
+// another one.
+//! use pixel_point
+//! use sampling
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= params.reduced)) {
+        return;
+    }
+    let size = vec2u(params.size);
+    let count = params.scale * params.scale;
+    let first = u32(f32(count) * r2_noise(id.x, id.y, params.sample));
+    var place = vec4f(0.0);
+    var facing = vec4f(0.0);
+    var k = 0u;
+    loop {
+        let within = (first + k) % count;
+        let pixel = id.xy * params.scale + vec2u(within % params.scale, within / params.scale);
+        if (all(pixel < size)) {
+            let d = textureLoad(depth, pixel, 0);
+            if (d > 0.0) {
+                let p = pixel_point(vec2f(pixel) + 0.5, d);
+                place = vec4f(p, length(p - params.eye));
+                facing = vec4f(normalize(textureLoad(normal, pixel, 0).xyz), 0.0);
+            }
+        }
+        k++;
+        if (k >= count || place.w > 0.0) { break; }
+    }
+    textureStore(places, id.xy, place);
+    textureStore(normals, id.xy, facing);
+}

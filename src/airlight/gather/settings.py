@@ -1,0 +1,27 @@
+"""The settings of the final gather."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..scene.settings import setting
+
+WHEN = ("off", "still", "always")
+
+
+@dataclass(frozen=True)
+class GatherSettings:
+    """The settings of the final gather."""
+
+    gather: str = setting(
+        "still",
+        "where surfaces gather their indirect light along rays, with the lattice for what the rays "
+        "meet: nowhere, in images of several samples, or in frames of one too",
+        choices=WHEN,
+    )
+    gather_rays: int = setting(
+        6, "rays of a gather point in a sample of the image", low=1, high=1024
+    )
+    gather_bounces: int = setting(
+        3, "bounces that they follow before the lattice is asked", low=1, high=16
+    )

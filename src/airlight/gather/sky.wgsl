@@ -1,0 +1,34 @@
+// Rays from gather points towards what is bright of the environment, added to their sums.
+//! use gather
+//! use rays
+//! use sky_cells
+
+const FARTHEST = 1e30;      // m
+const RAISED = 2e-4;        // as in trace.wgsl
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= sky.reduced)) {
+        return;
+    }
+    let place = textureLoad(places, id.xy, 0);
+    let n = textureLoad(normals, id.xy, 0).xyz;
+    if (place.w <= 0.0) {
+        return;
+    }
+    let origin = place.xyz + RAISED * place.w * n;
+    var sum = vec3f(0.0);
+    var k = 0u;
+    loop {
+        if (k >= sky.sky_rays) { break; }
+        let ray = sky_chosen(ray_numbers(id.x, id.y, sky.first_ray + k));
+        let cosine = dot(ray.direction, n);
+        if (cosine > 0.0) {
+            if (!any_hit(origin, ray.direction, 0.0, FARTHEST)) {
+                sum += sky_share(cosine, ray.density, sky.rays, sky.sky_rays) * ray.radiance;
+            }
+        }
+        k++;
+    }
+    let at = 2u * (id.y * sky.reduced.x + id.x) + 1u;
+    sums[at] += vec4f(sum, 0.0);
+}

@@ -1,0 +1,170 @@
+"""The final gather as a solver: irradiance of a view's pixels, from rays and the lattices' cache.
+
+points -> rays -> what they meet, lit as pixels are; rays from there, and so on -> sums -> shared
+between neighbours -> pixels
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..area.attenuation import Attenuation
+from ..fields import Fields, Frame, Solver
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Texture
+from ..lighting.hits import HitLighting
+from ..lighting.kit import Kit
+from ..lighting.lighting import RadianceLayers
+from ..lighting.view import View
+from ..rays.rays import RayScene
+from ..surface.hits import Hits
+from .albedo import Albedos
+from .filtering import Filtering
+from .paths import Paths
+from .points import Points
+from .settings import GatherSettings
+from .sky import SkyRays
+from .sky_cells import SkyCells
+from .sums import Sums
+from .trace import Segment, Trace
+
+MOST_HITS = 1 << 20
+"""Of a batch: 176 bytes for each."""
+_RAISED = 2e-5  # of the scene's diagonal: where rays start above surfaces that rays met
+
+
+class GatherSolver(Solver):
+    """Yields `gathered` for views; lattices' irradiance is what it takes for later bounces."""
+
+    def __init__(
+        self,
+        kit: Kit,
+        settings: GatherSettings,
+        attenuation: Attenuation | None = None,
+        *,
+        bounces: bool = True,
+    ) -> None:
+        """`attenuation`: the media between lights and the surfaces that rays meet.
+
+        `bounces`: whether the lattices' light is on those, so that it bounces more than once.
+        """
+        self.kit, self.settings, self._bounces = kit, settings, bounces
+        self._lighting = HitLighting(kit, attenuation)
+        self._sized: _Sized | None = None
+        self._scope = kit.gpu.scope()
+        self._cells = SkyCells(kit.gpu)
+        self._rays: RayScene | None = None
+        self._trace: Trace | None = None
+        self._scene = kit.context.scene
+
+    def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
+        """Nothing that does not depend on a view."""
+        self._scene = frame.scene
+        self._cells.take(frame.scene.environment)
+        return fields
+
+    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """`fields` with the irradiance of the view's pixels, where this frame gathers."""
+        kit = self.kit
+        if not self._gathers(view):
+            return fields
+        self._make()
+        sized = self._fitted(view.size)
+        # What the rays start from, and what lights the surfaces that they meet.
+        with commands.stage("g-buffer"):
+            view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
+        with commands.stage("gather points"):
+            sized.points.encode(commands, view)
+            assert self._rays is not None
+            self._rays.update(commands, self._scene)
+        if kit.area_shadows is not None:
+            with commands.stage("area lights"):
+                kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
+        # Batches of paths: traced, lit segment by segment, added up.
+        rays = self.settings.gather_rays
+        sample = range(view.sample * rays, (view.sample + 1) * rays)
+        for first in range(sample.start, sample.stop, sized.batch):
+            numbers = range(first, min(first + sized.batch, sample.stop))
+            self._follow(commands, sized, numbers, fields)
+            with commands.stage("gather lighting"):
+                sized.sums.encode(commands, sized.paths.buffer, numbers, sample)
+        with commands.stage("gather sky"):
+            self._sky_rays.encode(commands, sized.points, sized.sums, rays, view.sample)
+        with commands.stage("gather filter"):
+            gathered = sized.filtering.encode(commands, view, sized.sums.buffer)
+        return replace(fields, gathered=gathered)
+
+    def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
+        """Trace paths of several segments; lattices light what the last of them meets."""
+        assert self._trace is not None
+        kit, rays = self.kit, self.settings.gather_rays
+        count = self.settings.gather_bounces if self._bounces else 1
+        raised = _RAISED * float(np.linalg.norm(kit.box[1] - kit.box[0]))
+        hits, before = sized.hits
+        for index in range(count):
+            segment = Segment(numbers, index, raised)
+            with commands.stage("gather rays"):
+                self._trace.encode(commands, sized.points, (before, hits), segment)
+            with commands.stage("gather lighting"):
+                light = self._light(commands, sized, hits, fields, is_last=index == count - 1)
+                sized.paths.encode(commands, hits, light, segment, rays)
+            hits, before = before, hits
+
+    def _light(
+        self, commands: Commands, sized: _Sized, hits: Hits, fields: Fields, *, is_last: bool
+    ) -> tuple[Texture, Texture | None]:
+        """The textures with the light of `hits`: of lights, and of lattices on the last segment.
+
+        What a later segment finds of a mild sky, no lattice has to say.
+        """
+        layers = sized.layers
+        cache = fields.irradiance or self.kit.no_irradiance
+        if not is_last and self._cells.is_mild:
+            return self._lighting.lights(commands, hits, layers, cache, fields.sky), None
+        if not (is_last and self._bounces):
+            cache = self.kit.darkened(cache)
+        self._lighting.encode(commands, hits, layers, cache, fields.sky)
+        return layers.direct, layers.indirect
+
+    def _gathers(self, view: View) -> bool:
+        """Whether this view does. Lights by the thousand are in lattices alone, and seen there."""
+        is_wanted = view.is_still or self.settings.gather == "always"
+        return is_wanted and bool(self.kit.meshes.draws) and not self._scene.light_groups
+
+    def _make(self) -> None:
+        if self._trace is None:
+            kit = self.kit
+            materials = {id(m.material): m.material for m in kit.meshes.original}
+            self._rays = RayScene(kit.gpu, kit.meshes)
+            self._sky_rays = SkyRays(kit.gpu, self._rays, self._cells)
+            self._trace = Trace(kit.gpu, self._rays, Albedos(kit.gpu, list(materials.values())))
+
+    def _fitted(self, size: tuple[int, int]) -> _Sized:
+        if self._sized is None or self._sized.points.size != size:
+            self._scope.release()
+            self._sized = None
+            self._sized = _Sized(self._scope, size, self.settings.gather_rays, self._cells)
+        return self._sized
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """The rays of a point, for --stats."""
+        return {"gather_rays": self.settings.gather_rays}
+
+
+class _Sized:
+    """What depends on the image's size; `batch`: rays of each point that are traced at once."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], rays: int, cells: SkyCells) -> None:
+        self.points = Points(gpu, size)
+        width, height = self.points.reduced
+        most = gpu.limits["max-texture-dimension-2d"] // height
+        self.batch = max(1, min(rays, most, MOST_HITS // self.points.count))
+        hits = (width, height * self.batch)
+        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        self.paths = Paths(gpu, self.points, cells, self.batch)
+        self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points)

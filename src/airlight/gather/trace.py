@@ -1,0 +1,95 @@
+"""Rays from gather points, and the surfaces that they meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec2u
+from ..gpu.slots import image, storage, texture, uniform
+from ..rays.rays import RAY_SLOTS, RayScene
+from ..surface.hits import Hits
+from .albedo import AlbedoData, Albedos
+from .points import Points
+
+
+class TraceParams(Struct):
+    """How many points and rays there are, and the number of the first ray of each."""
+
+    reduced = vec2u("points")
+    rays = u32("of a point")
+    first_ray = u32()
+    segment = u32("of the paths; 0 starts at points")
+    raised = f32("m, how far above their surface later segments start")
+    pad = vec2u()
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A segment of paths: the numbers of their rays, its own, and how far above surfaces, m, it
+    starts."""
+
+    numbers: range
+    index: int
+    raised: float
+
+
+class _Trace(ComputePass):
+    slots = (
+        uniform("params", TraceParams),
+        texture("places", "2d", "unfilterable-float"),
+        texture("normals", "2d", "unfilterable-float"),
+        *RAY_SLOTS,
+        storage("albedo_rows", AlbedoData),
+        storage("albedo_texels", "u32"),
+        image("hit_positions", "rgba32float"),
+        image("hit_normals", "rgba16float"),
+        image("hit_albedos", "rgba16float"),
+    )
+    workgroup = (8, 8, 1)
+    file = "trace.wgsl"
+
+
+class _Bounce(_Trace):
+    file = "bounce.wgsl"
+
+
+class Trace:
+    """Traces batches of rays through a scene whose materials reflect as `albedos` say."""
+
+    def __init__(self, gpu: Gpu, scene: RayScene, albedos: Albedos) -> None:
+        self._scene, self._albedos = scene, albedos
+        self._first = _Trace(gpu, constants=scene.constants)
+        self._next = _Bounce(gpu, constants=scene.constants)
+
+    def encode(
+        self, commands: Commands, points: Points, pair: tuple[Hits, Hits], segment: Segment
+    ) -> None:
+        """Write what rays meet to the second of `pair`.
+
+        Those of the first segment start at the points, later ones where the first of `pair` ended.
+        """
+        before, hits = pair
+        is_first = segment.index == 0
+        used = self._first if is_first else self._next
+        used.dispatch(
+            commands,
+            (points.reduced[0], points.reduced[1] * len(segment.numbers)),
+            params=TraceParams(
+                reduced=points.reduced,
+                rays=len(segment.numbers),
+                first_ray=segment.numbers.start,
+                segment=segment.index,
+                raised=segment.raised,
+                pad=(0, 0),
+            ),
+            places=points.places if is_first else before.positions,
+            normals=points.normals if is_first else before.normal,
+            **self._scene.bound,
+            **self._albedos.bound,
+            hit_positions=hits.positions,
+            hit_normals=hits.normal,
+            hit_albedos=hits.albedo,
+        )

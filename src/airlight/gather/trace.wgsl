@@ -1,0 +1,23 @@
+// Rays from gather points into all directions, by the cosine; each writes the surface that it meets.
+//! use gather
+//! use gather_hit
+
+const RAISED = 2e-4;        // of the distance to the eye: where rays start above their surface
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
+        return;
+    }
+    let at = vec2u(id.x, id.y % params.reduced.y);
+    let place = textureLoad(places, at, 0);
+    let n = textureLoad(normals, at, 0).xyz;
+    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    if (place.w > 0.0) {
+        let ray = params.first_ray + id.y / params.reduced.y;
+        let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
+        found = gather_hit(place.xyz + RAISED * place.w * n, direction);
+    }
+    textureStore(hit_positions, id.xy, found.position);
+    textureStore(hit_normals, id.xy, found.normal);
+    textureStore(hit_albedos, id.xy, found.albedo);
+}

@@ -1,0 +1,132 @@
+"""Light on the surfaces that rays met: the passes that light pixels, on a texel for each ray.
+
+Lights with their shadow maps, emitters, the lattices' irradiance and sky; diffuse light alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..area.attenuation import Attenuation
+from ..area.lighting import AreaLighting
+from ..gpu.commands import Commands
+from ..gpu.demands import fits
+from ..gpu.memory import Texture, linear_sampler
+from ..lattice.irradiance import Irradiance, SkyIrradiance
+from ..surface.hits import HITS, Hits
+from .kernel import Emitters, LatticeLight, LightingParams, Part, lighting_slots
+from .kit import Kit
+from .lighting import Lighting, RadianceLayers
+
+
+class HitLighting:
+    """Lights hits. `attenuation`: the media between lights and surfaces."""
+
+    def __init__(self, kit: Kit, attenuation: Attenuation | None = None) -> None:
+        self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
+        self._passes: dict[Part, Lighting] = {}
+        self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation, points=HITS))
+        self._area: AreaLighting | None = None
+        if kit.area_shadows is not None:
+            # Hits have no coat: of materials none is given.
+            self._area = AreaLighting(kit.gpu, kit.area_shadows, (), attenuation, HITS)
+        self._linear = linear_sampler(kit.gpu)
+        self._no_near_field = Texture(kit.gpu, "no near field", (1, 1), "rgba32uint")
+
+    def encode(
+        self,
+        commands: Commands,
+        hits: Hits,
+        layers: RadianceLayers,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> None:
+        """Write the radiance of `hits` to `layers`; where a ray left, the environment's, a = 0."""
+        values = self._bound(commands, hits, irradiance, sky)
+        if self._is_whole:
+            self._draw(commands, "whole", layers.targets, values, irradiance)
+            return
+        self._draw(commands, "lights", (layers.lit,), values, irradiance)
+        values |= {"lit": layers.lit}
+        self._draw(commands, "rest", layers.targets, values, irradiance)
+
+    def lights(
+        self,
+        commands: Commands,
+        hits: Hits,
+        layers: RadianceLayers,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> Texture:
+        """The texture with what lights and emitters alone give `hits`."""
+        values = self._bound(commands, hits, irradiance, sky)
+        self._draw(commands, "lights", (layers.lit,), values, irradiance)
+        return layers.lit
+
+    def _draw(
+        self,
+        commands: Commands,
+        part: Part,
+        targets: tuple[Texture, ...],
+        values: dict[str, Any],
+        irradiance: Irradiance,
+    ) -> None:
+        lighting = self._lighting_of(part, irradiance)
+        drawn = {name: values[name] for name in lighting.names if name in values}
+        lighting.draw(commands, targets, **drawn)
+
+    def _bound(
+        self, commands: Commands, hits: Hits, irradiance: Irradiance, sky: SkyIrradiance
+    ) -> dict[str, Any]:
+        """The resources of lighting, by slot name."""
+        kit, lights = self.kit, self.kit.lights
+        eye = (0.0, 0.0, 0.0)
+        emission = hits.emission
+        if self._area is not None:
+            emission = self._area.encode(commands, hits, (np.eye(4), eye), lights.table)
+        params = LightingParams(
+            world_from_clip=np.eye(4),
+            eye=eye,
+            light_count=kit.emitters.plain,
+            size=hits.size,
+            environment_rotation=lights.background.rotation,
+            has_lattice=1,
+        )
+        return {
+            "params": params,
+            **irradiance.bound,
+            **lights.bound,
+            **(self.attenuation.bound if self.attenuation else {}),
+            **hits.bound,
+            "emission": emission,
+            "near_field": self._no_near_field,
+            "sky_cube": sky.cube,
+            **kit.blockers.bound,
+            "linear_clamp": self._linear,
+        }
+
+    def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
+        if part not in self._passes:
+            count, directional = self.kit.emitters.plain, self.kit.lights.parallel.layers
+            emitters = Emitters(
+                has_directional=directional > 0,
+                has_local=count > directional,
+                is_one_directional=count == directional == 1,
+            )
+            light = LatticeLight(
+                has_sky=self.kit.sky.maps.layers > 0,
+                is_one_lattice=self.kit.lattices.table.count == 1,
+            )
+            light = replace(light, damping=irradiance.damping)
+            self._passes[part] = Lighting(
+                self.gpu,
+                part,
+                emitters,
+                light,
+                attenuation=self.attenuation,
+                points=HITS,
+            )
+        return self._passes[part]

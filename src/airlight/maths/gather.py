@@ -1,0 +1,129 @@
+"""Final gather: which rays a point sends, and how far its neighbours' rays stand for its own.
+
+Twin of `wgsl/gather.wgsl`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .sampling import orthonormal_frame, uniform_from_hash
+
+F64 = NDArray[np.float64]
+
+RAY_STEPS: tuple[int, int] = (3242174889, 2447445413)
+"""2^32 over powers of the plastic number: R2 (Roberts 2018) along a point's rays."""
+POINT_STEPS: tuple[int, int, int, int] = (3679390609, 3152041523, 2700274807, 2313257605)
+"""2^32 over powers of the root of x^5 = x + 1: the same in four dimensions, across the image."""
+NORMAL_POWER = 8.0
+"""Of the cosine between two points' normals, by which their light stands for one another."""
+PLANE_SHARE = 0.25
+"""Distance from a point's plane, over its texel's width, at which a neighbour's weight is 1/e."""
+
+REACH = 0.3
+"""Of the distance that light comes from, over which neighbours' light stands for a point's."""
+
+
+def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
+    """Two numbers in [0, 1) (..., 2) for a ray of the gather point at texel (x, y).
+
+    The rays of one point, over all samples of an image, follow the R2 sequence; each point begins
+    it elsewhere, such that neighbours' rays lie between its own. Exact in u32 arithmetic.
+    """
+    px, py, k = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray))
+    a, b, c, d = (np.uint32(step) for step in POINT_STEPS)
+    u, v = (np.uint32(step) for step in RAY_STEPS)
+    with np.errstate(over="ignore"):
+        first = px * a + py * b + k * u
+        second = px * c + py * d + k * v
+    return np.stack([uniform_from_hash(first), uniform_from_hash(second)], axis=-1)
+
+
+def later_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
+    """The same for a ray that goes on from what a ray met: numbers that do not follow from its own.
+
+    They take other steps of the four dimensions, along the rays too.
+    """
+    px, py, k = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray))
+    a, _, c, d = (np.uint32(step) for step in POINT_STEPS)
+    with np.errstate(over="ignore"):
+        first = px * c + py * a + k * d
+        second = px * d + py * c + k * a
+    return np.stack([uniform_from_hash(first), uniform_from_hash(second)], axis=-1)
+
+
+def cosine_direction(normal: ArrayLike, numbers: ArrayLike) -> F64:
+    """Unit directions (..., 3) about unit normals (..., 3), distributed as their cosine.
+
+    `numbers` (..., 2) in [0, 1), uniform. Their mean radiance times pi is irradiance.
+    """
+    n, u = np.asarray(normal, dtype=np.float64), np.asarray(numbers, dtype=np.float64)
+    radius, angle = np.sqrt(u[..., 0]), 2.0 * np.pi * u[..., 1]
+    tangent, bitangent = orthonormal_frame(n)
+    x, y = (radius * f(angle) for f in (np.cos, np.sin))
+    z = np.sqrt(np.maximum(1.0 - u[..., 0], 0.0))
+    return np.asarray(x[..., None] * tangent + y[..., None] * bitangent + z[..., None] * n)
+
+
+def likeness(
+    place: ArrayLike, normal: ArrayLike, other: ArrayLike, its_normal: ArrayLike, texel_m: ArrayLike
+) -> F64:
+    """How far (...) the light on `other` stands for that on `place`, 0 to 1.
+
+    Places (..., 3) in metres and their unit normals (..., 3); `texel_m` is how wide a gather point
+    is on the surface at `place`. Points that face elsewhere or lie off its plane count less.
+    """
+    p, n, q, m = (np.asarray(v, dtype=np.float64) for v in (place, normal, other, its_normal))
+    facing = np.clip((n * m).sum(axis=-1), 0.0, 1.0) ** NORMAL_POWER
+    off = np.abs(((q - p) * n).sum(axis=-1)) / (PLANE_SHARE * np.asarray(texel_m))
+    return np.asarray(facing * np.exp(-off))
+
+
+def closeness(distance_m: ArrayLike, inverse_m: ArrayLike) -> F64:
+    """How far (...) the light `distance_m` away stands for a point's, 0 to 1.
+
+    `inverse_m`: the mean inverse of the distances, m, of what the point's rays met. Irradiance
+    changes over the harmonic mean of those (Ward1988, irradiance caching): sharp where surfaces
+    meet, smooth in the open.
+    """
+    away = np.asarray(distance_m, dtype=np.float64) * np.asarray(inverse_m) / REACH
+    return np.asarray(np.exp(-(away**2)))
+
+
+def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -> F64:
+    """What a ray (...) that leaves the scene counts, whichever way its direction was chosen.
+
+    `cosine` to the normal; `density`, sr^-1, at which rays towards the sky go there. With it
+    (Veach1995, the balance heuristic) pi over `rays` times the sum of share times radiance, over
+    cosine-distributed `rays` and `sky_rays` together, is irradiance: neither a small sun nor a dim
+    horizon is found by luck.
+    """
+    by_cosine = rays * np.maximum(np.asarray(cosine, dtype=np.float64), 0.0) / np.pi
+    return np.asarray(by_cosine / np.maximum(by_cosine + sky_rays * np.asarray(density), 1e-30))
+
+
+def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
+    """(keep, other) (n,): item i is taken with `keep`[i], else item `other`[i], i chosen evenly.
+
+    Items then come in proportion to their weights. Source: Vose1991.
+    """
+    w = np.asarray(weights, dtype=np.float64)
+    share = w * (len(w) / max(float(w.sum()), 1e-300))
+    keep, other = np.minimum(share, 1.0), np.arange(len(w))
+    small, large = np.flatnonzero(share < 1.0), np.flatnonzero(share >= 1.0)
+    if not len(large):
+        return np.ones(len(w)), other
+    # A large item gives until what is left of it is below 1; the next one then fills that up.
+    left = share[large].copy()
+    at = 0
+    stack = [int(i) for i in small]
+    while stack and at < len(large):
+        i = stack.pop()
+        other[i] = large[at]
+        left[at] -= 1.0 - keep[i]
+        if left[at] < 1.0:
+            keep[large[at]] = left[at]
+            stack.append(int(large[at]))
+            at += 1
+    return keep, other

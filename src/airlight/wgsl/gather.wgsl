@@ -1,0 +1,42 @@
+// Which rays a gather point sends, and how far its neighbours' rays stand for its own: the twin of
+// maths/gather.py, which says where the numbers come from.
+//! use sampling
+
+const NORMAL_POWER = 8.0;
+const PLANE_SHARE = 0.25;
+const REACH = 0.3;
+
+fn ray_numbers(x: u32, y: u32, ray: u32) -> vec2f {
+    let first = x * 3679390609u + y * 3152041523u + ray * 3242174889u;
+    let second = x * 2700274807u + y * 2313257605u + ray * 2447445413u;
+    return vec2f(uniform_from_hash(first), uniform_from_hash(second));
+}
+
+fn later_numbers(x: u32, y: u32, ray: u32) -> vec2f {
+    let first = x * 2700274807u + y * 3679390609u + ray * 2313257605u;
+    let second = x * 2313257605u + y * 2700274807u + ray * 3679390609u;
+    return vec2f(uniform_from_hash(first), uniform_from_hash(second));
+}
+
+fn cosine_direction(normal: vec3f, numbers: vec2f) -> vec3f {
+    let radius = sqrt(numbers.x);
+    let angle = 6.2831853 * numbers.y;
+    let z = sqrt(max(1.0 - numbers.x, 0.0));
+    return orthonormal_frame(normal) * vec3f(radius * cos(angle), radius * sin(angle), z);
+}
+
+fn likeness(place: vec3f, normal: vec3f, other: vec3f, its_normal: vec3f, texel_m: f32) -> f32 {
+    let facing = pow(saturate(dot(normal, its_normal)), NORMAL_POWER);
+    let off = abs(dot(other - place, normal)) / (PLANE_SHARE * texel_m);
+    return facing * exp(-off);
+}
+
+fn sky_share(cosine: f32, density: f32, rays: u32, sky_rays: u32) -> f32 {
+    let by_cosine = f32(rays) * max(cosine, 0.0) / 3.14159265;
+    return by_cosine / max(by_cosine + f32(sky_rays) * density, 1e-30);
+}
+
+fn closeness(distance_m: f32, inverse_m: f32) -> f32 {
+    let away = distance_m * inverse_m / REACH;
+    return exp(-away * away);
+}

@@ -1,0 +1,180 @@
+"""The final gather against quadrature, closed forms and the field that it replaces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.gather.points import MOST_POINTS, reduction
+from airlight.rendering import Renderer, render
+from airlight.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Material,
+    Mesh,
+    PointLight,
+    Scene,
+)
+from airlight.scene.mesh import Geometry
+from airlight.scene.point_lights import PointLights
+from airlight.scene.shapes import box
+
+SIZE = (48, 32)
+PAINT = Material(base_color=(0.6, 0.5, 0.4), specular=0.0)
+ABOVE = Camera((0.0, 3.0, 0.8), (0.0, 0.0, 0.8), (0.0, 0.0, -1.0), 30.0)
+LPV = {"resolution": 8, "shadow_resolution": 256, "map_resolution": 32, "iterations": 16}
+
+
+def rectangle(corner, right, down, paint=PAINT):
+    """A quad of one metre to each side, laid onto corner + s right + t down."""
+    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
+    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), paint)
+
+
+X, Y, Z = np.eye(3)
+FLOOR = rectangle(-3 * X - 3 * Z, 6 * X, 6 * Z)
+WALL = rectangle(-1 * X, 2 * X, 2 * Y)
+
+
+def test_a_floor_before_a_lit_wall_gathers_what_quadrature_says():
+    """The wall sends rho/pi of what the light gives it, nothing else is lit."""
+    scene = Scene((FLOOR, WALL), (DirectionalLight((0, 0, -1), (2, 2, 2)),), camera=ABOVE)
+    settings = {**LPV, "gather": "still", "gather_rays": 16, "bounces": False}
+    image = render(scene, "lpv", SIZE, samples=32, settings=settings)
+    x, y = ((np.arange(200) + 0.5) / 200 * 2.0 for _ in range(2))
+    wall = np.stack(np.meshgrid(x - 1.0, y, 0.0, indexing="ij"), -1).reshape(-1, 3)
+    # Each pixel's point on the floor: the camera looks straight down.
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]]
+    half = 3.0 * np.tan(np.radians(15.0))
+    points = np.stack(
+        [
+            ((u + 0.5) / SIZE[0] * 2.0 - 1.0) * half * SIZE[0] / SIZE[1],
+            np.zeros(u.shape),
+            0.8 + ((v + 0.5) / SIZE[1] * 2.0 - 1.0) * half,
+        ],
+        -1,
+    )
+    way = wall[:, None] - points.reshape(-1, 3)
+    squared = (way**2).sum(-1)
+    kernel = np.maximum(way[..., 1], 0.0) * np.abs(way[..., 2]) / squared**2
+    irradiance = (kernel.sum(0) * (2.0 / 200) ** 2).reshape(u.shape)
+    rho = np.array(PAINT.base_color)
+    truth = irradiance[..., None] * 2.0 * rho / np.pi * rho / np.pi
+    is_before = points[..., 2] > 0.15
+    found = image.layers["indirect"][is_before]
+    truth = truth[is_before]
+    # 512 rays of which a third meets the wall: .06 a pixel, less what neighbours share.
+    assert np.linalg.norm(found - truth) / np.linalg.norm(truth) < 0.04
+    assert found.sum() / truth.sum() == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("reflectance", [0.3, 0.8])
+def test_a_closed_room_stays_a_furnace(reflectance):
+    """The indirect light's mean radiance is what the walls' first irradiance adds up to."""
+    paint = Material(base_color=(reflectance,) * 3, specular=0.0)
+    room = Mesh(box(), paint, np.diag((4.0, 4.0, 4.0, 1.0)))
+    scene = Scene((room,), (PointLight((0, 0, 0), (10, 10, 10)),))
+    settings = {
+        **LPV,
+        "resolution": 16,
+        "lamp_resolution": 128,
+        "map_resolution": 128,
+        "iterations": 128,
+    }
+    first = 4.0 * np.pi * 10.0 / 96.0
+    with Renderer(scene, "lpv", SIZE, settings={**settings, "gather": "always"}) as renderer:
+        looks = [(1, 0, 0), (0, 0, 1), (0, -1, 0)]
+        frames = [renderer.frame(camera=Camera((0, 0, 0), t, fov_y_deg=90.0)) for t in looks]
+    indirect = np.mean([frame.layers["indirect"] for frame in frames])
+    truth = first * reflectance / (1.0 - reflectance) * reflectance / np.pi
+    assert indirect == pytest.approx(truth, rel=0.03)
+
+
+def test_an_open_floor_sees_all_of_a_uniform_sky():
+    scene = Scene((FLOOR,), environment=Environment((1.0, 2.0, 3.0)), camera=ABOVE)
+    image = render(scene, "lpv", SIZE, samples=2, settings={**LPV, "gather": "still"})
+    truth = np.array(PAINT.base_color) * (1.0, 2.0, 3.0)
+    np.testing.assert_allclose(
+        image.layers["direct"], np.broadcast_to(truth, (*SIZE[::-1], 3)), rtol=2e-3
+    )
+
+
+@pytest.mark.parametrize("visible", [True, False])
+def test_a_small_bright_part_of_the_sky_is_not_found_by_luck(visible):
+    """One texel of 64 x 32 sends more than all others together, seen or not."""
+    map = np.full((32, 64, 3), 0.1, np.float32)
+    map[8, 20] = 500.0
+    sky = Environment(map=map, rotation_deg=33.0, visible=visible)
+    scene = Scene((FLOOR,), environment=sky, camera=ABOVE)
+    image = render(scene, "lpv", SIZE, samples=2, settings={**LPV, "gather": "still"})
+    edges = np.linspace(0.0, np.pi, 33)
+    # Of a band between two polar angles, the integral of the cosine over the sphere's upper half.
+    bands = np.pi * np.diff(np.sin(np.minimum(edges, np.pi / 2)) ** 2)
+    irradiance = 0.1 * bands.sum() + 499.9 * bands[8] / 64
+    truth = irradiance * np.array(PAINT.base_color) / np.pi
+    found = image.layers["direct"]
+    np.testing.assert_allclose(found.mean(axis=(0, 1)), truth, rtol=0.02)
+    assert found.max() < 1.6 * truth.max()
+
+
+def test_the_mean_of_samples_converges(cornell):
+    settings = {**LPV, "gather": "still", "gather_rays": 2}
+    few, more, many = (
+        render(cornell, "lpv", SIZE, samples=n, settings=settings).layers["indirect"]
+        for n in (2, 16, 128)
+    )
+    assert np.linalg.norm(more - many) < 0.6 * np.linalg.norm(few - many)
+
+
+def test_stills_gather_and_moving_frames_do_not(cornell):
+    def frame(gather, samples=1):
+        with Renderer(cornell, "lpv", SIZE, settings={**LPV, "gather": gather}) as renderer:
+            image = renderer.frame(samples=samples)
+            assert image is not None
+            return image.layers["indirect"]
+
+    off, still, always = (frame(gather) for gather in ("off", "still", "always"))
+    np.testing.assert_array_equal(off, still)
+    assert np.linalg.norm(always - off) > 0.05 * np.linalg.norm(off)
+    assert np.linalg.norm(frame("still", 2) - frame("off", 2)) > 0.05 * np.linalg.norm(off)
+
+
+def test_lights_by_the_thousand_and_the_papers_scheme_keep_the_lattice(cornell):
+    from dataclasses import replace
+
+    group = PointLights(np.array([[0.0, 0.0, 0.5]]), np.ones((1, 3)))
+    scene = replace(cornell, light_groups=(group,))
+    for shown, more in ((scene, {}), (cornell, {"scheme": "paper"})):
+        images = [
+            render(shown, "lpv", SIZE, samples=2, settings={**LPV, **more, "gather": gather})
+            for gather in ("off", "still")
+        ]
+        np.testing.assert_array_equal(images[0].radiance, images[1].radiance)
+
+
+def test_many_rays_come_in_batches_and_views_change_their_size(cornell, monkeypatch):
+    settings = {**LPV, "gather": "always", "gather_rays": 5}
+    with Renderer(cornell, "lpv", SIZE, settings=settings) as renderer:
+        whole = renderer.frame()
+    monkeypatch.setattr("airlight.gather.solver.MOST_HITS", 2 * SIZE[0] * SIZE[1])
+    with Renderer(cornell, "lpv", (30, 20), settings=settings) as renderer:
+        renderer.frame()
+        renderer.resize(SIZE)
+        parts = renderer.frame()
+    assert whole is not None and parts is not None
+    np.testing.assert_allclose(parts.radiance, whole.radiance, rtol=1e-5, atol=1e-6)
+
+
+def test_blocks_grow_with_the_image():
+    assert reduction((96, 54), MOST_POINTS) == 1
+    assert reduction((640, 360), MOST_POINTS) == 3
+    assert reduction((1280, 720), MOST_POINTS) == 6
+
+
+@pytest.fixture
+def cornell():
+    """The Cornell box, without the lamp's own softness."""
+    from airlight.scene.io import load
+
+    return load("builtin:cornell")

@@ -1,0 +1,113 @@
+"""Rays of a gather and their weights against integrals; WGSL against NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.maths import gather
+from airlight.maths.sampling import fibonacci_sphere
+
+RNG = np.random.default_rng(17)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def test_rays_of_a_point_and_of_its_neighbours_are_even():
+    """The mean of x y over n points of the square is 1/4; random ones are off by 0.22 / sqrt(n)."""
+    along = gather.ray_numbers(7, 11, np.arange(256))
+    assert np.prod(along, axis=-1).mean() == pytest.approx(0.25, abs=0.22 / 16 / 3)
+    later = gather.later_numbers(7, 11, np.arange(256))
+    assert np.prod(later, axis=-1).mean() == pytest.approx(0.25, abs=0.22 / 16 / 2)
+    y, x = np.mgrid[100:116, 40:56]
+    beside = gather.ray_numbers(x, y, 3).reshape(-1, 2)
+    assert np.prod(beside, axis=-1).mean() == pytest.approx(0.25, abs=0.22 / 16 / 2)
+
+
+def test_directions_are_distributed_as_their_cosine():
+    """Means over cosine-distributed directions: of the cosine 2/3, of its square 1/2."""
+    n = fibonacci_sphere(50)
+    u = gather.ray_numbers(np.arange(50)[:, None], 0, np.arange(2048))
+    d = gather.cosine_direction(np.broadcast_to(n[:, None], (*u.shape[:2], 3)), u)
+    np.testing.assert_allclose(np.linalg.norm(d, axis=-1), 1.0)
+    cosine = (d * n[:, None]).sum(axis=-1)
+    np.testing.assert_allclose(cosine.mean(axis=1), 2.0 / 3.0, atol=2e-3)
+    np.testing.assert_allclose((cosine**2).mean(axis=1), 0.5, atol=2e-3)
+
+
+def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_plane():
+    p = np.zeros(3)
+    assert gather.likeness(p, UP, p, UP, 0.1) == 1.0
+    assert gather.likeness(p, UP, (5.0, 0.0, 0.0), UP, 0.1) == 1.0
+    assert gather.likeness(p, UP, p, (0.0, 1.0, 0.0), 0.1) == 0.0
+    assert gather.likeness(p, UP, (0.0, 0.0, 0.025), UP, 0.1) == pytest.approx(np.exp(-1.0))
+    assert gather.closeness(0.0, 2.0) == 1.0
+    assert gather.closeness(0.3, 0.0) == 1.0
+    assert gather.closeness(0.3, 2.0) < gather.closeness(0.1, 2.0) < 1.0
+
+
+@pytest.mark.parametrize(("rays", "sky_rays"), [(8, 4), (1, 3), (16, 0)])
+def test_both_kinds_of_rays_together_are_irradiance(rays, sky_rays):
+    """A sky of radiance 1 with a spot of radiance 200: 60 000 rays of either kind, each weighted.
+
+    Without the share of those by the cosine the spot alone would come twice.
+    """
+    axis = np.array([0.6, 0.0, 0.8])
+    cap = 2.0 * np.pi * (1.0 - 0.995)
+    radiance = lambda d: np.where(d @ axis > 0.995, 200.0, 1.0)  # noqa: E731
+    power = 4.0 * np.pi + 199.0 * cap
+    truth = np.pi + 199.0 * np.pi * (1.0 - 0.995**2) * 0.8
+    total = 0.0
+    samples = 60_000
+    by_cosine = gather.cosine_direction(
+        np.tile(UP, (samples * rays // 8, 1)), RNG.random((samples * rays // 8, 2))
+    )
+    for d, is_sky in ((by_cosine, False), (_by_brightness(samples, axis), True)):
+        if is_sky and not sky_rays:
+            continue
+        count = sky_rays if is_sky else rays
+        share = gather.sky_share(d[:, 2], radiance(d) / power, rays, sky_rays)
+        total += count * float((share * radiance(d)).mean())
+    tolerance = 0.01 if sky_rays else 0.15
+    assert np.pi / rays * total == pytest.approx(truth, rel=tolerance)
+
+
+def _by_brightness(count: int, axis: np.ndarray) -> np.ndarray:
+    """Directions distributed as the radiance of the test's sky, by rejection."""
+    found = np.empty((0, 3))
+    while len(found) < count:
+        z = RNG.normal(size=(40 * count, 3))
+        z /= np.linalg.norm(z, axis=1, keepdims=True)
+        bright = np.where(z @ axis > 0.995, 200.0, 1.0)
+        found = np.concatenate([found, z[RNG.random(len(z)) < bright / 200.0]])
+    return found[:count]
+
+
+def test_items_of_an_alias_table_come_by_their_weights():
+    weights = RNG.random(500) ** 8
+    weights[::7] = 0.0
+    keep, other = gather.alias_table(weights)
+    chance = keep / 500.0
+    np.add.at(chance, other, (1.0 - keep) / 500.0)
+    np.testing.assert_allclose(chance, weights / weights.sum(), atol=1e-12)
+    np.testing.assert_allclose(gather.alias_table(np.zeros(4))[0], 1.0)
+
+
+def test_twins(wgsl):
+    n = fibonacci_sphere(500)
+    x, y, k = (RNG.integers(0, 5000, 500).astype(np.uint32) for _ in range(3))
+    numbers = wgsl("gather", "ray_numbers", x, y, k, returns="vec2f")
+    np.testing.assert_array_equal(numbers, gather.ray_numbers(x, y, k).astype(np.float32))
+    later = wgsl("gather", "later_numbers", x, y, k, returns="vec2f")
+    np.testing.assert_array_equal(later, gather.later_numbers(x, y, k).astype(np.float32))
+    u = RNG.random((500, 2))
+    found = wgsl("gather", "cosine_direction", n, u, returns="vec3f")
+    np.testing.assert_allclose(found, gather.cosine_direction(n, u), atol=2e-4)
+    p, q = RNG.normal(size=(2, 500, 3))
+    m, texel = fibonacci_sphere(500)[::-1], RNG.random(500) + 0.5
+    like = wgsl("gather", "likeness", p, n, q, m, texel, returns="f32")
+    np.testing.assert_allclose(like, gather.likeness(p, n, q, m, texel), rtol=2e-3, atol=1e-6)
+    close = wgsl("gather", "closeness", texel, u[:, 0], returns="f32")
+    np.testing.assert_allclose(close, gather.closeness(texel, u[:, 0]), rtol=1e-3, atol=1e-6)
+    share = wgsl("gather", "sky_share", u[:, 0], u[:, 1], x, y, returns="f32")
+    twin = [gather.sky_share(a, b, int(i), int(j)) for a, b, i, j in zip(*u.T, x, y, strict=True)]
+    np.testing.assert_allclose(share, twin, rtol=1e-4)
