@@ -1,6 +1,6 @@
 """Rays towards what is bright of the environment.
 
-Rays by the cosine find a uniform sky, and a small sun by luck alone; rays by brightness find the sun.
+Rays by the cosine find a uniform sky, and a small sun by luck alone; rays by brightness find it.
 Both are sent and weighted by how likely either would have been (`maths.gather.sky_share`).
 """
 
