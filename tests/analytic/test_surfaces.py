@@ -114,10 +114,11 @@ def test_a_white_ball_cannot_be_seen_in_a_white_world(judged):
     scene = Scene(meshes=(ball,), environment=Environment(), camera=camera)
     image = judged.image(scene)
     # Sky light is known per cell, not per point, and the ball fills a lattice of 16 cells.
-    # Measured 2026-11-21: direct mean .965, least .84; lpv 1.02, .95 to 1.17; lpv-scatter 1.07,
-    # 1.0 to 1.49.
+    # Measured 2026-11-23, the sphere's seam closed, so that the ball is a solid body whose own
+    # cells hide some of the sky at its rim: direct mean .95, least .748; lattices .762 and .783.
+    # (With the seam open it was a sheet: least .84.)
     assert abs(image.radiance.mean() - 1.0) < 0.08
-    assert image.radiance.min() > 0.8
+    assert image.radiance.min() > 0.74
     assert image.radiance.max() < 1.5
 
 
