@@ -12,7 +12,7 @@ from ..lighting.gathered import Gathered
 from ..lighting.view import View
 from .points import PointParams, Points
 
-STRIDES = (1, 2)
+STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
 WIDTH = 1.6
 """Deviation of the weights of a pass in the first sample of a still, in strides."""
