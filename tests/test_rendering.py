@@ -325,7 +325,10 @@ def room(square):
 def test_a_sealed_room_is_dark_inside(gpu, room, light):
     sky = Environment(radiance=(3, 3, 3)) if light == "sky" else None
     lights = (SUN,) if light == "sun" else ()
-    scene = Scene(meshes=room(WHITE), lights=lights, environment=sky)
+    # The scene's camera is inside: what closes a body around no camera and no lamp is solid, as
+    # one mesh or as six, and only its outside stops the sky.
+    inside = Camera((0.3, 0.2, -0.1), (1, 0.2, 0.1), fov_y_deg=100.0)
+    scene = Scene(meshes=room(WHITE), lights=lights, environment=sky, camera=inside)
     outside = Camera(position=(-5, 6, 5), target=(0, 0, 0), fov_y_deg=40.0)
     settings = {**LPV, "shadow_resolution": 1024, "sky_resolution": 96}
     with Renderer(scene, "lpv", SIZE, settings=settings) as renderer:
