@@ -149,8 +149,8 @@ def test_a_closed_glowing_room(judged, square):
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
     image = judged.image(Scene(meshes=tuple(closed_room(square, paint)), camera=camera))
     # Its own light, and that of all walls reflected once. In corners walls shadow each other by a
-    # texel of the samples' maps: measured 4.5 % of one pixel in a hundred.
-    np.testing.assert_allclose(image.layers["direct"], 0.25 * 1.75, rtol=0.06)
+    # texel of the samples' maps, of which six lights share 40: measured 8.4 % of one pixel in 576.
+    np.testing.assert_allclose(image.layers["direct"], 0.25 * 1.75, rtol=0.09)
     assert image.layers["direct"].mean() == pytest.approx(0.25 * 1.75, rel=2e-3)
     print(judged.name, "glowing room", image.radiance.mean())
     if image.layers["indirect"].any():
