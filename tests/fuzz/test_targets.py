@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight import LightField
+from airlight import AreaLight, LightField
 from airlight.scene.io import load
 from airlight.scene.io.images import load_image
 from fuzz import documents, seeds, targets, texts
@@ -58,7 +58,8 @@ def test_the_good_documents_use_much_of_their_format(folder):
     scene = load(folder / "thing.gltf")
     assert scene.animation and len(scene.meshes) == 2 and scene.lights
     scene = load(folder / "scene.xml")
-    assert scene.medium and scene.environment and len(scene.meshes) == 8
+    assert scene.medium and scene.environment and len(scene.meshes) == 7
+    assert any(isinstance(light, AreaLight) for light in scene.lights)
 
 
 @pytest.mark.parametrize(
