@@ -50,6 +50,14 @@ def test_an_interrupted_import_is_quiet(module):
     assert done.stderr.strip() in ("", "interrupted")
 
 
+@pytest.fixture(autouse=True)
+def ctrl_c_is_heard():
+    """Background jobs of a shell ignore Ctrl-C, and so would the processes started here."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def child(code: str) -> subprocess.CompletedProcess[str]:
     start = "import os, signal, time; from airlight import interrupts; interrupts.leave_quietly()\n"
     return subprocess.run(

@@ -65,7 +65,7 @@ def test_a_floor_before_a_lit_wall_gathers_what_quadrature_says():
     found = image.layers["indirect"][is_before]
     truth = truth[is_before]
     # 512 rays of which a third meets the wall: .06 a pixel, less what neighbours share. The three
-    # passes of the filter blur an image as small as this one: measured .066 (two passes stay below .04).
+    # passes of the filter blur an image as small as this one: .066 (two passes: below .04).
     assert np.linalg.norm(found - truth) / np.linalg.norm(truth) < 0.075
     assert found.sum() / truth.sum() == pytest.approx(1.0, abs=0.01)
 

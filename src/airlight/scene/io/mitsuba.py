@@ -69,6 +69,13 @@ class _Found:
     environment: Environment | None = None
     held: list[Held] = field(default_factory=list)
     one_sided: list[str] = field(default_factory=list)
+    rims: dict[int, bool] = field(default_factory=dict)
+
+    def is_open(self, geometry: Geometry) -> bool:
+        """`_is_open`, asked once of a geometry that many shapes share; meshes keep it alive."""
+        if id(geometry) not in self.rims:
+            self.rims[id(geometry)] = _is_open(geometry)
+        return self.rims[id(geometry)]
 
 
 def load_mitsuba(path: Path) -> Scene:
@@ -162,7 +169,7 @@ def _read_shape(node: Node, found: _Found, source: Source) -> None:
         return
     for part in shape_geometries(node, source):
         found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
-        if not (made.two_sided or made.is_emissive) and _is_open(part.geometry):
+        if not (made.two_sided or made.is_emissive) and found.is_open(part.geometry):
             found.one_sided.append(str(node))
 
 
