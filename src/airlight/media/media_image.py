@@ -79,6 +79,7 @@ class MediaImage:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
         self.has_sky = e.has_sky and bool(self.media.count) and s.shafts != "off"
         wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids
+        wanted = wanted or self.media.has_emission
         self.is_marched = bool(self.media.count and wanted)
         self.march = March(gpu, self.media, sources=e.sources)
         has_grids = self.media.has_grids

@@ -20,6 +20,8 @@ class MediumData(Struct):
     detail_periods = vec3f("of the noise along the box's sides")
     detail = f32("how strong the noise is")
     detail_bias = f32("keeps the mean density")
+    emission = vec3f("W m^-3 sr^-1 where voxels or density are 1")
+    glows = u32("1: emission is in proportion to yzw of the voxels, else to the density")
 
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
@@ -38,12 +40,17 @@ def column_slots(grids: int) -> tuple[Slot, ...]:
     return tuple(texture(f"light_columns{i}", "3d") for i in range(grids))
 
 
-def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
-    """The constants, `medium_grid_texel` (a grid's density in its x) and `medium_noise`."""
+def medium_wgsl(
+    count: int, grids: int, *, has_detail: bool = False, has_emission: bool = False
+) -> str:
+    """The constants, `medium_grid_texel` (a grid's density in its x, what its emission is
+    multiplied by in its yzw) and `medium_noise`.
+    """
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
     return (
         f"const MEDIA_COUNT = {max(1, count)}u;\nconst GRID_COUNT = {grids}u;\n"
+        f"const HAS_EMISSION = {str(has_emission).lower()};\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
         + _chosen(
             "medium_grid_texel",

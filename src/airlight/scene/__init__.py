@@ -4,11 +4,13 @@ scene        all of it in one value           camera, environment
 mesh         triangles and their transforms   material   how they reflect
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
+emission     light that volumes give off themselves
 image        a rendered image                 settings   the settings of techniques
 io/          files <-> these    builtin/   scenes that ship    animation/   scenes in time
 """
 
 from .camera import Camera
+from .emission import Emission
 from .environment import Environment
 from .lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
 from .material import Material, Texture
@@ -22,6 +24,7 @@ __all__ = [
     "AreaLight",
     "Camera",
     "DirectionalLight",
+    "Emission",
     "Environment",
     "Geometry",
     "Light",

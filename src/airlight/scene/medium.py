@@ -31,7 +31,8 @@ class Medium:
     the Henyey-Greenstein phase function in (-1, 1), each per RGB channel. Without `bounds`
     (metres) it fills the scene's bounds, the camera included. An `endless` one goes on sideways and
     downwards without an end, below the height `top` (metres; by default the scene's top and a
-    quarter of its height above that): fog without a top would let no sun in.
+    quarter of its height above that): fog without a top would let no sun in. `emission` is the
+    light that it gives off itself, W m^-3 sr^-1.
     """
 
     sigma_t: Rgb
@@ -40,12 +41,14 @@ class Medium:
     bounds: Bounds | None = None
     endless: bool = False
     top: float | None = None
+    emission: Rgb = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "sigma_t", checks.rgb(self.sigma_t, "sigma_t"))
         put(self, "albedo", checks.rgb(self.albedo, "albedo", high=1.0))
         put(self, "g", mean_cosine(self.g))
+        put(self, "emission", checks.rgb(self.emission, "emission"))
         if self.bounds is not None:
             put(self, "bounds", checks.bounds(self.bounds, "medium bounds"))
             if self.endless:

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import SceneError
 from . import checks
 from .checks import F32, F64, Bounds, Rgb
+from .emission import Emission
 from .medium import mean_cosine
 
 IDENTITY: F64 = np.eye(4)
@@ -23,6 +24,7 @@ class Volume:
     `bounds` (metres); or None with `shape` "box" or "sphere" filling `bounds` with density 1.
     `sigma_t` is per metre at density 1. `world_from_volume` is a rigid or affine 4x4 matrix
     applied after `bounds`. `detail` is the amplitude of procedural noise added at march time.
+    `emission` is the light that it gives off itself; its grid, if any, is as large as the density.
     """
 
     sigma_t: Rgb
@@ -34,6 +36,7 @@ class Volume:
     world_from_volume: F64 = field(default_factory=lambda: IDENTITY)
     detail: float = 0.0
     source: str = ""
+    emission: Emission | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -54,6 +57,25 @@ class Volume:
             raise SceneError("detail makes a density grid finer, a shape has none")
         if self.density is not None:
             put(self, "density", _checked_density(self.density))
+        self._check_emission()
+
+    def _check_emission(self) -> None:
+        size = self.emission.size if self.emission else None
+        if size is None:
+            return
+        if self.density is None:
+            raise SceneError(
+                "a shape has no voxels that an emission grid could light",
+                remedy="Give it a density grid, or an emission alone.",
+            )
+        if size != self.density.shape:
+            have, want = (" x ".join(map(str, s[::-1])) for s in (size, self.density.shape))
+            raise SceneError(f"volume emission has {have} voxels, its density has {want}")
+
+    @property
+    def is_emissive(self) -> bool:
+        """Whether it gives off light itself, at this time or another."""
+        return self.emission is not None and max(self.emission.radiance) > 0.0
 
 
 def _checked_density(density: F32) -> F32:

@@ -53,6 +53,26 @@ fn medium_density(m: u32, p: vec3f) -> f32 {
     return select(1.0, 0.0, media[m].kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);
 }
 
+// What medium m emits at a point of its box, W m^-3 sr^-1; its density there, and the coordinates.
+fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
+    if (GRID_COUNT > 0u && media[m].glows != 0u) {
+        return media[m].emission * medium_grid_texel(media[m].grid, uvw).yzw;
+    }
+    return media[m].emission * density;
+}
+
+// Emission of all media at a point, W m^-3 sr^-1.
+fn media_emission(p: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA_COUNT; m++) {
+        let uvw = medium_coordinates(m, p);
+        if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {
+            sum += medium_emission(m, medium_density(m, p), uvw);
+        }
+    }
+    return sum;
+}
+
 // Extinction of all media at a point, m^-1.
 fn media_extinction(p: vec3f) -> vec3f {
     var sum = vec3f(0.0);

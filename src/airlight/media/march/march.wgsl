@@ -48,6 +48,8 @@ var<private> eye_depth: f32;
 var<private> eye_path: f32;
 // Densities in the middle of a step: looked up once, because they cost more than all else.
 var<private> media_density_here: array<f32, MEDIA_COUNT>;
+// What all media emit there, W m^-3 sr^-1.
+var<private> emitted_here: vec3f;
 
 // Fill the copies.
 fn march_begin() {
@@ -65,11 +67,15 @@ fn march_begin() {
 
 // Look up the densities at p, t of the entered ray. Homogeneous media are known by their intervals.
 fn densities_at(p: vec3f, t: f32) {
+    emitted_here = vec3f(0.0);
     for (var m = 0u; m < MEDIA_COUNT; m++) {
         let is_in = medium_intervals[m].x <= t && t < medium_intervals[m].y;
         media_density_here[m] = select(0.0, 1.0, is_in);
         if (GRID_COUNT > 0u && media_is_grid[m]) {
             media_density_here[m] = medium_density(m, p);
+        }
+        if (HAS_EMISSION && is_in) {
+            emitted_here += medium_emission(m, media_density_here[m], medium_coordinates(m, p));
         }
     }
 }
@@ -182,11 +188,11 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
             let dt = min(media_step_limit(t, wanted), hull.y - t);
             let p = eye + (t + 0.5 * dt) * ray.direction;
             densities_at(p, t + 0.5 * dt);
-            // Emission in it, times the mean transmittance to the eye.
+            // What media emit and scatter in it, times the mean transmittance to the eye.
             let depth = depth_here(t, dt);
             let T_step = exp(-depth);
             let reached = T * dt * mean_transmittance_of(depth, T_step);
-            L += reached * emission_at(p, -ray.direction);
+            L += reached * (emitted_here + emission_at(p, -ray.direction));
             sky += reached * skylit_at(p, -ray.direction);
             T *= T_step;
             T_most = max(T.r, max(T.g, T.b));
@@ -200,9 +206,11 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
                 eye_depth += 0.5 * reduced.scattered;
                 eye_path += reduced.path;
                 let own_light = forward_light(p, -ray.direction, reached, reduced_reached);
-                // Beside single scattering of the sky, what is scattered forwards of it.
+                // Beside single scattering of the sky, and what media emit, what is scattered
+                // forwards of both.
                 L_reduced += reduced_reached * reduced_emission_at(p, -ray.direction) + own_light.on
-                    + max(reduced_reached - reached, vec3f(0.0)) * sky_reduced_at();
+                    + max(reduced_reached - reached, vec3f(0.0))
+                    * (sky_reduced_at() + emitted_here);
                 L_two_bands += reached * lattice_two_bands(p, -ray.direction) + own_light.last;
                 eye_depth += 0.5 * reduced.scattered;
                 T_reduced *= T_reduced_step;
