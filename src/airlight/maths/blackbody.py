@@ -56,22 +56,24 @@ def rec709(temperature_k: ArrayLike) -> F64:
 
 
 @lru_cache(maxsize=1)
-def _table() -> tuple[F64, F64]:
-    """Inverse temperatures, K^-1, rising; logarithms (n, 3) of `rec709` there."""
+def _table() -> tuple[F64, F64, F64]:
+    """Inverse temperatures, K^-1, rising; the logarithm of Y there, and `rec709` over Y (n, 3)."""
     inverse = np.linspace(1.0 / HOTTEST_K, 1.0 / _COOLEST_K, _ENTRIES)
-    return inverse, np.log(np.maximum(rec709(1.0 / inverse), 1e-300))
+    luminance = xyz(1.0 / inverse)[:, 1]
+    return inverse, np.log(luminance), rec709(1.0 / inverse) / luminance[:, None]
 
 
 def rec709_of_grid(temperature_k: ArrayLike) -> NDArray[np.float32]:
     """(..., 3) float32: `rec709` of many temperatures, from a table; below 500 K nothing.
 
-    log(radiance) is nearly linear in 1/T (Wien's law), so the table is within 1e-4.
+    log(Y) is nearly linear in 1/T (Wien's law), so the table is within 1e-3.
     """
     kelvin = np.asarray(temperature_k, np.float64)
     found = np.zeros((*kelvin.shape, 3), np.float32)
     glows = kelvin > _COOLEST_K
-    inverse, logs = _table()
+    at = 1.0 / kelvin[glows]
+    inverse, logs, colours = _table()
+    luminance = np.exp(np.interp(at, inverse, logs))
     for channel in range(3):
-        at = 1.0 / kelvin[glows]
-        found[glows, channel] = np.exp(np.interp(at, inverse, logs[:, channel]))
+        found[glows, channel] = luminance * np.interp(at, inverse, colours[:, channel])
     return found

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.commands import Commands
@@ -21,13 +20,22 @@ from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, Texture, linear_sampler
 from ..maths.half import half_floats
 from ..maths.transforms import F64
-from ..scene.checks import Rgb
+from ..scene.checks import F32
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .detail import detail_bias, detail_periods, detail_texture
+from .emission_grids import NO_GRID, EmissionGrids, brightest_emission, glows, has_emission
 from .light_columns import LightColumns
-from .media_slots import MediumData, column_slots, column_wgsl, medium_slots, medium_wgsl
+from .media_slots import (
+    MediumData,
+    column_slots,
+    column_wgsl,
+    emission_slots,
+    emission_wgsl,
+    medium_slots,
+    medium_wgsl,
+)
 
 MAX_MEDIA = 8
 MAX_GRIDS = 4
@@ -66,8 +74,8 @@ class GpuMedia:
             )
         # Media as rows of a table, their densities as textures.
         self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
-        self._gridded = [v for v in scene.volumes if v.density is not None]
-        self.grids = [_voxel_texture(gpu, volume) for volume in self._gridded]
+        self._densities = [v.density for v in scene.volumes if v.density is not None]
+        self.grids = [_density_texture(gpu, density) for density in self._densities]
         self._linear = linear_sampler(gpu, "media")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
@@ -75,14 +83,18 @@ class GpuMedia:
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
         self.version = 0
+        self.has_emission = has_emission(scene)
+        gridded = [v for v in scene.volumes if glows(v)]
+        self._emission = EmissionGrids(gpu, scene.volumes) if gridded else None
         # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
         self._noise = detail_texture(gpu) if _has_detail(scene) else None
         has_detail = self._noise is not None
         self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
-        self.has_emission = _has_emission(scene)
         self.medium_slots = medium_slots(grids, has_detail=has_detail)
-        self.medium_wgsl = medium_wgsl(
-            self.count, grids, has_detail=has_detail, has_emission=self.has_emission
+        self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
+        self.medium_slots += emission_slots(has_grids=self._emission is not None)
+        self.medium_wgsl += emission_wgsl(
+            has_emission=self.has_emission, has_grids=self._emission is not None
         )
         # A pass that needs no columns binds none, whatever lights the scene has.
         columns = grids if light_count else 0
@@ -126,12 +138,14 @@ class GpuMedia:
             and all(map(operator.is_, media, self._media))
         ):
             return False
-        if _kinds(scene) != self._kinds or _has_emission(scene) > self.has_emission:
+        if _kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
         changed = self._take_densities(scene)
+        if self._emission is not None:
+            changed = self._emission.update(scene.volumes) or changed
         if packed.tobytes() != self._written:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
@@ -139,25 +153,19 @@ class GpuMedia:
         return changed
 
     def _take_densities(self, scene: Scene) -> bool:
-        """Upload the voxels that are not the last frame's; returns whether there were any."""
-        new = [v for v in scene.volumes if v.density is not None]
+        """Upload the densities that are not the last frame's; returns whether there were any."""
+        new = [v.density for v in scene.volumes if v.density is not None]
         changed = False
-        for i, (volume, old) in enumerate(zip(new, self._gridded, strict=True)):
-            self._gridded[i] = volume
-            if volume.density is old.density and volume.emission is old.emission:
+        for i, (density, old) in enumerate(zip(new, self._densities, strict=True)):
+            if density is old:
                 continue
-            have, had = (v.density.shape for v in (volume, old) if v.density is not None)
-            if have != had:
+            if density.shape != old.shape:
                 raise SceneError(
-                    f"a volume's grid changed from {had} to {have} cells",
+                    f"a volume's grid changed from {old.shape} to {density.shape} cells",
                     remedy="Make a new Renderer",
                 )
-            if glows(volume) != glows(old):
-                raise SceneError(
-                    "a volume's emission got a grid, or lost it", remedy="Make a new Renderer"
-                )
-            self.grids[i].write(_voxels(volume))
-            changed = True
+            self.grids[i].write(half_floats(density))
+            self._densities[i], changed = density, True
         return changed
 
     @property
@@ -167,6 +175,8 @@ class GpuMedia:
         if self.grids:
             bound["media_linear"] = self._linear
             bound |= {f"medium_density{i}": grid for i, grid in enumerate(self.grids)}
+        if self._emission is not None:
+            bound["emission_grids"] = self._emission.texture
         if self._noise is not None:
             bound |= {"media_repeat": self._repeat, "medium_noise_texture": self._noise}
         return bound
@@ -196,6 +206,8 @@ class GpuMedia:
             matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
             has_shafts = index not in self._solved
             row = _fields(volume, kind, matrix, has_shafts=has_shafts)
+            place = self._emission.places[index] if self._emission else NO_GRID
+            row |= {"emission_first": place.first, "emission_count": place.count}
             if kind == GRID:
                 row |= {"grid": grid, "voxel": voxel_m(volume)}
                 if self._noise is not None and volume.detail > 0.0:
@@ -241,8 +253,9 @@ def _fields(
         "grid": 0,
         "g": of.g,
         "has_shafts": int(has_shafts),
-        "emission": _emission(of),
-        "glows": int(isinstance(of, Volume) and glows(of)),
+        "emission": brightest_emission(of),
+        "emission_first": NO_GRID.first,
+        "emission_count": NO_GRID.count,
         "voxel": 0.0,
         "detail": 0.0,
         "detail_bias": 0.0,
@@ -264,43 +277,8 @@ def _detail_fields(volume: Volume) -> dict[str, Any]:
     }
 
 
-def _has_emission(scene: Scene) -> bool:
-    own = scene.medium is not None and max(scene.medium.emission) > 0.0
-    return own or any(v.is_emissive for v in scene.volumes)
-
-
-def glows(volume: Volume) -> bool:
-    """Whether a volume's voxels say by themselves how much they emit."""
-    return volume.emission is not None and volume.emission.values is not None
-
-
-def _emission(of: Medium | Volume) -> Rgb:
-    """W m^-3 sr^-1 of the brightest voxel, as `_voxels` has them; or at density 1."""
-    if isinstance(of, Medium):
-        return of.emission
-    if of.emission is None:
-        return (0.0, 0.0, 0.0)
-    r, g, b = (c * of.emission.peak for c in of.emission.radiance)
-    return (r, g, b)
-
-
-def _voxels(volume: Volume) -> NDArray[np.float16]:
-    """Densities (z, y, x); or with what emission is multiplied by, 0..1, (z, y, x, 4)."""
-    assert volume.density is not None
-    if not glows(volume):
-        return half_floats(volume.density)
-    emission = volume.emission
-    assert emission is not None and emission.values is not None
-    made = np.empty((*volume.density.shape, 4), np.float16)
-    half_floats(volume.density, out=made[..., 0])
-    half_floats(emission.values, 1.0 / max(emission.peak, 1e-30), out=made[..., 1:])
-    return made
-
-
-def _voxel_texture(gpu: Gpu, volume: Volume) -> Texture:
-    assert volume.density is not None
-    depth, height, width = volume.density.shape
-    form = "rgba16float" if glows(volume) else "r16float"
-    made = Texture(gpu, "density", (width, height, depth), form, dimension="3d")
-    made.write(_voxels(volume))
+def _density_texture(gpu: Gpu, density: F32) -> Texture:
+    depth, height, width = density.shape
+    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
+    made.write(half_floats(density))
     return made

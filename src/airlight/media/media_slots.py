@@ -20,8 +20,9 @@ class MediumData(Struct):
     detail_periods = vec3f("of the noise along the box's sides")
     detail = f32("how strong the noise is")
     detail_bias = f32("keeps the mean density")
-    emission = vec3f("W m^-3 sr^-1 where voxels or density are 1")
-    glows = u32("1: emission is in proportion to yzw of the voxels, else to the density")
+    emission = vec3f("W m^-3 sr^-1 of the brightest voxel, or at density 1")
+    emission_first = vec3f("texels, of its grid in the texture of all")
+    emission_count = vec3f("texels; 0 where it emits by its density")
 
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
@@ -40,17 +41,12 @@ def column_slots(grids: int) -> tuple[Slot, ...]:
     return tuple(texture(f"light_columns{i}", "3d") for i in range(grids))
 
 
-def medium_wgsl(
-    count: int, grids: int, *, has_detail: bool = False, has_emission: bool = False
-) -> str:
-    """The constants, `medium_grid_texel` (a grid's density in its x, what its emission is
-    multiplied by in its yzw) and `medium_noise`.
-    """
+def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
+    """The constants, `medium_grid_texel` (a grid's density in its x) and `medium_noise`."""
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
     return (
         f"const MEDIA_COUNT = {max(1, count)}u;\nconst GRID_COUNT = {grids}u;\n"
-        f"const HAS_EMISSION = {str(has_emission).lower()};\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
         + _chosen(
             "medium_grid_texel",
@@ -80,6 +76,22 @@ def column_wgsl(grids: int, light_count: int) -> str:
             "vec3u(1u)",
             [f"textureDimensions(light_columns{i})" for i in range(grids)],
         )
+    )
+
+
+def emission_slots(*, has_grids: bool) -> tuple[Slot, ...]:
+    """The slot of the emission grids of all media."""
+    return (texture("emission_grids", "3d"),) if has_grids else ()
+
+
+def emission_wgsl(*, has_emission: bool, has_grids: bool) -> str:
+    """HAS_EMISSION, and `media_emission_texel`, at texels of the texture of all emission grids."""
+    size = "vec3f(textureDimensions(emission_grids))"
+    sample = f"textureSampleLevel(emission_grids, media_linear, at / {size}, 0.0).rgb"
+    texel = sample if has_grids else "vec3f(0.0)"
+    return (
+        f"const HAS_EMISSION = {str(has_emission).lower()};\n"
+        f"fn media_emission_texel(at: vec3f) -> vec3f {{ return {texel}; }}\n"
     )
 
 

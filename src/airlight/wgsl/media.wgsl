@@ -4,6 +4,7 @@
 //! use medium
 //! use phase
 //! needs fn medium_grid_texel(grid: u32, uvw: vec3f) -> vec4f
+//! needs fn media_emission_texel(at: vec3f) -> vec3f
 //! needs fn medium_noise(at: vec3f) -> f32
 
 const MEDIUM_BOX = 0u;
@@ -55,8 +56,11 @@ fn medium_density(m: u32, p: vec3f) -> f32 {
 
 // What medium m emits at a point of its box, W m^-3 sr^-1; its density there, and the coordinates.
 fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
-    if (GRID_COUNT > 0u && media[m].glows != 0u) {
-        return media[m].emission * medium_grid_texel(media[m].grid, uvw).yzw;
+    let count = media[m].emission_count;
+    if (count.x > 0.0) {
+        // Grids lie in one texture: each is filtered within its own box.
+        let at = media[m].emission_first + clamp(uvw * count, vec3f(0.5), count - 0.5);
+        return media[m].emission * media_emission_texel(at);
     }
     return media[m].emission * density;
 }

@@ -28,6 +28,8 @@ VALUES: dict[str, object] = {  # by "table.key", else by the key; others by thei
     "light.file": "many.npz",
     "volume.sequence": "smoke.*.npy",
     "grid": "density",
+    "emission_grid": "flame",
+    "temperature_grid": "temperature",
     "channels": "density",
     "clip_start_s": 0.25,
     "clip_speed": 1.5,
@@ -79,11 +81,19 @@ INSTEAD = {
     "sigma_s": ("sigma_t",),
     "sigma_a": ("sigma_t",),
     "detail": ("shape",),
+    "emission_grid": ("shape",),
+    "temperature_grid": ("shape",),
+    "temperature_scale": ("shape",),
+    "temperature_offset": ("shape",),
 }
 BESIDE = {
     "detail": {"file": "smoke.npy"},
     "grid": {"file": "smoke.npy"},
     "channels": {"file": "smoke.npy"},
+    "emission_grid": {"file": "fire.npz"},
+    "temperature_grid": {"file": "fire.npz"},
+    "temperature_scale": {"file": "fire.npz", "temperature_grid": "temperature"},
+    "temperature_offset": {"file": "fire.npz", "temperature_grid": "temperature"},
     "top": {"endless": True},
 }
 DIRECTIONS = ([0, -1, 0], [0, -0.6, 0.8], [0.6, -0.8, 0])
@@ -155,6 +165,8 @@ def folder(tmp_path_factory):
     rng = np.random.default_rng(1)
     for name in ("smoke.npy", "smoke.1.npy", "smoke.2.npy", "smoke.10.npy"):
         np.save(made / name, rng.random((3, 4, 5), dtype=np.float32))
+    fire = {name: rng.random((3, 4, 5), dtype=np.float32) for name in ("density", "flame")}
+    np.savez(made / "fire.npz", **fire, temperature=3000.0 * fire["flame"] + 1.0)
     np.savez(made / "many.npz", positions=np.ones((2, 3)), intensities=np.ones((2, 3)))
     from airlight.scene.image import Image
 

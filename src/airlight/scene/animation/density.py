@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ..checks import F32
+from ..emission import Emission
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -26,6 +27,9 @@ class Density(Protocol):
 
     def at(self, time_s: float) -> F32:
         """The grid (z, y, x), always of one shape."""
+
+    def emission_at(self, time_s: float) -> F32 | None:
+        """The grid of emission or temperature, as the volume's `Emission` has it; None without."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,23 +51,41 @@ class VolumeTrack:
             raise SceneError(
                 f"the animation changes volume {self.index + 1}, but the scene has {len(volumes)}"
             )
-        density = self.density.at(time_s)
-        if volumes[self.index].density is density:
+        density, glow = self.density.at(time_s), self.density.emission_at(time_s)
+        volume = volumes[self.index]
+        emission = volume.emission if glow is None else _with_grid(volume.emission, glow)
+        if volume.density is density and volume.emission is emission:
             return scene  # what did not change need not be uploaded or solved again
-        volumes[self.index] = replace(volumes[self.index], density=density)
+        volumes[self.index] = replace(volume, density=density, emission=emission)
         return replace(scene, volumes=tuple(volumes))
+
+
+def _with_grid(emission: Emission | None, grid: F32) -> Emission | None:
+    """The emission with another grid; the very same where the grid is its own."""
+    if emission is None:
+        return None
+    name = "grid" if emission.temperature is None else "temperature"
+    return emission if getattr(emission, name) is grid else replace(emission, **{name: grid})
 
 
 @dataclass(frozen=True, eq=False)
 class MadeDensity:
-    """`make(time_s)`: a function of a module, or a functools.partial of one."""
+    """`make(time_s)`: a function of a module, or a functools.partial of one.
+
+    `make_emission` likewise, where the volume has an emission grid.
+    """
 
     make: Callable[[float], F32]
     end_s: float = float("inf")
+    make_emission: Callable[[float], F32] | None = None
 
     def at(self, time_s: float) -> F32:
         """The grid (z, y, x)."""
         return self.make(time_s)
+
+    def emission_at(self, time_s: float) -> F32 | None:
+        """The grid of emission or temperature, if there is one."""
+        return None if self.make_emission is None else self.make_emission(time_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +94,7 @@ class FileSequence:
 
     Between two files their densities are mixed; with `between` "step" the earlier one holds.
     Before the first and after the last these hold; with `is_loop` the first follows the last.
-    `grid` and `channels` as in `read_volume`.
+    `grid` and `channels` as in `read_volume`; `emission_grid`: of the same files, if any.
     """
 
     files: tuple[Path, ...]
@@ -83,6 +105,7 @@ class FileSequence:
     is_loop: bool = False
     grid: str = "density"
     channels: str = "density"
+    emission_grid: str | None = None
 
     @property
     def end_s(self) -> float:
@@ -91,6 +114,13 @@ class FileSequence:
 
     def at(self, time_s: float) -> F32:
         """The grid (z, y, x). Raises SceneError for a file that cannot be read or does not fit."""
+        return self._mixed(time_s, self._read)
+
+    def emission_at(self, time_s: float) -> F32 | None:
+        """The emission grid, if there is one. Raises SceneError as `at` does."""
+        return None if self.emission_grid is None else self._mixed(time_s, self._read_emission)
+
+    def _mixed(self, time_s: float, read: Callable[[int], F32]) -> F32:
         place, count = (time_s - self.start_s) * self.fps, len(self.files)
         # A frame's time is a quotient; a hair before a file's time is that time.
         nearest = round(place)
@@ -98,28 +128,43 @@ class FileSequence:
         place = place % count if self.is_loop else min(max(place, 0.0), count - 1.0)
         k, u = int(place), place - int(place)
         if u == 0.0 or self.between == "step":
-            return self._read(k)
-        mixed = (1.0 - u) * self._read(k) + u * self._read((k + 1) % count)
+            return read(k)
+        mixed = (1.0 - u) * read(k) + u * read((k + 1) % count)
         return np.asarray(mixed, np.float32)
 
     def check(self) -> None:
         """Read every file once. Raises SceneError for one that cannot be read or does not fit."""
         for k in range(len(self.files)):
             self._read(k)
+            if self.emission_grid is not None:
+                self._read_emission(k)
 
-    def _read(self, k: int) -> F32:
-        path = self.files[k]
+    def _stamp(self, path: Path) -> int:
         try:
-            stamp = path.stat().st_mtime_ns
+            return path.stat().st_mtime_ns
         except OSError as error:
             raise SceneError(
                 f"cannot be read ({error.strerror or error})",
                 where=path,
                 remedy="The sequence had it when the scene was loaded.",
             ) from None
-        density = _density(path, stamp, self.grid, self.channels)
-        if density.shape != self.shape:
-            have, want = (" x ".join(map(str, s)) for s in (density.shape, self.shape))
+
+    def _read_emission(self, k: int) -> F32:
+        assert self.emission_grid is not None
+        path = self.files[k]
+        key = (path, self._stamp(path), self.grid, self.channels)
+        return self._fitting(_with_emission(*key, self.emission_grid)[1], path)
+
+    def _read(self, k: int) -> F32:
+        path = self.files[k]
+        key = (path, self._stamp(path), self.grid, self.channels)
+        if self.emission_grid is None:
+            return self._fitting(_density(*key), path)
+        return self._fitting(_with_emission(*key, self.emission_grid)[0], path)
+
+    def _fitting(self, density: F32, path: Path) -> F32:
+        if density.shape[:3] != self.shape:
+            have, want = (" x ".join(map(str, s)) for s in (density.shape[:3], self.shape))
             raise SceneError(
                 f"its grid has {have} cells, the sequence's first has {want}",
                 where=path,
@@ -136,3 +181,19 @@ def _density(path: Path, stamp_ns: int, grid: str, channels: str) -> F32:
     density = read_volume(path, grid, channels).density
     density.flags.writeable = False
     return density
+
+
+@lru_cache(maxsize=3)
+def _with_emission(
+    path: Path, stamp_ns: int, grid: str, channels: str, emission_grid: str
+) -> tuple[F32, F32]:
+    """A file's density and its emission grid, on one box that holds both."""
+    from ..io.emission_files import on_one_grid
+    from ..io.volumes import read_values, read_volume
+
+    found, glow = on_one_grid(
+        read_volume(path, grid, channels), read_values(path, emission_grid)
+    )
+    for values in (found.density, glow):
+        values.flags.writeable = False
+    return found.density, glow

@@ -53,6 +53,8 @@ def with_default_lights(
     """
     if scene.lights or scene.light_groups or scene.environment is not None:
         return scene
+    if any(volume.is_emissive for volume in scene.volumes):
+        return scene  # fire is seen by its own light
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
     if is_scene_file and brightest > 0.0:
         if brightest >= LAMP_RADIANCE:

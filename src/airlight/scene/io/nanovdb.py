@@ -53,13 +53,14 @@ class SparseGrid:
 
     `values` (x, y, z) float32, of the voxels from `first` (3,) on, background included.
     `world_from_index` (4, 4): voxel centres lie at whole numbers. `is_level_set`: values are
-    signed distances, negative inside.
+    signed distances, negative inside. `name`: the grid's own.
     """
 
     values: F32
     first: tuple[int, int, int]
     world_from_index: F64
     is_level_set: bool
+    name: str = ""
 
 
 def read_nanovdb(path: Path, wanted: str) -> SparseGrid:
@@ -92,6 +93,7 @@ class _Record:
     grid_class: int
     low: tuple[int, int, int]
     high: tuple[int, int, int]
+    name: str
 
 
 def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
@@ -105,7 +107,7 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
         names.append(content[at : at + name_size].rstrip(b"\0").decode(errors="replace"))
         at += name_size
         if names[-1] == wanted or count == 1:
-            record = _Record(fields[4], fields[5], fields[12:15], fields[15:18])
+            record = _Record(fields[4], fields[5], fields[12:15], fields[15:18], names[-1])
             found = record, _unpacked(content[at : at + packed_size], size, codec)
         at += packed_size
     if found is None:
@@ -199,6 +201,7 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
         record.low,
         world_from_index,
         record.grid_class == _LEVEL_SET,
+        record.name,
     )
 
 

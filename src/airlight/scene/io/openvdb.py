@@ -126,7 +126,7 @@ def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> S
         _transform(stream)
     values, first = read_tree(stream, source.kind, compression, source.end)
     is_level_set = metadata.get("class") == b"level set"
-    return SparseGrid(values, first, world_from_index, is_level_set)
+    return SparseGrid(values, first, world_from_index, is_level_set, chosen.name)
 
 
 def _transform(stream: VdbStream) -> F64:

@@ -158,7 +158,10 @@ def _by_numbers(path: Path) -> tuple[Any, ...]:
 
 
 def file_sequence(
-    values: dict[str, Any], files: tuple[Path, ...], shape: tuple[int, ...]
+    values: dict[str, Any],
+    files: tuple[Path, ...],
+    shape: tuple[int, ...],
+    emission_grid: str | None = None,
 ) -> FileSequence:
     """The sequence that a [[volume]]'s keys describe; takes them out of `values`."""
     names = {
@@ -170,7 +173,7 @@ def file_sequence(
         "channels": "channels",
     }
     given = {field: values.pop(name) for name, field in names.items() if name in values}
-    return FileSequence(files, shape, **given)
+    return FileSequence(files, shape, **given, emission_grid=emission_grid)
 
 
 def animation(raw: Raw, tracks: Sequence[Track]) -> Animation | None:

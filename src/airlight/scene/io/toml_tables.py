@@ -181,11 +181,46 @@ _SCATTERING = (
     ),
 )
 
+_EMISSION = Key(
+    "emission",
+    checks.rgb,
+    _COLOUR,
+    "light that it gives off itself, at density 1 and in proportion to it",
+    "W m^-3 sr^-1",
+    "0",
+)
+
+_EMISSION_GRIDS = (
+    Key(
+        "emission_grid",
+        checks.text,
+        "text",
+        "which of the file's named grids the emission is in proportion to, instead of the density: "
+        "`flame`, `heat`; then `emission` is 1 by default",
+    ),
+    Key(
+        "temperature_grid",
+        checks.text,
+        "text",
+        "which of them holds temperatures: the emission is that of black bodies, times `emission`, "
+        "which is then in m^-1 and 1 by default",
+    ),
+    Key(
+        "temperature_scale",
+        checks.number,
+        "number",
+        "kelvin are (value - temperature_offset) * temperature_scale",
+        default="1",
+    ),
+    Key("temperature_offset", checks.number, "number", "see temperature_scale", default="0"),
+)
+
 MEDIUM = Table(
     "medium",
     "A homogeneous medium. Without bounds it fills the scene's bounds, the camera included.",
     (
         *_SCATTERING,
+        _EMISSION,
         Key("bounds", checks.bounds, "two corners", "the box it fills", "m"),
         Key(
             "endless",
@@ -241,6 +276,8 @@ VOLUME = Table(
         *SEQUENCE_KEYS,
         *_PLACEMENT,
         *_SCATTERING,
+        _EMISSION,
+        *_EMISSION_GRIDS,
         Key(
             "detail",
             checks.number,

@@ -29,7 +29,7 @@ from .toml_text_moving import has_own_camera, moves_light, with_motion
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
 _NO_MAP = "# The environment's image is no file: its mean stands for it.\n"
 _NO_GRID = "# A volume's density is no file: it is left out.\n"
-_SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g")
+_SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g", "emission")
 
 
 def scene_text(
@@ -174,7 +174,14 @@ def _medium(medium: Medium | None, raw: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _scattering(of: Medium | Volume) -> dict[str, Any]:
-    return {"sigma_t": _colour(of.sigma_t), "albedo": _colour(of.albedo), "g": _colour(of.g)}
+    own = of.emission if isinstance(of, Medium) else of.emission and of.emission.radiance
+    emitted = {"emission": _colour(own)} if own and max(own) > 0.0 else {}
+    return {
+        "sigma_t": _colour(of.sigma_t),
+        "albedo": _colour(of.albedo),
+        "g": _colour(of.g),
+        **emitted,
+    }
 
 
 def _volumes(

@@ -10,6 +10,7 @@ from ..animation.density import FileSequence
 from ..checks import Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
+from .emission_files import taken_emission
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
@@ -40,7 +41,8 @@ def placed_volume(
             if name in values:
                 raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
         with inside(label):
-            return Volume(world_from_volume=matrix, **values), (), None
+            emission, _ = taken_emission(values, None, None)
+            return Volume(world_from_volume=matrix, emission=emission, **values), (), None
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
@@ -50,7 +52,11 @@ def placed_volume(
     )
     note_read(*files)  # of a sequence those that are read later, too
     grid = read_volume(files[0], *(values.get(name, "density") for name in _OF_FILES))
-    sequence = file_sequence(values, files, grid.density.shape)
+    glowing = values.get("emission_grid", values.get("temperature_grid"))
+    with inside(label):
+        emission, grown = taken_emission(values, files[0], grid)
+    grid = grown or grid
+    sequence = file_sequence(values, files, grid.density.shape, glowing)
     warnings = grid.warnings
     if "bounds" in values:
         warnings = tuple(text for text in warnings if NOWHERE not in text)
@@ -58,7 +64,7 @@ def placed_volume(
         matrix = matrix @ grid.world_from_volume
     with inside(label):
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
-        volume = Volume(density=grid.density, source=written, **values)
+        volume = Volume(density=grid.density, source=written, emission=emission, **values)
     return volume, warnings, None if is_file else sequence
 
 

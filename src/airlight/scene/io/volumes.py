@@ -74,6 +74,39 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
         return _fitting(_in_own_box(density, path), path)
 
 
+@dataclass(frozen=True, eq=False)
+class GridValues:
+    """Any grid of a file: `values` (z, y, x) or (z, y, x, channel) float32, placed as VolumeGrid."""
+
+    values: F32
+    bounds: Bounds
+    world_from_volume: F64
+
+
+def read_values(path: Path, grid: str) -> GridValues:
+    """The grid called `grid` of a file, of any channels and sign. Raises SceneError."""
+    with naming(path):
+        suffix = path.suffix.lower()
+        if suffix in _SPARSE:
+            sparse = _SPARSE[suffix](path, grid)
+            if sparse.name not in ("", grid):
+                raise SceneError(f"has no grid '{grid}', only '{sparse.name}'")
+            found = _from_sparse(sparse)
+            return GridValues(found.density, found.bounds, found.world_from_volume)
+        if suffix not in _DENSE:
+            known = ", ".join((*_DENSE, *_SPARSE))
+            raise SceneError("is not a grid", remedy=f"Known endings: {known}.")
+        values, bounds = _DENSE[suffix](path, grid)
+        if values.ndim not in (3, 4) or values.dtype.kind not in "fiub":
+            raise SceneError(f"'{grid}' is {values.dtype} {values.shape}, not numbers (z, y, x)")
+        if values.size == 0:
+            raise SceneError(f"'{grid}' is empty: its shape is {values.shape}")
+        made = np.ascontiguousarray(values, np.float32)
+        if bounds is None:
+            bounds = _in_own_box(made, path).bounds
+        return GridValues(made, bounds, np.eye(4))
+
+
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     """Voxels at whole numbers; a level set as what it holds, its rim anti-aliased."""
     matrix = grid.world_from_index
@@ -160,7 +193,8 @@ def _density(values: NDArray[Any], channels: str) -> F32:
 
 def _in_own_box(density: F32, path: Path) -> VolumeGrid:
     """Cubic voxels, 2 m along the longest side, centred at the origin."""
-    half = np.array(density.shape[::-1]) / max(density.shape)
+    size = density.shape[:3]
+    half = np.array(size[::-1]) / max(size)
     x, y, z = (float(h) for h in half)
     text = f"{path.name} {NOWHERE}: it fills {2 * x:g} x {2 * y:g} x {2 * z:g} m "
     return VolumeGrid(density, ((-x, -y, -z), (x, y, z)), (text + "around the origin",))
