@@ -16,7 +16,12 @@ def test_planck_radiates_as_stefan_and_boltzmann_say() -> None:
 @pytest.mark.parametrize(
     ("kelvin", "x", "y"),
     # The Planckian locus, Wyszecki and Stiles 1982, table 3.11, and illuminant A.
-    [(1500, 0.5857, 0.3931), (2000, 0.5267, 0.4133), (2856, 0.4476, 0.4074), (6500, 0.3135, 0.3237)],
+    [
+        (1500, 0.5857, 0.3931),
+        (2000, 0.5267, 0.4133),
+        (2856, 0.4476, 0.4074),
+        (6500, 0.3135, 0.3237),
+    ],
 )
 def test_chromaticities_lie_on_the_planckian_locus(kelvin: float, x: float, y: float) -> None:
     found = blackbody.xyz(kelvin)

@@ -64,8 +64,9 @@ def _with_grid(emission: Emission | None, grid: F32) -> Emission | None:
     """The emission with another grid; the very same where the grid is its own."""
     if emission is None:
         return None
-    name = "grid" if emission.temperature is None else "temperature"
-    return emission if getattr(emission, name) is grid else replace(emission, **{name: grid})
+    if emission.temperature is None:
+        return emission if emission.grid is grid else replace(emission, grid=grid)
+    return emission if emission.temperature is grid else replace(emission, temperature=grid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +192,7 @@ def _with_emission(
     from ..io.emission_files import on_one_grid
     from ..io.volumes import read_values, read_volume
 
-    found, glow = on_one_grid(
-        read_volume(path, grid, channels), read_values(path, emission_grid)
-    )
+    found, glow = on_one_grid(read_volume(path, grid, channels), read_values(path, emission_grid))
     for values in (found.density, glow):
         values.flags.writeable = False
     return found.density, glow

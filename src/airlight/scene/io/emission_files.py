@@ -45,7 +45,7 @@ def taken_emission(
         density, grid = on_one_grid(density, found)
         if grid.ndim == 4 and grid.shape[3] != 3:
             raise SceneError(f"'{wanted}' has {grid.shape[3]} channels, colours have three")
-        named = {"temperature" if hot else "grid": grid}
+        named: dict[str, Any] = {"temperature" if hot else "grid": grid}
         return Emission(radiance or WHITE, **named, **given), density
 
 

@@ -76,7 +76,7 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
 
 @dataclass(frozen=True, eq=False)
 class GridValues:
-    """Any grid of a file: `values` (z, y, x) or (z, y, x, channel) float32, placed as VolumeGrid."""
+    """Any grid of a file: `values` (z, y, x) or (z, y, x, channel), placed as a VolumeGrid is."""
 
     values: F32
     bounds: Bounds
