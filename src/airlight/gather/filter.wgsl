@@ -7,12 +7,10 @@
         return;
     }
     let place = textureLoad(places, id.xy, 0);
-    let n = textureLoad(normals, id.xy, 0).xyz;
-    let own = id.y * params.reduced.x + id.x;
-    var surfaces = vec4f(0.0);
-    var sky = vec4f(0.0);
-    let own_light = before[2u * own];
-    let own_count = before[2u * own + 1u].w;
+    let n = textureLoad(planes, id.xy, 0).xyz;
+    let own = SUMS * (id.y * params.reduced.x + id.x);
+    var sum: array<vec4f, SUMS>;
+    let own_inverse_m = before[own].w / before[own + 1u].w;
     let texel_m = params.texel * max(place.w, 1e-9) * f32(params.stride);
     let last = vec2i(params.reduced) - 1;
     var total = 0.0;
@@ -23,23 +21,24 @@
         let at = vec2i(id.xy) + offset * i32(params.stride);
         if (all(at >= vec2i(0)) && all(at <= last)) {
             let other = textureLoad(places, at, 0);
-            let its = textureLoad(normals, at, 0).xyz;
+            let its = textureLoad(planes, at, 0).xyz;
             var weight = exp(-params.falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
-            let index = 2u * (u32(at.y) * params.reduced.x + u32(at.x));
-            let its_light = before[index];
-            let its_sky = before[index + 1u];
-            let inverse_m = 0.5 * (own_light.w / own_count + its_light.w / max(its_sky.w, 1e-9));
+            let index = SUMS * (u32(at.y) * params.reduced.x + u32(at.x));
+            let its_inverse_m = before[index].w / max(before[index + 1u].w, 1e-9);
+            let inverse_m = 0.5 * (own_inverse_m + its_inverse_m);
             weight *= closeness(distance(place.xyz, other.xyz), inverse_m);
             weight = select(0.0, weight, other.w > 0.0);
-            surfaces += weight * its_light;
-            sky += weight * its_sky;
+            for (var i = 0u; i < SUMS; i++) {
+                sum[i] += weight * before[index + i];
+            }
             total += weight;
         }
         k++;
         if (k >= 25) { break; }
     }
     let inverse = select(0.0, 1.0 / total, total > 0.0);
-    after[2u * own] = surfaces * inverse;
-    after[2u * own + 1u] = sky * inverse;
+    for (var i = 0u; i < SUMS; i++) {
+        after[own + i] = inverse * sum[i];
+    }
 }

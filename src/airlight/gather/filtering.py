@@ -1,4 +1,4 @@
-"""Light of gather points shared between neighbours, and brought to the pixels of the image."""
+"""Light of gather points shared between neighbours."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import image, storage, texture, uniform
-from ..lighting.gathered import Gathered
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
-from .points import PointParams, Points
+from .points import Points
+from .sums import NBYTES
 
 STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
@@ -32,7 +32,7 @@ class _Filter(ComputePass):
     slots = (
         uniform("params", FilterParams),
         texture("places", "2d", "unfilterable-float"),
-        texture("normals", "2d", "unfilterable-float"),
+        texture("planes", "2d", "unfilterable-float"),
         storage("before", "vec4f"),
         storage("after", "vec4f", "read_write"),
     )
@@ -40,40 +40,19 @@ class _Filter(ComputePass):
     file = "filter.wgsl"
 
 
-class _Upsample(ComputePass):
-    slots = (
-        uniform("params", PointParams),
-        texture("depth", "2d", "depth"),
-        texture("normal", "2d", "unfilterable-float"),
-        texture("places", "2d", "unfilterable-float"),
-        texture("normals", "2d", "unfilterable-float"),
-        storage("sums", "vec4f"),
-        image("irradiance", "rgba16float"),
-        image("irradiance_of_sky", "rgba16float"),
-    )
-    workgroup = (8, 8, 1)
-    file = "upsample.wgsl"
-
-
 class Filtering:
-    """Sums of points -> irradiance of pixels."""
+    """Sums of points -> their means over neighbours."""
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points = points
-        self._filter, self._upsample = _Filter(gpu), _Upsample(gpu)
+        self._filter = _Filter(gpu)
         self._between = [
-            Buffer(gpu, f"filtered sums {i}", 32 * points.count) for i in range(len(STRIDES))
+            Buffer(gpu, f"filtered sums {i}", NBYTES * points.count) for i in range(len(STRIDES))
         ]
-        irradiance, sky = (
-            Texture(gpu, label, points.size, "rgba16float", written=True)
-            for label in ("gathered irradiance", "gathered sky")
-        )
-        self.gathered = Gathered(irradiance, sky)
 
-    def encode(self, commands: Commands, view: View, sums: Buffer) -> Gathered:
-        """The irradiance of the view's pixels; `sums` of its points, as `Sums` has them."""
+    def encode(self, commands: Commands, view: View, sums: Buffer) -> Buffer:
+        """The filtered `sums` of a view's points, which are as `Sums` has them."""
         points = self._points
-        params = points.params(view)
         for stride, after in zip(STRIDES, self._between, strict=True):
             self._filter.dispatch(
                 commands,
@@ -86,24 +65,12 @@ class Filtering:
                     pad=0,
                 ),
                 places=points.places,
-                normals=points.normals,
+                planes=points.planes,
                 before=sums,
                 after=after,
             )
             sums = after
-        self._upsample.dispatch(
-            commands,
-            points.size,
-            params=params,
-            depth=view.gbuffer.depth,
-            normal=view.gbuffer.normal,
-            places=points.places,
-            normals=points.normals,
-            sums=sums,
-            irradiance=self.gathered.irradiance,
-            irradiance_of_sky=self.gathered.sky,
-        )
-        return self.gathered
+        return sums
 
 
 def falloff(sample: int) -> float:

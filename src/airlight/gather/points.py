@@ -34,8 +34,10 @@ class _Points(ComputePass):
         uniform("params", PointParams),
         texture("depth", "2d", "depth"),
         texture("normal", "2d", "unfilterable-float"),
+        texture("near_field", "2d", "uint"),
         image("places", "rgba32float"),
         image("normals", "rgba16float"),
+        image("planes", "rgba16float"),
     )
     workgroup = (8, 8, 1)
     file = "points.wgsl"
@@ -45,18 +47,21 @@ class Points:
     """The gather points of an image.
 
     places   xyz world, m; w distance to the eye, m, 0 where there is no surface
-    normals  xyz world, facing the camera
+    normals  of the shaded surface, about which rays are sent; w: the share of the hemisphere that
+             near occluders leave
+    planes   normals of the surface without relief, by which neighbours share light
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        """For an image of `size`, pixels."""
+    def __init__(self, gpu: Gpu, size: tuple[int, int], *, is_occluded: bool) -> None:
+        """For an image of `size`, pixels. `is_occluded`: near surfaces shade it."""
         self.size = size
         self.scale = reduction(size, MOST_POINTS)
         width, height = (-(-side // self.scale) for side in size)
         self.reduced = (width, height)
         self.places = Texture(gpu, "gather places", self.reduced, "rgba32float", written=True)
         self.normals = Texture(gpu, "gather normals", self.reduced, "rgba16float", written=True)
-        self._pass = _Points(gpu)
+        self.planes = Texture(gpu, "gather planes", self.reduced, "rgba16float", written=True)
+        self._pass = _Points(gpu, constants={"HAS_OCCLUSION": float(is_occluded)})
 
     @property
     def count(self) -> int:
@@ -82,15 +87,17 @@ class Points:
         )
 
     def encode(self, commands: Commands, view: View) -> None:
-        """Choose a pixel of each block; the view's G-buffer is drawn."""
+        """Choose a pixel of each block; the view's G-buffer and its occlusion are drawn."""
         self._pass.dispatch(
             commands,
             self.reduced,
             params=self.params(view),
             depth=view.gbuffer.depth,
             normal=view.gbuffer.normal,
+            near_field=view.occlusion.near,
             places=self.places,
             normals=self.normals,
+            planes=self.planes,
         )
 
 

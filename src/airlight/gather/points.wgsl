@@ -2,6 +2,10 @@
 // another one.
 //! use pixel_point
 //! use sampling
+//! use flat_normal
+//! use near_field_lookup
+
+override HAS_OCCLUSION: bool = false;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {
@@ -12,6 +16,7 @@
     let first = u32(f32(count) * r2_noise(id.x, id.y, params.sample));
     var place = vec4f(0.0);
     var facing = vec4f(0.0);
+    var plane = vec4f(0.0);
     var k = 0u;
     loop {
         let within = (first + k) % count;
@@ -21,7 +26,10 @@
             if (d > 0.0) {
                 let p = pixel_point(vec2f(pixel) + 0.5, d);
                 place = vec4f(p, length(p - params.eye));
-                facing = vec4f(normalize(textureLoad(normal, pixel, 0).xyz), 0.0);
+                let n = normalize(textureLoad(normal, pixel, 0).xyz);
+                let distance = 1.0 / (params.world_from_clip[2].w * d);
+                facing = vec4f(n, near_field_at(vec2f(pixel) + 0.5, distance).open);
+                plane = vec4f(flat_normal(vec2i(pixel), p, n), 0.0);
             }
         }
         k++;
@@ -29,4 +37,5 @@
     }
     textureStore(places, id.xy, place);
     textureStore(normals, id.xy, facing);
+    textureStore(planes, id.xy, plane);
 }

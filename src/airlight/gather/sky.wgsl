@@ -29,6 +29,6 @@ const RAISED = 2e-4;        // as in trace.wgsl
         }
         k++;
     }
-    let at = 2u * (id.y * sky.reduced.x + id.x) + 1u;
+    let at = SUMS * (id.y * sky.reduced.x + id.x) + 1u;
     sums[at] += vec4f(sum, 0.0);
 }

@@ -19,6 +19,7 @@ from ..gpu.memory import Texture
 from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
+from ..lighting.occlusion import Occlusion, lattice_reach
 from ..lighting.view import View
 from ..rays.rays import RayScene
 from ..surface.hits import Hits
@@ -31,6 +32,7 @@ from .sky import SkyRays
 from .sky_cells import SkyCells
 from .sums import Sums
 from .trace import Segment, Trace
+from .upsample import Upsampling
 
 MOST_HITS = 1 << 20
 """Of a batch: 176 bytes for each."""
@@ -57,6 +59,8 @@ class GatherSolver(Solver):
         self._sized: _Sized | None = None
         self._scope = kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
+        is_occluded = kit.settings.ambient_occlusion
+        self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._rays: RayScene | None = None
         self._trace: Trace | None = None
         self._scene = kit.context.scene
@@ -78,6 +82,11 @@ class GatherSolver(Solver):
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
         with commands.stage("gather points"):
+            if self._occlusion is not None:
+                reach = lattice_reach(kit.settings.occlusion_radius, kit.lattices.placements)
+                self._occlusion.encode(
+                    commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
+                )
             sized.points.encode(commands, view)
             assert self._rays is not None
             self._rays.update(commands, self._scene)
@@ -95,7 +104,10 @@ class GatherSolver(Solver):
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, view.sample)
         with commands.stage("gather filter"):
-            gathered = sized.filtering.encode(commands, view, sized.sums.buffer)
+            sums = sized.filtering.encode(commands, view, sized.sums.buffer)
+        with commands.stage("gather upsampling"):
+            irradiance = fields.irradiance or kit.no_irradiance
+            gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
         return replace(fields, gathered=gathered)
 
     def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
@@ -147,7 +159,7 @@ class GatherSolver(Solver):
         if self._sized is None or self._sized.points.size != size:
             self._scope.release()
             self._sized = None
-            self._sized = _Sized(self._scope, size, self.settings.gather_rays, self._cells)
+            self._sized = _Sized(self._scope, self.kit, size, self.settings, self._cells)
         return self._sized
 
     @property
@@ -159,8 +171,16 @@ class GatherSolver(Solver):
 class _Sized:
     """What depends on the image's size; `batch`: rays of each point that are traced at once."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], rays: int, cells: SkyCells) -> None:
-        self.points = Points(gpu, size)
+    def __init__(
+        self,
+        gpu: Gpu,
+        kit: Kit,
+        size: tuple[int, int],
+        settings: GatherSettings,
+        cells: SkyCells,
+    ) -> None:
+        rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
+        self.points = Points(gpu, size, is_occluded=is_occluded)
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height
         self.batch = max(1, min(rays, most, MOST_HITS // self.points.count))
@@ -168,3 +188,4 @@ class _Sized:
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
         self.paths = Paths(gpu, self.points, cells, self.batch)
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points)
+        self.upsampling = Upsampling(gpu, kit, self.points)

@@ -7,8 +7,12 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Buffer
-from ..gpu.slots import storage, uniform
+from ..gpu.slots import storage, texture, uniform
 from .points import Points
+
+
+NBYTES = 48
+"""Of a point's sums."""
 
 
 class SumParams(Struct):
@@ -24,6 +28,7 @@ class SumParams(Struct):
 class _Sums(ComputePass):
     slots = (
         uniform("params", SumParams),
+        texture("normals", "2d", "unfilterable-float"),
         storage("paths", "vec4f"),
         storage("sums", "vec4f", "read_write"),
     )
@@ -32,15 +37,16 @@ class _Sums(ComputePass):
 
 
 class Sums:
-    """Two vec4f for each point.
+    """Three vec4f for each point.
 
     The first: radiance of the surfaces that its rays met, summed, and the sum of their distances'
-    inverses, m^-1. The second: that of the environment, and the number of rays.
+    inverses, m^-1. The second: that of the environment, and the number of rays. The third:
+    its normal, and the share of the hemisphere that near occluders leave.
     """
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points, self._pass = points, _Sums(gpu)
-        self.buffer = Buffer(gpu, "gathered sums", 32 * points.count)
+        self.buffer = Buffer(gpu, "gathered sums", NBYTES * points.count)
 
     def encode(self, commands: Commands, paths: Buffer, numbers: range, sample: range) -> None:
         """Add the `paths` of the rays of these `numbers`.
@@ -57,6 +63,7 @@ class Sums:
                 begun=sample.start,
                 pad=0,
             ),
+            normals=self._points.normals,
             paths=paths,
             sums=self.buffer,
         )

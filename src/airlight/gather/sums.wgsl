@@ -1,4 +1,5 @@
 // Adds the radiance along a batch of paths to their points' sums.
+//! use gather
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {
@@ -8,7 +9,7 @@
     var outside = vec4f(0.0);
     let count = params.reduced.x * params.reduced.y;
     let point = id.y * params.reduced.x + id.x;
-    let at = 2u * point;
+    let at = SUMS * point;
     if (params.first_ray > params.begun) {
         surfaces = sums[at];
         outside = sums[at + 1u];
@@ -25,4 +26,5 @@
     outside.w += f32(params.rays);
     sums[at] = surfaces;
     sums[at + 1u] = outside;
+    sums[at + 2u] = textureLoad(normals, id.xy, 0);
 }

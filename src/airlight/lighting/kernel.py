@@ -92,7 +92,7 @@ _MEDIA_FIRST = {
     )
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
-_LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
+LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
 Part = Literal["whole", "lights", "lattices", "rest", "gathered"]
 """Which light a pass adds up.
 
@@ -224,7 +224,7 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
             return Kernel(text, {"HAS_LATTICES": 1.0}, {})
         constants = {**light.constants, "HAS_LATTICES": 1.0, "HAS_GLOSS": 1.0}
         text = f"{listing}{_FROM_GATHERED}//! use gathered_light\n"
-        return Kernel(text, constants | {"HAS_OCCLUSION": 0.0}, _LATTICES_FIRST)
+        return Kernel(text, constants | {"HAS_OCCLUSION": 0.0}, LATTICES_FIRST)
     constants = {
         **light.constants,
         "HAS_LATTICES": 1.0,
@@ -234,7 +234,7 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
         "HAS_NEAR_FIELD": float(part == "lattices"),
     }
     generated = f"{listing}//! use lattices_light\n"
-    return Kernel(generated, constants, _LATTICES_FIRST)
+    return Kernel(generated, constants, LATTICES_FIRST)
 
 
 def lights_kernel(part: Part, emitters: Emitters, attenuation: Attenuation | None) -> Kernel:

@@ -14,6 +14,7 @@ differs: Jimenez2016 adds a temporal pattern; here an image depends on nothing b
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
+from ..lattice.placement import Placement
 from ..maths.transforms import F64
 from ..surface.gbuffer import GBuffer
 
@@ -91,6 +93,19 @@ class Reach:
     radius: float
     growth: float = 0.0
     largest: float = 0.0
+
+
+def lattice_reach(wanted: float, placements: Sequence[Placement]) -> Reach:
+    """Where surfaces that lattices do not resolve occlude: within `wanted` cells.
+
+    `placements`: of the lattices, the finest first.
+    """
+    finest, coarsest = placements[0], placements[-1]
+    return Reach(
+        wanted * finest.cell,
+        growth=wanted * 2.0 / max(finest.count),
+        largest=wanted * coarsest.cell,
+    )
 
 
 class Occlusion:

@@ -30,7 +30,7 @@ from .kernel import (
 )
 from .kit import Kit
 from .lighting import Lighting
-from .occlusion import Occlusion, Reach
+from .occlusion import Occlusion, lattice_reach
 from .view import View
 
 _AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before
@@ -108,25 +108,16 @@ class Surfaces:
         return irradiance.is_reflected and bool(self.kit.context.scene.lights)
 
     def _occlude(self, commands: Commands, view: View, *, has_light: bool) -> None:
-        g, placements = view.gbuffer, self.kit.lattices.placements
         # Surfaces that are smaller than the lattices' cells occlude in screen space.
-        wanted, finest, coarsest = (
-            self.kit.settings.occlusion_radius,
-            placements[0],
-            placements[-1],
-        )
+        wanted = self.kit.settings.occlusion_radius
         if self._occlusion is None:
             self._occlusion = Occlusion(self.gpu, has_light=has_light)
         self._occlusion.encode(
             commands,
-            g,
+            view.gbuffer,
             view.occlusion,
             view.world_from_clip,
-            Reach(
-                wanted * finest.cell,
-                growth=wanted * 2.0 / max(finest.count),
-                largest=wanted * coarsest.cell,
-            ),
+            lattice_reach(wanted, self.kit.lattices.placements),
             lit=view.layers.lit if has_light else None,
         )
 

@@ -2,9 +2,12 @@
 // maths/gather.py, which says where the numbers come from.
 //! use sampling
 
+const SUMS = 3u;            // vec4f of a point, see gather/sums.py
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.25;
 const REACH = 0.3;
+const TRUST = 0.1;
+const MOST_DETAIL = 4.0;
 
 fn ray_numbers(x: u32, y: u32, ray: u32) -> vec2f {
     let first = x * 3679390609u + y * 3152041523u + ray * 3242174889u;
@@ -39,4 +42,10 @@ fn sky_share(cosine: f32, density: f32, rays: u32, sky_rays: u32) -> f32 {
 fn closeness(distance_m: f32, inverse_m: f32) -> f32 {
     let away = distance_m * inverse_m / REACH;
     return exp(-away * away);
+}
+
+fn detailed(gathered: vec3f, around: vec3f, own: vec3f) -> vec3f {
+    let trust = TRUST * gathered;
+    let ratio = (own + trust) / max(around + trust, vec3f(1e-20));
+    return gathered * clamp(ratio, vec3f(1.0 / MOST_DETAIL), vec3f(MOST_DETAIL));
 }

@@ -1,0 +1,82 @@
+"""From gather points to pixels: the irradiance of the points around, with each pixel's own detail.
+
+Points are blocks of pixels apart. What rays said of them holds for a pixel between as far as it is
+like them; how its light differs by its normal (relief, curvature) and by near occluders, the
+lattices and the search for occluders say.
+"""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..gpu.raster import FullscreenPass
+from ..gpu.slots import storage, texture, uniform
+from ..lattice.irradiance import Irradiance, SkyIrradiance
+from ..lighting.gathered import Gathered
+from ..lighting.kernel import LATTICE_SLOTS, LATTICES_FIRST, LatticeLight
+from ..lighting.kit import Kit
+from ..lighting.view import View
+from .points import PointParams, Points
+
+
+class _Upsample(FullscreenPass):
+    slots = (
+        uniform("params", PointParams),
+        texture("depth", "2d", "depth"),
+        texture("albedo", "2d", "unfilterable-float"),
+        texture("normal", "2d", "unfilterable-float"),
+        texture("places", "2d", "unfilterable-float"),
+        texture("planes", "2d", "unfilterable-float"),
+        storage("sums", "vec4f"),
+        *LATTICE_SLOTS,
+    )
+    targets = ("rgba16float", "rgba16float")
+    file = "upsample.wgsl"
+
+
+class Upsampling:
+    """Sums of points -> irradiance of pixels."""
+
+    def __init__(self, gpu: Gpu, kit: Kit, points: Points) -> None:
+        self._kit, self._points = kit, points
+        light = LatticeLight(
+            is_occluded=kit.settings.ambient_occlusion,
+            has_sky=kit.sky.maps.layers > 0,
+            is_one_lattice=kit.lattices.table.count == 1,
+        )
+        self._pass = _Upsample(gpu, constants=light.constants, firsts=LATTICES_FIRST)
+        irradiance, sky = (
+            Texture(gpu, label, points.size, "rgba16float", target=True)
+            for label in ("gathered irradiance", "gathered sky")
+        )
+        self.gathered = Gathered(irradiance, sky)
+        self._linear = linear_sampler(gpu)
+
+    def encode(
+        self,
+        commands: Commands,
+        view: View,
+        sums: Buffer,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> Gathered:
+        """The irradiance of a view's pixels; `sums` of its points, as `Sums` has them."""
+        points, gbuffer = self._points, view.gbuffer
+        self._pass.draw(
+            commands,
+            (self.gathered.irradiance, self.gathered.sky),
+            params=points.params(view),
+            depth=gbuffer.depth,
+            albedo=gbuffer.albedo,
+            normal=gbuffer.normal,
+            places=points.places,
+            planes=points.planes,
+            sums=sums,
+            near_field=view.occlusion.near,
+            sky_cube=sky.cube,
+            linear_clamp=self._linear,
+            **irradiance.bound,
+            **self._kit.blockers.bound,
+        )
+        return self.gathered
