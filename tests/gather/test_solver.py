@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from airlight.scene import (
     Mesh,
     PointLight,
     Scene,
+    Texture,
 )
 from airlight.scene.mesh import Geometry
 from airlight.scene.point_lights import PointLights
@@ -142,8 +145,6 @@ def test_stills_gather_and_moving_frames_do_not(cornell):
 
 
 def test_lights_by_the_thousand_and_the_papers_scheme_keep_the_lattice(cornell):
-    from dataclasses import replace
-
     group = PointLights(np.array([[0.0, 0.0, 0.5]]), np.ones((1, 3)))
     scene = replace(cornell, light_groups=(group,))
     for shown, more in ((scene, {}), (cornell, {"scheme": "paper"})):
@@ -171,6 +172,38 @@ def test_blocks_grow_with_the_image():
     assert reduction((96, 54), MOST_POINTS) == 1
     assert reduction((640, 360), MOST_POINTS) == 3
     assert reduction((1280, 720), MOST_POINTS) == 6
+
+
+def bumpy_floor():
+    """A floor whose relief turns the normal at random, every ten centimetres."""
+    turn = np.random.default_rng(5).uniform(-0.8, 0.8, (60, 60, 2))
+    n = np.concatenate([turn, np.ones((60, 60, 1))], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    pixels = np.concatenate([np.round(127.5 + 127.5 * n), np.full((60, 60, 1), 255.0)], -1)
+    relief = Texture(pixels.astype(np.uint8), is_srgb=False)
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+    flat = replace(FLOOR.geometry, uvs=uvs)
+    return Mesh(flat, replace(PAINT, normal_texture=relief))
+
+
+def test_blocks_of_pixels_keep_their_relief(monkeypatch):
+    """Points for blocks of 6 x 6 pixels, beside one for each pixel: a floor before a lit wall."""
+    scene = Scene((bumpy_floor(), WALL), (DirectionalLight((0, 0, -1), (2, 2, 2)),), camera=ABOVE)
+    settings = {**LPV, "gather": "still", "gather_rays": 32, "glossy_rays": False}
+
+    def indirect(samples):
+        image = render(scene, "lpv", (96, 66), samples=samples, settings=settings)
+        return image.layers["indirect"][36:]
+
+    fine = indirect(16)
+    monkeypatch.setattr("airlight.gather.points.MOST_POINTS", 16 * 11)
+    coarse = indirect(16)
+    blocks = fine.reshape(5, 6, 16, 6, 3)
+    means = np.broadcast_to(blocks.mean(axis=(1, 3), keepdims=True), blocks.shape)
+    off = [np.linalg.norm(found - fine) for found in (coarse, means.reshape(fine.shape))]
+    # A third of what one value for each block would be off.
+    assert off[0] < 0.35 * off[1]
+    assert coarse.sum() == pytest.approx(fine.sum(), rel=0.02)
 
 
 @pytest.fixture

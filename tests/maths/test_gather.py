@@ -45,6 +45,26 @@ def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_
     assert gather.closeness(0.3, 2.0) < gather.closeness(0.1, 2.0) < 1.0
 
 
+def test_flux_of_rays_is_the_irradiance_of_turned_normals():
+    """Light from a cone that all normals see: E(n) is the product with n, for any n."""
+    axis = np.array([0.6, 0.0, 0.8])
+    d = gather.cosine_direction(np.tile(UP, (200_000, 1)), RNG.random((200_000, 2)))
+    radiance = np.where(d @ axis > 0.95, 3.0, 0.0)
+    flux = np.pi * (radiance[:, None] * gather.flux_along(UP, d)).mean(axis=0)
+    solid_angle = 2.0 * np.pi * 0.05
+    # The mean of directions in a cone is along its axis, (1 + cos) / 2 long.
+    np.testing.assert_allclose(flux, 3.0 * solid_angle * 0.975 * axis, atol=0.015)
+    np.testing.assert_allclose(gather.flux_along(UP, d) @ UP, 1.0)
+
+
+def test_detail_follows_a_smooth_field_where_that_has_light():
+    assert gather.detailed(2.0, 3.0, 3.0) == 2.0
+    assert gather.detailed(1.0, 10.0, 20.0) == pytest.approx(2.0, rel=0.01)
+    assert gather.detailed(1.0, 0.0, 0.01) == pytest.approx(1.1)
+    assert gather.detailed(1.0, 1.0, 0.0) == 0.25
+    assert gather.detailed(0.0, 0.0, 0.0) == 0.0
+
+
 @pytest.mark.parametrize(("rays", "sky_rays"), [(8, 4), (1, 3), (16, 0)])
 def test_both_kinds_of_rays_together_are_irradiance(rays, sky_rays):
     """A sky of radiance 1 with a spot of radiance 200: 60 000 rays of either kind, each weighted.
@@ -108,6 +128,11 @@ def test_twins(wgsl):
     np.testing.assert_allclose(like, gather.likeness(p, n, q, m, texel), rtol=2e-3, atol=1e-6)
     close = wgsl("gather", "closeness", texel, u[:, 0], returns="f32")
     np.testing.assert_allclose(close, gather.closeness(texel, u[:, 0]), rtol=1e-3, atol=1e-6)
+    along = wgsl("gather", "flux_along", n, m, returns="vec3f")
+    np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
+    three = np.exp(RNG.normal(size=(3, 500, 3)))
+    detail = wgsl("gather", "detailed", *three, returns="vec3f")
+    np.testing.assert_allclose(detail, gather.detailed(*three), rtol=1e-5)
     share = wgsl("gather", "sky_share", u[:, 0], u[:, 1], x, y, returns="f32")
     twin = [gather.sky_share(a, b, int(i), int(j)) for a, b, i, j in zip(*u.T, x, y, strict=True)]
     np.testing.assert_allclose(share, twin, rtol=1e-4)

@@ -5,5 +5,6 @@ trace      cosine-distributed rays from each, and the surfaces that they meet; a
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside
 solver     all of it in its order, batch by batch
-filtering  the points' light shared between neighbours, and brought to full resolution
+filtering  the points' light shared between neighbours
+upsample   and brought to pixels, turned to their own normals and near occluders
 """

@@ -17,6 +17,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     }
     let origin = place.xyz + RAISED * place.w * n;
     var sum = vec3f(0.0);
+    var flux = vec3f(0.0);
     var k = 0u;
     loop {
         if (k >= sky.sky_rays) { break; }
@@ -24,11 +25,14 @@ const RAISED = 2e-4;        // as in trace.wgsl
         let cosine = dot(ray.direction, n);
         if (cosine > 0.0) {
             if (!any_hit(origin, ray.direction, 0.0, FARTHEST)) {
-                sum += sky_share(cosine, ray.density, sky.rays, sky.sky_rays) * ray.radiance;
+                let found = sky_share(cosine, ray.density, sky.rays, sky.sky_rays) * ray.radiance;
+                sum += found;
+                flux += luminance(found) * flux_along(n, ray.direction);
             }
         }
         k++;
     }
-    let at = SUMS * (id.y * sky.reduced.x + id.x) + 1u;
-    sums[at] += vec4f(sum, 0.0);
+    let at = SUMS * (id.y * sky.reduced.x + id.x);
+    sums[at + 1u] += vec4f(sum, 0.0);
+    sums[at + 3u] += vec4f(flux, 0.0);
 }

@@ -10,8 +10,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
 from .points import Points
 
-
-NBYTES = 48
+NBYTES = 64
 """Of a point's sums."""
 
 
@@ -37,11 +36,13 @@ class _Sums(ComputePass):
 
 
 class Sums:
-    """Three vec4f for each point.
+    """Four vec4f for each point.
 
     The first: radiance of the surfaces that its rays met, summed, and the sum of their distances'
-    inverses, m^-1. The second: that of the environment, and the number of rays. The third:
-    its normal, and the share of the hemisphere that near occluders leave.
+    inverses, m^-1. The second: that of the environment, and the number of rays. The
+    third: where the first's light comes from, as the sum of `maths.gather.flux_along` times its
+    luminance, and the share of the hemisphere that near occluders leave; the fourth: where the
+    second's comes from.
     """
 
     def __init__(self, gpu: Gpu, points: Points) -> None:

@@ -5,26 +5,37 @@
     if (any(id.xy >= params.reduced)) {
         return;
     }
-    var surfaces = vec4f(0.0);
-    var outside = vec4f(0.0);
     let count = params.reduced.x * params.reduced.y;
     let point = id.y * params.reduced.x + id.x;
     let at = SUMS * point;
+    let facing = textureLoad(normals, id.xy, 0);
+    var surfaces = vec4f(0.0);
+    var outside = vec4f(0.0);
+    var flux = vec4f(0.0);
+    var flux_outside = vec4f(0.0);
     if (params.first_ray > params.begun) {
         surfaces = sums[at];
         outside = sums[at + 1u];
+        flux = sums[at + 2u];
+        flux_outside = sums[at + 3u];
     }
     var k = 0u;
     loop {
         if (k >= params.rays) { break; }
         let path = paths[2u * (point + k * count)];
+        let direction = cosine_direction(facing.xyz, ray_numbers(id.x, id.y, params.first_ray + k));
+        let its_flux = vec4f(luminance(path.rgb) * flux_along(facing.xyz, direction), 0.0);
         let is_outside = path.w < 0.0;
         surfaces += select(path, vec4f(0.0), is_outside);
         outside += select(vec4f(0.0), vec4f(path.rgb, 0.0), is_outside);
+        flux += select(its_flux, vec4f(0.0), is_outside);
+        flux_outside += select(vec4f(0.0), its_flux, is_outside);
         k++;
     }
     outside.w += f32(params.rays);
+    flux.w = facing.w;
     sums[at] = surfaces;
     sums[at + 1u] = outside;
-    sums[at + 2u] = textureLoad(normals, id.xy, 0);
+    sums[at + 2u] = flux;
+    sums[at + 3u] = flux_outside;
 }

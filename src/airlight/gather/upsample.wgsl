@@ -1,5 +1,5 @@
 // Irradiance of pixels from the gather points around them that lie on about the same plane (joint bilateral
-// upsampling, Kopf et al. 2007), times how lattices and near occluders tell a pixel from its points.
+// upsampling, Kopf et al. 2007), turned to each pixel's own normal and near occluders.
 //! use pixel_point
 //! use gather
 //! use flat_normal
@@ -45,22 +45,16 @@ fn around(position: vec2f, p: vec3f, n: vec3f) -> Around {
     return out;
 }
 
-// What lattices and sky have at one place for two normals, and for the first as surfaces are lit without rays.
-struct Compared {
-    own: vec3f,         // W m^-2
-    its: vec3f,
-    own_sky: vec3f,
-    its_sky: vec3f,
-    surface: vec3f,
+struct Unlike {
+    irradiance: vec3f,      // W m^-2
+    sky: vec3f,
 }
 
-fn compared(p: vec3f, plane: vec3f, own: vec3f, its: vec3f) -> Compared {
+// What lattices have, where no point is like the pixel.
+fn of_lattices(p: vec3f, normal: vec3f) -> Unlike {
     // All lattices have the same axes.
-    let axes = lattice_of(0u);
-    let flat_n = lattice_from_world(axes, plane);
-    let own_n = lattice_from_world(axes, own);
-    let its_n = lattice_from_world(axes, its);
-    var out = Compared(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    let n = lattice_from_world(lattice_of(0u), normal);
+    var out = Unlike(vec3f(0.0), vec3f(0.0));
     // The finest lattice that has the point; towards its border the next larger one.
     let last = last_lattice();
     var left = 1.0;
@@ -68,12 +62,9 @@ fn compared(p: vec3f, plane: vec3f, own: vec3f, its: vec3f) -> Compared {
     loop {
         k = lattice_from(k, p);
         let weight = left * lattice_weight(lattice_of(k), p);
-        let uvw = lattice_coordinates(lattice_of(k), p, flat_n);
-        out.own += weight * lattice_irradiance_at(lattice_of(k), uvw, own_n);
-        out.its += weight * lattice_irradiance_at(lattice_of(k), uvw, its_n);
-        out.own_sky += weight * sky_at(uvw, own_n);
-        out.its_sky += weight * sky_at(uvw, its_n);
-        out.surface += weight * lattice_irradiance(lattice_of(k), uvw, own_n);
+        let uvw = lattice_coordinates(lattice_of(k), p, n);
+        out.irradiance += weight * lattice_irradiance(lattice_of(k), uvw, n);
+        out.sky += weight * sky_at(uvw, n);
         left -= weight;
         k++;
         if (k > last || left <= 0.0) {
@@ -81,6 +72,13 @@ fn compared(p: vec3f, plane: vec3f, own: vec3f, its: vec3f) -> Compared {
         }
     }
     return out;
+}
+
+// Irradiance of a pixel of normal n, W m^-2, `open` to what is near, from `light` and `flux` of points that are
+// on average `its_open`.
+fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> vec3f {
+    let ratio = max(dot(flux, n), 0.0) / max(luminance(light), 1e-20);
+    return detailed(light, its_open * light, open * ratio * light);
 }
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> Found {
@@ -91,22 +89,21 @@ fn compared(p: vec3f, plane: vec3f, own: vec3f, its: vec3f) -> Compared {
     }
     let p = pixel_point(position.xy, d);
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
-    let plane = flat_normal(vec2i(pixel), p, n);
-    let found = around(position.xy, p, plane);
-    let is_any = found.total > 1e-4 * LEAST;
-    // Of cosine-distributed rays, pi times the mean radiance.
-    let scale = select(0.0, 3.14159265 / found.sum[1].w, is_any);
-    let mean = found.sum[2] * select(0.0, 1.0 / found.total, is_any);
-    let its_n = select(n, normalize(mean.xyz), dot(mean.xyz, mean.xyz) > 1e-3);
-    let lattice = compared(p, plane, n, its_n);
+    let found = around(position.xy, p, flat_normal(vec2i(pixel), p, n));
     // Near occluders hide the sky, and send light that they reflect.
     let open = near_field_at(position.xy, 1.0 / (params.world_from_clip[2].w * d)).open;
     let tint = textureLoad(albedo, pixel, 0).rgb;
     let seen = interreflected(open, tint);
-    let its_seen = interreflected(mean.w, tint);
-    let surfaces = detailed(scale * found.sum[0].rgb, its_seen * lattice.its, seen * lattice.own);
-    let of_sky = detailed(scale * found.sum[1].rgb, mean.w * lattice.its_sky, open * lattice.own_sky);
+    // Of cosine-distributed rays, pi times the mean radiance.
+    let is_any = found.total > 1e-4 * LEAST;
+    let scale = select(0.0, 3.14159265 / found.sum[1].w, is_any);
+    let its_open = found.sum[2].w * select(0.0, 1.0 / found.total, is_any);
+    let surfaces = turned(scale * found.sum[0].rgb, scale * found.sum[2].xyz, n, seen,
+        interreflected(its_open, tint));
+    let of_sky = turned(scale * found.sum[1].rgb, scale * found.sum[3].xyz, n, vec3f(open),
+        vec3f(its_open));
     let share = found.total / (found.total + LEAST);
-    return Found(vec4f(mix(seen * lattice.surface, surfaces, share), 1.0),
-        vec4f(mix(open * lattice.own_sky, of_sky, share), 1.0));
+    let unlike = of_lattices(p, n);
+    return Found(vec4f(mix(seen * unlike.irradiance, surfaces, share), 1.0),
+        vec4f(mix(open * unlike.sky, of_sky, share), 1.0));
 }

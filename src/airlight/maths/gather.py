@@ -23,6 +23,12 @@ PLANE_SHARE = 0.25
 
 REACH = 0.3
 """Of the distance that light comes from, over which neighbours' light stands for a point's."""
+LEAST_COSINE = 0.1
+"""Rays that graze more count as if they grazed like this in what turning a normal changes."""
+TRUST = 0.1
+"""Of gathered irradiance, what is there for whatever normal: light from beyond the horizon."""
+MOST_DETAIL = 4.0
+"""How many times brighter or darker than its gather points a pixel is at most."""
 
 
 def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
@@ -78,6 +84,30 @@ def likeness(
     facing = np.clip((n * m).sum(axis=-1), 0.0, 1.0) ** NORMAL_POWER
     off = np.abs(((q - p) * n).sum(axis=-1)) / (PLANE_SHARE * np.asarray(texel_m))
     return np.asarray(facing * np.exp(-off))
+
+
+def flux_along(normal: ArrayLike, direction: ArrayLike) -> F64:
+    """What a cosine-distributed ray (..., 3) adds to a point's flux for each unit of its radiance.
+
+    pi times the mean over rays of radiance times this is the vector irradiance of the hemisphere
+    over `normal`, whose product with a normal near by is the irradiance there. Its part along
+    `normal` is 1: the same normal has the same irradiance. Source: Ward1992 (by rotation).
+    """
+    n, d = np.asarray(normal, dtype=np.float64), np.asarray(direction, dtype=np.float64)
+    cosine = (n * d).sum(axis=-1, keepdims=True)
+    return np.asarray(n + (d - cosine * n) / np.maximum(cosine, LEAST_COSINE))
+
+
+def detailed(gathered: ArrayLike, around: ArrayLike, own: ArrayLike) -> F64:
+    """Irradiance of a pixel, W m^-2, from that `gathered` at the points around it.
+
+    `around` and `own`: in the same unit, what the direction of the points' light and near occluders
+    make of it for the points and for the pixel.
+    """
+    light, a, b = (np.asarray(v, dtype=np.float64) for v in (gathered, around, own))
+    trust = TRUST * light
+    ratio = (b + trust) / np.maximum(a + trust, 1e-20)
+    return np.asarray(light * np.clip(ratio, 1.0 / MOST_DETAIL, MOST_DETAIL))
 
 
 def closeness(distance_m: ArrayLike, inverse_m: ArrayLike) -> F64:

@@ -1,11 +1,13 @@
 // Which rays a gather point sends, and how far its neighbours' rays stand for its own: the twin of
 // maths/gather.py, which says where the numbers come from.
 //! use sampling
+//! use tone
 
-const SUMS = 3u;            // vec4f of a point, see gather/sums.py
+const SUMS = 4u;            // vec4f of a point, see gather/sums.py
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.25;
 const REACH = 0.3;
+const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
 
@@ -28,6 +30,11 @@ fn cosine_direction(normal: vec3f, numbers: vec2f) -> vec3f {
     return orthonormal_frame(normal) * vec3f(radius * cos(angle), radius * sin(angle), z);
 }
 
+fn flux_along(normal: vec3f, direction: vec3f) -> vec3f {
+    let cosine = dot(direction, normal);
+    return normal + (direction - cosine * normal) / max(cosine, LEAST_COSINE);
+}
+
 fn likeness(place: vec3f, normal: vec3f, other: vec3f, its_normal: vec3f, texel_m: f32) -> f32 {
     let facing = pow(saturate(dot(normal, its_normal)), NORMAL_POWER);
     let off = abs(dot(other - place, normal)) / (PLANE_SHARE * texel_m);
@@ -39,13 +46,13 @@ fn sky_share(cosine: f32, density: f32, rays: u32, sky_rays: u32) -> f32 {
     return by_cosine / max(by_cosine + f32(sky_rays) * density, 1e-30);
 }
 
-fn closeness(distance_m: f32, inverse_m: f32) -> f32 {
-    let away = distance_m * inverse_m / REACH;
-    return exp(-away * away);
-}
-
 fn detailed(gathered: vec3f, around: vec3f, own: vec3f) -> vec3f {
     let trust = TRUST * gathered;
     let ratio = (own + trust) / max(around + trust, vec3f(1e-20));
     return gathered * clamp(ratio, vec3f(1.0 / MOST_DETAIL), vec3f(MOST_DETAIL));
+}
+
+fn closeness(distance_m: f32, inverse_m: f32) -> f32 {
+    let away = distance_m * inverse_m / REACH;
+    return exp(-away * away);
 }
