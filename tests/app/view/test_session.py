@@ -389,3 +389,47 @@ def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene
     session.close()
     """)
     assert said == ["direct 2 True", "lpv 2 True", "well"]
+
+
+def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch):
+    """Frames at full size take three seconds by the clock: coarser ones first, then full ones."""
+    session, drew = screen.session, []
+    draw, clock = session._draw, [0.0]
+
+    def slow(plan):
+        draw(plan)
+        drew.append(plan.size)
+        clock[0] += 3.0 * plan.size[0] * plan.size[1] / (SIZE[0] * SIZE[1])
+
+    monkeypatch.setattr(session, "_draw", slow)
+    monkeypatch.setattr("airlight.app.view.session.time.perf_counter", lambda: clock[0])
+    session.quality.samples = 6
+    screen.frame()
+    wants_more = [screen.frame(0.5) for _ in range(40)]
+    coarser = [size for size in drew if size[0] < SIZE[0]]
+    assert len(coarser) >= session.quality.samples  # a hand would not have had to wait long
+    assert drew[-session.quality.samples :] == [SIZE] * session.quality.samples
+    assert wants_more[-1] is False
+    assert session.renderer.size == SIZE
+    assert session.quality.share == 1.0
+
+
+def test_the_first_image_is_coarse_and_says_how_far_it_is(gpu, scene_file):
+    session = Session(load(scene_file), source=str(scene_file), technique="direct", settings=SMALL)
+    surface = Texture(gpu, "surface", SIZE, "rgba8unorm", target=True)
+    session.attach("rgba8unorm")
+    try:
+        assert session.frame(surface.resource, SIZE, 0.0) is False
+        said = session.progress
+        assert said.startswith("0 s: ")
+        session._making._begun_s -= 7.0
+        assert session.has_news()  # so that the panel is drawn again
+        session.frame(surface.resource, SIZE, 0.1)
+        assert session.progress.startswith("7 s: ") or session.renderer
+        session.wait()
+        assert session.renderer.size == session.quality.coarse(SIZE) < SIZE
+        session.frame(surface.resource, SIZE, 0.2)
+        assert session.progress == ""
+        assert surface.read()[..., :3].max() > 50
+    finally:
+        session.close()

@@ -84,6 +84,11 @@ class Task(Generic[T]):
         """Whether it ended, well or not."""
         return not self._thread.is_alive()
 
+    @property
+    def stage(self) -> str:
+        """What its passes do now, as `--stats` names it; "other" between stages."""
+        return self._commands.stage_name
+
     def pause(self, *, holds: bool) -> None:
         """Hold before the next pass, or go on."""
         if holds:

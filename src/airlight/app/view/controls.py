@@ -1,6 +1,7 @@
 """From mouse and keys to a camera: orbit around what is looked at, or fly.
 
-orbit   left drag turns, right or shift-left drag moves, wheel comes nearer
+orbit   left drag turns, right or shift-left drag moves, wheel comes nearer; in a room walls hold
+        the eye
 fly     left drag looks around; w a s d q e move in both, shift faster
 sun     control-left drag, or l held, turns the chosen light
 """
@@ -16,6 +17,7 @@ import numpy as np
 from ...maths.transforms import F64
 from ...scene.camera import Camera
 from ...scene.checks import Vec3
+from .free_space import FreeSpace
 
 LEFT, RIGHT, MIDDLE = 1, 2, 3
 _TURN_DEG_PER_SIDE = 180.0  # a drag across the image's height turns half around
@@ -46,10 +48,14 @@ class Turn:
 
 
 class CameraControls:
-    """Events in, `camera` out. `reach_m` is the scene's size; `home` what `reset` returns to."""
+    """Events in, `camera` out. `reach_m` is the scene's size; `home` what `reset` returns to.
 
-    def __init__(self, camera: Camera, reach_m: float) -> None:
+    `free` says what is in the eye's way, None that nothing is.
+    """
+
+    def __init__(self, camera: Camera, reach_m: float, free: FreeSpace | None = None) -> None:
         self.camera = self.home = camera
+        self.free = free
         self.reach_m = max(reach_m, 1e-3)
         self.is_flying = False
         self.height_px = 1.0
@@ -57,6 +63,7 @@ class CameraControls:
         self._button = 0
         self._at = (0.0, 0.0)
         self._keys: set[str] = set()
+        self._arm_m: float | None = None  # of the orbit that a drag began; None before it moves
 
     @property
     def is_held(self) -> bool:
@@ -110,6 +117,7 @@ class CameraControls:
     def _down(self, event: Mapping[str, Any]) -> None:
         self._button = int(event["button"])
         self._at = (event["x"], event["y"])
+        self._arm_m = None
 
     def _up(self, event: Mapping[str, Any]) -> None:
         self._button = 0
@@ -132,12 +140,33 @@ class CameraControls:
 
     def _rotate(self, azimuth_deg: float, elevation_deg: float) -> None:
         camera = self.camera
+        if not self.is_flying and self._arm_m is None:
+            self._begin_orbit()
+            camera = self.camera
         look = np.subtract(camera.target, camera.position)
         turned = turned_direction(look, camera.up, azimuth_deg, elevation_deg)
-        if self.is_flying:
+        eye = None if self.is_flying else self._orbited(turned)
+        if eye is None:  # the head turns
             self.camera = replace(camera, target=_vec3(np.add(camera.position, turned)))
         else:
-            self.camera = replace(camera, position=_vec3(np.subtract(camera.target, turned)))
+            self.camera = replace(camera, position=_vec3(eye))
+
+    def _begin_orbit(self) -> None:
+        """The point that this drag orbits about, and how far the eye is from it; inf: no walls."""
+        eye, target = np.array(self.camera.position), np.array(self.camera.target)
+        if self.free is None or not self.free.is_enclosed(eye):
+            self._arm_m = np.inf
+            return
+        pivot = self.free.pivot(eye, target)
+        self.camera = replace(self.camera, target=_vec3(pivot))
+        self._arm_m = float(np.linalg.norm(eye - pivot))
+
+    def _orbited(self, look: F64) -> F64 | None:
+        """The eye that sees the target along `look`, as far as walls let it come there."""
+        eye, target = np.array(self.camera.position), np.array(self.camera.target)
+        if self.free is None or self._arm_m is None or np.isinf(self._arm_m):
+            return np.asarray(target - look)
+        return self.free.orbited(eye, target, -look / np.linalg.norm(look), self._arm_m)
 
     def _pan(self, dx: float, dy: float) -> None:
         camera = self.camera
@@ -155,7 +184,12 @@ class CameraControls:
             return
         least = 1e-3 * self.reach_m / float(np.linalg.norm(look))
         factor = max(_NEARER_PER_NOTCH ** float(np.clip(notches, -20, 20)), least)
-        self.camera = replace(camera, position=_vec3(camera.target - look * factor))
+        by = look * (1.0 - factor)
+        eye = np.array(camera.position)
+        if self.free is not None and self.free.is_enclosed(eye):
+            by = self.free.moved(eye, by)
+            self._arm_m = None
+        self.camera = replace(camera, position=_vec3(eye + by))
 
     def _key_down(self, event: Mapping[str, Any]) -> None:
         self._keys.add(_key(event))

@@ -96,7 +96,7 @@ class Panel:
             imgui.pop_style_color()
         if state.notice:
             imgui.push_style_color(imgui.Col_.text, _NOTICE_COLOUR)
-            imgui.text_wrapped(state.notice)
+            imgui.text_wrapped(f"{state.notice}   {session.progress}".rstrip())
             imgui.pop_style_color()
         if session.renderer is None:
             return

@@ -53,6 +53,10 @@ class Quality:
         done = self._done / self.samples
         return done if self._still_size == self._full else 0.5 * done
 
+    def coarse(self, full: tuple[int, int]) -> tuple[int, int]:
+        """The size of images while something moves."""
+        return _reduced(full, self.scale)
+
     def plan(
         self, now_s: float, full: tuple[int, int], *, changed: bool, is_busy: bool = False
     ) -> Plan:
@@ -67,7 +71,7 @@ class Quality:
             self._changed_s = now_s
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done, self._is_last = True, 0, False
-            return Plan(_reduced(full, self.scale), 0 if changed else None, is_moving=True)
+            return Plan(self.coarse(full), 0 if changed else None, is_moving=True)
         if self._was_moving and not is_busy:
             self.still_scale = _step_below(self.still_scale)  # the machine may have time again
             self._is_last = False

@@ -23,6 +23,7 @@ from .build import Turns, said
 from .controls import CameraControls
 from .drawn import Drawn, is_same
 from .fine import SAMPLES, Fine, Shot, finer_settings
+from .free_space import FreeSpace
 from .making import Making
 from .quality import STILL_SAMPLES, Plan, Quality
 from .state import ViewState, reloaded, structure
@@ -59,7 +60,7 @@ class Session:
         look = Look(exposure_stops=scene.camera.exposure_stops, reach_m=reach_m(scene) / 4.0)
         own = {technique: dict(settings)} if settings else {}
         self.state = ViewState(scene, technique, own, look)
-        self.controls = CameraControls(scene.camera, reach_m(scene))
+        self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
         self.quality = Quality(is_cpu=self.gpu.is_cpu)
         self.frame_ms, self.times_ms = 0.0, dict[str, float]()
         is_file = bool(source) and not source.startswith(BUILTIN_PREFIX)
@@ -78,6 +79,7 @@ class Session:
         self._seen: tuple[Any, ...] = ()
         self._toned: tuple[Any, ...] = ()
         self._before_s: float | None = None
+        self._progress = ""
         self._touched_s = float("-inf")
 
     @property
@@ -121,6 +123,7 @@ class Session:
         state, before = self.state, self.loaded
         state.scene, self.loaded = reloaded(state.scene, before, after), after
         state.message, state.notice = "", "the scene file was read again"
+        self.controls.free = FreeSpace(after)
         if after.camera != before.camera:
             self.controls.camera = self.controls.home = after.camera
             state.look = replace(state.look, exposure_stops=after.camera.exposure_stops)
@@ -133,6 +136,7 @@ class Session:
         with self._turns.frame():
             self._size = size
             self._make()
+            self._progress = self._making.progress
             self.controls.height_px = size[1]
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
@@ -168,6 +172,11 @@ class Session:
         return f"{self.frame_ms:.0f} ms   {width} x {height}"
 
     @property
+    def progress(self) -> str:
+        """How far the renderer is that is being made; empty where none is."""
+        return self._progress
+
+    @property
     def share(self) -> float:
         """How much of the refinement is done, 0 to 1."""
         if self.quality.samples == STILL_SAMPLES:
@@ -179,7 +188,8 @@ class Session:
         """Whether something that was being made between frames is ready to be shown."""
         fine = self.fine
         is_finer = fine.is_shown and self._toned[:2] != (fine.presenter, fine.samples)
-        return self._making.has_ended or fine.has_ended or is_finer
+        is_further = self._making.progress != self._progress
+        return self._making.has_ended or fine.has_ended or is_finer or is_further
 
     def wait(self) -> None:
         """Return once the renderer that is being made is there, or has been refused."""
@@ -261,7 +271,8 @@ class Session:
         if not self.fine.is_empty:
             self.fine.retire()
             self.fine = Fine(self.gpu, self._turns)
-        self._making.begin(wanted, self._maker(self._size, {}))
+        # The first image is a coarse one: there is something to see as soon as may be.
+        self._making.begin(wanted, self._maker(self.quality.coarse(self._size), {}))
 
     def _maker(self, size: tuple[int, int], more: Mapping[str, Any]) -> Callable[[], Renderer]:
         """Makes a renderer of the state as it is now, with `more` settings."""
