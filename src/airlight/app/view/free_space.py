@@ -48,9 +48,7 @@ class FreeSpace:
             return target
         return np.asarray(eye + towards * (_PIVOT_SHARE * reach / length))
 
-    def orbited(
-        self, eye: F64, pivot: F64, outwards: F64, arm_m: float
-    ) -> F64 | None:
+    def orbited(self, eye: F64, pivot: F64, outwards: F64, arm_m: float) -> F64 | None:
         """Where the eye goes from `eye` to look at `pivot` against `outwards`.
 
         `arm_m` away from it where the straight way there is free, else nearer: the longest of some
