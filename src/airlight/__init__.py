@@ -80,6 +80,7 @@ _SCENE = (
     "PointLight",
     "PointLights",
     "Scene",
+    "Sky",
     "SpotLight",
     "Texture",
     "Volume",
@@ -95,6 +96,7 @@ _LATER = {
     "render": "rendering",
     "view": "app.view.notebook",
     "with_defaults": "scene.io",
+    "with_sky": "scene",
 }
 _RENAMED = {"scenes": "scene.builtin"}
 
@@ -121,6 +123,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SettingsError",
+    "Sky",
     "SpotLight",
     "Texture",
     "Volume",
@@ -131,6 +134,7 @@ __all__ = [
     "scenes",
     "view",
     "with_defaults",
+    "with_sky",
 ]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..errors import OutputError
-from .options import adapter_option, model_options, settings_option
+from .options import adapter_option, model_options, settings_option, sun_option
 from .outputs import check_folder, check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
@@ -32,6 +32,7 @@ from .scene_argument import load_scene, reads, show_warnings
 )
 @settings_option()
 @model_options()
+@sun_option()
 @adapter_option()
 def command(scene: str, output: Path, **options: Any) -> None:
     """Solve the light in SCENE and write it as NumPy arrays with a JSON header.

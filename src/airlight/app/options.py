@@ -111,6 +111,19 @@ def model_options() -> Decorator:
     return decorate
 
 
+def sun_option() -> Decorator:
+    """--sun, which the command gets within `model`; for commands that show the scene."""
+    return click.option(
+        "--sun",
+        metavar="WHERE",
+        callback=_sun,
+        expose_value=False,
+        help="A clear sky with its sun instead of the scene's: ELEVATION,AZIMUTH in degrees, or "
+        "TIME@LATITUDE,LONGITUDE, such as 2026-06-21T17:30+02:00@48.1,11.6; a third number is the "
+        "turbidity.",
+    )
+
+
 def check_settings(technique: str, settings: Mapping[str, str]) -> None:
     """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
     from ..scene.scene import Scene
@@ -156,6 +169,14 @@ def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
     model: dict[str, Any] = ctx.params.setdefault("model", {})
     if value is not None:
         model[str(param.name)] = value
+
+
+def _sun(ctx: click.Context, param: click.Parameter, value: str | None) -> None:
+    if value is not None:
+        from ..scene.sun_sky import sky_of_text
+
+        sky_of_text(value)  # refused before anything is loaded
+    _model(ctx, param, value)
 
 
 def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:

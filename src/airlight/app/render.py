@@ -18,6 +18,7 @@ from .options import (
     model_options,
     settings_option,
     size_option,
+    sun_option,
 )
 from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
@@ -72,6 +73,7 @@ _STARTED_S = time.perf_counter()
     help="Display curve.  [default: agx]",
 )
 @model_options()
+@sun_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.

@@ -94,6 +94,8 @@ class HitLighting:
             size=hits.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
+            # The sun that rays would meet is a light already.
+            **{**lights.background.seen, "sun_radiance": (0.0, 0.0, 0.0)},
         )
         return {
             "params": params,

@@ -155,7 +155,11 @@ class LatticeLight:
 
 
 class LightingParams(Struct):
-    """The camera and the number of lights."""
+    """The camera and the number of lights.
+
+    The sun's disk: where, the cosine of its angular radius, what it sends to the eye. `horizon`:
+    half a row of the environment's map, in heights of the map, 0 where its rows blend everywhere.
+    """
 
     world_from_clip = mat4x4f()
     eye = vec3f("m")
@@ -163,6 +167,10 @@ class LightingParams(Struct):
     size = vec2f("px")
     environment_rotation = f32("rad")
     has_lattice = u32()
+    towards_sun = vec3f()
+    sun_cosine = f32()
+    sun_radiance = vec3f("W m^-2 sr^-1")
+    horizon = f32()
 
 
 SURFACE_SLOTS = (

@@ -157,6 +157,7 @@ class Surfaces:
             size=view.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
+            **lights.background.seen,
         )
         return {
             "params": params,

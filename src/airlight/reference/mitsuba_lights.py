@@ -86,6 +86,10 @@ def point_emitters(group: PointLights, files: FileStore) -> list[Element]:
     return [_element(point_emitter((x, y, z), (r, g, b)), files) for (x, y, z), (r, g, b) in rows]
 
 
+_ROWS_APART = 8
+"""Times as many rows of a map with a horizon: Mitsuba blends over one of them."""
+
+
 def environment_emitter(environment: Environment, files: FileStore) -> Element:
     """A constant or a latitude-longitude map, turned about +Y."""
     if environment.map is None:
@@ -95,8 +99,9 @@ def environment_emitter(environment: Environment, files: FileStore) -> Element:
         return emitter
     emitter = plugin("emitter", "envmap")
     pixels = environment.map
-    key = ("environment", files.identity(pixels))
-    name = files.once(key, "environment", "exr", lambda path: write_exr(path, pixels))
+    key = ("environment", files.identity(pixels), environment.horizon)
+    rows = environment.rows_apart(_ROWS_APART)
+    name = files.once(key, "environment", "exr", lambda path: write_exr(path, rows))
     add_text(emitter, "filename", name)
     add_number(emitter, "scale", environment.scale)
     if environment.rotation_deg != 0.0:

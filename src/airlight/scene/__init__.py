@@ -1,6 +1,7 @@
 """Scenes: frozen values that say what is to be rendered; no GPU.
 
 scene        all of it in one value           camera, environment
+sun_sky      a clear sky and its sun
 mesh         triangles and their transforms   material   how they reflect
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
@@ -18,6 +19,7 @@ from .medium import Medium
 from .mesh import Geometry, Mesh
 from .point_lights import PointLights
 from .scene import Scene
+from .sun_sky import Sky, with_sky
 from .volume import Volume
 
 __all__ = [
@@ -34,7 +36,9 @@ __all__ = [
     "PointLight",
     "PointLights",
     "Scene",
+    "Sky",
     "SpotLight",
     "Texture",
     "Volume",
+    "with_sky",
 ]

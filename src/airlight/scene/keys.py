@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import date, datetime, time
 from typing import Any
 
 from ..errors import SceneError, nearest
@@ -48,3 +49,17 @@ def within(low: float, high: float) -> Check:
         return checks.number(value, name, low=low, high=high)
 
     return check
+
+
+def local_date(value: Any, name: str) -> date:
+    """A check for TOML's local dates."""
+    if isinstance(value, datetime) or not isinstance(value, date):
+        raise SceneError(f"{name} = {checks.shown(value)} is no date", remedy="Write 2026-06-21.")
+    return value
+
+
+def local_time(value: Any, name: str) -> time:
+    """A check for TOML's local times."""
+    if not isinstance(value, time):
+        raise SceneError(f"{name} = {checks.shown(value)} is no time", remedy="Write 17:30:00.")
+    return value

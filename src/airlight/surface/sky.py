@@ -19,6 +19,7 @@ from ..maths.chunks import chunks
 from ..maths.half import half_floats
 from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from ..maths.sampling import fibonacci_sphere
+from ..maths.sunlight import SUN_RADIUS_DEG
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight
 
@@ -145,6 +146,19 @@ class EnvironmentTexture:
             self._upload(environment)
         self._turn(environment)
         return True
+
+    @property
+    def seen(self) -> dict[str, Any]:
+        """Beside the texels: the horizon between them and the sun, for `LightingParams`."""
+        shown = self._shown
+        is_sharp = shown is not None and shown.visible and shown.horizon and shown.map is not None
+        sky = shown.sky if shown is not None and shown.visible else None
+        return {
+            "towards_sun": (0.0, 1.0, 0.0) if sky is None else tuple(sky.towards_sun.tolist()),
+            "sun_cosine": float(np.cos(np.radians(SUN_RADIUS_DEG))),
+            "sun_radiance": (0.0, 0.0, 0.0) if sky is None else sky.disk_radiance,
+            "horizon": 0.5 / self.texture.size[1] if is_sharp else 0.0,
+        }
 
     def _turn(self, environment: Environment | None) -> None:
         self._shown = environment

@@ -12,8 +12,16 @@ override IS_ONE_DIRECTIONAL: bool = false;      // the only light
 fn background(direction: vec3f) -> vec3f {
     let u = atan2(direction.x, -direction.z) / (2.0 * PI)
         + params.environment_rotation / (2.0 * PI);
-    let v = acos(clamp(direction.y, -1.0, 1.0)) / PI;
-    return textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0).rgb;
+    var v = acos(clamp(direction.y, -1.0, 1.0)) / PI;
+    // Where there is a horizon, sky and ground do not blend: each is read to its own last row.
+    if (direction.y > 0.0) {
+        v = min(v, 0.5 - params.horizon);
+    } else {
+        v = max(v, 0.5 + params.horizon);
+    }
+    let far = textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0).rgb;
+    let is_disk = direction.y > 0.0 && dot(direction, params.towards_sun) > params.sun_cosine;
+    return far + select(vec3f(0.0), params.sun_radiance, is_disk);
 }
 
 fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {

@@ -187,7 +187,7 @@ MISTAKES = [
     (
         "fov = 3\n",
         "unknown key outside any table, 'fov'. Known: animation, camera, environment, "
-        "light, medium, mesh, technique, volume.",
+        "light, medium, mesh, sky, technique, volume.",
     ),
     ("[mesh]\nshape = 'box'\n", "'mesh' must be written as a [[mesh]] table"),
     ("[[camera]]\n", "'camera' must be written as a [camera] table"),

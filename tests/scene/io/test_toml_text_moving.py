@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from datetime import date, time
 
 import numpy as np
 import pytest
@@ -47,6 +48,7 @@ VALUES: dict[str, object] = {  # by "table.key", else by the key; others by thei
     "end_s": 4.5,
     "g": [0.5, 0.25, -0.125],
     "volume.bounds": [[-2, 0, -2], [1, 3, 1]],
+    "turbidity": 4.5,
     "matrix": [0, 0, 1, 2, 0, 1, 0, 3, -1, 0, 0, 4, 0, 0, 0, 1],
 }
 KINDS: dict[str, object] = {
@@ -96,6 +98,12 @@ BESIDE = {
     "temperature_offset": {"file": "fire.npz", "temperature_grid": "temperature"},
     "top": {"endless": True},
 }
+PLACE = {  # keys of a [sky] that stand together
+    "latitude_deg": 48.125,
+    "longitude_deg": 11.5,
+    "date": date(2026, 6, 21),
+    "time": time(17, 30),
+}
 DIRECTIONS = ([0, -1, 0], [0, -0.6, 0.8], [0.6, -0.8, 0])
 SEQUENCE = {"sequence": "smoke.*.npy"}
 
@@ -137,7 +145,7 @@ def _key_cases():
 
 
 def written(value: object) -> str:
-    return json.dumps(value)
+    return value.isoformat() if isinstance(value, (date, time)) else json.dumps(value)
 
 
 def text_of(tables: dict[str, dict[str, object]], tail: str = "") -> str:
@@ -204,7 +212,8 @@ def test_every_key_comes_back(folder, table, kind, key):
         own.pop("shape", None)
         own |= SEQUENCE
     own |= {"sigma_s": 1.5} if key.name == "sigma_a" else {}
-    own[key.name] = value_of(table, key)
+    own |= PLACE if key.name in (*PLACE, "utc_offset_h") else {}
+    own[key.name] = PLACE.get(key.name) or value_of(table, key)
     tail = ""
     if key.name == "between" and table != "volume" and kind != "points":
         tail = keyframes(table, kind, "")

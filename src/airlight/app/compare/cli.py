@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...errors import SettingsError
-from ..options import Number, adapter_option, model_options, settings_option, size_option
+from ..options import (
+    Number,
+    adapter_option,
+    model_options,
+    settings_option,
+    size_option,
+    sun_option,
+)
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads, show_warnings, warn
@@ -103,6 +110,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
 )
 @settings_option("A setting of each technique that has it; may be repeated.")
 @model_options()
+@sun_option()
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(

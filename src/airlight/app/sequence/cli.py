@@ -17,6 +17,7 @@ from ..options import (
     model_options,
     settings_option,
     size_option,
+    sun_option,
 )
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
@@ -67,6 +68,7 @@ if TYPE_CHECKING:
     help="Display curve.  [default: agx]",
 )
 @model_options()
+@sun_option()
 @adapter_option()
 @click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
 @click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ..options import adapter_option, model_options, settings_option, size_option
+from ..options import adapter_option, model_options, settings_option, size_option, sun_option
 from ..scene_argument import load_scene, show_warnings
 
 
@@ -30,6 +30,7 @@ from ..scene_argument import load_scene, show_warnings
 @size_option("1280x720")
 @settings_option()
 @model_options()
+@sun_option()
 @adapter_option()
 @click.option(
     "--port",

@@ -14,6 +14,12 @@ from ...scene.lights import Light
 from ...scene.lights.light_key import Control
 from ...scene.medium import Medium
 from ...scene.scene import Scene
+from ...scene.sun_sky import (
+    LEAST_TURBIDITY,
+    LOWEST_DEG,
+    MOST_TURBIDITY,
+    Sky,
+)
 from ...scene.volume import Volume
 from .state import ViewState, fog_for, source_angles_deg, travel_from
 
@@ -34,7 +40,12 @@ def light_controls(state: ViewState) -> None:
         if changed is not None:
             state.set_light(state.light, changed)
     environment = state.scene.environment
+    if (environment is None or environment.sky is None) and imgui.button("sun and sky"):
+        state.put_sky(Sky())
     if environment is None:
+        return
+    if environment.sky is not None:
+        _sky_controls(state, environment.sky)
         return
     scaled, scale = imgui.slider_float(
         "sky", environment.scale, 0.0, 10.0, "%.3g", imgui.SliderFlags_.logarithmic
@@ -44,6 +55,19 @@ def light_controls(state: ViewState) -> None:
     if scaled or turned or seen:
         changes: dict[str, Any] = {"scale": scale, "rotation_deg": degrees, "visible": visible}
         state.scene = replace(state.scene, environment=replace(environment, **changes))
+
+
+def _sky_controls(state: ViewState, sky: Sky) -> None:
+    """Where the sun of a computed sky stands, and its haze; a drag turns it, too."""
+    bar = imgui.slider_float
+    up, elevation = bar("sun's elevation", sky.elevation_deg, LOWEST_DEG, 90.0, "%.1f")
+    round_, azimuth = bar("sun's azimuth", sky.azimuth_deg % 360.0, 0.0, 360.0, "%.0f")
+    hazed, turbidity = bar(
+        "haze (turbidity)", sky.turbidity, LEAST_TURBIDITY, MOST_TURBIDITY, "%.1f"
+    )
+    if up or round_ or hazed:
+        new = replace(sky, elevation_deg=elevation, azimuth_deg=azimuth, turbidity=turbidity)
+        state.put_sky(new)
 
 
 def media_controls(state: ViewState) -> None:

@@ -141,6 +141,8 @@ class Session:
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
             is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
+            if not is_busy:
+                self.state.settle_sky()
             # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()

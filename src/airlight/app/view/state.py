@@ -14,6 +14,7 @@ from ...scene.checks import Vec3
 from ...scene.lights import Light
 from ...scene.medium import Medium
 from ...scene.scene import Scene
+from ...scene.sun_sky import Sky, followed, with_sky
 from ...scene.volume import Volume
 from .controls import Turn, turned_direction
 
@@ -73,6 +74,18 @@ class ViewState:
         volumes[index] = volume
         self.scene = replace(self.scene, volumes=tuple(volumes))
 
+    def put_sky(self, sky: Sky) -> None:
+        """A computed sky with its sun, which a drag turns from now on; exposed by the image."""
+        had = self.scene.environment is not None and self.scene.environment.sky is not None
+        self.scene = with_sky(self.scene, sky)
+        self.light = len(self.scene.lights) - 1
+        if not had:
+            self.look = replace(self.look, exposure_stops=None)
+
+    def settle_sky(self) -> None:
+        """Compute the sky for its sun, where that was turned since."""
+        self.scene = followed(self.scene)
+
     def turn_light(self, turn: Turn) -> None:
         """Turn the chosen light's direction; a point light moves around the scene."""
         lights = self.scene.lights
@@ -107,8 +120,16 @@ def structure(state: ViewState) -> tuple[Any, ...]:
         scene.medium is None,
         tuple((v.shape, id(v.density), v.bounds) for v in scene.volumes),
         scene.environment is None,
-        id(scene.environment.map) if scene.environment else 0,
+        _map_of(scene),
     )
+
+
+def _map_of(scene: Scene) -> Any:
+    """What of the environment's map a renderer is made for: a computed sky may be another one."""
+    environment = scene.environment
+    if environment is None or environment.map is None:
+        return 0
+    return environment.map.shape if environment.sky else id(environment.map)
 
 
 def reloaded(now: Scene, before: Scene, after: Scene) -> Scene:

@@ -20,6 +20,7 @@ from ...errors import SceneError, nearest
 from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
+from ..sun_sky import Sky, sky_of_text, with_sky
 from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
@@ -35,11 +36,13 @@ def load(
     up: Literal["y", "z"] = "y",
     scale: float = 1.0,
     variant: str | None = None,
+    sun: Sky | str | None = None,
 ) -> Scene:
     """A scene from a file, or from `builtin:NAME`.
 
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
+    `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment.
 
     Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
     camera one that frames them, as density grids (NumPy, VDB, Mitsuba .vol) do; scene files
@@ -48,13 +51,15 @@ def load(
     """
     written = str(path)
     model = model_keys(written, up=up, scale=scale, variant=variant)
+    sky = sky_of_text(sun) if isinstance(sun, str) else sun
     if written.startswith(BUILTIN_PREFIX):
         from ..builtin import builtin_scene
 
-        return builtin_scene(written.removeprefix(BUILTIN_PREFIX))
+        scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
+        return with_sky(scene, sky) if sky else scene
     file = Path(path)
     with naming(file):
-        scene = _loaded(file, model)
+        scene = _loaded(file, model, sky)
         check_extent(scene)
     return scene
 
@@ -83,28 +88,31 @@ def model_keys(
     }
 
 
-def _loaded(file: Path, model: dict[str, Any]) -> Scene:
+def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     suffix = file.suffix.lower()
     if suffix == ".toml":
         from .doubts import doubts
         from .toml import load_toml
 
         scene = load_toml(file)
-        return replace(scene, warnings=(*scene.warnings, *doubts(scene)))
+        scene = replace(scene, warnings=(*scene.warnings, *doubts(scene)))
+        return with_sky(scene, sky) if sky else scene
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        return load_mitsuba(file)
+        scene = load_mitsuba(file)
+        return with_sky(scene, sky) if sky else scene
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        return with_defaults(load_volume_scene(file))
-    scene = load_meshes(file, model.get("variant"))
-    if model:
-        from .toml_meshes import placed
+        scene = load_volume_scene(file)
+    else:
+        scene = load_meshes(file, model.get("variant"))
+        if model:
+            from .toml_meshes import placed
 
-        scene = placed(scene, model)
-    return with_defaults(scene)
+            scene = placed(scene, model)
+    return with_defaults(with_sky(scene, sky) if sky else scene)
 
 
 def load_meshes(file: Path, variant: str | None = None) -> Scene:

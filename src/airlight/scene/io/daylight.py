@@ -31,7 +31,7 @@ def sun_and_sky(towards_sun: F64) -> tuple[DirectionalLight, Environment]:
     """The light and the map that belongs to it; `towards_sun` is a unit vector."""
     x, y, z = (-float(v) for v in towards_sun)
     sun = DirectionalLight(direction=(x, y, z), irradiance=SUN_IRRADIANCE)
-    return sun, Environment(map=clear_sky(towards_sun), source="default sky")
+    return sun, Environment(map=clear_sky(towards_sun), source="default sky", horizon=True)
 
 
 def clear_sky(towards_sun: F64, height: int = 32) -> F32:
@@ -51,8 +51,7 @@ def clear_sky(towards_sun: F64, height: int = 32) -> F32:
     sky = _ZENITH + (_HORIZON - _ZENITH) * paleness
     cosine = np.clip(direction @ towards_sun, 0.0, 1.0)[..., None]
     sky = sky + _SUN_GLOW * cosine**16
-    # Over one map row the horizon is a blend, so that it does not alias.
-    is_sky = np.clip(0.5 + y * height / np.pi, 0.0, 1.0)[..., None]
+    is_sky = (y > 0.0)[..., None]
     blended: F32 = (_GROUND + (sky - _GROUND) * is_sky).astype(np.float32)
     return blended
 

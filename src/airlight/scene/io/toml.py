@@ -33,6 +33,7 @@ from .toml_animation import (
 )
 from .toml_meshes import existing_file, placed_mesh
 from .toml_schema import check_table, inside
+from .toml_sky import read_sky, under
 from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MEDIUM, MESH, TABLES
 from .toml_volumes import placed_volume, with_extinction
 
@@ -99,6 +100,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
     lights = [_light(table, label) for label, table in shining if not is_group(table)]
     said: list[str] = []
     environment, turning = _environment(raw, folder, said)
+    sky = read_sky(raw)
     tracks = [
         *_part_tracks(parts, len(lights), has_camera=camera is not None),
         *([CameraTrack(seen)] if seen else []),
@@ -125,7 +127,9 @@ def _scene(raw: Raw, path: Path) -> Scene:
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
     is_exposed = "exposure_stops" in raw.get("camera", ())
-    framed = _with_camera(scene, camera, parts)
+    framed = _with_camera(under(scene, sky), camera, parts)
+    if sky is not None and not is_exposed:
+        framed = replace(framed, camera=replace(framed.camera, exposure_stops=None))
     return with_default_lights(framed, is_scene_file=True, is_exposed=is_exposed)
 
 

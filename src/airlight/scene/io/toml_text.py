@@ -10,6 +10,7 @@ import json
 import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,12 @@ from ..environment import Environment
 from ..lights import Light
 from ..medium import Medium
 from ..scene import Scene
+from ..sun_sky import followed
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
 from .files import read_text
 from .light_groups import is_group
+from .toml_sky import sky_table
 from .toml_text_moving import has_own_camera, moves_light, with_motion
 
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
@@ -46,7 +49,16 @@ def scene_text(
     stand. `settings` by technique are written over the scene's own; `model` are the keys with
     which a mesh file was loaded (up, scale, variant). A comment says what could not be written.
     """
+    scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
+    raw["sky"] = sky_table(scene, original, raw.get("sky", {}))
+    if raw["sky"]:
+        raw.pop("environment", None)
+        # The sun is the sky's, not a [[light]].
+        scene = replace(scene, lights=scene.lights[:-1], environment=None)
+        had_sky = original.environment is not None and original.environment.sky is not None
+        lights = original.lights[:-1] if had_sky else original.lights
+        original = replace(original, lights=lights, environment=None)
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
     if has_own_camera(scene):
         raw["camera"] = {}
@@ -66,7 +78,7 @@ def scene_text(
     for name, values in (settings or {}).items():
         techniques[name] = {**techniques.get(name, {}), **values}
     raw["technique"] = {name: dict(values) for name, values in techniques.items() if values}
-    order = ("camera", "mesh", "light", "environment", "medium", "volume")
+    order = ("camera", "mesh", "light", "environment", "sky", "medium", "volume")
     ordered = {name: raw[name] for name in (*order, *raw) if raw.get(name)}
     return "".join(notes) + "\n".join(_lines(ordered, ())).strip() + "\n"
 
@@ -84,7 +96,8 @@ def _original(
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     if path.suffix.lower() in MESH_SUFFIXES:
-        return {"mesh": [{"file": _relative(path, folder), **model}]}, []
+        placed = {name: value for name, value in model.items() if name != "sun"}
+        return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
     if path.suffix.lower() in VOLUME_SUFFIXES:
         return {"volume": [{"file": _relative(path, folder)}]}, []
     return {}, [_NO_MESHES.format(source=source)]
