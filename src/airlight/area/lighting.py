@@ -123,7 +123,7 @@ class AreaShadows:
         layers = max(1, emitters.layers)
         while resolution > 32 and layers * resolution**2 > MOST_TEXELS:
             resolution //= 2
-        self.maps = ShadowMaps(gpu, "area shadows", resolution, layers)
+        self.maps = ShadowMaps(gpu, "area shadows", resolution, layers, is_thinned=True)
         self.table = Buffer(gpu, "emitters", EmitterData.dtype.itemsize * emitters.count)
         self.corners = Buffer(
             gpu, "emitter corners", CornerData.dtype.itemsize * MOST_CORNERS * emitters.count

@@ -28,7 +28,9 @@ class HitLighting:
     def __init__(self, kit: Kit, attenuation: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
         self._passes: dict[Part, Lighting] = {}
-        self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation, points=HITS))
+        has_panes = kit.meshes.has_translucent
+        slots = lighting_slots("whole", attenuation, points=HITS, has_panes=has_panes)
+        self._is_whole = fits(kit.gpu, slots)
         self._area: AreaLighting | None = None
         if kit.area_shadows is not None:
             # Hits have no coat: of materials none is given.
@@ -117,6 +119,7 @@ class HitLighting:
                 has_directional=directional > 0,
                 has_local=count > directional,
                 is_one_directional=count == directional == 1,
+                has_panes=self.kit.meshes.has_translucent,
             )
             light = LatticeLight(
                 has_sky=self.kit.sky.maps.layers > 0,

@@ -36,6 +36,10 @@ fn light_transmittance(index: u32, p: vec3f) -> vec3f {
 """
 
 
+_NO_PANES = """
+fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f { return vec3f(1.0); }
+"""
+
 # Glossy pixels are left to `glossy_pixels`, with the rest of their light.
 TRACED_SEPARATELY = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool {
@@ -121,12 +125,14 @@ class Emitters:
 
     `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the kinds of
     lights there may be; `is_one_directional`: the table `lights` has one row, a directional light.
+    `has_panes`: translucent surfaces tint light.
     """
 
     has_surfaces: bool = True
     has_directional: bool = True
     has_local: bool = True
     is_one_directional: bool = False
+    has_panes: bool = False
 
 
 @dataclass(frozen=True)
@@ -189,6 +195,10 @@ _LIGHT_SLOTS = (
     sampler("shadow_compare", "comparison"),
     texture("environment", "2d"),
     sampler("environment_sampler"),
+)
+PANE_SLOTS = (
+    texture("parallel_panes", "2d-array", "unfilterable-float"),
+    texture("local_panes", "2d-array", "unfilterable-float"),
 )
 LATTICE_SLOTS = (
     storage("lattices", LatticeParams),
@@ -256,7 +266,8 @@ def lights_kernel(part: Part, emitters: Emitters, attenuation: Attenuation | Non
         "HAS_LOCAL": float(emitters.has_local),
         "IS_ONE_DIRECTIONAL": float(emitters.is_one_directional),
     }
-    generated = _NOT_LIT + _transmittance_wgsl(attenuation) + "//! use direct_light\n"
+    panes = "//! use panes\n" if emitters.has_panes else _NO_PANES
+    generated = _NOT_LIT + _transmittance_wgsl(attenuation) + panes + "//! use direct_light\n"
     return Kernel(generated, constants, _LIGHTS_FIRST | _MEDIA_FIRST if is_box else _LIGHTS_FIRST)
 
 
@@ -273,6 +284,8 @@ def lighting_slots(
     attenuation: Attenuation | None = None,
     gloss: Gloss = "none",
     points: Points = PIXELS,
+    *,
+    has_panes: bool = False,
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`."""
     is_after = part in ("lattices", "rest", "gathered")
@@ -283,5 +296,6 @@ def lighting_slots(
         *(LATTICE_SLOTS if has_lattices else ()),
         *(_GATHERED_SLOTS if part == "gathered" else ()),
         *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
+        *(PANE_SLOTS if has_panes and not is_after else ()),
         *(_LISTS if gloss == "listed" and part != "lights" else ()),
     )

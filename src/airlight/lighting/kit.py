@@ -64,6 +64,9 @@ class SurfaceSettings:
     surfels: int = setting(
         200_000, "samples of all surfaces, for occlusion", low=1, high=10_000_000
     )
+    translucent_layers: int = setting(
+        4, "translucent surfaces one behind the other that a pixel shows", low=0, high=16
+    )
     glossy_rays: bool = setting(
         True, "whether smooth surfaces mirror the lattice along rays, not just their own cell"
     )
@@ -122,6 +125,7 @@ class Kit:
             settings.shadow_resolution,
             settings.lamp_resolution,
             mapped=len(scene.lights) if has_media else self.emitters.plain,
+            has_panes=self.meshes.has_translucent,
         )
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         self.lattices = Lattices(

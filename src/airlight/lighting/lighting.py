@@ -43,7 +43,9 @@ class Lighting(FullscreenPass):
 
         `points`: whether surfaces are those of pixels, or hits of rays.
         """
-        self.slots = lighting_slots(part, attenuation, gloss, points)  # type: ignore[misc]
+        self.slots = lighting_slots(  # type: ignore[misc]
+            part, attenuation, gloss, points, has_panes=emitters.has_panes
+        )
         self.names = [slot.name for slot in self.slots]
         surfaces = {
             "HAS_SURFACES": float(emitters.has_surfaces),

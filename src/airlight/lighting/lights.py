@@ -33,15 +33,24 @@ class Lights:
         parallel_resolution: int,
         local_resolution: int,
         mapped: int | None = None,
+        *,
+        has_panes: bool = False,
     ) -> None:
-        """`mapped`: how many of the lights, the first, have shadow maps; all if not given."""
+        """`mapped`: how many of the lights, the first, have shadow maps; all if not given.
+
+        `has_panes`: whether surfaces tint the light that passes them.
+        """
         self.gpu = gpu
         self._mapped = len(lights) if mapped is None else mapped
         own = lights[: self._mapped]
         parallel = sum(isinstance(light, DirectionalLight) for light in own)
         local = sum(view_count(x) for x in own if not isinstance(x, DirectionalLight))
-        self.parallel = ShadowMaps(gpu, "directional shadows", parallel_resolution, parallel)
-        self.local = ShadowMaps(gpu, "local shadows", local_resolution, local)
+        self.parallel = ShadowMaps(
+            gpu, "directional shadows", parallel_resolution, parallel, has_panes=has_panes
+        )
+        self.local = ShadowMaps(
+            gpu, "local shadows", local_resolution, local, has_panes=has_panes
+        )
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
         self._environment = environment
         self.background = EnvironmentTexture(gpu, environment)
@@ -91,6 +100,8 @@ class Lights:
             "local_views": self.local.views,
             "parallel_shadows": self.parallel.depth,
             "local_shadows": self.local.depth,
+            "parallel_panes": self.parallel.panes.light,
+            "local_panes": self.local.panes.light,
             "shadow_compare": self.parallel.sampler,
             "environment": self.background.texture,
             "environment_sampler": self.background.sampler,

@@ -49,7 +49,10 @@ class Surfaces:
             mesh.material for mesh in scene.meshes
         )
         # Devices bind so many textures at once, and every volume brings its own.
-        self._is_whole = fits(kit.gpu, lighting_slots("whole", attenuation))
+        self._is_whole = fits(
+            kit.gpu,
+            lighting_slots("whole", attenuation, has_panes=kit.meshes.has_translucent),
+        )
         self._area: AreaLighting | None = None
         if kit.area_shadows is not None:
             materials = (mesh.material for mesh in scene.meshes)
@@ -204,6 +207,7 @@ class Surfaces:
                 has_directional=directional > 0,
                 has_local=count > directional,
                 is_one_directional=count == directional == 1,
+                has_panes=self.kit.meshes.has_translucent,
             )
             lattices = replace(
                 self._lattices,

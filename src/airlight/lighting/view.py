@@ -22,9 +22,12 @@ _NEAR_M = 0.01
 class View:
     """G-buffer and radiance of one image; `aim` sets the camera before each."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+    def __init__(
+        self, gpu: Gpu, size: tuple[int, int], gbuffer: type[GBuffer] = GBuffer
+    ) -> None:
+        """`gbuffer`: what draws its surfaces."""
         self.size = size
-        self.gbuffer = GBuffer(gpu, size)
+        self.gbuffer = gbuffer(gpu, size)
         self._sized = gpu.scope()
         self._make_layers()
         self.clip_from_world: F64 = np.eye(4)
@@ -56,6 +59,13 @@ class View:
         self.clip_from_world = jittered(clip, jitter_px, self.size) @ view
         self.world_from_clip = np.asarray(np.linalg.inv(self.clip_from_world), np.float64)
         self.eye = camera.position
+
+    def follow(self, other: View) -> None:
+        """Look where `other`, of the same size, looks."""
+        self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
+        self._aimed, self.eye = other._aimed, other.eye
+        self.clip_from_world = other.clip_from_world
+        self.world_from_clip = other.world_from_clip
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on."""

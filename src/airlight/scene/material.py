@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -46,8 +47,11 @@ class Material:
     `base_color` is the diffuse reflectance of a dielectric and the specular one of a metal;
     textures multiply their factor. `emission` is radiance, W m^-2 sr^-1, to both sides where
     `two_sided`. A surface with `alpha` (times the base-colour texture's alpha) below
-    `alpha_cutoff` is not there; 0 means opaque everywhere. `specular` scales the dielectric
-    reflectance of 0.04 (0: a pure Lambert surface).
+    `alpha_cutoff` is not there; 0 means opaque everywhere. Where it `is_blended`, `alpha` is the
+    share of the surface that is there, and the rest of the light passes (glTF's BLEND).
+    `transmission`: of the light that a dielectric does not mirror, the share that passes unbent,
+    tinted by `base_color`; the rest is reflected diffusely (KHR_materials_transmission, as thin
+    glass). `specular` scales the dielectric reflectance of 0.04 (0: a pure Lambert surface).
     """
 
     name: str = ""
@@ -64,21 +68,35 @@ class Material:
     emission: Rgb = (0.0, 0.0, 0.0)
     emission_texture: Texture | None = None
     two_sided: bool = True
+    is_blended: bool = False
+    transmission: float = 0.0
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "base_color", checks.rgb(self.base_color, "base_color", high=1.0))
-        for name in ("alpha", "roughness", "metallic", "specular"):
+        for name in ("alpha", "roughness", "metallic", "specular", "transmission"):
             put(self, name, checks.number(getattr(self, name), name, low=0.0, high=1.0))
         put(self, "alpha_cutoff", checks.number(self.alpha_cutoff, "alpha_cutoff", low=0, high=1))
         put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
         put(self, "emission", checks.rgb(self.emission, "emission"))
         put(self, "two_sided", checks.boolean(self.two_sided, "two_sided"))
+        put(self, "is_blended", checks.boolean(self.is_blended, "is_blended"))
 
     @property
     def is_emissive(self) -> bool:
         """Whether the surface gives light of its own."""
         return max(self.emission) > 0.0
+
+    @cached_property
+    def is_translucent(self) -> bool:
+        """Whether light passes straight through some of the surface that is there."""
+        return self._has_gaps or (self.transmission > 0.0 and self.metallic < 1.0)
+
+    @property
+    def _has_gaps(self) -> bool:
+        texture = self.base_color_texture
+        is_covered = texture is None or bool((texture.pixels[..., 3] == 255).all())
+        return self.is_blended and (self.alpha < 1.0 or not is_covered)
 
 
 DEFAULT_MATERIAL: Material = Material(name="default")

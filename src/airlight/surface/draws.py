@@ -44,6 +44,26 @@ class Draw:
         return replace(self, first_instance=first, instance_count=count)
 
 
+@dataclass(frozen=True)
+class Visible:
+    """The draws that a view sees: all of them, those that light cannot pass, and the others.
+
+    The lists are the same ones as long as nothing moves.
+    """
+
+    all: list[Draw]
+    solid: list[Draw]
+    translucent: list[Draw]
+
+    @classmethod
+    def of(cls, draws: list[Draw]) -> Visible:
+        """`draws`, told apart."""
+        translucent = [draw for draw in draws if draw.material.is_translucent]
+        if not translucent:
+            return cls(draws, draws, translucent)
+        return cls(draws, [d for d in draws if not d.material.is_translucent], translucent)
+
+
 class Culling:
     """The boxes of all instances, and which draws a view sees; cached until `place`."""
 
@@ -51,7 +71,8 @@ class Culling:
         self.draws = draws
         counts = [d.instance_count for d in draws]
         self._draw_of = np.repeat(np.arange(len(counts)), counts)
-        self._visible: dict[bytes, list[Draw]] = {}
+        self._visible: dict[bytes, Visible] = {}
+        self._whole = Visible.of(draws)
 
     def place(self, boxes: F64) -> None:
         """The world boxes (N, 2, 3), metres, of the instances in their order."""
@@ -59,10 +80,10 @@ class Culling:
         self._middles, self._halves = boxes.mean(axis=1), 0.5 * (boxes[:, 1] - boxes[:, 0])
         self._visible.clear()
 
-    def visible(self, clip_from_world: F64) -> list[Draw]:
+    def visible(self, clip_from_world: F64) -> Visible:
         """The draws in view: of their instances those that no plane of the clip box excludes.
 
-        The same list is returned for the same view until something moves. The depth planes are not
+        The same value is returned for the same view until something moves. The depth planes are not
         tested, because what stands before a light's near plane still casts a shadow.
         """
         key = clip_from_world.tobytes()
@@ -73,23 +94,23 @@ class Culling:
             found = self._visible[key] = self._culled(clip_from_world)
         return found
 
-    def _culled(self, clip_from_world: F64) -> list[Draw]:
+    def _culled(self, clip_from_world: F64) -> Visible:
         if not self.draws:
-            return []
+            return self._whole
         x, y, w = clip_from_world[0], clip_from_world[1], clip_from_world[3]
         planes = np.stack([w + x, w - x, w + y, w - y, w])
         # The corner that lies farthest inside a plane decides.
         nearest = self._middles @ planes[:, :3].T + self._halves @ np.abs(planes[:, :3]).T
         is_inside = (nearest + planes[:, 3] >= 0.0).all(axis=1)
         if is_inside.all():
-            return self.draws
+            return self._whole
         # Runs of instances of one draw.
         begins = is_inside & ~(np.roll(is_inside, 1) & (np.roll(self._draw_of, 1) == self._draw_of))
         ends = is_inside & ~(np.roll(is_inside, -1) & (np.roll(self._draw_of, -1) == self._draw_of))
         begins[0], ends[-1] = is_inside[0], is_inside[-1]
         first, last = np.flatnonzero(begins), np.flatnonzero(ends)
         runs = zip(self._draw_of[first].tolist(), first.tolist(), last.tolist(), strict=True)
-        return [self.draws[d].part(begin, end - begin + 1) for d, begin, end in runs]
+        return Visible.of([self.draws[d].part(begin, end - begin + 1) for d, begin, end in runs])
 
 
 def map_of(m: Material, name: str) -> SceneTexture | None:
@@ -99,7 +120,10 @@ def map_of(m: Material, name: str) -> SceneTexture | None:
 
 
 def draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
-    """Mesh indices in runs that share geometry and material, opaque before cut-out."""
+    """Mesh indices in runs that share geometry and material.
+
+    Opaque ones come before cut-out ones, and translucent ones last.
+    """
 
     first_use: dict[int, int] = {}
     for mesh in meshes:
@@ -110,6 +134,7 @@ def draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
         m, g = meshes[index].material, meshes[index].geometry
         maps = tuple(map_of(m, name) is not None for name in MAPS)
         sides = (m.two_sided, is_mirrored(meshes[index]))
-        return (m.alpha_cutoff > 0.0, sides, maps, first_use[id(m)], first_use[id(g)])
+        kinds = (m.is_translucent, m.alpha_cutoff > 0.0)
+        return (kinds, sides, maps, first_use[id(m)], first_use[id(g)])
 
     return [list(run) for _, run in groupby(sorted(range(len(meshes)), key=key), key=key)]

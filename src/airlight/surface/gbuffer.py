@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -55,10 +55,15 @@ class GBuffer:
     emission rgb W m^-2 sr^-1, a specular
     """
 
+    has_triangle_ids: ClassVar[bool] = True
+    """Whether CPU adapters draw the visibility buffer instead."""
+
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
         self._pass, self._sized = MeshPass(gpu, _Cutout, opaque=_Opaque), gpu.scope()
-        self._visibility = VisibilityBuffer(gpu, size) if uses_visibility_buffer(gpu) else None
+        self._visibility: VisibilityBuffer | None = None
+        if self.has_triangle_ids and uses_visibility_buffer(gpu):
+            self._visibility = VisibilityBuffer(gpu, size)
         self._parts = DrawParts(self._split)
         self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
         self._make_textures(size)
@@ -98,7 +103,7 @@ class GBuffer:
         self._key = key
 
     def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
-        draws = scene.visible(clip_from_world)
+        draws = scene.solid(clip_from_world)
         first, then, is_depth_first = self._parts.of(scene, draws)
         depth = {
             "view": self.depth.resource,

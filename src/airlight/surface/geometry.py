@@ -205,7 +205,20 @@ class GpuScene:
 
     def visible(self, clip_from_world: F64) -> list[Draw]:
         """The draws in view, as `Culling.visible` finds them."""
-        return self._culling.visible(clip_from_world)
+        return self._culling.visible(clip_from_world).all
+
+    def solid(self, clip_from_world: F64) -> list[Draw]:
+        """Those of them that light cannot pass."""
+        return self._culling.visible(clip_from_world).solid
+
+    def translucent(self, clip_from_world: F64) -> list[Draw]:
+        """Those of them that some light passes."""
+        return self._culling.visible(clip_from_world).translucent
+
+    @property
+    def has_translucent(self) -> bool:
+        """Whether light passes any of the surfaces."""
+        return any(draw.material.is_translucent for draw in self.draws)
 
     @property
     def positions(self) -> Buffer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from ..gpu.layout import Struct, f32, vec3f, vec4f
+from ..gpu.layout import Struct, f32, u32, vec3f, vec4f
 from ..scene.material import Material, Texture
 
 IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
@@ -23,6 +23,9 @@ class MaterialData(Struct):
     metallic = f32()
     specular = f32()
     normal_scale = f32()
+    transmission = f32()
+    is_blended = u32("1: alpha is coverage")
+    is_translucent = u32()
     uv_base_color = vec4f("scale, offset")
     uv_metallic_roughness = vec4f("scale, offset")
     uv_normal = vec4f("scale, offset")
@@ -40,6 +43,9 @@ def material_fields(m: Material) -> dict[str, Any]:
         "metallic": m.metallic,
         "specular": m.specular,
         "normal_scale": m.normal_scale,
+        "transmission": m.transmission,
+        "is_blended": int(m.is_blended),
+        "is_translucent": int(m.is_translucent),
         "uv_base_color": uv_transform(m.base_color_texture),
         "uv_metallic_roughness": uv_transform(m.metallic_roughness_texture),
         "uv_normal": uv_transform(m.normal_texture),

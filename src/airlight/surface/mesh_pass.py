@@ -70,8 +70,8 @@ _RECORDED = 64  # views whose recorded draws are cached
 class MeshPipeline(RasterPipeline):
     """One pipeline of a pass; subclasses give `slots` (the uniform first), targets, depth.
 
-    `maps` are those that the shader reads. Cut-out materials set the override `IS_CUTOUT`, which
-    discards by alpha.
+    `maps` are those that the shader reads. Materials with holes, and translucent ones, set the
+    override `IS_CUTOUT`, which discards where `is_hole` of `wgsl/mesh.wgsl` says so.
     """
 
     second_slots = MATERIAL_SLOTS
@@ -133,7 +133,7 @@ class DepthPipeline(MeshPipeline):
 class MeshPass:
     """The pipelines of one kind of pass: one per variant of its shader that materials need.
 
-    `opaque`: a simpler pipeline for materials that are not cut out.
+    `opaque`: a simpler pipeline for materials that are whole.
     """
 
     def __init__(
@@ -226,7 +226,8 @@ class MeshPass:
         commands.tally.ran(commands.stage_name, vertices)
 
     def _pipeline(self, draw: Draw) -> MeshPipeline:
-        is_cutout, two_sided = draw.material.alpha_cutoff > 0.0, draw.material.two_sided
+        is_cutout = draw.material.alpha_cutoff > 0.0 or draw.material.is_translucent
+        two_sided = draw.material.two_sided
         kind = self.kind if is_cutout else self.opaque
         maps = draw.maps & frozenset(kind.maps)
         has_map_transform = draw.has_map_transform and bool(maps)

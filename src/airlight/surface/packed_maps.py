@@ -41,13 +41,17 @@ def most_texels(gpu: Gpu) -> int:
 
 
 def is_packable(m: Material) -> bool:
-    """Whether the maps share size and transform, and none is of emission or varying metal."""
+    """Whether the maps share size and transform, and none is of emission or varying metal.
+
+    Translucent materials are not, either: their triangles are drawn one behind the other.
+    """
     maps = _maps(m)
     alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
     linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
     sides = [side for t in maps for side in t.pixels.shape[:2]]
     return (
         m.emission_texture is None
+        and not m.is_translucent
         and len(alike) <= 1
         and linear
         and max(sides, default=0) <= _MOST_SIDE

@@ -14,11 +14,11 @@ struct ReflectiveOut {
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> ReflectiveOut {
     let base = base_color_at(in);
-    if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {
+    if (IS_CUTOUT && is_hole(in, base)) {
         discard;
     }
     var out: ReflectiveOut;
     out.normal = vec4f(facing_normal(in, is_front), in.size);
-    out.flux = vec4f(reflected_power(albedo_at(in, base.rgb), in.world), 0.0);
+    out.flux = vec4f(reflected_power(present_albedo(in, base), in.world), 0.0);
     return out;
 }

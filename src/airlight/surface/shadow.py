@@ -1,4 +1,9 @@
-"""Shadow maps: depth as lights see it, filtered by percentage-closer comparison."""
+"""Shadow maps: depth as lights see it, filtered by percentage-closer comparison.
+
+A translucent surface stands in one map by the chance that light meets it there (`is_thinned`: where
+many maps are averaged, the shadow is as grey as it should be), or not at all, and `panes` tints the
+light that passes.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ from ..gpu.slots import uniform
 from .geometry import GpuScene
 from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
+from .panes import Panes
 
 
 class ShadowParams(Struct):
@@ -33,8 +39,18 @@ class _OpaquePipeline(DepthPipeline):
 class ShadowMaps:
     """An array of square depth maps, redrawn where a view or the geometry changed."""
 
-    def __init__(self, gpu: Gpu, label: str, resolution: int, layers: int) -> None:
-        self.resolution, self.layers = resolution, layers
+    def __init__(
+        self,
+        gpu: Gpu,
+        label: str,
+        resolution: int,
+        layers: int,
+        *,
+        is_thinned: bool = False,
+        has_panes: bool = False,
+    ) -> None:
+        """`has_panes`: whether what translucent surfaces let through is drawn beside the depth."""
+        self.resolution, self.layers, self._is_thinned = resolution, layers, is_thinned
         count = max(1, layers)
         side = resolution if layers else 1
         self.depth = Texture(
@@ -42,6 +58,7 @@ class ShadowMaps:
         )
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * count)
         self.sampler = comparison_sampler(gpu)
+        self.panes = Panes(gpu, label, self.depth if has_panes and layers else None)
         self._pass = MeshPass(gpu, _CutoutPipeline, opaque=_OpaquePipeline)
         self._drawn: dict[int, tuple[int, bytes]] = {}
         self.version = 0  # raised whenever a map is redrawn
@@ -60,6 +77,7 @@ class ShadowMaps:
         self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         for layer in stale:
             self._draw(commands, scene, layer, views[layer])
+            self.panes.draw(commands, scene, layer, views[layer])
 
     def _draw(self, commands: Commands, scene: GpuScene, layer: int, view: LightView) -> None:
         depth = {
@@ -71,11 +89,12 @@ class ShadowMaps:
         with commands.render(
             self.depth.label, color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:
+            draws = scene.visible if self._is_thinned else scene.solid
             self._pass.draw(
                 commands,
                 encoder,
                 scene,
-                scene.visible(view.clip_from_world),
+                draws(view.clip_from_world),
                 ShadowParams(clip_from_world=view.clip_from_world),
             )
 

@@ -7,7 +7,7 @@ override IS_CUTOUT: bool = false;
 }
 
 @fragment fn fragment(in: VertexOut) {
-    if (IS_CUTOUT && base_color_at(in).a < materials[in.material].alpha_cutoff) {
+    if (IS_CUTOUT && is_hole(in, base_color_at(in))) {
         discard;
     }
 }

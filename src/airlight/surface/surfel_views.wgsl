@@ -13,7 +13,7 @@ struct SurfelOut {
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> SurfelOut {
     let base = base_color_at(in);
-    if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {
+    if (IS_CUTOUT && is_hole(in, base)) {
         discard;
     }
     // Drawn again, a surface has the same depth to the bit.
@@ -22,6 +22,6 @@ struct SurfelOut {
     }
     var out: SurfelOut;
     out.normal = vec4f(facing_normal(in, is_front), 0.0);
-    out.reflectance = vec4f(albedo_at(in, base.rgb), 1.0);
+    out.reflectance = vec4f(present_albedo(in, base), 1.0);
     return out;
 }

@@ -11,6 +11,7 @@ from ..gpu.commands import Commands
 from ..gpu.memory import Texture
 from ..lighting.kit import Kit
 from ..lighting.surfaces import Surfaces
+from ..lighting.translucent import Translucent
 from ..lighting.view import View
 from ..scene.scene import Scene
 
@@ -49,6 +50,11 @@ class Technique:
         attenuation = media.on_device if media else None
         self.surfaces = Surfaces(kit, kit.context.scene, attenuation)
         self._layers = layers or (media.layers if media else _surface_layers)
+        self.translucent: Translucent | None = None
+        most = kit.settings.translucent_layers
+        if most and kit.meshes.has_translucent:
+            self.translucent = Translucent(kit.gpu, kit.context.size, most)
+        self._seen: dict[str, Texture] | None = None  # through translucent surfaces
         self.fields: Fields | None = None
 
     def solve(self, commands: Commands, scene: Scene) -> None:
@@ -72,17 +78,29 @@ class Technique:
             fields = solver.solve_view(commands, view, fields)
         irradiance = fields.irradiance or self.kit.no_irradiance
         self.surfaces.draw(commands, view, irradiance, fields.sky, fields.gathered)
+        if self.translucent:
+            # Layers of translucent surfaces, from the eye on, each with the media before it.
+            for layer in self.translucent.layers(view, self.kit.meshes):
+                self.surfaces.draw(commands, layer, irradiance, fields.sky)
+                if self.media:
+                    self.media.draw(commands, layer, fields)
+                self.translucent.add(commands, self._layers(layer))
         if self.media:
             self.media.draw(commands, view, fields)
+        if self.translucent:
+            self._seen = self.translucent.finish(commands, self._layers(view))
 
     def layers(self, view: View) -> dict[str, Texture]:
         """The textures that `draw` wrote, by layer; the layers of radiance add up to the image."""
-        return self._layers(view)
+        return self._layers(view) if self._seen is None else self._seen
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on; the solved fields stay."""
         if self.media:
             self.media.resize(size)
+        if self.translucent:
+            self.translucent.resize(size)
+            self._seen = None
 
     def find(self, kind: type[_T]) -> _T | None:
         """The first solver of a kind."""

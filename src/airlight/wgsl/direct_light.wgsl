@@ -1,9 +1,11 @@
 // What local lights, directional lights and the background send, and how much of it arrives. The including pass
-// binds the lights with their shadow maps and the environment, and declares `light_transmittance`.
+// binds the lights with their shadow maps and the environment, and declares `light_transmittance` and
+// `panes_passed`.
 //! use lights
 //! use shadow
 //! use surface_reflection
 //! needs fn light_transmittance(index: u32, p: vec3f) -> vec3f
+//! needs fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f
 
 override HAS_DIRECTIONAL: bool = true;
 override HAS_LOCAL: bool = true;
@@ -67,7 +69,8 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
             let lit = light_visibility(light, p, n, in);
             if (lit > 0.0) {
-                let arriving = in.irradiance * light_transmittance(i, p) * cosine * lit;
+                let passed = light_transmittance(i, p) * panes_passed(light, p, n, in);
+                let arriving = in.irradiance * passed * cosine * lit;
                 sum += reflection(r, n, in.to_light, v) * arriving;
             }
         }

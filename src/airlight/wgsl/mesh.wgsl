@@ -1,4 +1,5 @@
 //! use bihemispherical_albedo
+//! use translucency
 //! use mapped_normal
 //! use mesh_vertex
 //! use material_map
@@ -45,6 +46,42 @@ fn albedo_at(in: VertexOut, base: vec3f) -> vec3f {
     let m = materials[in.material];
     let gloss = metallic_roughness_at(in, m);
     return bihemispherical_albedo(base, gloss.x, gloss.y, m.specular);
+}
+
+fn transmission_at(in: VertexOut) -> f32 {
+    let m = materials[in.material];
+    return m.transmission * (1.0 - metallic_roughness_at(in, m).x);
+}
+
+// What of the light passes straight through, of base colour and alpha: along `d`, of normal `n`, both unit.
+fn passed_at(in: VertexOut, base: vec4f, n: vec3f, d: vec3f) -> vec3f {
+    let m = materials[in.material];
+    let mirrored = dielectric_fresnel(0.04 * m.specular, abs(dot(n, d)));
+    return passed_share(base.rgb, coverage(base.a, m.is_blended != 0u), transmission_at(in), mirrored);
+}
+
+// The same along the normal.
+fn passed_head_on(in: VertexOut, base: vec4f) -> vec3f {
+    return passed_at(in, base, vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, 1.0));
+}
+
+// Whether a map that is drawn from here shows what lies behind: in a hole, or, by chance, where light passes.
+fn is_hole(in: VertexOut, base: vec4f) -> bool {
+    let m = materials[in.material];
+    if (m.is_translucent == 0u || base.a < m.alpha_cutoff) {
+        return base.a < m.alpha_cutoff;
+    }
+    return chance(in.clip.xy, dot(in.world, in.normal)) >= 1.0 - mean_channel(passed_head_on(in, base));
+}
+
+// As albedo_at, of a point that is no hole: what a translucent surface reflects, over the chance to be there.
+fn present_albedo(in: VertexOut, base: vec4f) -> vec3f {
+    let m = materials[in.material];
+    if (m.is_translucent == 0u) {
+        return albedo_at(in, base.rgb);
+    }
+    let reflected = albedo_at(in, base.rgb * (1.0 - transmission_at(in))) * coverage(base.a, m.is_blended != 0u);
+    return min(reflected / max(1.0 - mean_channel(passed_head_on(in, base)), 1e-3), vec3f(1.0));
 }
 
 fn facing_normal(in: VertexOut, is_front: bool) -> vec3f {

@@ -1,0 +1,89 @@
+"""What translucent surfaces let through of a light, beside its shadow map.
+
+rgb  the product of the shares that pass the translucent surfaces before the first solid one
+a    where the first of them lies: depth of parallel light, metres along the axis in perspective
+
+Points before the first surface get all light, points behind it what all of them let through:
+between two panes light is as dark as behind both.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f, u32, vec3f
+from ..gpu.memory import Texture
+from ..gpu.slots import uniform
+from .geometry import GpuScene
+from .light_views import LightView
+from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
+
+FARTHEST = 65504.0  # as far as half floats go
+
+
+class PaneParams(Struct):
+    """The light's view; `origin`: its position, or its direction where it is parallel."""
+
+    clip_from_world = mat4x4f()
+    origin = vec3f("m, or none")
+    is_perspective = u32()
+
+
+class _Panes(MeshPipeline):
+    slots = (uniform("params", PaneParams), *MESH_SLOTS)
+    targets = ("rgba16float",)
+    depth_compare, depth_writes = "less", False
+    maps = ("base_color", "metallic_roughness")
+    file = "panes.wgsl"
+    blend = {
+        "color": {"operation": "add", "src_factor": "zero", "dst_factor": "src"},
+        "alpha": {"operation": "min", "src_factor": "one", "dst_factor": "one"},
+    }
+
+
+class Panes:
+    """The maps that belong to those of `depth`; without, a single texel that nobody reads."""
+
+    def __init__(self, gpu: Gpu, label: str, depth: Texture | None) -> None:
+        self._depth = depth
+        size = depth.size if depth else (1, 1, 1)
+        self.light = Texture(
+            gpu, f"{label} panes", size, "rgba16float", dimension="2d-array", target=True
+        )
+        self._pass = MeshPass(gpu, _Panes)
+
+    def draw(self, commands: Commands, scene: GpuScene, layer: int, view: LightView) -> None:
+        """Draw one map, after its depth."""
+        if self._depth is None:
+            return
+        color = {
+            "view": self.light.layer(layer),
+            "load_op": "clear",
+            "store_op": "store",
+            "clear_value": (1.0, 1.0, 1.0, FARTHEST),
+        }
+        depth: dict[str, Any] = {
+            "view": self._depth.layer(layer),
+            "depth_load_op": "load",
+            "depth_store_op": "store",
+        }
+        with commands.render(
+            self.light.label, color_attachments=[color], depth_stencil_attachment=depth
+        ) as encoder:
+            draws = scene.translucent(view.clip_from_world)
+            self._pass.draw(commands, encoder, scene, draws, _params(view))
+
+
+def _params(view: LightView) -> PaneParams:
+    # Before the near plane all rays of a view meet: in the light, or, parallel ones, at no distance.
+    meeting = np.linalg.inv(view.clip_from_world)[:, 2]
+    origin = meeting[:3] / meeting[3] if view.is_perspective else meeting[:3]
+    return PaneParams(
+        clip_from_world=view.clip_from_world,
+        origin=tuple(origin),
+        is_perspective=int(view.is_perspective),
+    )

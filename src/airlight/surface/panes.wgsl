@@ -1,0 +1,20 @@
+//! use mesh
+
+// What a translucent surface lets through of a light, and how far from it.
+
+override IS_CUTOUT: bool = true;
+
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut) -> @location(0) vec4f {
+    let base = base_color_at(in);
+    let m = materials[in.material];
+    if (IS_CUTOUT && base.a < m.alpha_cutoff) {
+        discard;
+    }
+    let to_light = select(-params.origin, params.origin - in.world, params.is_perspective != 0u);
+    let passed = passed_at(in, base, normalize(in.normal), normalize(to_light));
+    return vec4f(passed, select(in.clip.z, 1.0 / in.clip.w, params.is_perspective != 0u));
+}

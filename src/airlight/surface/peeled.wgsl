@@ -1,0 +1,39 @@
+//! use half_range
+//! use mesh
+
+override IS_CUTOUT: bool = true;
+
+struct LayerOut {
+    @location(0) albedo: vec4f,
+    @location(1) normal: vec4f,
+    @location(2) emission: vec4f,
+    @location(3) taken: vec4f,
+}
+
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
+}
+
+@fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> LayerOut {
+    let pixel = vec2i(in.clip.xy);
+    let point = surface_at(in, is_front);
+    let m = materials[in.material];
+    if (IS_CUTOUT && point.alpha < m.alpha_cutoff) {
+        discard;
+    }
+    // Depth is reversed: what is nearer has more. Drawn again, a surface has the same to the bit.
+    let is_peeled = params.is_first == 0u && in.clip.z >= textureLoad(before, pixel, 0);
+    if (is_peeled || in.clip.z < textureLoad(solid, pixel, 0)) {
+        discard;
+    }
+    let to_eye = normalize(params.eye - in.world);
+    let base = vec4f(point.base_color, point.alpha);
+    let there = coverage(point.alpha, m.is_blended != 0u);
+    var out: LayerOut;
+    // Of what is there, the part that passes is no diffuse albedo.
+    out.albedo = vec4f(point.base_color * (1.0 - transmission_at(in)), point.metallic);
+    out.normal = vec4f(point.normal, point.roughness);
+    out.emission = vec4f(in_half_range(point.emission), point.specular);
+    out.taken = vec4f(1.0 - passed_at(in, base, point.normal, to_eye), there);
+    return out;
+}
