@@ -257,7 +257,7 @@ def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, mon
     clip = clip_from_view_infinite(np.pi / 2, WIDTH / HEIGHT, NEAR_M)
     clip = clip @ view_from_world((0, 0, 2.0), (0, 0, -1), (0, 1, 0))
     with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="no more memory"):
-        patch.setattr(scene, "visible", _fails)
+        patch.setattr(scene, "solid", _fails)
         made.encode(commands, scene, clip)
     made.encode(commands, scene, clip)
     commands.submit()

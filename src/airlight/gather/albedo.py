@@ -16,7 +16,7 @@ from ..gpu.memory import buffer_of
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo, grazing_albedo
 from ..scene.material import Material, Texture, Wrap
-from ..surface.materials import uv_transform
+from ..surface.materials import reflecting_share, uv_transform
 
 F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
@@ -77,6 +77,7 @@ def albedo_map(material: Material) -> F64:
     metallic, roughness = np.full(size, material.metallic), np.full(size, material.roughness)
     if colour_map is not None:
         colour = colour * _reduced(colour_map, size)
+    colour *= reflecting_share(material)
     if gloss_map is not None:
         is_alike = colour_map is None or uv_transform(colour_map) == uv_transform(gloss_map)
         gloss = _reduced(gloss_map, size if is_alike else (1, 1))

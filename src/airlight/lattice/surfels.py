@@ -16,6 +16,7 @@ from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
+from ..surface.materials import chance_to_meet, reflecting_share
 from .bodies import sides
 
 F64 = NDArray[np.float64]
@@ -38,7 +39,8 @@ def surfels(
     """About `count` surfels over all `meshes`, by world area; at least one per mesh.
 
     `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an array
-    of `SurfelData`. Cut-out materials contribute the share of the area that is not cut away.
+    of `SurfelData`. Cut-out materials contribute the share of the area that is not cut away,
+    translucent ones that of the light that does not pass them.
     `inside` (n, 3), metres: positions of the eye and of local lights; a closed body around one of
     them is a room, and blocks from both sides.
     """
@@ -161,10 +163,10 @@ def _albedo_and_cover(
 
 
 def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F64, F64]:
-    """Base colour (n, 3), linear, and the share (n,) of each surfel that is not cut away."""
+    """Base colour (n, 3), linear, and the share (n,) of each surfel that light meets."""
     # The material's own, times its texture; cut away where alpha is below the cutoff.
-    colour = np.tile(np.asarray(material.base_color), (count, 1))
-    cover = np.ones(count)
+    colour = np.tile(np.asarray(material.base_color), (count, 1)) * reflecting_share(material)
+    cover = np.full(count, chance_to_meet(material) if material.is_translucent else 1.0)
     texture = material.base_color_texture
     if texture is None or uv is None:
         return colour, cover
@@ -174,7 +176,9 @@ def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F
         rgb = srgb_decode(rgb)
     if material.alpha_cutoff > 0.0:
         alpha = _filtered_alpha(texture, uv) * material.alpha
-        cover = (alpha >= material.alpha_cutoff).astype(np.float64)
+        cover *= alpha >= material.alpha_cutoff
+    elif material.is_blended:
+        cover *= _filtered_alpha(texture, uv)
     return colour * rgb, cover
 
 

@@ -37,7 +37,7 @@ def dielectric_fresnel(f0: ArrayLike, cosine: ArrayLike) -> F64:
 def chance(texel: ArrayLike, plane: ArrayLike) -> F64:
     """A number from 0 to 1 for each texel (n, 2), spread evenly among neighbours.
 
-    `plane` (n,) tells surfaces apart that lie one behind the other. Source: Jimenez 2014,
+    `plane` (n,) tells surfaces apart that lie one behind the other. Source: Jimenez2014,
     interleaved gradient noise.
     """
     x, y = np.moveaxis(np.asarray(texel, np.float64), -1, 0)

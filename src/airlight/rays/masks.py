@@ -1,4 +1,7 @@
-"""Alpha of materials with holes as rays read it: coverage in bytes, beside the instances' rows."""
+"""Alpha of materials with holes as rays read it: coverage in bytes, beside the instances' rows.
+
+A ray meets a translucent surface by the chance that light does not pass it.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..scene.material import Material, Texture
 from ..scene.mesh import Mesh
-from ..surface.materials import uv_transform
+from ..surface.materials import chance_to_meet, uv_transform
 from ..surface.packed_maps import WRAP_BITS
 from .hierarchy import U32
 
@@ -17,7 +20,7 @@ INSTANCE_WORDS = 40
 """Of an instance: object from world and world from object (12 each), the first node of its mesh,
 its material, the first word of its mask (0: none), the mask's width and height (16 bits each); the
 scale and offset of its coordinates; the least alpha that is there, how it wraps, the first node of
-all that stand still; 5 unused."""
+all that stand still, the chance to be met (of translucent ones, else 0); 4 unused."""
 MOST_SIDE = 1024
 """Texels of a mask's longer side; of larger textures each texel is the mean of several."""
 
@@ -39,7 +42,9 @@ class Masks:
             self.rows[index, 25] = row
             material = mesh.material
             texture = material.base_color_texture
-            if texture is None or material.alpha_cutoff == 0.0 or is_whole(texture):
+            floats[index, 35] = chance_to_meet(material) if material.is_translucent else 0.0
+            is_cut = material.alpha_cutoff > 0.0 or material.is_blended
+            if texture is None or not is_cut or is_whole(texture):
                 continue
             self.rows[index, 26:28] = self._place(texture)
             floats[index, 28:32] = uv_transform(texture)
@@ -50,13 +55,13 @@ class Masks:
 
     @property
     def has_holes(self) -> list[bool]:
-        """Of each instance."""
-        return [bool(first) for first in self.rows[:-1, 26]]
+        """Of each instance, whether rays may pass it."""
+        return [bool(first or met) for first, met in self.rows[:-1, [26, 35]]]
 
     @property
     def are_there(self) -> bool:
         """Whether any instance has holes."""
-        return bool(self._known)
+        return any(self.has_holes)
 
     def _place(self, texture: Texture) -> tuple[int, int]:
         """Where a texture's mask begins, in words, and its width | height << 16."""

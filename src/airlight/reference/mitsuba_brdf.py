@@ -78,8 +78,8 @@ def make_bsdf() -> Any:
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
             return self._surface(si, active).diffuse
 
-        def _surface(self, si: Any, active: Any) -> _Surface:
-            return _Surface(
+        def _surface(self, si: Any, active: Any) -> Surface:
+            return Surface(
                 self.base_color.eval(si, active),
                 self.roughness.eval_1(si, active),
                 self.metallic.eval_1(si, active),
@@ -92,7 +92,7 @@ def make_bsdf() -> Any:
     return GltfReflection
 
 
-class _Surface:
+class Surface:
     """The model at one point: directions are local, z along the shading normal."""
 
     def __init__(self, base_color: Any, roughness: Any, metallic: Any, specular: float) -> None:

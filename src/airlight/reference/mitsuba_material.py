@@ -49,6 +49,8 @@ def _material_bsdf(
     """The BSDF of `material` on `geometry`; what it cannot say exactly goes to `notes`."""
     material, geometry = _with_constant_colors(material, geometry, notes)
     _note_wrapping(material, notes)
+    if material.transmission > 0.0 and material.is_translucent:
+        return _covered(_glass(material, geometry, files, notes), material, geometry, files)
     if material.specular == 0.0 and material.metallic == 0.0:
         inner = plugin("bsdf", "diffuse")
         _add_base_color(inner, "reflectance", material, geometry, files)
@@ -65,9 +67,54 @@ def _material_bsdf(
             "one-sided surfaces are black and opaque from behind in Mitsuba, where airlight does "
             "not draw them"
         )
+    return _covered(inner, material, geometry, files)
+
+
+def _covered(
+    inner: Element, material: Material, geometry: Geometry, files: FileStore
+) -> Element:
+    """`inner` where the surface is there."""
     if is_masked(material, geometry):
         inner = _masked(inner, material, files)
-    return inner
+    if not material.is_blended or not material.is_translucent:
+        return inner
+    node, texture = plugin("bsdf", "mask"), material.base_color_texture
+    if texture is None or geometry.uvs is None:
+        add_number(node, "opacity", material.alpha)
+    else:
+        _add_data_channel(node, "opacity", texture, 3, material.alpha, files)
+    node.append(inner)
+    return node
+
+
+def _glass(material: Material, geometry: Geometry, files: FileStore, notes: list[str]) -> Element:
+    """Thin glass: our own where it is known, else Mitsuba's blended with the rest."""
+    if material.normal_texture is not None:
+        notes.append(f"material '{material.name}': the normal map of its glass is left out")
+        material = replace(material, normal_texture=None)
+    if files.knows_airlight:
+        node = _glossy(material, geometry, files, notes)
+        node.set("type", "airlight_glass")
+        add_number(node, "transmission", material.transmission)
+        add_truth(node, "two_sided", material.two_sided)
+        return node
+    notes.append("glass is Mitsuba's thindielectric: its Fresnel term is exact where ours is Schlick's")
+    glass = plugin("bsdf", "thindielectric")
+    add_number(glass, "int_ior", _thin_index(0.04 * material.specular))
+    add_number(glass, "ext_ior", 1.0)
+    _add_base_color(glass, "specular_transmittance", material, geometry, files)
+    solid = replace(material, transmission=0.0, is_blended=False, alpha_cutoff=0.0)
+    node = plugin("bsdf", "blendbsdf")
+    add_number(node, "weight", material.transmission * (1.0 - material.metallic))
+    node.append(_material_bsdf(solid, geometry, files, notes))
+    node.append(glass)
+    return node
+
+
+def _thin_index(reflectance: float) -> float:
+    """The index of a slab whose two faces together reflect so much head on: 2F/(1 + F)."""
+    root = float(np.sqrt(reflectance / (2.0 - reflectance)))
+    return (1.0 + root) / (1.0 - root)
 
 
 def is_masked(material: Material, geometry: Geometry) -> bool:

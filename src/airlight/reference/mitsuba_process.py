@@ -70,9 +70,11 @@ def main(job_file: str) -> None:
     mi.set_log_level(mi.LogLevel.Error)
     _check_compiler(job.variant)
     if job.variant != SCALAR_VARIANT:
+        from . import mitsuba_glass
         from .mitsuba_brdf import register
 
         register()
+        mitsuba_glass.register()
     _say(f"ready {job.variant}")
     start = time.perf_counter()
     sums = _Batches(job)

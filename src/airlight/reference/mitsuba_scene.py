@@ -134,7 +134,10 @@ def export(
     ]
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
-    has_masks = any(is_masked(mesh.material, mesh.geometry) for mesh in scene.meshes)
+    has_masks = any(
+        is_masked(mesh.material, mesh.geometry) or mesh.material.is_translucent
+        for mesh in scene.meshes
+    )
     integrator = _integrator(media, has_masks)
     root = _root(integrator, size, spp)
     root.append(_hiding(plugin("integrator", integrator), scene, notes))

@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from ..gpu.layout import Struct, f32, u32, vec3f, vec4f
+from ..maths.colour import srgb_decode
+from ..maths.translucency import passed_share
 from ..scene.material import Material, Texture
 
 IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
@@ -65,3 +69,27 @@ def differ_in_emission_alone(a: Material, b: Material) -> bool:
         getattr(a, name) is getattr(b, name) or getattr(a, name) == getattr(b, name)
         for name in names
     )
+
+
+def chance_to_meet(m: Material) -> float:
+    """The share of light head on that does not pass a surface, where its map's alpha is 1."""
+    base, texture = np.array(m.base_color), m.base_color_texture
+    if texture is not None:
+        mean = texture.pixels[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
+        base = base * (srgb_decode(mean) if texture.is_srgb else mean)
+    coverage = m.alpha if m.is_blended else 1.0
+    passed = passed_share(base[None], [coverage], [transmission(m)], [0.04 * m.specular])
+    return max(1.0 - float(passed.mean()), 1e-6)
+
+
+def reflecting_share(m: Material) -> float:
+    """What a surface that is met reflects diffusely, over what it would if no light passed it."""
+    if not m.is_translucent:
+        return 1.0
+    coverage = m.alpha if m.is_blended else 1.0
+    return min(coverage * (1.0 - transmission(m)) / chance_to_meet(m), 1.0)
+
+
+def transmission(m: Material) -> float:
+    """The share that passes of what the surface does not mirror: metal lets nothing pass."""
+    return m.transmission * (1.0 - m.metallic)

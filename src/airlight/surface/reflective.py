@@ -56,6 +56,18 @@ class _FluxFromIds(FullscreenPass):
     file = "visibility_flux.wgsl"
 
 
+class _PassedPipeline(_ReflectivePipeline):
+    """Translucent surfaces tint the flux of what lies behind them."""
+
+    depth_compare, depth_writes = "less", False
+    targets = ("rgba16float",)
+    file = "passed_flux.wgsl"
+    blend = {
+        "color": {"operation": "add", "src_factor": "zero", "dst_factor": "src"},
+        "alpha": {"operation": "add", "src_factor": "zero", "dst_factor": "one"},
+    }
+
+
 class ReflectiveShadowMaps:
     """Arrays of square maps, redrawn where a light, its view or the geometry changed.
 
@@ -77,7 +89,7 @@ class ReflectiveShadowMaps:
         self.normal = map_of("normal", "rgba16float")
         self.flux = map_of("flux", "rgba16float")
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
-        self._pass = MeshPass(gpu, _ReflectivePipeline)
+        self._pass, self._tint = MeshPass(gpu, _ReflectivePipeline), MeshPass(gpu, _PassedPipeline)
         self._visibility = (
             VisibilityBuffer(gpu, (resolution, resolution), _FluxFromIds, of_lights=True)
             if layers and uses_visibility_buffer(gpu)
@@ -147,17 +159,23 @@ class ReflectiveShadowMaps:
         )
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)
-        if self._visibility:
-            if first or not draws:
-                self._draw_triangle_ids(commands, scene, layer, view, params, first)
-            if not draws:
-                return
+        if self._visibility and (first or not draws):
+            self._draw_triangle_ids(commands, scene, layer, view, params, first)
             keep = bool(first)
-        colors, depth = self._attachments(layer, keep=keep)
-        with commands.render(
-            "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
-        ) as encoder:
-            self._pass.draw(commands, encoder, scene, draws, params)
+        if draws or not self._visibility:
+            colors, depth = self._attachments(layer, keep=keep)
+            with commands.render(
+                "reflective shadow map", color_attachments=colors, depth_stencil_attachment=depth
+            ) as encoder:
+                self._pass.draw(commands, encoder, scene, draws, params)
+        # Light that comes through translucent surfaces has their colour.
+        translucent = scene.translucent(view.clip_from_world)
+        if translucent:
+            colors, depth = self._attachments(layer, keep=True)
+            with commands.render(
+                "passed flux", color_attachments=colors[1:], depth_stencil_attachment=depth
+            ) as encoder:
+                self._tint.draw(commands, encoder, scene, translucent, params)
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw]]:
         """The draws for the visibility buffer, then the rest."""

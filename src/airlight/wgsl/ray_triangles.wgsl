@@ -59,12 +59,21 @@ fn ray_mask_texel(first: u32, size: vec2u, at: vec2f, wrap: vec2u) -> f32 {
     return f32((four[word & 3u] >> (8u * (index & 3u))) & 255u);
 }
 
-// Whether a material is there at a hit, as the alpha of its instance's mask says.
+// A number from 0 to 1 for a hit, none like its neighbours' (Jarzynski2020, pcg).
+fn ray_chance(hit: RayHit) -> f32 {
+    let bits = bitcast<vec3u>(vec3f(hit.bary, hit.t));
+    let state = (bits.x ^ (bits.y * 0x9e3779b9u) ^ (bits.z * 0x85ebca6bu) ^ hit.triangle) * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return f32(((word >> 22u) ^ word) >> 8u) / 16777216.0;
+}
+
+// Whether a material is there at a hit, as the alpha of its instance's mask says, and, where it is translucent, chance.
 fn ray_is_there(hit: RayHit) -> bool {
     let at = RAY_INSTANCE_PAIRS * hit.instance;
     let mask = ray_rows(ray_instances[at + 3u]);
     let first = mask.first.z;
-    if (first == 0u) { return true; }
+    let met = bitcast<f32>(ray_rows(ray_instances[at + 4u]).first.w);
+    if (first == 0u) { return met == 0.0 || ray_chance(hit) < met; }
     let limit = ray_rows(ray_instances[at + 4u]).first.xy;
     let uv = ray_uv(ray_rows(ray_triangles[2u * hit.triangle + 1u]), hit.bary);
     let size = vec2u(mask.first.w & 0xffffu, mask.first.w >> 16u);
@@ -77,5 +86,6 @@ fn ray_is_there(hit: RayHit) -> bool {
         ray_mask_texel(first, size, corner + vec2f(1.0, 0.0), wrap), share.x);
     let high = mix(ray_mask_texel(first, size, corner + vec2f(0.0, 1.0), wrap),
         ray_mask_texel(first, size, corner + 1.0, wrap), share.x);
-    return mix(low, high, share.y) >= 255.0 * bitcast<f32>(limit.x);
+    let alpha = mix(low, high, share.y) / 255.0;
+    return select(alpha >= bitcast<f32>(limit.x), ray_chance(hit) < met * alpha, met > 0.0);
 }

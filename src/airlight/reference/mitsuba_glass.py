@@ -1,0 +1,116 @@
+"""airlight's thin glass, written in Mitsuba's Python: the reflection model beside what passes.
+
+A surface without thickness (KHR_materials_transmission) mirrors by Fresnel's term; of the rest
+`transmission` (times 1 - metallic) goes straight on, tinted by the base colour, and what is left is
+reflected as `mitsuba_brdf` says. Only the child process imports this module.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .mitsuba_brdf import Surface, dr, mi
+
+PLUGIN = "airlight_glass"
+
+
+def register() -> None:
+    """Make the model known as `airlight_glass` to the variant that is set."""
+    mi.register_bsdf(PLUGIN, make_bsdf())
+
+
+def make_bsdf() -> Any:
+    """The BSDF class; made late, since its base belongs to the variant set."""
+
+    class ThinGlass(mi.BSDF):  # type: ignore[misc]
+        def __init__(self, props: Any) -> None:
+            super().__init__(props)
+            self.base_color = props.get_texture("base_color", 0.8)
+            self.roughness = props.get_texture("roughness", 1.0)
+            self.metallic = props.get_texture("metallic", 0.0)
+            self.specular = props.get("specular", 1.0)
+            self.transmission = props.get("transmission", 1.0)
+            self.two_sided = props.get("two_sided", True)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [
+                mi.BSDFFlags.DiffuseReflection | sides,
+                mi.BSDFFlags.GlossyReflection | sides,
+                mi.BSDFFlags.Null | sides,
+            ]
+            self.m_flags = self.m_components[0] | self.m_components[1] | self.m_components[2]
+
+        def sample(
+            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+        ) -> tuple[Any, Any]:
+            surface, wi = self._surface(si, active), self._towards(si.wi)
+            passed = self.eval_null_transmission(si, active)
+            p = dr.mean(passed)
+            goes_on = sample1 < p
+            glossy = (sample1 - p) < surface.glossy_share(wi) * (1.0 - p)
+            normal, _ = surface.microfacets.sample(wi, sample2)
+            scattered = mi.warp.square_to_cosine_hemisphere(sample2)
+            up = dr.select(glossy, mi.reflect(wi, normal), scattered)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = dr.select(goes_on, -si.wi, self._mirrored(up, si.wi))
+            bs.eta = 1.0
+            kinds = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
+            reflected = dr.select(glossy, mi.UInt32(+kinds[0]), mi.UInt32(+kinds[1]))
+            bs.sampled_type = dr.select(goes_on, mi.UInt32(+mi.BSDFFlags.Null), reflected)
+            component = dr.select(glossy, mi.UInt32(1), mi.UInt32(0))
+            bs.sampled_component = dr.select(goes_on, mi.UInt32(2), component)
+            value, pdf = self.eval_pdf(ctx, si, bs.wo, active)
+            bs.pdf = dr.select(goes_on, p, pdf)
+            weight = dr.select(goes_on, passed / p, value / pdf)
+            return bs, dr.select(active & (bs.pdf > 0.0), weight, 0.0)
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            surface, wi = self._surface(si, active), self._towards(si.wi)
+            out = self._mirrored(wo, si.wi)
+            above = active & (out.z > 0.0) & self._is_there(si)
+            value = surface.reflection(wi, out) * out.z
+            reflected = 1.0 - dr.mean(self.eval_null_transmission(si, active))
+            pdf = surface.pdf(wi, out) * reflected
+            return dr.select(above, value, 0.0), dr.select(above, pdf, 0.0)
+
+        def eval_null_transmission(self, si: Any, active: Any = True) -> Any:
+            f0 = 0.04 * self.specular
+            x = dr.clip(1.0 - dr.abs(mi.Frame3f.cos_theta(si.wi)), 0.0, 1.0)
+            mirrored = f0 + (dr.minimum(50.0 * f0, 1.0) - f0) * (dr.square(dr.square(x)) * x)
+            tint = self.base_color.eval(si, active)
+            passed = self._share(si, active) * (1.0 - mirrored) * tint
+            return dr.select(self._is_there(si), passed, 1.0)
+
+        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+            return self._surface(si, active).diffuse
+
+        def _is_there(self, si: Any) -> Any:
+            return (si.wi.z > 0.0) | self.two_sided
+
+        def _share(self, si: Any, active: Any) -> Any:
+            return self.transmission * (1.0 - self.metallic.eval_1(si, active))
+
+        def _towards(self, wi: Any) -> Any:
+            return mi.Vector3f(wi.x, wi.y, dr.abs(wi.z))
+
+        def _mirrored(self, d: Any, wi: Any) -> Any:
+            """A direction as seen from the side that `wi` is on."""
+            return mi.Vector3f(d.x, d.y, dr.select(wi.z > 0.0, d.z, -d.z))
+
+        def _surface(self, si: Any, active: Any) -> Surface:
+            return Surface(
+                self.base_color.eval(si, active) * (1.0 - self._share(si, active)),
+                self.roughness.eval_1(si, active),
+                self.metallic.eval_1(si, active),
+                self.specular,
+            )
+
+        def to_string(self) -> str:
+            return "ThinGlass[]"
+
+    return ThinGlass
