@@ -238,7 +238,8 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
 def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
     if not uses_visibility_buffer(gpu):
         pytest.skip("on this device triangles are drawn as they come")
-    meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0)) for k in range(40))
+    grey = Material()
+    meshes = tuple(square((k, 0, 0), (0.4, 0, 0), (0, 0.4, 0), grey) for k in range(40))
     bound = 60 * 80 + 8
     monkeypatch.setitem(gpu.limits, "max-storage-buffer-binding-size", bound)
     assert most_triangles(gpu) == 60

@@ -90,11 +90,17 @@ def test_mask_and_blend(material):
     m, warnings = material(
         {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.2]}}
     )
-    assert (m.alpha, m.alpha_cutoff) == (0.2, 0.5)
-    assert "materials[0]: see-through surfaces are not rendered" in warnings[0]
-    glass = {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}
+    assert (m.alpha, m.alpha_cutoff, m.is_blended, warnings) == (0.2, 0.0, True, ())
+    glass = {
+        "pbrMetallicRoughness": {"roughnessFactor": 0.0, "metallicFactor": 0.0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}},
+    }
     m, warnings = material(glass)
-    assert (m.alpha, m.alpha_cutoff, len(warnings)) == (0, 0.5, 1)
+    assert (m.alpha, m.alpha_cutoff, m.transmission, warnings) == (1, 0.0, 0.9, ())
+    assert m.is_translucent
+    frosted = {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}
+    _, warnings = material(frosted)
+    assert "materials[0]: its glass is rough" in warnings[0]
 
 
 def test_extensions_understood_and_not(material):

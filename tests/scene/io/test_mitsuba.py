@@ -157,12 +157,28 @@ def test_materials(tmp_path: Path) -> None:
     assert material.specular == pytest.approx(1.0, abs=0.01)
 
 
-def test_glass_is_left_out_and_told(tmp_path: Path) -> None:
+def test_glass_is_thin(tmp_path: Path) -> None:
     material, warnings = bsdf(tmp_path, '<bsdf type="dielectric" id="g"/>')
-    assert material is None
+    assert (material.transmission, material.roughness, material.two_sided) == (1.0, 0.0, True)
+    assert material.specular == pytest.approx((0.504 / 2.504) ** 2 / 0.04, abs=0.02)
     assert warnings == (
-        "bsdf 'g' (dielectric): glass is left out, one sees what is behind it unbent",
+        "bsdf 'g' (dielectric): its glass does not bend light, one sees straight through it",
     )
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="thindielectric"><float name="int_ior" value="1.333"/>'
+        '<rgb name="specular_transmittance" value="1, 0.5, 0"/></bsdf>',
+    )
+    assert (material.base_color, warnings) == ((1.0, 0.5, 0.0), ())
+    assert material.specular == pytest.approx(1.0, abs=0.01)  # 2 F / (1 + F) of F = 0.0204
+
+
+def test_a_constant_opacity_blends(tmp_path: Path) -> None:
+    material, warnings = bsdf(
+        tmp_path,
+        '<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="diffuse"/></bsdf>',
+    )
+    assert (material.alpha, material.is_blended, warnings) == (0.3, True, ())
 
 
 def test_unknown_bsdf_gets_a_stand_in(tmp_path: Path) -> None:

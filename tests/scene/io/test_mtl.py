@@ -89,14 +89,12 @@ def test_mask_becomes_alpha_at_the_larger_size(material):
 
 
 @pytest.mark.parametrize(
-    ("line", "alpha", "word"), [("d 0.7", 0.7, "opaque"), ("Tr 0.8", 0.2, "left out")]
+    ("line", "alpha"), [("d 0.7", 0.7), ("Tr 0.8", 0.2), ("d 0.5\nmap_d mask.png", 0.5)]
 )
-def test_glass_is_cut_at_one_half_and_said(material, line, alpha, word):
+def test_windows_are_blended(material, line, alpha):
     m, warnings = material(line)
     assert m.alpha == pytest.approx(alpha)
-    assert m.alpha_cutoff == 0.5
-    assert len(warnings) == 1
-    assert warnings[0].endswith(f"it is {word}")
+    assert (m.alpha_cutoff, m.is_blended, m.is_translucent, warnings) == (0.0, True, True, [])
 
 
 def test_normal_map_and_height_map(material):

@@ -1,6 +1,6 @@
 """glTF materials and textures as airlight's, with a word on everything that is approximated.
 
-airlight has no see-through surfaces: alphaMode BLEND and transmission become a cut at one half.
+alphaMode BLEND is coverage, transmission thin glass: light passes both unbent.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from .images import read_texture
 from .texture_files import missing_texture
 
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
+CLEAR_ROUGHNESS = 0.25
+"""Up to which glass shows what is behind it all but sharp."""
 _UNDERSTOOD = {
     "KHR_materials_emissive_strength": {"emissiveStrength"},
     "KHR_materials_ior": {"ior"},
@@ -149,19 +151,16 @@ class Materials:
             values["emission_texture"] = self._texture(item, "emissiveTexture", uses)
 
     def _coverage(self, item: Item, values: dict[str, Any]) -> None:
-        """alpha and alpha_cutoff of alphaMode and transmission."""
+        """What is there, and what light passes: alphaMode and transmission."""
         mode = item.text("alphaMode", "OPAQUE")
-        transmission = item.at("extensions", "KHR_materials_transmission").number(
-            "transmissionFactor", 0.0
-        )
+        glass = item.at("extensions", "KHR_materials_transmission")
+        values["transmission"] = _unit(glass.number("transmissionFactor", 0.0))
+        if values["transmission"] > 0.0 and values.get("roughness", 1.0) > CLEAR_ROUGHNESS:
+            self._warn(item, "its glass is rough, light passes it as if it were clear")
         if mode == "MASK":
             values["alpha_cutoff"] = _unit(item.number("alphaCutoff", 0.5))
-        elif mode == "BLEND" or transmission > 0.0:
-            values["alpha"] = _unit((values["alpha"] if mode == "BLEND" else 1.0) - transmission)
-            values["alpha_cutoff"] = 0.5
-            self._warn(
-                item, "see-through surfaces are not rendered: it is opaque where alpha is above 0.5"
-            )
+        elif mode == "BLEND":
+            values["is_blended"] = True
         elif mode == "OPAQUE":
             values["alpha"] = 1.0
         else:

@@ -38,7 +38,11 @@ def material_json(
         item["normalTexture"]["scale"] = material.normal_scale
     if material.alpha_cutoff > 0.0:
         item |= {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
+    elif material.is_blended:
+        item["alphaMode"] = "BLEND"
     held: Json = {}
+    if material.transmission > 0.0:
+        held["KHR_materials_transmission"] = {"transmissionFactor": material.transmission}
     if material.specular < 1.0:
         held["KHR_materials_specular"] = {"specularFactor": material.specular}
     strength = max(material.emission)

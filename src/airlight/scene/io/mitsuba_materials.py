@@ -10,7 +10,7 @@ from ..checks import Rgb
 from ..material import Material
 from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, bitmap, color_input, scalar_input, triple
-from .texture_mix import packed_roughness_metallic, with_alpha
+from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
 
 # Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
 # from their indices of refraction (refractiveindex.info), as tabled by Lagarde 2011.
@@ -37,7 +37,7 @@ class NoSurface(Exception):
 def material(node: Node | None, source: Source) -> Material:
     """The material of a BSDF; GREY, which is Mitsuba's default, for none.
 
-    Raises NoSurface for null and for glass, which is said in the notes.
+    Raises NoSurface for null.
     """
     if node is None:
         return GREY
@@ -67,16 +67,14 @@ def _twosided(node: Node, source: Source) -> Material:
 
 
 def _mask(node: Node, source: Source) -> Material:
-    """Opacity becomes a cut at one half."""
+    """Opacity is coverage; a texture whose texels are there or not cuts holes."""
     inner = _nested(node, source)
     child = node.child("opacity")
     if child is None:
         opacity = sum(triple(node.get("opacity", 0.5))) / 3.0
         if opacity == 0.0:
             raise NoSurface
-        if opacity < 1.0:
-            source.note(f"{node}: half transparent surfaces are cut: opaque from one half on")
-        return replace(inner, alpha=opacity, alpha_cutoff=0.5)
+        return replace(inner, alpha=min(opacity, 1.0), is_blended=True)
     found = None
     if child.kind == "bitmap":
         found = bitmap(child, source, is_color=False, is_cut=True)
@@ -89,6 +87,8 @@ def _mask(node: Node, source: Source) -> Material:
         inner.base_color_texture.offset,
     ):
         source.note(f"{node}: its opacity takes the uv transform of the colour texture")
+    if is_soft(found[0]):
+        return replace(inner, base_color_texture=cut, is_blended=True)
     return replace(inner, base_color_texture=cut, alpha_cutoff=0.5)
 
 
@@ -133,6 +133,7 @@ def _principled(node: Node, source: Source) -> Material:
         metallic=min(metallic, 1.0),
         metallic_roughness_texture=packed_roughness_metallic(rough_texture, metal_texture),
         specular=specular if specular > 4e-5 else 0.0,
+        transmission=min(max(float(node.get("spec_trans", 0.0)), 0.0), 1.0),
         two_sided=False,
     )
 
@@ -176,9 +177,22 @@ def _plastic(node: Node, source: Source) -> Material:
 
 
 def _glass(node: Node, source: Source) -> Material:
-    source.note(f"{node}: glass is left out, one sees what is behind it unbent")
-    node.read.update(node.values)
-    raise NoSurface
+    """Glass without thickness; of a body each of its sides is one."""
+    is_thin = node.kind == "thindielectric"
+    if not is_thin:
+        source.note(f"{node}: its glass does not bend light, one sees straight through it")
+    index = _index(node, "int_ior", DEFAULT_INDEX) / _index(node, "ext_ior", INDICES["air"])
+    mirrored = ((index - 1.0) / (index + 1.0)) ** 2
+    if is_thin:  # what goes to and fro between its two sides included
+        mirrored = 2.0 * mirrored / (1.0 + mirrored)
+    tint, texture = color_input(node, "specular_transmittance", 1.0, source)
+    return Material(
+        base_color=_at_most_one(tint),
+        base_color_texture=texture,
+        roughness=_roughness(node, source),
+        specular=_limited(mirrored / DIELECTRIC_REFLECTANCE, node, source),
+        transmission=1.0,
+    )
 
 
 def _null(node: Node, source: Source) -> Material:

@@ -3,7 +3,8 @@
 Kd, map_Kd        base colour (linear; the image is sRGB and multiplies, but a black Kd)
 Ks, Ns            dielectric specular and roughness; a bright Ks over a black Kd is a metal
 Pr, Pm, map_*     roughness and metallic; they win over Ks and Ns
-d, Tr, map_d      coverage: below one half the surface is not there; Tr = 1 alone is opaque
+d, Tr, map_d      coverage: the rest of the light passes; Tr = 1 alone is opaque. A map_d whose
+                  texels are there or not cuts holes
 Ke, map_Ke        emitted radiance
 norm, map_Bump    normal map (a height map is told apart and left out)
 """
@@ -18,7 +19,7 @@ import numpy as np
 from ..material import Material, Texture
 from .mtl_statements import Block, is_number, read_blocks
 from .texture_files import TextureFiles
-from .texture_mix import packed_roughness_metallic, with_alpha
+from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
 
 DIELECTRIC_REFLECTANCE = 0.04
 METAL_MAX_KD, METAL_MIN_KS = 0.05, 0.3
@@ -138,20 +139,16 @@ def _coverage(block: Block, textures: TextureFiles, base: Texture | None) -> dic
     if mask is not None:
         image = textures.data(mask.file)
         if image is not None:
+            alpha = alpha if alpha > 0.0 else 1.0
+            is_blended = alpha < 1.0 or is_soft(image)
             return {
                 "base_color_texture": with_alpha(base, mask.placed(image)),
-                "alpha": alpha if alpha > 0.0 else 1.0,
-                "alpha_cutoff": 0.5,
+                "alpha": alpha,
+                **({"is_blended": True} if is_blended else {"alpha_cutoff": 0.5}),
             }
     if alpha == 1.0:
         return {"base_color_texture": base}
-    if alpha > 0.0:
-        shown = "opaque" if alpha >= 0.5 else "left out"
-        textures.warnings.append(
-            f"{block.path}: '{block.name}' is {alpha:g} opaque; "
-            f"see-through surfaces are not rendered, it is {shown}"
-        )
-    return {"base_color_texture": base, "alpha": alpha, "alpha_cutoff": 0.5}
+    return {"base_color_texture": base, "alpha": alpha, "is_blended": True}
 
 
 def _emission(block: Block, textures: TextureFiles) -> dict[str, Any]:

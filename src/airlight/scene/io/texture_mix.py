@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from ..material import Texture
 
+SOFT_SHARE = 0.2
+"""Of a mask's texels: edges of cut-outs have fewer."""
 Plane = NDArray[np.uint8]
 
 
@@ -18,9 +20,7 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
 
     A mask image with an alpha channel of its own gives that, any other its mean brightness.
     """
-    alpha = mask.pixels[..., 3]
-    if alpha.min() == 255:
-        alpha = mask.pixels[..., :3].mean(axis=2).round().astype(np.uint8)
+    alpha = _alpha(mask)
     if base is None:
         white = np.full((*alpha.shape, 4), 255, dtype=np.uint8)
         base = dataclasses.replace(mask, pixels=white, is_srgb=True)
@@ -28,6 +28,19 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
     planes = [_resized(base.pixels[..., k], shape) for k in range(3)]
     pixels = np.stack([*planes, _resized(alpha, shape)], axis=-1)
     return dataclasses.replace(base, pixels=pixels, source=f"{base.source} + {mask.source}")
+
+
+def _alpha(mask: Texture) -> Plane:
+    alpha = mask.pixels[..., 3]
+    if alpha.min() == 255:
+        alpha = mask.pixels[..., :3].mean(axis=2).round().astype(np.uint8)
+    return alpha
+
+
+def is_soft(mask: Texture) -> bool:
+    """Whether a mask is coverage, not a cut-out: much of it is far from both 0 and 1."""
+    alpha = _alpha(mask)
+    return bool(((alpha > 25) & (alpha < 230)).mean() > SOFT_SHARE)
 
 
 def packed_roughness_metallic(

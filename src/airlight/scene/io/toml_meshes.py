@@ -126,8 +126,10 @@ def _moved_camera(camera: Camera, matrix: F64) -> Camera:
 
 def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with its materials' factors, and the texture channels behind them, replaced."""
-    names = ("base_color", "roughness", "metallic", "emission")
+    names = ("base_color", "roughness", "metallic", "emission", "transmission")
     factors = {name: values[name] for name in names if name in values}
+    if "opacity" in values:
+        factors |= {"alpha": values["opacity"], "is_blended": True}
     if not factors:
         return scene
     made: dict[int, Material] = {}  # one new material for each old one, so that sharing stays

@@ -79,7 +79,7 @@ MESH = Table(
     "Triangles: a file's, or a shape's. A file's own lights come along, moved with it; its camera "
     "is used where the scene file has no [camera]. A point is scaled first, then rotated about "
     "the world's X axis, then Y, then Z, then translated. The colours here replace those of the "
-    "file's materials, textures included; masks stay.",
+    "file's materials, textures included; masks stay, and an opacity multiplies them.",
     (
         Key(
             "file",
@@ -99,6 +99,20 @@ MESH = Table(
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),
         Key("metallic", fraction, "number", "0 dielectric, 1 metal", default="the file's, or 0"),
         Key("emission", checks.rgb, _COLOUR, "radiance", "W m^-2 sr^-1", "the file's, or 0"),
+        Key(
+            "opacity",
+            fraction,
+            "number",
+            "the share of the surface that is there; the rest of the light passes",
+            default="the file's, or 1",
+        ),
+        Key(
+            "transmission",
+            fraction,
+            "number",
+            "thin glass: the share of what it does not mirror that passes, tinted by base_color",
+            default="the file's, or 0",
+        ),
         *CLIP_KEYS,
         BETWEEN,
     ),
