@@ -360,3 +360,27 @@ def _filtered(texels: np.ndarray, uv: np.ndarray, wrap: str) -> np.ndarray:
         weight = np.where(step, share, 1.0 - share).prod(axis=1)
         total += weight * texels[cell[:, 1], cell[:, 0]]
     return total
+
+
+@pytest.mark.parametrize("has_moved", [False, True])
+@pytest.mark.parametrize(
+    ("look", "met"),
+    [
+        (Material(alpha=0.3, is_blended=True), 0.3),
+        (Material(base_color=(0.9, 0.6, 0.3), transmission=0.5), 1.0 - 0.5 * 0.96 * 0.6),
+        (Material(transmission=1.0, metallic=1.0), 1.0),
+    ],
+)
+def test_translucent_surfaces_are_met_by_chance(
+    rays: Any, square: Any, look: Material, met: float, has_moved: bool
+) -> None:
+    front = square((0, 0, 0), (1, 0, 0), (0, 1, 0), look)
+    back = square((0, 0, -1), (2, 0, 0), (0, 2, 0))
+    count = 6000
+    o = np.concatenate([RNG.uniform(-0.99, 0.99, (count, 2)), np.ones((count, 1))], axis=1)
+    found = rays(Scene((front, back)), has_moved).send(o, np.tile([0.0, 0.0, -1.0], (count, 1)))
+    # Four standard deviations of a count by lot.
+    assert (found.t < 1.5).mean() == pytest.approx(
+        met, abs=4 * np.sqrt(met * (1 - met) / count) + 1e-9
+    )
+    assert found.is_any.all()

@@ -124,3 +124,16 @@ def test_what_failed_is_drawn_again(gpu, commands, owned, on_device, square, mon
 
 def _fails(clip_from_world):
     raise RuntimeError("no more memory")
+
+
+def test_flux_behind_glass_has_its_colour(gpu, commands, owned, on_device, square):
+    """Glass that covers a floor: the floor's flux times what passes, and no more than that."""
+    tint = np.array((1.0, 0.5, 0.1))
+    glass = Material(base_color=tuple(tint), transmission=1.0, specular=0.0)
+    floor = square((0, 0, 0), (2, 0, 0), (0, 0, -1.5), RED)
+    light = DirectionalLight((0, -1, 0), (1, 1, 1))
+    alone, _ = reflected_flux(gpu, commands, owned, on_device(floor), light)
+    pane = square((0, 1, 0), (3, 0, 0), (0, 0, -3), glass)
+    under, _ = reflected_flux(gpu, commands, owned, on_device(floor, pane), light)
+    # Texels show the pane, which is black, by chance: as many as the mean of what it takes.
+    np.testing.assert_allclose(under, alone * tint, rtol=0.02)

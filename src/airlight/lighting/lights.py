@@ -48,9 +48,7 @@ class Lights:
         self.parallel = ShadowMaps(
             gpu, "directional shadows", parallel_resolution, parallel, has_panes=has_panes
         )
-        self.local = ShadowMaps(
-            gpu, "local shadows", local_resolution, local, has_panes=has_panes
-        )
+        self.local = ShadowMaps(gpu, "local shadows", local_resolution, local, has_panes=has_panes)
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
         self._environment = environment
         self.background = EnvironmentTexture(gpu, environment)

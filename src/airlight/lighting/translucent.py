@@ -116,7 +116,9 @@ class Translucent:
     ) -> None:
         """Put the layer `name` of an image under what is there of it so far."""
         if name not in self._fronts:
-            self._fronts[name] = _Pair(self._sized, f"{name} in front", self.view.size, "rgba32float")
+            self._fronts[name] = _Pair(
+                self._sized, f"{name} in front", self.view.size, "rgba32float"
+            )
         front, key = self._fronts[name], [kind]
         if name in self._started:
             key.append("HAS_FRONT")

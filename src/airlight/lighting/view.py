@@ -22,9 +22,7 @@ _NEAR_M = 0.01
 class View:
     """G-buffer and radiance of one image; `aim` sets the camera before each."""
 
-    def __init__(
-        self, gpu: Gpu, size: tuple[int, int], gbuffer: type[GBuffer] = GBuffer
-    ) -> None:
+    def __init__(self, gpu: Gpu, size: tuple[int, int], gbuffer: type[GBuffer] = GBuffer) -> None:
         """`gbuffer`: what draws its surfaces."""
         self.size = size
         self.gbuffer = gbuffer(gpu, size)

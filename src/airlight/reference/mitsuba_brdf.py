@@ -93,7 +93,7 @@ def make_bsdf() -> Any:
 
 
 class Surface:
-    """The model at one point: directions are local, z along the shading normal."""
+    """The reflection model at one point: directions are local, z along the shading normal."""
 
     def __init__(self, base_color: Any, roughness: Any, metallic: Any, specular: float) -> None:
         self.diffuse = base_color * (1.0 - metallic)
@@ -103,6 +103,7 @@ class Surface:
         self.microfacets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha)
 
     def fresnel(self, cosine: Any) -> Any:
+        """Schlick's term."""
         x = dr.clip(1.0 - cosine, 0.0, 1.0)
         return self.f0 + (self.f90 - self.f0) * (dr.square(dr.square(x)) * x)
 
@@ -126,6 +127,7 @@ class Surface:
         return (1.0 - F) * self.diffuse * dr.inv_pi + F * (D * V)
 
     def pdf(self, wi: Any, wo: Any) -> Any:
+        """How likely `wo` is sampled, sr^-1."""
         half = dr.normalize(wi + wo)
         mirrored = self.microfacets.pdf(wi, half) / (4.0 * dr.abs(dr.dot(wo, half)))
         scattered = mi.warp.square_to_cosine_hemisphere_pdf(wo)

@@ -70,9 +70,7 @@ def _material_bsdf(
     return _covered(inner, material, geometry, files)
 
 
-def _covered(
-    inner: Element, material: Material, geometry: Geometry, files: FileStore
-) -> Element:
+def _covered(inner: Element, material: Material, geometry: Geometry, files: FileStore) -> Element:
     """`inner` where the surface is there."""
     if is_masked(material, geometry):
         inner = _masked(inner, material, files)
@@ -98,7 +96,9 @@ def _glass(material: Material, geometry: Geometry, files: FileStore, notes: list
         add_number(node, "transmission", material.transmission)
         add_truth(node, "two_sided", material.two_sided)
         return node
-    notes.append("glass is Mitsuba's thindielectric: its Fresnel term is exact where ours is Schlick's")
+    notes.append(
+        "glass is Mitsuba's thindielectric: its Fresnel term is exact where ours is Schlick's"
+    )
     glass = plugin("bsdf", "thindielectric")
     add_number(glass, "int_ior", _thin_index(0.04 * material.specular))
     add_number(glass, "ext_ior", 1.0)

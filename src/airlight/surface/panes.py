@@ -1,15 +1,15 @@
-"""What translucent surfaces let through of a light, beside its shadow map.
+"""The transmittance of translucent surfaces towards a light, beside its shadow map.
 
 rgb  the product of the shares that pass the translucent surfaces before the first solid one
 a    where the first of them lies: depth of parallel light, metres along the axis in perspective
 
-Points before the first surface get all light, points behind it what all of them let through:
+Points before the first surface get all light, points behind it as much as passes all of them:
 between two panes light is as dark as behind both.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class _Panes(MeshPipeline):
     depth_compare, depth_writes = "less", False
     maps = ("base_color", "metallic_roughness")
     file = "panes.wgsl"
-    blend = {
+    blend: ClassVar[dict[str, Any]] = {
         "color": {"operation": "add", "src_factor": "zero", "dst_factor": "src"},
         "alpha": {"operation": "min", "src_factor": "one", "dst_factor": "one"},
     }
@@ -79,7 +79,7 @@ class Panes:
 
 
 def _params(view: LightView) -> PaneParams:
-    # Before the near plane all rays of a view meet: in the light, or, parallel ones, at no distance.
+    # All rays of a view meet in the light; parallel ones nowhere, and have a direction.
     meeting = np.linalg.inv(view.clip_from_world)[:, 2]
     origin = meeting[:3] / meeting[3] if view.is_perspective else meeting[:3]
     return PaneParams(

@@ -1,6 +1,6 @@
 //! use mesh
 
-// What a translucent surface lets through of a light, and how far from it.
+// The transmittance of a translucent surface towards a light, and how far from it the surface is.
 
 override IS_CUTOUT: bool = true;
 

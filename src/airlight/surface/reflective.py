@@ -8,7 +8,7 @@ multiplies by the measure.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -44,7 +44,7 @@ class ReflectiveParams(Struct):
 
 class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
-    targets = ("rgba16float", "rgba16float")
+    targets: ClassVar[tuple[str, ...]] = ("rgba16float", "rgba16float")
     depth_compare = "less-equal"  # as for cameras: of coincident surfaces the last drawn one
     maps = ("base_color", "metallic_roughness")
     file = "reflective.wgsl"
@@ -62,7 +62,7 @@ class _PassedPipeline(_ReflectivePipeline):
     depth_compare, depth_writes = "less", False
     targets = ("rgba16float",)
     file = "passed_flux.wgsl"
-    blend = {
+    blend: ClassVar[dict[str, Any]] = {
         "color": {"operation": "add", "src_factor": "zero", "dst_factor": "src"},
         "alpha": {"operation": "add", "src_factor": "zero", "dst_factor": "one"},
     }

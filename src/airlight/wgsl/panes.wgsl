@@ -1,4 +1,4 @@
-// What translucent surfaces let through of a light, rgb; see surface/panes.py. The including pass binds the lights'
+// The transmittance of translucent surfaces towards a light, rgb; see surface/panes.py. The including pass binds the lights'
 // views and their maps parallel_panes and local_panes, and declares LightViewData.
 //! use lights
 //! use shadow
