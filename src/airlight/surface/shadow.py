@@ -49,7 +49,7 @@ class ShadowMaps:
         is_thinned: bool = False,
         has_panes: bool = False,
     ) -> None:
-        """`has_panes`: whether the transmittance of translucent surfaces is drawn beside the depth."""
+        """`has_panes`: whether the light that passes translucent surfaces is drawn, too."""
         self.resolution, self.layers, self._is_thinned = resolution, layers, is_thinned
         count = max(1, layers)
         side = resolution if layers else 1
