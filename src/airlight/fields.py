@@ -96,9 +96,9 @@ class ForwardSource:
     """Light that was only scattered forwards, per light: rgb * `scale` in W m^-2.
 
     Its alpha is the optical depth of scattering; `slabs` lights lie one behind the other along z.
-    `blurred`: the same, averaged over FORWARD_REACH cells of side `cell_m`, metres, to each side,
-    as far as no wall stands between. `table`: the lights' rows of LightData, of which the first
-    `count` are in use.
+    `blurred`: the same, averaged over FORWARD_REACH cells to each side, of side `cell_m`, metres,
+    in the largest lattice, as far as no wall stands between. `table`: the lights' rows of
+    LightData, of which the first `count` are in use.
     """
 
     texture: Texture

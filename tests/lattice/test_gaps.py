@@ -9,7 +9,7 @@ import airlight
 from airlight.lattice.facing import wall_axes
 from airlight.lattice.gaps import MOST, narrow_gap, nested_count
 from airlight.lattice.placement import STRAIGHT
-from airlight.lpv.cascades import cascades_nest
+from airlight.lighting.cascades import cascades_nest
 from airlight.lpv.settings import LpvSettings
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Geometry, Mesh, Scene, shapes

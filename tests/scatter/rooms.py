@@ -76,7 +76,7 @@ class Solved:
         unit = self.solver.emission.mean_scale
         self.mean_radiance = self.solver.emission.mean.read()[..., :3].astype(np.float64) * unit
         shape = (3, *self.placement.count[::-1], 4)
-        self.source = self.solver.injection.source.read().reshape(shape).astype(np.float64)
+        self.source = self.solver.largest.injection.source.read().reshape(shape).astype(np.float64)
 
 
 def lamp_scene(*meshes: Mesh, medium: Medium = FOG, **changes: Any) -> Scene:

@@ -53,8 +53,8 @@ def solved(light, g, sigma):
         solver = renderer.technique.find(ScatterSolver)
         # What is drawn of the track; the lattice solves for the reduced medium.
         share = true_share(sigma * (1.0 - g), renderer.technique.kit.placement.cell)
-        lattice = share * states(renderer, solver.levels.levels[0].track)
-        return lattice[..., 0], states(renderer, solver.injection.forward.all)[..., 0]
+        lattice = share * states(renderer, solver.largest.levels.levels[0].track)
+        return lattice[..., 0], states(renderer, solver.largest.injection.forward.all)[..., 0]
 
 
 def errors(light, g, sigma, photons):
@@ -132,7 +132,9 @@ def test_a_sky_lights_forward_air_evenly(gpu):
     settings = {**SMALL, "sky_lights": 32, "sky_resolution": 16}
     with Renderer(scene, "lpv-scatter", (4, 4), settings=settings) as renderer:
         renderer.frame()
-        light = states(renderer, renderer.technique.find(ScatterSolver).injection.forward.sky)
+        light = states(
+            renderer, renderer.technique.find(ScatterSolver).largest.injection.forward.sky
+        )
     middle = light[6:8, 6:8, 6:8].mean(axis=(0, 1, 2))
     # Straight through half a metre or so: 4 pi (exp(-.2) - exp(-1)) of the way's mean.
     assert 0.3 * 4.0 * math.pi < middle[0] < 0.55 * 4.0 * math.pi
@@ -154,9 +156,9 @@ def test_a_directional_lights_spread_stops_at_walls(gpu):
         scene = Scene(meshes=tuple(meshes), lights=(down,), medium=medium)
         with Renderer(scene, "lpv-scatter", (4, 4), settings=SMALL) as renderer:
             renderer.frame()
-            return states(renderer, renderer.technique.find(ScatterSolver).injection.forward.all)[
-                4:10, 1:6, :, 0
-            ]
+            return states(
+                renderer, renderer.technique.find(ScatterSolver).largest.injection.forward.all
+            )[4:10, 1:6, :, 0]
 
     free, walled = under_a_roof(wall=False), under_a_roof(wall=True)
     lit, shade = slice(8, 12), slice(3, 6)

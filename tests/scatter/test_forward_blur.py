@@ -7,7 +7,7 @@ import pytest
 
 from airlight.fields import FORWARD_REACH
 from airlight.gpu.memory import Texture, buffer_of
-from airlight.scatter.forward import BlurParams, _Blur
+from airlight.scatter.forward_textures import Blur, BlurParams
 
 COUNT, LIGHTS = (6, 8, 10), 2  # x, y, z
 RNG = np.random.default_rng(5)
@@ -48,10 +48,10 @@ def blur(gpu, commands, owned):
         made.write(texels.astype(np.float16))
         packed = np.full((z, y, x, 8), 255, np.uint8)
         packed[..., :6] = entering
-        _Blur(gpu, generated=f"const REACH = {FORWARD_REACH}u;").dispatch(
+        Blur(gpu, generated=f"const REACH = {FORWARD_REACH}u;").dispatch(
             commands,
             size,
-            params=BlurParams(count=COUNT, lights=LIGHTS, axis=axis),
+            params=BlurParams(count=COUNT, lights=LIGHTS, axis=axis, first_row=0, depth=COUNT[2]),
             face_visibility=owned(buffer_of(gpu, "faces", packed.view(np.uint32).reshape(-1, 2))),
             light=made,
             blurred=target,

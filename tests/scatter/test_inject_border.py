@@ -42,6 +42,7 @@ class Found:
         border.find(
             commands,
             Outside(AIR, TOP, (SUN,)),
+            (SMALL, SMALL),
             SimpleNamespace(bound=_walls(gpu, owned, open_share)),
             None if reflectance is None else white,
             is_new=True,

@@ -1,6 +1,7 @@
 // One hop of the larger lattice's light into the cells along the finer lattice's sides.
 //! use hops6
 //! use lattice
+//! use outer_cells
 
 const DEPTH = 3u;       // cells from the border that are asked whether light could leave
 
@@ -42,23 +43,6 @@ fn open_share(cell: vec3u, side: u32) -> f32 {
     return open;
 }
 
-// Between cells only where all is open: beyond a wall may be sunlight, of which a hundredth is
-// more than all the light in a room.
-fn fraction(offset: f32, open_low: f32, open_high: f32) -> f32 {
-    return offset * smoothstep(0.7, 1.0, select(open_low, open_high, offset > 0.0));
-}
-
-// Where the larger lattice's textures are sampled, by its coordinates in cells.
-fn outer_uvw(coordinates: vec3f) -> vec3f {
-    let cell = clamp(floor(coordinates), vec3f(0.0), vec3f(outer.count) - 1.0);
-    let texel = lattice_texel(outer, vec3i(cell));
-    let xy = textureLoad(lattice_visibility_a, texel, 0);
-    let z = textureLoad(lattice_visibility_b, texel, 0);
-    let t = clamp(coordinates - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
-    return lattice_uvw(outer, cell + 0.5
-        + vec3f(fraction(t.x, xy.x, xy.y), fraction(t.y, xy.z, xy.w), fraction(t.z, z.x, z.y)));
-}
-
 // What the face neighbour outside hands on in one step, in fixed point.
 fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     let units = vec4i(round(received(state, hop) * (open * params.units)));
@@ -86,7 +70,7 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     if (open <= 0.0) {
         return;
     }
-    let uvw = outer_uvw(warped_in_cells(outer, coordinates));
+    let uvw = lattice_uvw(outer, outer_place(coordinates));
     let n = lattice.count;
     let first = (cell.z * n.y + cell.y) * n.x + cell.x;
     let cells = n.x * n.y * n.z;

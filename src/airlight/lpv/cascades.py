@@ -12,16 +12,12 @@ from typing import cast
 
 from ..gpu.memory import Buffer
 from ..lattice.blockers import Blockers
-from ..lattice.gaps import narrow_gap, nested_count
 from ..lattice.inject import EVERYTHING, SmallObjects, new_sums
 from ..lattice.lattices import Level
 from ..lattice.lobes import InjectionTarget
-from ..lattice.nested import Nest, nested
-from ..lattice.placement import Placement, fitted
+from ..lattice.placement import Placement
 from ..lighting.kit import Kit
-from ..lighting.lattice_box import lattice_axes, lattice_box
 from ..maths.lattice6 import Scheme, spread_kept
-from ..scene.scene import Scene
 from .propagate import Propagate
 from .settings import LpvSettings
 from .step import StepKind
@@ -83,27 +79,3 @@ def _small(places: list[Placement], index: int, settings: LpvSettings) -> SmallO
         return EVERYTHING
     cells = [0.0, *(place.cell for place in places[1:]), 0.0]
     return SmallObjects(cells[index], cells[index + 1], has_static=settings.small_objects == "all")
-
-
-def cascades_nest(scene: Scene, settings: LpvSettings, *, in_medium: bool = False) -> Nest:
-    """The nested lattices that `settings` ask for, over the scene, its medium too if `in_medium`.
-
-    Where they leave it open, the gaps between the scene's surfaces say how many there are: a scene
-    has the same number wherever its camera and lights go. Raises SettingsError.
-    """
-    # Along the walls, over surfaces and perhaps their medium, the finest ahead of the camera.
-    axes = lattice_axes(scene, follows_walls=settings.follow_walls)
-    low, high = lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes)
-    count, ratio = settings.cascades, settings.cascade_ratio
-    if count == 0:
-        cell = fitted(low, high, settings.resolution, axes).cell
-        count = nested_count(narrow_gap(scene.meshes, axes), cell, ratio)
-    return nested(
-        low,
-        high,
-        settings.resolution,
-        axes=axes,
-        count=count,
-        ratio=ratio,
-        finest_m=settings.cascade_extent,
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..lighting.kit import SurfaceSettings
+from ..lighting.cascades import CascadeSettings
 from ..scene.settings import setting
 from .storage import STORAGES
 
@@ -13,7 +13,7 @@ SOURCES = ("meshes", "views", "both")
 
 
 @dataclass(frozen=True)
-class LpvSettings(SurfaceSettings):
+class LpvSettings(CascadeSettings):
     """The settings of light propagation volumes."""
 
     scheme: str = setting("centroid", "how a hop keeps direction", choices=("centroid", "paper"))
@@ -37,30 +37,10 @@ class LpvSettings(SurfaceSettings):
     keep_surfels: bool = setting(True, "whether what views saw before still blocks, until it moves")
     occlusion: bool = setting(True, "whether surfaces stop propagating light")
     bounces: bool = setting(True, "whether stopped light bounces on, beyond the first bounce")
-    cascades: int = setting(
-        0,
-        "nested lattices, which but for the largest follow the camera; "
-        "0: as many as give four cells to gaps between surfaces, where one gives less than two",
-        low=0,
-        high=6,
-    )
-    cascade_ratio: float = setting(
-        2.0, "how much larger the cells of the next lattice are", low=1.25, high=8.0
-    )
-    cascade_extent: float = setting(
-        0.0,
-        "side of the finest cascade; 0: cells of all differ by the ratio",
-        unit="m",
-        low=0.0,
-        high=1e6,
-    )
     small_objects: str = setting(
         "moving",
         "objects smaller than a cell that larger cascades leave out",
         choices=("moving", "all", "none"),
-    )
-    cascade_light: bool = setting(
-        True, "whether finer cascades take in light from beyond their borders"
     )
     damping: float = setting(
         0.0,

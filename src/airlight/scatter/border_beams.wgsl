@@ -1,5 +1,5 @@
-// Light of an endless medium around the lattice on its straight path into it: each cell's fluence and flux,
-// and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
+// Light of an endless medium around the lattices on its straight path into one of them: each cell's fluence and
+// flux, and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
 //! use media
 //! use open_line
 
@@ -11,12 +11,27 @@ fn incoming(level: u32, depth: f32) -> vec3f {
     return mix(radiance[first].rgb, radiance[first + 1u].rgb, row - f32(i));
 }
 
-// To where a ray from p leaves the lattice, m.
-fn leaving(p: vec3f, direction: vec3f) -> f32 {
-    let low = lattice.origin;
-    return ray_box_interval(lattice_from_world(lattice, p), lattice_from_world(lattice, direction),
+// To where a ray from p leaves a lattice, m.
+fn leaving(grid: LatticeParams, p: vec3f, direction: vec3f) -> f32 {
+    let low = grid.origin;
+    return ray_box_interval(lattice_from_world(grid, p), lattice_from_world(grid, direction),
         low,
-        low + lattice.cell * vec3f(lattice.count)).y;
+        low + grid.cell * vec3f(grid.count)).y;
+}
+
+// How open the way from p in the lattice's cells is to the largest lattice's border, `reach` metres away. Beyond the
+// lattice the cells of the largest know the walls.
+fn open_to_border(begin: vec3f, p: vec3f, out: vec3f, reach: f32) -> f32 {
+    if (params.is_nested == 0u) {
+        return open_line(begin, warped_coordinates(lattice, p + reach * out));
+    }
+    let edge = p + min(leaving(lattice, p, out), reach) * out;
+    let open = open_line(begin, warped_coordinates(lattice, edge));
+    if (open <= 0.01) {
+        return 0.0;
+    }
+    let far = warped_coordinates(outer, p + reach * out);
+    return open * open_line_of(outer, warped_coordinates(outer, edge), far);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -34,15 +49,16 @@ fn leaving(p: vec3f, direction: vec3f) -> f32 {
         let up = directions[level].x;
         let turn = (f32(k % TURNS) + 0.5 * f32(level & 1u) + 0.25) * (6.2831853 / f32(TURNS));
         let out = vec3f(sqrt(1.0 - up * up) * vec2f(cos(turn), sin(turn)), up).xzy;
-        let reach = leaving(p, out);
+        let reach = leaving(outer, p, out);
         let end = p + reach * out;
         let passed = exp(-media_optical_depth(p, out, 0.0, reach));
         let sent = directions[level].y * passed
             * incoming(level, params.sigma * max(params.top - end.y, 0.0));
         // Nothing is walked where nothing comes from, as from above the medium.
-        let begin = vec3f(id) + 0.5;
-        let light = sent
-            * open_line(begin, select(begin, warped_coordinates(lattice, end), any(sent > vec3f(0.0))));
+        if (all(sent <= vec3f(0.0))) {
+            continue;
+        }
+        let light = sent * open_to_border(vec3f(id) + 0.5, p, out, reach);
         fluence += light;
         let away = lattice_from_world(lattice, out);
         flux -= mat3x3f(light * away.x, light * away.y, light * away.z);

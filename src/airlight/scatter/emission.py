@@ -3,7 +3,7 @@
 Three textures (one per channel) hold (V_a, 3 V_b) times a scale. With cells of side s,
 V_a/s^3 is fluence and V_b/s^3 net flux, so in two bands radiance is (V_a + 3 V_b.w)/(4 pi s^3);
 marching weighs its second band by g. A fourth holds V_a of the three channels as rgb: mean
-radiance, for those who march a colour.
+radiance, for those who march a colour. Nested lattices share the textures, one above the other.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ class EmissionParams(Struct):
     count = vec3u("cells")
     scale = f32("stored units per W m of track")
     share = vec3f("of the lattice's track that there truly is")
+    first_row = u32("where its cells begin along y of the textures")
     has_forward = u32("1: light scattered forwards comes on top")
 
 
@@ -50,15 +51,17 @@ class _Pack(ComputePass):
 
 
 class Emission(ChannelTextures):
-    """What a solved lattice hands on, for as long as its placement stands."""
+    """What solved lattices hand on; `placement` is the largest one's, which stays."""
 
-    def __init__(self, gpu: Gpu, placement: Placement) -> None:
-        super().__init__(gpu, "track", placement.count)
+    def __init__(
+        self, gpu: Gpu, placement: Placement, size: tuple[int, int, int] | None = None
+    ) -> None:
+        """`size` in cells: of all lattices that share the textures; else the lattice's own."""
+        size = size or placement.count
+        super().__init__(gpu, "track", size)
         self.placement, self.scale = placement, 1.0
         self._pack = _Pack(gpu)
-        self.mean = Texture(
-            gpu, "track mean", placement.count, FILTERED, dimension="3d", written=True
-        )
+        self.mean = Texture(gpu, "track mean", size, FILTERED, dimension="3d", written=True)
 
     def encode(
         self,
@@ -68,24 +71,28 @@ class Emission(ChannelTextures):
         forward: Buffer | None = None,
         *,
         sigma_t: Rgb = (math.inf, math.inf, math.inf),
+        placement: Placement | None = None,
     ) -> None:
         """Fill the textures; `flux`, W, bounds what came into the lattice.
 
         `forward`: more track, of light that never was in it. `sigma_t`, m^-1, says how much of the
-        track is true (maths.lattice26.true_share), by default all.
+        track is true (maths.lattice26.true_share), by default all. `placement`: which of the
+        lattices that share the textures.
         """
-        # As bright as half floats hold even if all flux lies in one cell.
-        cell = self.placement.cell
-        self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * cell))))
+        # As bright as half floats hold even if all flux lies in one cell. Marching knows by how
+        # much the faces of finer cells are smaller; their sides are left.
+        largest, placement = self.placement.cell, placement or self.placement
+        self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * largest))))
         params = EmissionParams(
-            count=self.placement.count,
-            scale=self.scale,
+            count=placement.count,
+            scale=self.scale * largest / placement.cell,
             has_forward=int(forward is not None),
-            share=true_share(sigma_t, cell).tolist(),
+            share=true_share(sigma_t, placement.cell).tolist(),
+            first_row=placement.first_row,
         )
         self._pack.dispatch(
             commands,
-            self.placement.count,
+            placement.count,
             params=params,
             track=track,
             forward=forward or track,
@@ -97,7 +104,9 @@ class Emission(ChannelTextures):
 
     @property
     def mean_scale(self) -> float:
-        """W m^-2 sr^-1 of mean radiance per stored unit of `mean`; times sigma_s it is J."""
+        """W m^-2 sr^-1 of mean radiance per stored unit of the largest lattice's `mean`; times
+        sigma_s it is J.
+        """
         return 1.0 / (4.0 * math.pi * self.placement.cell**3 * self.scale)
 
     def source(
@@ -105,13 +114,15 @@ class Emission(ChannelTextures):
         walls: dict[str, Any],
         forward: ForwardSource | None = None,
         *,
+        finer: tuple[Placement, ...] = (),
         is_reduced_medium: bool = False,
     ) -> LatticeSource:
-        """For marching; `walls` as Blockers.bound, `is_reduced_medium` as LatticeSource has it."""
+        """For marching; `walls` as Blockers.bound, the rest as LatticeSource has it."""
         return LatticeSource(
             self.placement,
             self.bound | walls,
             self.mean_scale,
+            finer=finer,
             forward=forward,
             mean=self.mean,
             is_reduced_medium=is_reduced_medium,

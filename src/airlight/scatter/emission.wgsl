@@ -24,8 +24,9 @@ fn stored(index: u32, share: f32) -> vec4f {
     let r = stored(cell, params.share.r);
     let g = stored(cell + cells, params.share.g);
     let b = stored(cell + 2u * cells, params.share.b);
-    textureStore(red, id, r);
-    textureStore(green, id, g);
-    textureStore(blue, id, b);
-    textureStore(mean, id, vec4f(r.x, g.x, b.x, 1.0));
+    let texel = id + vec3u(0u, params.first_row, 0u);
+    textureStore(red, texel, r);
+    textureStore(green, texel, g);
+    textureStore(blue, texel, b);
+    textureStore(mean, texel, vec4f(r.x, g.x, b.x, 1.0));
 }

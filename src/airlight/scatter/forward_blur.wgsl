@@ -12,11 +12,11 @@ fn entering(cell: vec3u, hop: u32) -> f32 {
     if (any(id >= vec3u(params.count.xy, params.count.z * params.lights))) {
         return;
     }
-    // A cell of one light's slab.
+    // A cell of one light's slab, in which the lattice has rows of its own.
     let own = vec3u(id.xy, id.z % params.count.z);
-    let slab = vec3u(0u, 0u, id.z - own.z);
+    let slab = vec3u(0u, params.first_row, id.z / params.count.z * params.depth);
     // The mean of the cells to both sides, each by how open the faces before it are.
-    var sum = textureLoad(light, id, 0);
+    var sum = textureLoad(light, own + slab, 0);
     var weight = 1.0;
     for (var side = 0u; side < 2u; side++) {
         // From the neighbour at the high side light comes on the hop along the negative axis.
@@ -35,5 +35,5 @@ fn entering(cell: vec3u, hop: u32) -> f32 {
             weight += open;
         }
     }
-    textureStore(blurred, id, sum / weight);
+    textureStore(blurred, own + slab, sum / weight);
 }

@@ -17,7 +17,7 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer, buffer_of
 from ..gpu.slots import storage, uniform
 from ..lattice.blockers import BLOCKER_SLOTS, Blockers
@@ -43,6 +43,7 @@ class BorderParams(Struct):
     top = f32("m, where it begins")
     sigma = f32("m^-1, of its densest channel")
     has_walls = f32("1: surfaces reflect")
+    is_nested = u32("1: the lattice is a finer one within the largest")
 
 
 class AddParams(Struct):
@@ -59,6 +60,7 @@ class _Beams(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
+            uniform("outer", LatticeParams),
             *BLOCKER_SLOTS,
             *media.medium_slots,
             storage("reflectance", "u32"),
@@ -98,7 +100,7 @@ class InjectBorder:
 
     def __init__(self, gpu: Gpu, placement: Placement, media: GpuMedia) -> None:
         self._find, self._add = _Beams(gpu, media), _AddBorder(gpu)
-        self._media, self.placement = media, placement
+        self._media, self._count = media, placement.count
         # Power, the track of marching and that of surfaces, one behind the other.
         cells = 3 * placement.cells
         self._border = Buffer(gpu, "light from the border", 3 * cells * 16)
@@ -114,6 +116,7 @@ class InjectBorder:
         self,
         commands: Commands,
         outside: Outside,
+        places: tuple[Placement, Placement],
         blockers: Blockers,
         reflectance: Buffer | None,
         *,
@@ -121,7 +124,9 @@ class InjectBorder:
     ) -> None:
         """Trace the light of `outside` to all cells, where it changed.
 
-        `is_new`: walls or media are others than before. Without `reflectance` walls are black.
+        `places`: of the cells, and of the largest lattice, beyond which the light begins. `is_new`:
+        walls or media are others than before, or the lattice has moved. Without `reflectance`
+        walls are black.
         """
         if outside == self._outside and not is_new:
             return
@@ -129,10 +134,12 @@ class InjectBorder:
         # What comes in at each depth below the top, solved on the host.
         self._radiance.write(incoming_light(outside.medium, outside.lights).astype(np.float32))
         # How much of it reaches each cell on straight paths, and what walls turn back there.
-        placement = self.placement
-        has_walls = float(reflectance is not None)
+        placement, largest = places
         params = BorderParams(
-            top=outside.top, sigma=max(outside.medium.sigma_t), has_walls=has_walls
+            top=outside.top,
+            sigma=max(outside.medium.sigma_t),
+            has_walls=float(reflectance is not None),
+            is_nested=int(placement.cell < largest.cell),
         )
         bound: dict[str, Any] = {**blockers.bound, **self._media.medium_bound}
         self._find.dispatch(
@@ -140,6 +147,7 @@ class InjectBorder:
             placement.count,
             params=params,
             lattice=placement.params(),
+            outer=largest.params(),
             reflectance=reflectance or self._radiance,
             directions=self._directions,
             radiance=self._radiance,
@@ -149,7 +157,7 @@ class InjectBorder:
 
     def encode(self, commands: Commands, cells: Buffer, base: Buffer) -> None:
         """cells += what `find` found, and beams = `base` + its track."""
-        x, y, z = self.placement.count
+        x, y, z = self._count
         self._add.dispatch(
             commands,
             (x, y, 3 * z),

@@ -23,6 +23,9 @@ class LatticeKind:
     """How a hop scatters in a homogeneous medium (settings.SCHEMES); "paper..." as eq. 3 has it."""
     is_straight: bool = True
     """Whether light keeps straighter on larger lattices (maths.lattice26.persistence)."""
+    span: int = 0
+    """Of its cells, how many light has around it along the longest side, beyond it, too; 0: as many
+    as the lattice has."""
 
 
 class Level:

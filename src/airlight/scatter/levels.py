@@ -39,13 +39,14 @@ class Levels:
     def __init__(
         self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, kind: LatticeKind
     ) -> None:
+        """A lattice of `count` cells, and the coarser ones that `schedule` asks for."""
         self.schedule, self.kind = schedule, kind
         self.levels = [
             Level(gpu, size, cell_size_m * 2**k, kind, is_finest=k == 0)
             for k, size in enumerate(schedule.counts(count))
         ]
         # Larger lattices keep light straighter, which hops would spread too soon.
-        self._persistence = persistence(max(count)) if kind.is_straight else RHO**2
+        self._persistence = persistence(kind.span or max(count)) if kind.is_straight else RHO**2
         # What all levels share: a source without light, rows of coefficients, passes.
         self._zero = Buffer(gpu, "no light", CHANNELS * self.levels[0].cells * 16)
         rows = 2 * CHANNELS * len(self.levels)
@@ -110,6 +111,11 @@ class Levels:
             self._visibility.encode(
                 commands, level.count, level.face_visibility, level.reflectance, level.packs
             )
+
+    @property
+    def medium(self) -> StepMedium:
+        """What is in the cells of the finest level."""
+        return self._medium(0)
 
     def encode(self, commands: Commands, source: Buffer) -> tuple[Buffer, Buffer]:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""

@@ -86,6 +86,18 @@ class StepMedium:
     persistence: float = RHO**2
     """Share of its net direction that light keeps on a hop (maths.lattice26.persistence)."""
 
+    def params(self, operator: Operator, *, slabs: int) -> StepParams:
+        """As shaders read it: M or T, of a state or of a correction, which share a pipeline."""
+        return StepParams.of(
+            count=self.count,
+            row=self.row + CHANNELS * operator.is_track,
+            slabs=slabs,
+            cell=self.cell_m,
+            straight=self.persistence / RHO,
+            deficit=float(operator.keeps_deficits),
+            is_track=int(operator.is_track),
+        )
+
 
 def _slots(light: str, medium: str, packs: str) -> tuple[Slot, ...]:
     return (
@@ -150,20 +162,10 @@ class Step:
         nx, ny, nz = lattice.count
         by_rows = self._is_by_rows(nx)
         x, y, slabs = tiles(lattice.count, os.cpu_count() or 1) if by_rows else (nx, ny, nz)
-        # M or T, of a state or of a correction: numbers, so that all share a pipeline.
-        params = StepParams.of(
-            count=lattice.count,
-            row=lattice.row + CHANNELS * operator.is_track,
-            slabs=slabs,
-            cell=lattice.cell_m,
-            straight=lattice.persistence / RHO,
-            deficit=float(operator.keeps_deficits),
-            is_track=int(operator.is_track),
-        )
         self._kernel(_Rows if by_rows else _Cells).dispatch(
             commands,
             (x, y, CHANNELS * slabs),
-            params=params,
+            params=lattice.params(operator, slabs=slabs),
             coefficients=lattice.coefficients,
             medium=lattice.medium,
             packs=lattice.packs,

@@ -1,7 +1,8 @@
-"""Light scattered many times, solved on one lattice (Billeter2012).
+"""Light scattered many times, solved on nested lattices (Billeter2012), the largest first.
 
 cells      reduced media and walls
 injection  reflective shadow maps, first-scattered light, the sky -> W per cell
+outer      what enters a finer lattice from the larger one around it -> W per cell
 levels     26 neighbours, over and over -> the sum of all states, its track
 fields     irradiance of surfaces, mean radiance in media
 """
@@ -12,39 +13,56 @@ import dataclasses
 
 from ..fields import Fields, Frame, ReflectedLight, Solver
 from ..gpu.commands import Commands
+from ..gpu.memory import Buffer
 from ..lattice.irradiance import Irradiance
 from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..scene.scene import Scene
-from .cells import LatticeCells
+from .cascades import Cascade, cascades
 from .emission import Emission
-from .injection import Injection
-from .levels import Levels
-from .reduced import reduced_scene
-from .schedule import Schedule, cycles_to, iterations_to, schedule
-from .settings import ScatterSettings, densest_medium
+from .entering_light import EnteringLight
+from .inject_outer import InjectOuter
+from .reduced_media import ReducedMedia
+from .settings import ScatterSettings
 from .surface_light import SurfaceLight
 
 
 class ScatterSolver(Solver):
     """Yields the irradiance of surfaces and the mean radiance that media scatter."""
 
-    def __init__(self, kit: Kit, settings: ScatterSettings, *, has_volumes: bool = True) -> None:
-        """`has_volumes`: whether the scene's volumes are part of the lattice's medium.
+    def __init__(
+        self,
+        kit: Kit,
+        settings: ScatterSettings,
+        *,
+        has_volumes: bool = True,
+        has_border_light: bool = True,
+    ) -> None:
+        """`has_volumes`: whether the scene's volumes are part of the lattices' medium.
 
-        Raises SettingsError where the scheme cannot do the scene's media.
+        `has_border_light`: whether finer lattices take in light from beyond their borders. Raises
+        SettingsError where the scheme cannot do the scene's media.
         """
-        self.kit, self.settings, self.has_volumes = kit, settings, has_volumes
-        gpu, placement, scene = kit.gpu, kit.placement, self._seen(kit.context.scene)
-        self.cells = LatticeCells(kit, scene, settings)
-        self.injection = Injection(kit, scene, settings, self.cells)
-        plan, kind = self._schedule(reduced_scene(scene)), self.cells.kind(scene)
-        self.levels = Levels(gpu, placement.count, placement.cell, plan, kind)
-        self.emission = Emission(gpu, placement)
-        self.surfaces = SurfaceLight(gpu, placement)
+        self.kit, self.has_volumes = kit, has_volumes
+        gpu, scene = kit.gpu, self._seen(kit.context.scene)
+        self.media = ReducedMedia(kit, scene)
+        self.light = EnteringLight(kit, scene, settings, self.media)
+        self.cascades = cascades(kit, scene, settings, self.light)
+        self._outer: InjectOuter | None = None
+        if has_border_light and len(self.cascades) > 1:
+            self._outer = InjectOuter(gpu, is_varied=self.largest.cells.is_varied)
+        # What surfaces and media read.
+        size = kit.lattices.texture_size
+        self.emission = Emission(gpu, kit.placement, size)
+        self.surfaces = SurfaceLight(gpu, kit.placement, size)
+
+    @property
+    def largest(self) -> Cascade:
+        """The lattice that covers the scene."""
+        return self.cascades[-1]
 
     def _seen(self, scene: Scene) -> Scene:
-        """The scene as the lattice sees it."""
+        """The scene as the lattices see it."""
         return scene if self.has_volumes else dataclasses.replace(scene, volumes=())
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
@@ -53,33 +71,71 @@ class ScatterSolver(Solver):
         Raises SettingsError (scheme paper in a dense medium).
         """
         seen = dataclasses.replace(frame, scene=self._seen(frame.scene))
-        # What the lattice's cells hold: the reduced media, and the walls between them.
         with commands.stage("air"):
-            is_new = self.cells.take_media(commands, seen, self.levels)
-        with commands.stage("prepare blockers"):
-            is_new = self.cells.take_walls(commands, self.levels) or is_new
+            self.media.update(commands, seen)
+        self.light.begin(commands, seen)
+        # The largest lattice first: finer ones take in its light at their borders.
+        around: tuple[Cascade, Buffer] | None = None
+        for part in reversed(self.cascades):
+            around = part, self._solved(commands, seen, part, around)
+        return self._added(frame.scene, fields)
+
+    def _solved(
+        self,
+        commands: Commands,
+        frame: Frame,
+        part: Cascade,
+        around: tuple[Cascade, Buffer] | None,
+    ) -> Buffer:
+        """The sum of all states of a lattice, W, which its textures hold from here on.
+
+        `around`: the larger lattice, with its sum.
+        """
+        is_new = part.take(commands)
         # What enters it: light that surfaces reflect, and that media scatter for the first time.
-        self.injection.encode(commands, seen, is_new=is_new)
+        injection = part.injection
+        injection.encode(commands, frame, is_new=is_new)
+        if self._outer and around:
+            with commands.stage("border"):
+                self._enter(commands, part, *around)
         # Everything that follows: scattered and reflected again and again.
         with commands.stage("propagate"):
-            total, track = self.levels.encode(commands, self.injection.source)
+            total, track = part.levels.encode(commands, injection.source)
         # The track becomes mean radiance in media, the states irradiance of surfaces.
         with commands.stage("copy"):
-            flux, beams = self.injection.flux, self.injection.beams
-            self.emission.encode(commands, track, flux, beams, sigma_t=self.cells.densest)
-            medium, near = self.cells.surface_medium, self.injection.surface_beams
-            self.surfaces.encode(commands, total, flux, medium, forward=near)
-        return self._added(frame.scene, fields)
+            flux, beams, place = self.light.flux, injection.beams, part.placement
+            self.emission.encode(
+                commands, track, flux, beams, sigma_t=self.media.sigma_t, placement=place
+            )
+            medium, near = part.cells.surface_medium, injection.surface_beams
+            self.surfaces.encode(commands, total, flux, medium, forward=near, placement=place)
+        return total
+
+    def _enter(self, commands: Commands, part: Cascade, outer: Cascade, total: Buffer) -> None:
+        """Add the light to a lattice's source that enters it from the `outer` one, of `total`."""
+        assert self._outer is not None
+        self._outer.encode(
+            commands,
+            (part.placement, outer.placement),
+            (part.levels.medium, outer.levels.medium),
+            self.kit.blockers.bound,
+            outer_sum=total,
+            cells=part.injection.source,
+            sigma_t=self.media.sigma_t,
+        )
 
     def _added(self, scene: Scene, fields: Fields) -> Fields:
         """The fields, with what was solved."""
         # What surfaces read; then what media scatter, which surfaces also reflect into others.
-        table = self.kit.lattices.table.filled([self.surfaces.params()])
+        places = self.kit.lattices.placements
+        table = self.kit.lattices.table.filled([self.surfaces.params(place) for place in places])
         irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_reflected=True)
+        has_beams = self.media.has_forward and self.kit.lights.count > 0
         light = self.emission.source(
             self.kit.blockers.bound,
-            self.injection.forward_source(),
-            is_reduced_medium=self.cells.is_reduced,
+            self.light.forward.source(self.kit.lights.table) if has_beams else None,
+            finer=places[:-1],
+            is_reduced_medium=self.media.is_reduced,
         )
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
         return dataclasses.replace(
@@ -87,33 +143,19 @@ class ScatterSolver(Solver):
         )
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """The lattice does not depend on the eye."""
+        """The lattices do not depend on the eye."""
         return fields
-
-    def _schedule(self, reduced: Scene) -> Schedule:
-        s, count = self.settings, self.kit.placement.count
-        # The paper has one lattice.
-        faster = "none" if s.scheme.startswith("paper") else s.acceleration
-        # As many iterations as were asked for, or as leave the residual that was.
-        steps = s.iterations
-        sigma_s, sigma_t = densest_medium(reduced)
-        if s.residual > 0.0 and faster == "cycle":
-            steps = cycles_to(s.residual)
-        elif s.residual > 0.0:
-            steps = iterations_to(s.residual, sigma_s, sigma_t, self.kit.placement.cell, count)
-        plan = schedule(faster, steps, count)
-        if any(sigma_t):
-            return plan
-        # Without a medium the light of area lights is too bright; converged, it would be more so.
-        return dataclasses.replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_rescaled=False)
 
     @property
     def stats(self) -> dict[str, object]:
         """What was solved, for --stats."""
-        plan = self.levels.schedule
-        return {
+        levels, places = self.largest.levels, self.kit.lattices.placements
+        found: dict[str, object] = {
             "lattice": list(self.kit.placement.count),
-            "iterations": plan.iterations,
-            "levels": len(self.levels.levels),
-            "cycles": plan.cycles,
+            "iterations": levels.schedule.iterations,
+            "levels": len(levels.levels),
+            "cycles": levels.schedule.cycles,
         }
+        if len(places) > 1:
+            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in places]
+        return found

@@ -30,11 +30,12 @@ class SurfaceLightParams(Struct):
     count = vec3u("cells")
     cell = f32("m")
     sigma_t = vec3f("m^-1, where the medium is homogeneous")
-    chord = f32("m, mean path through the lattice")
+    chord = f32("m, mean path through the largest lattice")
     sigma_s = vec3f("m^-1, likewise")
     scale = f32("stored units per W of state in clear air, and per m of mean track there")
     is_varied = u32()
     forward = f32("stored units per W m of light scattered forwards; 0: there is none")
+    first_row = u32("where its cells begin along y of the textures")
 
 
 class _Pack(ComputePass):
@@ -64,10 +65,16 @@ NO_MEDIUM = SurfaceMedium()
 
 
 class SurfaceLight(ChannelTextures):
-    """Three textures that `wgsl/lattice.wgsl` reads."""
+    """Three textures that `wgsl/lattice.wgsl` reads; nested lattices share them.
 
-    def __init__(self, gpu: Gpu, placement: Placement) -> None:
-        super().__init__(gpu, "surface", placement.count)
+    `placement` is the largest lattice's.
+    """
+
+    def __init__(
+        self, gpu: Gpu, placement: Placement, size: tuple[int, int, int] | None = None
+    ) -> None:
+        """`size` in cells: of all lattices that share the textures; else the lattice's own."""
+        super().__init__(gpu, "surface", size or placement.count)
         self.placement, self.scale = placement, 1.0
         gain = scattered_lookup_scale() / LOOKUP_SCALE - 1.0
         self._pack = _Pack(gpu, constants={"SCATTERED_GAIN": gain})
@@ -80,28 +87,32 @@ class SurfaceLight(ChannelTextures):
         medium: SurfaceMedium,
         *,
         forward: Buffer | None = None,
+        placement: Placement | None = None,
     ) -> None:
         """From the sum of states; `flux`, W, bounds what came in.
 
-        `forward`: fluence and flux, W m, of beams that the lattice does not hold.
+        `forward`: fluence and flux, W m, of beams that the lattice does not hold. `placement`:
+        which of the lattices that share the textures.
         """
+        placement = placement or self.placement
         # As bright as half floats hold even if all flux lies in one cell.
         self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
-        clear_m = mean_hop_length() * self.placement.cell
+        clear_m = mean_hop_length() * placement.cell
         params = SurfaceLightParams(
-            count=self.placement.count,
-            cell=self.placement.cell,
+            count=placement.count,
+            cell=placement.cell,
+            first_row=placement.first_row,
             sigma_t=medium.sigma_t,
             sigma_s=medium.sigma_s,
             chord=_mean_chord(self.placement),
             scale=self.scale / clear_m,
             is_varied=int(medium.cells is not None),
             # Fluence is read off as irradiance by surface_irradiance, whatever the lookup's scale.
-            forward=self.scale / (LOOKUP_SCALE * self.placement.cell) if forward else 0.0,
+            forward=self.scale / (LOOKUP_SCALE * placement.cell) if forward else 0.0,
         )
         self._pack.dispatch(
             commands,
-            self.placement.count,
+            placement.count,
             params=params,
             total=total,
             medium=medium.cells or total,
@@ -111,10 +122,11 @@ class SurfaceLight(ChannelTextures):
             blue=self.blue,
         )
 
-    def params(self) -> LatticeParams:
+    def params(self, placement: Placement | None = None) -> LatticeParams:
         """The `lattice` with which wgsl/lattice.wgsl reads irradiance off these textures."""
         # Textures hold power, lattice.wgsl reads intensity.
-        return self.placement.params(self.scale * 4.0 * math.pi, lookup_scale=LOOKUP_SCALE)
+        placement = placement or self.placement
+        return placement.params(self.scale * 4.0 * math.pi, lookup_scale=LOOKUP_SCALE)
 
 
 def _mean_chord(placement: Placement) -> float:

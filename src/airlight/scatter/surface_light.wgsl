@@ -33,7 +33,8 @@ fn stored(index: u32, weight: f32) -> vec4f {
     // Of the light that reaches a wall, this share comes from the medium.
     let scattered = 1.0 - exp(-sigma_s * params.chord);
     let weight = mean_track(sigma_t, params.cell) * (1.0 + SCATTERED_GAIN * scattered);
-    textureStore(red, id, stored(cell, weight.r));
-    textureStore(green, id, stored(cell + cells, weight.g));
-    textureStore(blue, id, stored(cell + 2u * cells, weight.b));
+    let texel = id + vec3u(0u, params.first_row, 0u);
+    textureStore(red, texel, stored(cell, weight.r));
+    textureStore(green, texel, stored(cell + cells, weight.g));
+    textureStore(blue, texel, stored(cell + 2u * cells, weight.b));
 }

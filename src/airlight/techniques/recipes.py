@@ -14,8 +14,10 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..errors import SettingsError
 from ..fields import Solver
 from ..gather.settings import GatherSettings
+from ..lighting.cascades import cascades_nest
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
@@ -50,7 +52,6 @@ def lpv(context: Context, settings: LpvTechniqueSettings) -> Technique:
     bands of spherical harmonics, propagates to the six neighbours through faces that surfels of
     the scene block, and is read as irradiance; nested lattices follow the camera.
     """
-    from ..lpv.cascades import cascades_nest
     from ..lpv.solver import LpvSolver
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
@@ -97,7 +98,6 @@ def lpv_sum(context: Context, settings: LpvMarchSettings) -> Technique:
 def _lpv_in_media(
     name: str, context: Context, settings: LpvMarchSettings, **changed: Any
 ) -> Technique:
-    from ..lpv.cascades import cascades_nest
     from ..lpv.solver import LpvSolver
     from ..media.media import Media
 
@@ -109,7 +109,7 @@ def _lpv_in_media(
 
 
 def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
-    """Multiple scattering on one lattice (Billeter2012).
+    """Multiple scattering on a lattice (Billeter2012), or on nested ones that follow the camera.
 
     Light that surfaces reflect and light that media scatter enter the same lattice and propagate
     to 26 neighbours, absorbed and scattered on the way, until the field converges. Surfaces read
@@ -120,7 +120,8 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 
     kit = _scattering_kit(context, settings)
     media = Media(kit, part_of(settings, MediaSettings), is_lattice_marched=True, has_multiple=True)
-    solvers = [media, ScatterSolver(kit, settings), *_gathering(kit, settings)]
+    scattering = ScatterSolver(kit, settings, has_border_light=settings.cascade_light)
+    solvers = [media, scattering, *_gathering(kit, settings)]
     return Technique("lpv-scatter", kit, solvers, media=media)
 
 
@@ -166,7 +167,6 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     The volumes attenuate and block the lattice's light and send their own into it; the lattice's
     light is one of the sources that illuminate them.
     """
-    from ..lpv.cascades import cascades_nest
     from ..lpv.solver import LpvSolver
     from ..media.media import Media
     from ..pop.media import PopMedia
@@ -197,14 +197,27 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         is_lattice_marched=True,
         has_multiple=True,
     )
-    lattice = ScatterSolver(kit, settings, has_volumes=False)
+    lattice = ScatterSolver(
+        kit, settings, has_volumes=False, has_border_light=settings.cascade_light
+    )
     solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvScatterSettings))
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved], media=media)
 
 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
-    """The kit on one lattice over surfaces and medium; its blockers as the setting says."""
-    nest = scene_nest(context.scene, settings, in_medium=True)
+    """The kit on lattices over surfaces and medium; their blockers as the setting says.
+
+    Raises SettingsError where more lattices are asked for than the paper's parts know.
+    """
+    if settings.blockers == "maps" or settings.scheme.startswith("paper"):
+        if settings.cascades > 1:
+            raise SettingsError(
+                f"cascades = {settings.cascades} with blockers = '{settings.blockers}' and "
+                f"scheme = '{settings.scheme}': the paper's blockers and schemes have one lattice",
+                remedy="Leave out cascades, or blockers and scheme.",
+            )
+        settings = replace(settings, cascades=1)
+    nest = cascades_nest(context.scene, settings, in_medium=True)
     if settings.blockers == "maps":
         from ..scatter.map_blockers import MapBlockers
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ..gather.settings import GatherSettings
+from ..lighting.cascades import CascadeSettings
 from ..lighting.kit import SurfaceSettings
 from ..lpv.settings import LpvSettings
 from ..media.rays import RESOLUTIONS
@@ -33,8 +34,8 @@ class LpvMarchSettings(LpvSettings, MediaSettings):
 
 
 @dataclass(frozen=True)
-class LpvScatterSettings(SurfaceSettings, ScatterSettings, MediaSettings, GatherSettings):
-    """Settings of multiple scattering on a lattice and of drawing media."""
+class LpvScatterSettings(CascadeSettings, ScatterSettings, MediaSettings, GatherSettings):
+    """Settings of multiple scattering on nested lattices and of drawing media."""
 
     occlusion: bool = setting(True, "whether surfaces block and reflect propagating light")
     blockers: str = setting(

@@ -5,6 +5,36 @@
 //! use march_lattice
 //! needs fn inside_lattices() -> f32
 
+// A light in the cells around a point, at texture coordinates that are one light's; of nested lattices
+// the mean, by the share of each.
+fn forward_at(lights: texture_3d<f32>, uvw: vec3f, i: u32) -> vec4f {
+    let at = vec3f(uvw.xy, (uvw.z + f32(i)) / own.forward_slabs);
+    return textureSampleLevel(lights, linear_clamp, at, 0.0);
+}
+
+fn forward_here(lights: texture_3d<f32>, i: u32) -> vec4f {
+    if (LATTICES_AT_ONCE == 1u) {
+        return forward_at(lights, lattice_at[0].xyz, i);
+    }
+    var sum = vec4f(0.0);
+    var weight = 0.0;
+    var k = 0u;
+    loop {
+        sum += lattice_at[k].w * forward_at(lights, lattice_at[k].xyz, i);
+        weight += lattice_at[k].w;
+        k++;
+        if (k >= LATTICES_AT_ONCE || lattice_at[min(k, LATTICES_AT_ONCE - 1u)].w <= 0.0) {
+            break;
+        }
+    }
+    return sum / weight;
+}
+
+// How fast beams spread, m^-2: over cells of the finest lattice here.
+fn forward_spread_here() -> f32 {
+    return own.forward_spread * lattice_gain[0];
+}
+
 // The light that a step scatters to the eye. `reached`: metres of the step, times the transmittance
 // of the media; `reduced_reached`: times that of the reduced media. Light that is scattered again
 // on its path to the eye is blurred, by .29 sqrt(2 (1 - g)) of the path.
@@ -13,11 +43,11 @@ fn forward_light(
 ) -> ForwardLight {
     var sum = ForwardLight(vec3f(0.0), vec3f(0.0));
     if (lattice_at[0].w <= 0.0) { return sum; }
+    let spread = forward_spread_here() * eye_path * eye_path;
     for (var i = 0u; i < own.forward_count; i++) {
         // What arrives of a light, in the cell and around it.
-        let uvw = vec3f(lattice_at[0].xy, (lattice_at[0].z + f32(i)) / own.forward_slabs);
-        let light = textureSampleLevel(forward_lights, linear_clamp, uvw, 0.0);
-        let wide = textureSampleLevel(forward_blurred, linear_clamp, uvw, 0.0).rgb;
+        let light = forward_here(forward_lights, i);
+        let wide = forward_here(forward_blurred, i).rgb;
         if (all(light.rgb + wide <= vec3f(0.0))) { continue; }
         var direction = forward_table[i].direction;
         if (forward_table[i].kind != LIGHT_DIRECTIONAL) {
@@ -28,7 +58,7 @@ fn forward_light(
         for (var m = 0u; m < MEDIA_COUNT; m++) {
             let before = fused_phase(m, mu, light.a) * reached;
             let all = fused_phase(m, mu, light.a + eye_depth) * reduced_reached;
-            let far = saturate(own.forward_spread * (1.0 - media[m].g.g) * eye_path * eye_path);
+            let far = saturate(spread * (1.0 - media[m].g.g));
             let scattering = media_density_here[m] * media_lit_scattering[m];
             sum.last += scattering * light.rgb * last_phase(m, mu, light.a) * reached;
             sum.on += scattering

@@ -1,0 +1,83 @@
+"""One lattice among nested ones: what its cells hold, what enters them, and what solves them.
+
+All share the media, the lights with their maps, and the textures that surfaces and media read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..gpu.commands import Commands
+from ..lattice.lattices import Level
+from ..lattice.placement import Placement
+from ..lighting.kit import Kit
+from ..scene.scene import Scene
+from .cells import LatticeCells
+from .entering_light import EnteringLight
+from .injection import Injection
+from .levels import Levels
+from .reduced import reduced_scene
+from .schedule import Schedule, cycles_to, iterations_to, schedule
+from .settings import ScatterSettings, densest_medium, is_varied
+
+
+@dataclass(frozen=True, eq=False)
+class Cascade:
+    """A lattice: `cells` with media and walls, `injection` of light, `levels` that solve it."""
+
+    level: Level
+    cells: LatticeCells
+    injection: Injection
+    levels: Levels
+
+    @property
+    def placement(self) -> Placement:
+        """Where its cells are."""
+        return self.level.placement
+
+    def take(self, commands: Commands) -> bool:
+        """Take on media and walls, which are up to date; whether they changed or it moved.
+
+        Raises SettingsError (scheme paper in a dense medium).
+        """
+        # What the lattice's cells hold: the reduced media, and the walls between them.
+        with commands.stage("air"):
+            is_new = self.cells.take_media(commands, self.levels)
+        with commands.stage("prepare blockers"):
+            return self.cells.take_walls(commands, self.levels) or is_new
+
+
+def cascades(
+    kit: Kit, scene: Scene, settings: ScatterSettings, light: EnteringLight
+) -> list[Cascade]:
+    """All lattices of `kit`, the finest first, nothing in them yet.
+
+    Raises SettingsError where the scheme cannot do the scene's media.
+    """
+    gpu, made = kit.gpu, []
+    varies = is_varied(scene, kit.placement, settings)
+    for level in kit.lattices.levels:
+        place = level.placement
+        cells = LatticeCells(gpu, level, light.media, settings, is_varied=varies)
+        plan = _schedule(reduced_scene(scene), settings, place)
+        levels = Levels(gpu, place.count, place.cell, plan, cells.kind(scene, kit.placement))
+        made.append(Cascade(level, cells, Injection(kit, scene, light, cells), levels))
+    return made
+
+
+def _schedule(reduced: Scene, settings: ScatterSettings, place: Placement) -> Schedule:
+    s, count = settings, place.count
+    # The paper has one lattice.
+    faster = "none" if s.scheme.startswith("paper") else s.acceleration
+    # As many iterations as were asked for, or as leave the residual that was.
+    steps = s.iterations
+    sigma_s, sigma_t = densest_medium(reduced)
+    if s.residual > 0.0 and faster == "cycle":
+        steps = cycles_to(s.residual)
+    elif s.residual > 0.0:
+        steps = iterations_to(s.residual, sigma_s, sigma_t, place.cell, count)
+    plan = schedule(faster, steps, count)
+    if any(sigma_t):
+        return plan
+    # Without a medium the light of area lights is too bright; converged, it would be more so.
+    return replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_rescaled=False)

@@ -1,0 +1,106 @@
+"""What all lattices of a scene share of the light that enters them: maps, lights, passes.
+
+begin   reflective shadow maps are drawn, the sky's lights packed, the power bounded
+inject_*, gather_*   one lattice's share, which `Injection` asks for
+"""
+
+from __future__ import annotations
+
+from ..fields import Frame
+from ..gpu.commands import Commands
+from ..gpu.memory import Buffer, buffer_of
+from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux_bound
+from ..lattice.lobes import InjectionTarget, Lobe
+from ..lattice.point_lights import InjectPoints
+from ..lighting.kit import Kit
+from ..maths.lattice26_walls import returned_sharpness
+from ..scene.scene import Scene
+from ..surface.light_maps import BLOCK, LightMaps
+from ..surface.light_table import LightData, packed_lights
+from .forward_textures import ForwardTextures
+from .inject_rays import InjectRays, Sampling, owner_rows
+from .inject_single import InjectSingle
+from .reduced_media import ReducedMedia, sky_capacity
+from .settings import ScatterSettings
+
+_RETURNED = Lobe(returned_sharpness())
+
+
+class EnteringLight:
+    """Lights and sky of one scene, as they enter lattices."""
+
+    def __init__(
+        self, kit: Kit, scene: Scene, settings: ScatterSettings, media: ReducedMedia
+    ) -> None:
+        gpu = kit.gpu
+        self.kit, self.settings, self.media = kit, settings, media
+        # Reflective shadow maps of the lights, and whose each layer is.
+        # Random points of rays are drawn for every texel.
+        self._has_rays = settings.single in ("random", "stratified")
+        block = 1 if self._has_rays else BLOCK
+        self.maps = LightMaps(gpu, scene.lights, settings.map_resolution, block=block)
+        self._map_lights = [
+            MapLights(kit.lights.table, buffer_of(gpu, "map owners", owner_rows(owners)))
+            for owners in self.maps.owners
+        ]
+        most = max(1, sky_capacity(kit))
+        self._sky_lights = MapLights(
+            Buffer(gpu, "sky lights", LightData.dtype.itemsize * most),
+            buffer_of(gpu, "sky owners", owner_rows([*range(most)])),
+        )
+        # Passes for the lights and for the sky, which media attenuate differently.
+        self._reflected, self._rays = Inject(gpu, media.lights), InjectRays(gpu, media.lights)
+        self.single = InjectSingle(gpu, media.lights)
+        self._sky_reflected = Inject(gpu, media.sky)
+        self.sky_single = InjectSingle(gpu, media.sky)
+        self.forward = ForwardTextures(
+            gpu, kit.lattices.placements, kit.lattices.texture_size, kit.lights.count
+        )
+        self._points, self.resolve = InjectPoints(gpu), Resolve(gpu)
+        self.flux, self.scale = 0.0, 1.0
+        """W, an upper bound of what enters a lattice; fixed-point units per W sr^-1."""
+        self.sky_key = b""
+        """Equal as long as the sky's lights and the scale are."""
+
+    def begin(self, commands: Commands, frame: Frame) -> None:
+        """Draw the maps of the frame's lights."""
+        scene, sky = frame.scene, self.kit.sky
+        self.flux = flux_bound([*scene.lights, *sky.lights], *frame.bounds)
+        self.flux += self._points.take(scene.light_groups)
+        self.scale = fixed_point_scale(self.flux, returned_sharpness())
+        self.forward.set_scale(scene.lights)
+        table = packed_lights(tuple(sky.lights))
+        key = table.tobytes() + repr(self.scale).encode()
+        if key != self.sky_key and self.has_sky:
+            self._sky_lights.table.write(table)
+        self.sky_key = key
+        # Light that surfaces reflect, of lights and of the sky, as virtual point lights.
+        with commands.stage("reflective shadow maps"):
+            self.maps.encode(commands, self.kit.meshes, scene.lights, *frame.bounds)
+
+    @property
+    def has_sky(self) -> bool:
+        """Whether lights stand for the sky, with maps."""
+        return bool(self.kit.sky.lights and self.kit.sky.maps.layers)
+
+    @property
+    def sky_table(self) -> Buffer:
+        """The rows of the sky's lights."""
+        return self._sky_lights.table
+
+    def inject_sky(self, commands: Commands, target: InjectionTarget) -> None:
+        """Add what surfaces reflect of the sky to a lattice's sums."""
+        maps = self.kit.sky.maps
+        self._sky_reflected.encode(commands, maps, target, _RETURNED, lights=self._sky_lights)
+
+    def inject_reflected(self, commands: Commands, target: InjectionTarget) -> None:
+        """Add virtual point lights, and random points of rays where settings ask for them."""
+        s = self.settings
+        sampling = Sampling(s.samples, s.seed, is_stratified=s.single == "stratified")
+        self._points.encode(commands, target)
+        for maps, lights in zip(self.maps.groups, self._map_lights, strict=True):
+            if not maps.layers:
+                continue
+            self._reflected.encode(commands, maps, target, _RETURNED, lights=lights)
+            if self._has_rays:
+                self._rays.encode(commands, maps, target, lights=lights, sampling=sampling)

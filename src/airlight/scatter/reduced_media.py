@@ -1,0 +1,62 @@
+"""The scene's reduced media on the device, which all lattices of a scene share.
+
+scene's media -> reduced media (similarity theory) -> on the device, for its lights and the sky's
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+from ..fields import Frame
+from ..gpu.commands import Commands
+from ..lighting.kit import Kit
+from ..media.gpu_media import GpuMedia
+from ..scene.checks import Rgb
+from ..scene.scene import Scene
+from .reduced import is_forward, reduced_scene
+from .settings import densest_medium
+from .surface_light import NO_MEDIUM
+
+_SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
+
+
+class ReducedMedia:
+    """Media under the scene's `lights` and under those that stand for the `sky`."""
+
+    def __init__(self, kit: Kit, scene: Scene) -> None:
+        self._kit = kit
+        # Light is attenuated towards the scene's lights and towards those that stand for the sky.
+        reduced = reduced_scene(scene)
+        self.lights = GpuMedia(kit.gpu, reduced, light_count=kit.lights.count)
+        self.sky = GpuMedia(
+            kit.gpu,
+            self._under_sky(reduced),
+            light_count=sky_capacity(kit),
+            column_resolution=_SKY_COLUMNS,
+        )
+        self.has_forward = self.is_reduced = False
+        self.sigma_s: Rgb = NO_MEDIUM.sigma_s
+        self.sigma_t: Rgb = NO_MEDIUM.sigma_t
+
+    def update(self, commands: Commands, frame: Frame) -> None:
+        """Bring the media up to date; `sigma_s`, `sigma_t`, m^-1, are the densest one's."""
+        reduced = reduced_scene(frame.scene)
+        self.has_forward = is_forward(frame.scene)
+        self.is_reduced = is_forward(frame.scene, least=0.0)
+        self.lights.update(commands, reduced, *frame.bounds)
+        self.sky.update(commands, self._under_sky(reduced), *frame.bounds)
+        self.sigma_s, self.sigma_t = densest_medium(reduced)
+
+    @property
+    def version(self) -> int:
+        """Raised whenever the media changed."""
+        return self.lights.version
+
+    def _under_sky(self, reduced: Scene) -> Scene:
+        """The reduced media under the lights that stand for the sky."""
+        return dataclasses.replace(reduced, lights=tuple(self._kit.sky.lights))
+
+
+def sky_capacity(kit: Kit) -> int:
+    """The most lights that will ever stand for the sky: a turning sky may bring more."""
+    return max(len(kit.sky.lights), kit.sky.maps.layers)
