@@ -108,6 +108,7 @@ def scene_of(name):
         ("cornell", "lpv", {"scheme": "paper"}),
         ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
         ("haze-box", "lpv-scatter", {}),
+        ("haze-box", "lpv-scatter", {"cascades": 2}),
         ("turned", "lpv", {"cascades": 2}),
     ],
 )

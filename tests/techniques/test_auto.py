@@ -61,11 +61,11 @@ def test_auto_takes_the_settings_of_what_it_chooses(foggy_box, smoke_over_floor)
 
 def test_a_setting_that_auto_has_not_here_is_told_with_who_has_it(foggy_box):
     with pytest.raises(SettingsError) as caught:
-        checked_settings("auto", foggy_box, {"cascades": 2})
-    having = [name for name, known in TECHNIQUES.items() if "cascades" in vars(known())]
+        checked_settings("auto", foggy_box, {"storage": "float16"})
+    having = [name for name, known in TECHNIQUES.items() if "storage" in vars(known())]
     assert {"lpv", "lpv-march", "lpv-sum"} <= set(having)
     assert str(caught.value) == (
-        "technique auto, here lpv-scatter: there is no setting 'cascades'. "
+        "technique auto, here lpv-scatter: there is no setting 'storage'. "
         f"{', '.join(having)} have it"
     )
     with pytest.raises(SettingsError, match="Did you mean 'resolution'"):

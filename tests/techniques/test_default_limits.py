@@ -46,6 +46,7 @@ ALL = [
     ("lpv", {**SMALL, "cascades": 2}),
     ("lpv-sum", SMALL),
     ("lpv-scatter", SMALL),
+    ("lpv-scatter", {**SMALL, "cascades": 2}),
     ("pop", POP),
     ("pop", {**POP, "scheme": "split"}),
     ("pop", {**POP, "scheme": "paper"}),

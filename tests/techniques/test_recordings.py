@@ -75,6 +75,7 @@ def recordings(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
     [
         (lambda: load("builtin:cornell"), "lpv", {"cascades": 3}, 3),
         (foggy, "lpv-scatter", {}, 2),  # shadow bounds and the lattice
+        (foggy, "lpv-scatter", {"cascades": 2}, 3),
     ],
 )
 def test_after_the_first_frame_all_is_replayed(

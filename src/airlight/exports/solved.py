@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from ..errors import SettingsError
-from ..fields import Fields
+from ..fields import LatticeSource
 from ..gpu.memory import Texture
 from ..lattice.placement import LatticeParams
 from ..pop.media import PopMedia
@@ -68,7 +68,7 @@ def _no_light(technique: str) -> SettingsError:
 
 
 def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
-    """All lattices that surfaces read, the finest first; the last has what media scatter."""
+    """All lattices that surfaces read, the finest first, with what media scatter in them."""
     if used.fields is None or used.fields.irradiance is None:
         return ()
     blockers, bound = used.kit.blockers, used.fields.irradiance.bound
@@ -81,7 +81,10 @@ def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
     }
     rows = bound["lattices"].read(LatticeParams.dtype)
     made = [_lattice_light(row, held) for row in rows]
-    return (*made[:-1], replace(made[-1], air=_air(used.fields)))
+    if used.fields.scattered is None:
+        return tuple(made)
+    airs = _airs(used.fields.scattered)
+    return tuple(replace(one, air=air) for one, air in zip(made, airs, strict=True))
 
 
 def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
@@ -111,13 +114,17 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
     )
 
 
-def _air(fields: Fields) -> F32 | None:
-    """The radiance that media scatter, where the technique marches a lattice."""
-    source = fields.scattered
-    if source is None:
-        return None
+def _airs(source: LatticeSource) -> list[F32]:
+    """The radiance that media scatter, where the technique marches lattices, the finest first."""
+    bands, largest = _bands(source.bound), source.placement
     weights = source.scale * np.array([1.0, *[source.direct] * 3])
-    return cast(F32, (_bands(source.bound) * weights).astype(np.float32))
+    found = []
+    for place in source.levels:
+        # Lattices share textures, which hold the power of cells.
+        (x, y, z), first = place.count, place.first_row
+        own = bands[:z, first : first + y, :x] * weights * (largest.cell / place.cell) ** 2
+        found.append(own.astype(np.float32))
+    return found
 
 
 def _bands(bound: Mapping[str, Texture]) -> np.ndarray[Any, np.dtype[np.float32]]:

@@ -1,9 +1,10 @@
-"""Multiple scattering on a lattice of 26 neighbours (Billeter2012).
+"""Multiple scattering on nested lattices of 26 neighbours (Billeter2012), the largest first.
 
     reflective shadow maps, lights, sky           media, walls
                    |                                   |
-       injection: inject_single, inject_rays,   cells: reduced media, cell_medium,
-                  inject_border, forward               reflectance, hop_visibility
+       injection: inject_single, inject_rays,   cells: reduced_media, cell_medium,
+                  inject_border, forward;              reflectance, hop_visibility
+                  inject_outer of a larger lattice
                    |                                   |
               W per cell                         coefficients of a hop
                    |                                   |
@@ -18,8 +19,9 @@
                          |                        |   and beside it forward's light, light by light
                 fields.irradiance       fields.scattered, fields.reflected
 
-`solver` runs all of it, `settings` says what it can be told, `map_blockers` takes walls from six
-shadow maps. `propagate` has the stencil.
+`solver` runs all of it for each of `cascades`; `entering_light` is what these share of lights,
+`settings` says what can be told, `map_blockers` takes walls from six shadow maps. `propagate` has
+the stencil.
 
 A lattice is a storage buffer of vec4f (A, Bx, By, Bz) laid out [channel][z][y][x], in power units:
 (A, B) = 4pi (a, b) of the intensity a + b.w, so A is the cell's power, W.
