@@ -1,4 +1,4 @@
-"""Nested scattering lattices end to end: as bright as one, still while the camera moves, any medium."""
+"""Nested scattering lattices in any medium: as bright as one, still while the camera moves."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ def solved(scene, **settings):
     ]
 
 
-# Measured: indirect .965 to 1.04, L2 .075 to .083, of a lamp .157; scattered .97 to 1.02, L2 .036 at
-# most. Without light across the borders scattered light is .75 to .85.
+# Measured: indirect .965 to 1.04, L2 .075 to .083, of a lamp .157; scattered .97 to 1.02, L2 at
+# most .036. Without light across the borders scattered light is .75 to .85.
 @pytest.mark.parametrize(
     "scene",
     [
@@ -160,7 +160,7 @@ def test_a_teleport_leaves_nothing_of_where_it_was(gpu):
 
 @pytest.mark.parametrize("settings", [{"blockers": "maps"}, {"scheme": "paper"}])
 def test_the_papers_parts_have_one_lattice(gpu, settings):
-    with pytest.raises(SettingsError, match="cascades = 2 with .* have one lattice"):
+    with pytest.raises(SettingsError, match=r"cascades = 2 with .* have one lattice"):
         Renderer(yard(), "lpv-scatter", SIZE, settings={**SMALL, **settings, "cascades": 2})
     with Renderer(yard(), "lpv-scatter", SIZE, settings={**SMALL, "cascades": 3}) as three:
         assert len(three.technique.find(ScatterSolver).cascades) == 3
