@@ -1,5 +1,6 @@
 """Lights with extent: area lights and emissive meshes, and their direct light on surfaces.
 
+glowing   media that give off light, as samples alone
 sources   a scene's area lights and emissive meshes, one side each
 -> pieces -> strata   small triangles; groups of equal power
 -> shapes, emitters   a polygon or sphere for each group; samples with shadow maps

@@ -1,5 +1,5 @@
 """A scene's lights with extent, frame by frame: shapes, samples on them, and what stands for them
-where lattices and media are lit.
+where lattices and media are lit. Media that give off light are among them (`glowing`).
 
 Which pieces belong together is decided once, for the scene that they are made for; where they are
 and what they give follows every frame.
@@ -18,8 +18,10 @@ from ..scene.checks import F64
 from ..scene.lights import Light, LightSample, SpotLight
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from .emitter import Emitter, Sample
+from .glowing import GlowingMedia
 from .pieces import layout, pieces
-from .shapes import Shape, fitted
+from .shapes import fitted
 from .sources import has_extent, moved, sources
 from .strata import clusters, strata
 
@@ -36,28 +38,6 @@ _GOLDEN = 0.6180339887498949
 MOST_LAYERS = 240
 """Shadow maps; devices have arrays of 256 layers at least."""
 _DIM = 1e-4  # of the brightest: lights that are dark for now count as much
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """One point of an emitter. `near`, m: what is nearer does not shadow it."""
-
-    light: LightSample
-    near: float
-    is_cube: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Emitter:
-    """A group of pieces: its analytic shape, its samples, and how its light fades (spots).
-
-    `row`: of the light that stands for it in the scene's table, for the transmittance of media.
-    """
-
-    shape: Shape
-    samples: tuple[Sample, ...]
-    row: int
-    spot: SpotLight | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +65,10 @@ class Emitters:
         self._weights = self._grouping_weights()
         self._groups = self._grouped(samples, most) if self._sources else []
         self._scattering = self._scattering_groups()
+        self._glowing = GlowingMedia(scene)
+        if self._glowing.is_any:
+            taken = sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
+            self._glowing.group(samples, int(BUDGET * samples), (MOST_LAYERS - taken) // 6)
         self.version = 0
         """Raised whenever anything of them changed."""
         self.plain = len([light for light in scene.lights if not has_extent(light)])
@@ -96,41 +80,44 @@ class Emitters:
     @property
     def count(self) -> int:
         """How many there are, in every frame."""
-        return len(self._groups)
+        return len(self._groups) + len(self._glowing.groups)
 
     @property
     def layers(self) -> int:
         """Views of all samples, in every frame."""
-        return sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
+        surfaces = sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
+        return surfaces + 6 * self._glowing.sample_count
 
     @property
     def sample_count(self) -> int:
         """Samples of all, in every frame."""
-        return sum(len(group.strata) for group in self._groups)
+        return sum(len(group.strata) for group in self._groups) + self._glowing.sample_count
 
     def of(self, scene: Scene) -> Scene:
         """The scene as lattices and media see it: samples in place of lights with extent.
 
         Takes the emitters as they are in it. The very same scene where there are none.
         """
-        if not self._groups:
+        if not self.count:
             return scene
-        last = self._last
-        if last is None or last[0] is not scene.meshes or last[1] != scene.lights:
+        last, glow_changed = self._last, self._glowing.take(scene)
+        if last is None or glow_changed or last[0] is not scene.meshes or last[1] != scene.lights:
             self._last = (scene.meshes, scene.lights)
             self.version += 1
             self._sources = [moved(source, scene) for source in self._sources]
             self._found = pieces(self._sources, self._cut)
             self._bodies = self._radii()
             self._lights = self._as_points(scene)
-            self.list = tuple(self._emitter(group) for group in self._groups)
+            first = len(self._lights) - len(self._glowing.groups)
+            surfaces = tuple(self._emitter(group) for group in self._groups)
+            self.list = surfaces + self._glowing.emitters(first, 0)
         return replace(scene, lights=self._lights)
 
     def jittered(self, index: int) -> tuple[Emitter, ...]:
         """The emitters with other samples on them, those of a still's sample `index`."""
         if index == 0:
             return self.list
-        return tuple(
+        surfaces = tuple(
             replace(
                 emitter,
                 samples=tuple(
@@ -138,8 +125,10 @@ class Emitters:
                     for k, (rows, cube) in enumerate(zip(group.strata, group.has_cube, strict=True))
                 ),
             )
-            for emitter, group in zip(self.list, self._groups, strict=True)
+            for emitter, group in zip(self.list, self._groups, strict=False)
         )
+        first = len(self._lights) - len(self._glowing.groups)
+        return surfaces + self._glowing.emitters(first, index)
 
     def _grouping_weights(self) -> F64:
         """Power (n,), W; lights that are dark for now have a little, meshes' dark parts none."""
@@ -257,7 +246,7 @@ class Emitters:
         return found
 
     def _as_points(self, scene: Scene) -> tuple[Light, ...]:
-        """Lights without extent, then spots on the balls of spot lights, then samples."""
+        """Lights without extent, spots on the balls of spot lights, samples, glowing media."""
         plain = [light for light in scene.lights if not has_extent(light)]
         spots = [x for s in self._sources if s.spot for x in _spots(s.spot)]
         samples = [
@@ -266,7 +255,7 @@ class Emitters:
         ]
         places = [light.position for light in spots] + [light.position for light in samples]
         self._places = np.array(places).reshape(-1, 3)
-        return (*plain, *spots, *samples)
+        return (*plain, *spots, *samples, *self._glowing.lights)
 
     def _radii(self) -> F64:
         """(n,) metres: of disks as large as the solid surfaces that pieces are parts of."""

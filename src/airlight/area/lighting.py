@@ -27,7 +27,8 @@ from ..surface.hits import PIXELS, Hits, Points
 from ..surface.light_table import LightData
 from ..surface.shadow import ShadowMaps
 from .attenuation import Attenuation
-from .emitters import Emitter, Emitters
+from .emitter import Emitter
+from .emitters import Emitters
 from .shapes import MOST_CORNERS, Kind
 from .table import (
     CornerData,

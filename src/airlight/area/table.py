@@ -18,7 +18,7 @@ from ..maths.sampling import orthonormal_frame
 from ..maths.transforms import box_corners
 from ..scene.checks import F64
 from ..surface.light_views import LightView
-from .emitters import Emitter, Sample
+from .emitter import Emitter, Sample
 from .shapes import MOST_CORNERS
 
 HEMISPHERE_SPAN, CUBE_SPAN = 3.0, 2.0

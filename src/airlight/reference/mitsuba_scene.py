@@ -17,6 +17,7 @@ from ..scene.io.writing import check_target, whole_file
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .mitsuba_emission import emission_balls
 from .mitsuba_files import FileStore, is_written
 from .mitsuba_lights import environment_emitter, has_glow, light_elements, point_emitters
 from .mitsuba_material import is_masked
@@ -132,6 +133,7 @@ def export(
     emitters += [
         emitter for group in scene.light_groups for emitter in point_emitters(group, files)
     ]
+    emitters += emission_balls(scene, notes)
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
     has_masks = any(

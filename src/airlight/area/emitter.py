@@ -1,0 +1,30 @@
+"""A group of what gives light, as surfaces see it: an analytic shape, and samples on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..scene.lights import LightSample, SpotLight
+from .shapes import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """One point of an emitter. `near`, m: what is nearer does not shadow it."""
+
+    light: LightSample
+    near: float
+    is_cube: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Emitter:
+    """A group of pieces: its analytic shape, its samples, and how its light fades (spots).
+
+    `row`: of the light that stands for it in the scene's table, for the transmittance of media.
+    """
+
+    shape: Shape
+    samples: tuple[Sample, ...]
+    row: int
+    spot: SpotLight | None = None

@@ -1,0 +1,266 @@
+"""Media that give off light, as lights: blocks of voxels in groups of equal power.
+
+A group is a sample that sends to all sides, as large as its voxels lie apart. Surfaces see each
+through shadow maps and the media; lattices and media take a few as local lights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SettingsError
+from ..maths.transforms import transformed
+from ..scene.checks import F64
+from ..scene.lights import LightSample
+from ..scene.medium import Medium, medium_box
+from ..scene.scene import Scene
+from ..scene.volume import Volume
+from .emitter import Emitter, Sample
+from .shapes import Kind, Shape
+from .strata import clusters, strata
+
+EACH, MOST = 4, 12
+"""Groups of one medium, and of all."""
+I64 = NDArray[np.int64]
+BLOCKS_PER_AXIS = 16
+"""A volume is cut into so many blocks along each axis, at most."""
+_NEAREST = 0.3  # of a group's extent: what is nearer does not shadow it
+_GOLDEN = 0.6180339887498949
+_UP: F64 = np.array((0.0, 1.0, 0.0))
+_FAINT = 1e-3  # of the mean: blocks that are dark for now count as much
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """`positions` (n, 3), metres, of the light's centre in each; `intensity` (n, 3), W sr^-1.
+
+    `variance` (n,), m^2: of the light's distance from that centre; `volume` (n,): which medium.
+    """
+
+    positions: F64
+    intensity: F64
+    variance: F64
+    volume: I64
+
+    @property
+    def weight(self) -> F64:
+        """The mean of the channels (n,)."""
+        return np.asarray(self.intensity.mean(axis=1))
+
+
+def emissive_blocks(scene: Scene) -> Blocks | None:
+    """What the scene's media emit, in blocks that stay where they are while emission changes."""
+    found = []
+    if scene.medium is not None and max(scene.medium.emission) > 0.0:
+        found.append(_of_medium(scene.medium, scene))
+    found += [_of_volume(v) for v in scene.volumes if v.is_emissive]
+    if not found:
+        return None
+    positions, intensity, variance = (np.concatenate(c) for c in zip(*found, strict=True))
+    owners = np.repeat(np.arange(len(found)), [len(part[0]) for part in found])
+    return Blocks(positions, intensity, variance, owners)
+
+
+def grouped(blocks: Blocks, most: int) -> list[I64]:
+    """Rows of blocks in at most `most` groups; media stay apart where there are not too many."""
+    weight = blocks.weight + _FAINT * max(float(blocks.weight.mean()), 1e-30)
+    count = int(blocks.volume.max()) + 1
+    if count > most:
+        return clusters(blocks.positions, weight, blocks.volume, most)
+    total = float(weight.sum())
+    found = []
+    for one in range(count):
+        rows = np.flatnonzero(blocks.volume == one)
+        parts = 1 + int((most - count) * float(weight[rows].sum()) / total)
+        found += [rows[part] for part in strata(blocks.positions[rows], weight[rows], parts)]
+    return found
+
+
+def split(blocks: Blocks, rows: I64, count: int) -> list[I64]:
+    """A group's rows in `count` strata of equal power."""
+    weight = blocks.weight[rows] + _FAINT * max(float(blocks.weight[rows].mean()), 1e-30)
+    return [rows[part] for part in strata(blocks.positions[rows], weight, count)]
+
+
+def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSample:
+    """All that a group emits, from its middle; or from its block `chosen`, a row of `blocks`."""
+    light = blocks.intensity[rows]
+    weight = light.mean(axis=1)
+    # A group that is dark for now stays where it is.
+    weight = weight + 1e-12 * max(float(weight.max(initial=0.0)), 1e-30)
+    weight = weight / weight.sum()
+    middle = weight @ blocks.positions[rows]
+    apart = ((blocks.positions[rows] - middle) ** 2).sum(axis=1)
+    extent = float(np.sqrt(weight @ (apart + blocks.variance[rows])))
+    at = middle if chosen is None else blocks.positions[chosen]
+    x, y, z = (float(c) for c in at)
+    r, g, b = (float(c) for c in light.sum(axis=0))
+    return LightSample((x, y, z), (0.0, 1.0, 0.0), (r, g, b), front=0.0, even=1.0, extent=extent)
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Rows of blocks that are one emitter, cut into strata, of which each is one sample."""
+
+    rows: I64
+    strata: list[I64]
+
+
+class GlowingMedia:
+    """The emissive media of a scene in groups, which are decided once, for that scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._blocks = emissive_blocks(scene)
+        self.groups: list[_Group] = []
+        self.lights: tuple[LightSample, ...] = ()
+        """One for each group: what lattices and media take."""
+        self._seen: tuple[object, ...] = ()
+
+    @property
+    def is_any(self) -> bool:
+        """Whether any medium gives off light."""
+        return self._blocks is not None
+
+    @property
+    def sample_count(self) -> int:
+        """Samples of all groups."""
+        return sum(len(group.strata) for group in self.groups)
+
+    def group(self, samples: int, budget: int, room: int) -> None:
+        """Decide the groups: `samples` for one medium, `budget` for many, `room` for all."""
+        assert self._blocks is not None
+        media = int(self._blocks.volume.max()) + 1
+        most = max(1, min(EACH * media, MOST, room))
+        found = grouped(self._blocks, most)
+        each = max(1, min(samples if media == 1 else budget, room) // len(found))
+        self.groups = [_Group(rows, split(self._blocks, rows, each)) for rows in found]
+
+    def take(self, scene: Scene) -> bool:
+        """Take the emission of a frame; returns whether it changed."""
+        if not self.groups:
+            return False
+        seen = (scene.medium, *scene.volumes)
+        same = len(seen) == len(self._seen)
+        if same and all(a is b for a, b in zip(seen, self._seen, strict=True)):
+            return False
+        self._seen = seen
+        blocks = emissive_blocks(scene)
+        if blocks is None or len(blocks.volume) != len(self._blocks.volume if self._blocks else ()):
+            raise SettingsError(
+                "frame() got media that glow where the scene's did not, or other grids of them",
+                remedy="Make a new Renderer",
+            )
+        self._blocks = blocks
+        self.lights = tuple(light_of(blocks, group.rows) for group in self.groups)
+        return True
+
+    def emitters(self, first_row: int, index: int) -> tuple[Emitter, ...]:
+        """One for each group, for sample `index` of a still; `first_row`: of their `lights`."""
+        return tuple(
+            Emitter(
+                Shape(Kind.SAMPLES, np.array(light.position), _UP, np.array(light.intensity)),
+                tuple(self._sample(rows, k, index) for k, rows in enumerate(group.strata)),
+                first_row + number,
+            )
+            for number, (group, light) in enumerate(zip(self.groups, self.lights, strict=True))
+        )
+
+    def _sample(self, rows: I64, number: int, index: int) -> Sample:
+        assert self._blocks is not None
+        chosen = None
+        if index:
+            # Later samples of a still lie anywhere in the stratum, by its power.
+            running = np.cumsum(self._blocks.weight[rows])
+            at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
+            found = int(np.searchsorted(running, at * running[-1]))
+            chosen = int(rows[min(found, len(rows) - 1)])
+        light = light_of(self._blocks, rows, chosen)
+        return Sample(light, _NEAREST * light.extent, is_cube=True)
+
+
+_Columns = tuple[F64, F64, F64]
+
+
+def _of_volume(volume: Volume) -> _Columns:
+    emission = volume.emission
+    assert emission is not None
+    radiance = np.array(emission.radiance, np.float64)
+    values: NDArray[np.floating]
+    if volume.density is None:
+        values = _shape_values(volume.shape == "sphere")
+    elif emission.values is None:
+        values = volume.density[..., None]
+    else:
+        values = emission.values
+    centres, sums = _summed(values)
+    low, high = np.array(volume.bounds)
+    matrix = volume.world_from_volume
+    # A voxel emits its share of the volume, 1 at the box's own size.
+    size = abs(float(np.linalg.det(matrix[:3, :3]))) * float(np.prod(high - low))
+    intensity = sums * radiance * (size / np.prod(values.shape[:3]))
+    points = transformed(low + centres * (high - low), matrix)
+    sides = np.linalg.norm(matrix[:3, :3] * (high - low), axis=0)
+    return points, intensity, _variance(values.shape, sides, len(points))
+
+
+def _of_medium(medium: Medium, scene: Scene) -> _Columns:
+    # An endless medium counts as far as the scene reaches.
+    low, high = scene.bounds if medium.endless else (None, None)
+    if low is None or high is None:
+        low, high = medium_box(medium, *scene.bounds, scene.camera.position)
+    values = np.ones((8, 8, 8, 1))
+    centres, sums = _summed(values)
+    size = np.maximum(high - low, 0.0)
+    intensity = sums * np.array(medium.emission) * (float(np.prod(size)) / 512.0)
+    return low + centres * size, intensity, _variance(values.shape, size, len(centres))
+
+
+def _shape_values(is_ball: bool) -> F64:
+    """(16, 16, 16, 1): how much of each voxel is inside a box or the ball in it."""
+    fine = (np.arange(64) + 0.5) / 32.0 - 1.0
+    z, y, x = np.meshgrid(fine, fine, fine, indexing="ij")
+    inside = np.where(x * x + y * y + z * z <= 1.0, 1.0, 0.0) if is_ball else np.ones_like(x)
+    return np.asarray(inside.reshape(16, 4, 16, 4, 16, 4).mean(axis=(1, 3, 5))[..., None])
+
+
+def _summed(values: NDArray[np.floating]) -> tuple[F64, F64]:
+    """Centres of light (n, 3), 0..1 along x, y, z, and sums (n, 3) of blocks of voxels."""
+    starts = [_starts(n) for n in values.shape[:3]]
+    shape = values.shape[:3]
+    weight = values.mean(axis=3, dtype=np.float32)
+    total = _reduced(weight, starts)
+    # Each block's centre of light; its own centre where it is dark.
+    centres = []
+    for axis in (2, 1, 0):
+        own = [1, 1, 1]
+        own[axis] = -1
+        at = ((np.arange(shape[axis]) + 0.5) / shape[axis]).astype(np.float32).reshape(own)
+        middles = _reduced(np.broadcast_to(at, shape), starts) / _reduced(np.ones(shape), starts)
+        centres.append(
+            np.where(total > 0.0, _reduced(weight * at, starts) / np.maximum(total, 1e-30), middles)
+        )
+    sums = [_reduced(values[..., k], starts) for k in range(values.shape[3])]
+    colours = np.stack(sums if len(sums) == 3 else sums * 3, axis=-1)
+    points = np.stack(centres, axis=-1)
+    return points.reshape(-1, 3).astype(np.float64), colours.reshape(-1, 3)
+
+
+def _starts(size: int) -> I64:
+    count = min(size, BLOCKS_PER_AXIS)
+    return np.asarray(np.arange(count) * size // count)
+
+
+def _reduced(values: NDArray[np.floating], starts: list[I64]) -> F64:
+    summed = np.asarray(values)
+    for axis, at in enumerate(starts):
+        summed = np.add.reduceat(summed, at, axis=axis, dtype=np.float64)
+    return np.asarray(summed)
+
+
+def _variance(shape: tuple[int, ...], sides: F64, count: int) -> F64:
+    """Of uniform light in a block: a twelfth of the squares of its sides."""
+    blocks = np.minimum(np.array(shape[2::-1]), BLOCKS_PER_AXIS)
+    return np.full(count, float(((sides / blocks) ** 2).sum()) / 12.0)
