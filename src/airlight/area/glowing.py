@@ -6,7 +6,7 @@ through shadow maps and the media; lattices and media take a few as local lights
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ BLOCKS_PER_AXIS = 16
 _NEAREST = 0.3  # of a group's extent: what is nearer does not shadow it
 _GOLDEN = 0.6180339887498949
 _UP: F64 = np.array((0.0, 1.0, 0.0))
+_CORE = 0.2
+"""Of a group's extent: closer than that the media's light gets no brighter. Light that is cut off
+there is missing: two thirds of what the media within a whole extent would scatter."""
 _FAINT = 1e-3  # of the mean: blocks that are dark for now count as much
 
 
@@ -154,7 +157,8 @@ class GlowingMedia:
                 remedy="Make a new Renderer",
             )
         self._blocks = blocks
-        self.lights = tuple(light_of(blocks, group.rows) for group in self.groups)
+        found = [light_of(blocks, group.rows) for group in self.groups]
+        self.lights = tuple(replace(light, extent=_CORE * light.extent) for light in found)
         return True
 
     def emitters(self, first_row: int, index: int) -> tuple[Emitter, ...]:

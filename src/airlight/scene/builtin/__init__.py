@@ -9,6 +9,7 @@
     wall-floor   a lit wall over a floor, for form factors
     bleeding, pinpoint, one-iteration    what light on a lattice is bad at
     smoke        a plume of smoke, animated
+    fire         a fire of logs with its smoke at night, animated
     cloud        a cumulus cloud
     milk         a knot of milk: a mesh voxelised into a dense medium
 
@@ -27,6 +28,7 @@ from .atrium import atrium, atrium_fog
 from .cloud import cloud
 from .cornell import cornell, cornell_area, haze_box
 from .failures import bleeding, one_iteration, pinpoint
+from .fire import fire
 from .milk import milk
 from .room import foggy_room, room
 from .smoke import smoke
@@ -41,6 +43,7 @@ __all__ = [
     "cloud",
     "cornell",
     "cornell_area",
+    "fire",
     "foggy_room",
     "haze_box",
     "milk",
@@ -64,6 +67,7 @@ BUILTIN: dict[str, Callable[..., Scene]] = {
     "pinpoint": pinpoint,
     "one-iteration": one_iteration,
     "smoke": smoke,
+    "fire": fire,
     "cloud": cloud,
     "milk": milk,
 }

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache, partial
-from typing import cast
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,8 @@ from ..mesh import Mesh
 from ..scene import Scene
 from ..volume import Volume
 from . import stone
-from .noise import fractal_noise, smoothstep
+from .eddies import Eddies
+from .noise import smoothstep
 from .patch import Finish, placed_at
 from .profile import arc, profile, revolved
 from .sky import clear_sky
@@ -36,8 +36,7 @@ SPREAD = 0.13
 
 SUN_TRAVEL: Vec3 = (-0.62, -0.60, 0.35)
 
-_EDDY_BOX_M = np.array([2.4, 4.8, 2.4], np.float32)
-_EDDY_CELLS = (96, 192, 96)
+_EDDIES = Eddies(box_m=(2.4, 4.8, 2.4), cells=(96, 192, 96), largest=(4, 8, 4))
 _TRACE_STEPS = 14
 
 
@@ -59,7 +58,7 @@ def smoke(*, time: float = 0.0, seed: int = 11) -> Scene:
     )
     return Scene(
         name="smoke",
-        meshes=(*_court(seed), *_bowl()),
+        meshes=(*court(seed), *_bowl()),
         lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
         environment=clear_sky(SUN_TRAVEL),
         camera=Camera((0.6, 2.0, 7.2), (0.0, 2.45, 0.0), fov_y_deg=45.0, exposure_stops=-1.6),
@@ -81,17 +80,17 @@ def plume_density(time: float, seed: int) -> F32:
     radius = SOURCE_RADIUS_M + SPREAD * height
     smoky = np.hypot(points[:, 0], points[:, 2]) < 3.2 * radius
     points, height, radius = points[smoky], height[smoky], radius[smoky]
-    eddies, texture = _eddies(seed)
+    eddies, texture = _EDDIES.fields(seed)
     # In the frame that rises with the plume, sideways drift keeps the eddies from recurring.
     ride = np.array([0.11, RISE_M_S, -0.07], np.float32) * np.float32(time)
     here = points - ride
     step_s = (height / (RISE_M_S * _TRACE_STEPS)).astype(np.float32)
     for _ in range(_TRACE_STEPS):
         speed = 0.10 + 0.13 * np.minimum(height / 1.5, 1.0)
-        here = here - _look_up(eddies, here) * (speed * step_s)[:, None]
+        here = here - _EDDIES.look_up(eddies, here) * (speed * step_s)[:, None]
     start = here + ride
     rho = np.hypot(start[:, 0], start[:, 2]) / radius
-    puff = _look_up(texture[..., None], here)[:, 0]
+    puff = _EDDIES.look_up(texture[..., None], here)[:, 0]
     density = smoothstep(1.10, 0.40, rho.astype(np.float32) + 0.14 * puff)
     density *= (SOURCE_RADIUS_M / radius) ** 0.9 * (1.0 + 0.35 * puff)
     density *= smoothstep(0.0, 0.10, height) * smoothstep(4.8, 3.9, height)
@@ -122,37 +121,7 @@ def _cell_centres() -> F32:
     return np.stack([xx.ravel(), yy.ravel(), zz.ravel()], axis=-1)
 
 
-@lru_cache(maxsize=1)
-def _eddies(seed: int) -> tuple[F32, F32]:
-    """Periodic, divergence-free velocity (x, y, z, 3) of unit rms, and a noise (x, y, z).
-
-    Velocity is the curl of a fractal vector potential: Bridson, Houriham, Nordenstam 2007.
-    """
-    rng = np.random.default_rng(seed)
-    cells = (4, 8, 4)
-    potential = [fractal_noise(_EDDY_CELLS, cells, rng, octaves=3, gain=0.30) for _ in range(3)]
-
-    def slope(component: int, axis: int) -> F32:
-        field = potential[component]
-        return cast(F32, np.roll(field, -1, axis) - np.roll(field, 1, axis))
-
-    curl = np.stack(
-        [slope(2, 1) - slope(1, 2), slope(0, 2) - slope(2, 0), slope(1, 0) - slope(0, 1)], axis=-1
-    )
-    rms = np.sqrt(np.mean(np.square(curl)) * 3.0)
-    texture = fractal_noise(_EDDY_CELLS, (8, 16, 8), rng, octaves=3, gain=0.6)
-    return cast(F32, curl / rms), texture
-
-
-def _look_up(table: F32, points: F32) -> F32:
-    """The nearest entries of a periodic (x, y, z, channel) table; its cells are 2.5 cm."""
-    size = np.array(_EDDY_CELLS)
-    cell = np.floor(points * (size / _EDDY_BOX_M).astype(np.float32)).astype(np.int32) % size
-    flat = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
-    return cast(F32, table.reshape(-1, table.shape[-1])[flat])
-
-
-def _court(seed: int) -> tuple[Mesh, ...]:
+def court(seed: int) -> tuple[Mesh, ...]:
     """A floor, and a wall whose shaded side is the dark ground one sees lit smoke against."""
     rng = np.random.default_rng(seed)
     slab = box((-7.0, -0.2, -4.0), (7.0, 0.0, 8.0))

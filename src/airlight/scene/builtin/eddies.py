@@ -1,0 +1,57 @@
+"""Turbulence for plumes: a periodic box of divergence-free eddies, and a noise beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import cast
+
+import numpy as np
+
+from ..checks import F32, Vec3
+from .noise import fractal_noise
+
+
+@dataclass(frozen=True)
+class Eddies:
+    """A box of `box_m` metres in `cells`, the largest eddies of which so many fit into it.
+
+    All along x, y, z.
+    """
+
+    box_m: Vec3
+    cells: tuple[int, int, int]
+    largest: tuple[int, int, int]
+
+    def fields(self, seed: int) -> tuple[F32, F32]:
+        """Periodic, divergence-free velocity (x, y, z, 3) of unit rms, and a noise (x, y, z).
+
+        Velocity is the curl of a fractal vector potential: Bridson, Houriham, Nordenstam 2007.
+        """
+        return _fields(self, seed)
+
+    def look_up(self, table: F32, points: F32) -> F32:
+        """The nearest entries of a periodic (x, y, z, channel) table."""
+        size = np.array(self.cells)
+        scale = (size / np.array(self.box_m, np.float32)).astype(np.float32)
+        cell = np.floor(points * scale).astype(np.int32) % size
+        flat = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
+        return cast(F32, table.reshape(-1, table.shape[-1])[flat])
+
+
+@lru_cache(maxsize=2)
+def _fields(of: Eddies, seed: int) -> tuple[F32, F32]:
+    rng = np.random.default_rng(seed)
+    potential = [fractal_noise(of.cells, of.largest, rng, octaves=3, gain=0.30) for _ in range(3)]
+
+    def slope(component: int, axis: int) -> F32:
+        field = potential[component]
+        return cast(F32, np.roll(field, -1, axis) - np.roll(field, 1, axis))
+
+    curl = np.stack(
+        [slope(2, 1) - slope(1, 2), slope(0, 2) - slope(2, 0), slope(1, 0) - slope(0, 1)], axis=-1
+    )
+    rms = np.sqrt(np.mean(np.square(curl)) * 3.0)
+    x, y, z = of.largest
+    texture = fractal_noise(of.cells, (2 * x, 2 * y, 2 * z), rng, octaves=3, gain=0.6)
+    return cast(F32, curl / rms), texture
