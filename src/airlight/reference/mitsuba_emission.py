@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.checks import F64
 from ..scene.scene import Scene
@@ -91,6 +92,7 @@ def _voxels(volume: Volume) -> _Lights:
     """Every voxel as a point; shapes are sampled on a grid of their own."""
     emission = volume.emission
     assert emission is not None
+    values: NDArray[np.floating]
     if volume.density is None:
         shape: tuple[int, ...] = (_SAMPLES,) * 3
         values = np.ones((*shape, 1))

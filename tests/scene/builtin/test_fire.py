@@ -15,7 +15,7 @@ def test_it_is_its_own_light_and_says_its_optics() -> None:
     assert not scene.lights
     assert volume.is_emissive
     assert volume.density.shape == volume.emission.size == SHAPE
-    assert 0.0 <= volume.density.min() and 0.3 < volume.density.max() <= 1.0
+    assert volume.density.min() >= 0.0 and 0.3 < volume.density.max() <= 1.0
     kelvin = volume.emission.temperature
     assert 1700.0 < kelvin.max() <= HOTTEST_K
     with pytest.raises(SceneError, match="time must be a number"):
