@@ -1,8 +1,9 @@
 """A scene's lights with extent, frame by frame: shapes, samples on them, and what stands for them
 where lattices and media are lit. Media that give off light are among them (`glowing`).
 
-Which pieces belong together is decided once, for the scene that they are made for; where they are
-and what they give follows every frame.
+Which pieces are one light is decided once, for the scene that they are made for; where they are,
+what they give and, where they change their form, which of them a sample stands for follows every
+frame.
 """
 
 from __future__ import annotations
@@ -65,6 +66,7 @@ class Emitters:
         self._weights = self._grouping_weights()
         self._groups = self._grouped(samples, most) if self._sources else []
         self._scattering = self._scattering_groups()
+        self._first = self._groups, self._scattering, _edges(self._found.corners)
         self._glowing = GlowingMedia(scene)
         if self._glowing.is_any:
             taken = sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
@@ -106,6 +108,7 @@ class Emitters:
             self.version += 1
             self._sources = [moved(source, scene) for source in self._sources]
             self._found = pieces(self._sources, self._cut)
+            self._groups, self._scattering = self._cut_again()
             self._bodies = self._radii()
             self._lights = self._as_points(scene)
             first = len(self._lights) - len(self._glowing.groups)
@@ -245,6 +248,22 @@ class Emitters:
             found += [rows[part] for part in parts]
         return found
 
+    def _cut_again(self) -> tuple[list[_Group], list[I64]]:
+        """Groups and what stands for them in lattices, with strata for lights as large as now.
+
+        What keeps its form keeps its first strata, so that samples turn with it.
+        """
+        groups, scattering, edges = self._first
+        if np.allclose(edges, _edges(self._found.corners), rtol=1e-4, atol=0.0):
+            return groups, scattering
+        again = []
+        for group in groups:
+            parts = strata(
+                self._own_features(group.rows), self._weights[group.rows], len(group.strata)
+            )
+            again.append(replace(group, strata=[group.rows[part] for part in parts]))
+        return again, self._scattering_groups()
+
     def _as_points(self, scene: Scene) -> tuple[Light, ...]:
         """Lights without extent, spots on the balls of spot lights, samples, glowing media."""
         plain = [light for light in scene.lights if not has_extent(light)]
@@ -309,6 +328,11 @@ class Emitters:
             self._cell,
         )
         return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube)
+
+
+def _edges(corners: F64) -> F64:
+    """(n, 3) metres: lengths of the edges of pieces (n, 3, 3)."""
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

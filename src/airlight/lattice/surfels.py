@@ -14,12 +14,15 @@ from ..gpu.layout import Struct, u32, vec3f
 from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo
+from ..scene.light_shapes import LightMesh
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 from ..surface.materials import chance_to_meet, reflecting_share
 from .bodies import sides
 
 F64 = NDArray[np.float64]
+_LIGHTS = 0.125
+"""Of the surfels of all other surfaces: what the surfaces of all area lights have together."""
 
 
 class SurfelData(Struct):
@@ -51,15 +54,25 @@ def surfels(
             areas_of[_area_key(mesh)] = triangle_areas(mesh)
     areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
     side = sides(meshes, np.zeros((0, 3)) if inside is None else inside)
-    # Each mesh has surfels by its share of all area.
-    total = max(float(areas.sum()), 1e-30)
+    counts = _counts(meshes, areas, count)
     parts = []
     for instance, index in enumerate(order):
-        share = max(1, round(count * float(areas[index]) / total))
         mesh = meshes[index]
         own = areas_of[_area_key(mesh)]
-        parts.append(_mesh_surfels(mesh, own, instance, share, side[index]))
+        parts.append(_mesh_surfels(mesh, own, instance, counts[index], side[index]))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
+
+
+def _counts(meshes: tuple[Mesh, ...], areas: F64, count: int) -> list[int]:
+    """How many surfels each mesh has: by its share of all area; lights' surfaces as many each.
+
+    Those grow and shrink, and no other surface's number follows from how large they were at first.
+    """
+    is_light = np.array([isinstance(mesh, LightMesh) for mesh in meshes], bool)
+    total = max(float(areas[~is_light].sum()), 1e-30)
+    each = count * _LIGHTS / max(int(is_light.sum()), 1)
+    wanted = np.where(is_light, each, count * areas / total)
+    return [max(1, round(float(number))) for number in wanted]
 
 
 def triangle_areas(mesh: Mesh) -> F64:

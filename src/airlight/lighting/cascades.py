@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from ..lattice.gaps import narrow_gap, nested_count
 from ..lattice.nested import Nest, nested
 from ..lattice.placement import fitted
+from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .kit import SurfaceSettings
@@ -55,7 +56,7 @@ def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = 
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
         cell = fitted(low, high, settings.resolution, axes).cell
-        count = nested_count(narrow_gap(scene.meshes, axes), cell, ratio)
+        count = nested_count(narrow_gap(furnished(scene).meshes, axes), cell, ratio)
     return nested(
         low,
         high,

@@ -13,6 +13,7 @@ from ..lattice.placement import STRAIGHT, Axes
 from ..maths.transforms import box_along
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
+from ..scene.light_shapes import furnished
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 
@@ -24,8 +25,11 @@ _HAIR = 0.01
 
 
 def lattice_axes(scene: Scene, *, follows_walls: bool = True) -> Axes:
-    """Unit vectors along which a scene's lattices lie: the walls', or the world's."""
-    return wall_axes(scene.meshes) if follows_walls else STRAIGHT
+    """Unit vectors along which a scene's lattices lie: the walls', or the world's.
+
+    Surfaces of area lights count where there are no others alone, as for the box.
+    """
+    return wall_axes(furnished(scene).meshes) if follows_walls else STRAIGHT
 
 
 def lattice_box(
@@ -39,7 +43,9 @@ def lattice_box(
     """
     turn = np.array(axes)
     if not bounds:
-        return _with_medium(scene, turn) if in_medium else whole_bounds_along(scene, turn)
+        if in_medium:
+            return _with_medium(scene, turn)
+        return whole_bounds_along(furnished(scene), turn)
     if len(bounds) != 6:
         raise SettingsError(
             f"setting bounds has {len(bounds)} numbers", remedy="Give x0,y0,z0,x1,y1,z1"
@@ -55,13 +61,14 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
 
     The far light of an endless medium is in a table of its own (`media.half_space`).
     """
-    low, high = whole_bounds_along(scene, turn)
+    low, high = whole_bounds_along(furnished(scene), turn)
     medium = scene.medium
     if medium is None or medium.endless:
         return low, high
     # Without bounds it reaches to the camera, wherever that goes.
     eyes = [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
-    boxes = [medium_box(medium, low, high, turn @ np.asarray(eye)) for eye in eyes]
+    seen = whole_bounds_along(scene, turn)
+    boxes = [medium_box(medium, *seen, turn @ np.asarray(eye)) for eye in eyes]
     if medium.bounds is not None:
         boxes = [box_along(turn, *medium.bounds)]
     longest = float(np.subtract(high, low).max())

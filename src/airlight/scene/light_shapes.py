@@ -54,6 +54,16 @@ def light_mesh(light: AreaLight, material: Material | None = None) -> Mesh:
     return LightMesh(unit_geometry(light.shape), material, world_from_unit(light), _NAME)
 
 
+def furnished(scene: Scene) -> Scene:
+    """The scene without the surfaces of its lights, if it has more: what lattices are laid over.
+
+    Lights go from place to place; what is laid over where they began would fit them there alone.
+    """
+    meshes = tuple(mesh for mesh in scene.meshes if not isinstance(mesh, LightMesh))
+    is_less = len(meshes) < len(scene.meshes) and bool(meshes or scene.volumes)
+    return replace(scene, meshes=meshes) if is_less else scene
+
+
 def light_material(light: AreaLight) -> Material:
     """Matte, and emissive."""
     return Material(
