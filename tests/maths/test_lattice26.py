@@ -144,6 +144,60 @@ def test_steps_commute_with_swapping_axes() -> None:
     np.testing.assert_allclose(swapped[1].transpose(0, 3, 2, 1), direct[1], atol=1e-12)
 
 
+def transport_root(albedo: float) -> float:
+    """k of light that falls as exp(-k depth) far from its source: albedo artanh(k) = k."""
+    low, high = 1e-9, 1.0 - 1e-14
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        is_below = albedo * np.arctanh(middle) < middle
+        low, high = (middle, high) if is_below else (low, middle)
+    return middle
+
+
+def test_flux_is_damped_as_transport_theory_has_it() -> None:
+    assert lattice26.flux_extinction(0.0) == pytest.approx(1.0 / 3.0)
+    assert lattice26.flux_extinction(1.0) == pytest.approx(1.0)
+    for albedo in np.linspace(0.02, 0.98, 25):
+        share = transport_root(albedo) ** 2 / (3.0 * (1.0 - albedo))
+        # The fit's own error.
+        assert lattice26.flux_extinction(albedo) == pytest.approx(share, abs=0.002)
+
+
+def test_flux_never_outgrows_power() -> None:
+    for kept in (lattice26.RHO**2, 1.0):
+        gain = lattice26.flux_gain([0.0, 0.5, 0.9, 1.0], 80.0, 0.5, kept)
+        assert (gain >= 1.0).all()
+        assert (kept * gain**2 <= 1.0 + 1e-12).all()
+    assert lattice26.flux_gain(0.0, 0.0, 1.0) == 1.0
+
+
+def _falls(albedo: float, depth: float) -> float:
+    """Light of a glowing plane in a medium: how fast it falls per mean free path, 2 to 5 of them.
+
+    Columns of 3 x 3 cells stand for planes without an end: all are as the middle one.
+    """
+    count = int(14 / depth) | 1
+    state = np.zeros((1, count, 3, 3, 4))
+    state[:, count // 2, :, :, 0] = 1.0
+    total = np.zeros(count)
+    for _ in range(int(16 / depth)):
+        state, scattered = lattice26.deposit_step(state, [depth], [albedo], 1.0)
+        state[:] = state[:, :, 1:2, 1:2]
+        total += scattered[0, :, 1, 1]
+    near, far = (count // 2 + int(m / depth) for m in (2, 5))
+    return float(np.log(total[near] / total[far]) / ((far - near) * depth))
+
+
+@pytest.mark.parametrize("albedo", [0.3, 0.6])
+def test_light_in_absorbing_air_falls_less_than_two_bands_say(albedo, monkeypatch) -> None:
+    depth, truth = 0.4, transport_root(albedo)
+    corrected = _falls(albedo, depth)
+    monkeypatch.setattr(lattice26, "flux_gain", lambda *_: np.ones(()))
+    plain = _falls(albedo, depth)
+    # What hops themselves turn aside stays: measured .38 of .55, and .16 of .29 (albedo .3, .6).
+    assert 0.0 < corrected - truth < 0.8 * (plain - truth)
+
+
 def test_scattered_light_brings_to_a_wall_what_its_hops_bring():
     """Evenly spread isotropic power: nine hops of each cell go into a wall, E = scale A/4."""
     power = np.zeros((1, 4, 4, 4, 4))

@@ -29,6 +29,7 @@ def test_numbers_are_those_of_the_tables(name):
         "RHO": [lattice26.RHO],
         "HOP_WEIGHTS": table.weights[kinds],
         "HOP_LENGTHS": table.lengths[kinds],
+        "MEAN_HOP": [lattice26.mean_hop_length()],
         "RETURNED": [lattice26_walls.returned_sharpness()],
         "REFLECTED_TRACK": [lattice26_walls.REFLECTED_TRACK],
         "SPLIT_FLOOR": [lattice26_walls.SPLIT_FLOOR],

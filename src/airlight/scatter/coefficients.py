@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..gpu.layout import Struct, vec3f, vec4f
-from ..maths.lattice26 import RHO, hops, mean_hop_length
+from ..maths.lattice26 import RHO, flux_gain, hops, mean_hop_length
 from ..maths.lattice26_levels import coarse_absorption_depth
 from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
 from ..maths.medium import mean_transmittance
@@ -67,12 +67,13 @@ def _channel_rows(
     m = coarse_absorption_depth(x, level)
     t = length_m * mean_transmittance(x)
     t_half = 0.5 * length_m * mean_transmittance(0.5 * x)
+    ahead = float(flux_gain(sigma_s, sigma_t, cell_size_m, straight * RHO)) ** 2
     one = [1.0] * 4
     # The next state: what passes a hop, what the medium scatters on it, what walls give back.
     move = {
         "gain": one,
         "arriving": w * (p + sigma_s * t * m),
-        "passing": 3.0 * straight * w * p / cells,
+        "passing": 3.0 * straight * ahead * w * p / cells,
         "kept": sigma_s * w * t * (1.0 - m),
         "stopped": sigma_s * w * t_half,
         "returned": w * half * (sigma_s * t_half + half),

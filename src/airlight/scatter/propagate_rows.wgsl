@@ -50,7 +50,7 @@ fn of_lane_before(cell: Cell) -> Cell {
     let state = subgroupShuffleUp(cell.state, 1u);
     if (IS_VARIED) {
         return Cell(state, subgroupShuffleUp(cell.q, 1u), subgroupShuffleUp(cell.u, 1u),
-            subgroupShuffleUp(cell.w, 1u));
+            subgroupShuffleUp(cell.w, 1u), subgroupShuffleUp(cell.ahead, 1u));
     }
     return homogeneous_cell(state);
 }
@@ -59,7 +59,7 @@ fn of_lane_after(cell: Cell) -> Cell {
     let state = subgroupShuffleDown(cell.state, 1u);
     if (IS_VARIED) {
         return Cell(state, subgroupShuffleDown(cell.q, 1u), subgroupShuffleDown(cell.u, 1u),
-            subgroupShuffleDown(cell.w, 1u));
+            subgroupShuffleDown(cell.w, 1u), subgroupShuffleDown(cell.ahead, 1u));
     }
     return homogeneous_cell(state);
 }
@@ -67,7 +67,8 @@ fn of_lane_after(cell: Cell) -> Cell {
 // The cell, or what is beyond the border cell: no light, in the same medium.
 fn or_beyond(cell: Cell, border: Cell, is_beyond: bool) -> Cell {
     return Cell(select(cell.state, vec4f(0.0), is_beyond), select(cell.q, border.q, is_beyond),
-        select(cell.u, border.u, is_beyond), select(cell.w, border.w, is_beyond));
+        select(cell.u, border.u, is_beyond), select(cell.w, border.w, is_beyond),
+        select(cell.ahead, border.ahead, is_beyond));
 }
 
 // The tile's cells of the row that begins at cell `first`, and one on either side.

@@ -5,6 +5,7 @@
 const RHO = 0.93;                       // share of a cell's net direction that a hop sees
 const HOP_WEIGHTS = vec3f(0.05387967318, 0.03516105913, 0.03184865642);     // by kind
 const HOP_LENGTHS = vec3f(1.0, 1.414213562, 1.732050808);                   // by kind, cells
+const MEAN_HOP = 1.361288928;           // mean length of isotropic light's hops, cells
 const RETURNED = 1.525681826;           // net direction of reflected power, along the wall's normal
 const REFLECTED_TRACK = 0.6666666667;   // the same of the track of reflected power
 const SPLIT_FLOOR = 0.001;              // keeps the split of a stopped hop over open faces defined

@@ -12,8 +12,9 @@ override HAS_WALLS = false;
 
 // A cell's state, and what its half of a hop does to 1 W, by kind of hop: q is transmitted; of what is
 // lost u is ahead of the middle, w is the rest. Both are halved, times the hop's weight: as W that
-// scatter, or as W m of track. In a homogeneous medium StepCoefficients know it all.
-struct Cell { state: vec4f, q: vec3f, u: vec3f, w: vec3f }
+// scatter, or as W m of track. Of the net direction q times `ahead` is transmitted. In a homogeneous
+// medium StepCoefficients know it all.
+struct Cell { state: vec4f, q: vec3f, u: vec3f, w: vec3f, ahead: f32 }
 
 // Shares that walls leave open of hops by their number, the faces' as vectors, and a reflectance.
 struct Walls {
@@ -25,7 +26,16 @@ struct Walls {
 }
 
 fn homogeneous_cell(state: vec4f) -> Cell {
-    return Cell(state, vec3f(1.0), vec3f(0.0), vec3f(0.0));
+    return Cell(state, vec3f(1.0), vec3f(0.0), vec3f(0.0), 1.0);
+}
+
+// What half a hop transmits more of the net direction than of the power, for a `medium` of sigma_s and
+// sigma_t, m^-1: two bands damp it too soon where media absorb. Twin: maths.lattice26.flux_gain.
+fn flux_gain(medium: vec2f) -> f32 {
+    let c = saturate(medium.x / max(medium.y, 1e-30));
+    let share = (1.0 + 2.0 * c) / 3.0 + c * (1.0 - c) * (0.25508 * c - 0.35534);
+    let depth = 0.5 * MEAN_HOP * params.cell * medium.y;
+    return min(exp((1.0 - share) * depth), max(1.0, inverseSqrt(params.straight * RHO)));
 }
 
 // `medium`: sigma_s and sigma_t, m^-1. With x the optical depth of half a hop of length L, q = exp(-x),
@@ -42,7 +52,7 @@ fn varied_cell(state: vec4f, medium: vec2f) -> Cell {
     let w = select((y - 1.0 + q) * r, 0.5 - x * (0.16666667 - x * (0.04166667
         - x * (0.00833333 - x * (0.00138889 - x * 0.00019841)))), is_thin);
     let scale = quarter * select(medium.x, 1.0, params.is_track != 0u) * HOP_WEIGHTS;
-    return Cell(state, q, scale * u, scale * w);
+    return Cell(state, q, scale * u, scale * w, flux_gain(medium));
 }
 
 // What a cell's own half of hops does, as the table has it for whole hops of a homogeneous medium.
@@ -51,7 +61,7 @@ fn varied_coefficients(own: Cell) -> StepCoefficients {
     let passed = select(own.q * HOP_WEIGHTS, vec3f(0.0), is_track);
     var c: StepCoefficients;
     c.arriving = 2.0 * own.u + own.w + passed;
-    c.passing = 3.0 * params.straight / HOP_LENGTHS * passed;
+    c.passing = 3.0 * params.straight * own.ahead / HOP_LENGTHS * passed;
     c.kept = own.u + 2.0 * own.w;
     c.stopped = 2.0 * (own.u + own.w);
     c.returned = own.q * (c.stopped + passed);
@@ -94,7 +104,7 @@ fn exchange(sum: ptr<function, vec4f>, c: StepCoefficients, own: Cell, far: Cell
     // The neighbour's light comes against the offset: what passes both halves, and what they scatter.
     let came = sent_power(far.state, -offset, k) * (*walls).entering[j / 4u][j & 3u];
     let arriving = came * (far.u[k] + far.q[k] * c.arriving[k]);
-    let passing = came * far.q[k] * c.passing[k];
+    let passing = came * far.q[k] * far.ahead * c.passing[k];
     // What the cell sends through the open share, and what of it is scattered behind the middle.
     let sent = sent_power(own.state, offset, k);
     let open = sent * (*walls).leaving[j / 4u][j & 3u];
