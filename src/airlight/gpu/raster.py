@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -166,20 +167,51 @@ class RasterPipeline:
         return every if self.blended is None else min(self.blended, every)
 
 
+@dataclass(frozen=True, eq=False)
+class DepthTest:
+    """What the pixels of a full-screen pass are tested against: as if they all lay `at` a depth.
+
+    A CPU adapter leaves out the blocks of pixels that fail; it would run both sides of a branch.
+    """
+
+    view: Any
+    size: tuple[int, ...]
+    at: float
+
+    @property
+    def attached(self) -> dict[str, Any]:
+        """As a render pass takes it."""
+        return {"depth_stencil_attachment": {"view": self.view, "depth_read_only": True}}
+
+
 class FullscreenPass(RasterPipeline):
-    """A fragment shader over every pixel of its targets."""
+    """A fragment shader over every pixel of its targets, or over those that a depth test leaves."""
 
     vertex_entry = "fullscreen"
+    depth_writes = False
 
-    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
-        """Write `targets` (textures, or views); `values` name every slot."""
+    def draw(
+        self,
+        commands: Commands,
+        targets: tuple[Any, ...],
+        tested: DepthTest | None = None,
+        **values: Any,
+    ) -> None:
+        """Write `targets` (textures, or views), as zero where `tested` fails.
+
+        `values` name every slot.
+        """
         kept = self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         if commands.tally is not None:
             width, height = getattr(targets[0], "size", (0, 0))[:2]
             commands.tally.ran(commands.stage_name, width * height)
             commands.tally.bound(commands.stage_name, targets)
-        with commands.render(self.label, color_attachments=colors) as encoder:
+        with commands.render(
+            self.label, color_attachments=colors, **(tested.attached if tested else {})
+        ) as encoder:
+            if tested:
+                encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)
             encoder.draw(3)

@@ -83,6 +83,11 @@ fn add_seen(seen: Seen, layer: u32) {
             other.power += power;
         }
     }
-    add_seen(first, id.z);
-    add_seen(other, id.z);
+    // A loop, because a CPU adapter leaves a loop where none of its lanes goes on, and no branch.
+    loop {
+        add_seen(first, id.z);
+        if (other.texels <= 0.0) { break; }
+        first = other;
+        other.texels = 0.0;
+    }
 }

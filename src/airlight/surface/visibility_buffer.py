@@ -14,7 +14,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, vec2f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.raster import FullscreenPass
+from ..gpu.raster import DepthTest, FullscreenPass
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
 from .draw_parts import in_draw_order
@@ -115,6 +115,8 @@ VISIBILITY_SLOTS = (
 class GBufferFromIds(FullscreenPass):
     """The G-buffer from triangle ids; its params are VisibilityParams."""
 
+    depth, depth_compare = "depth32float", "less"  # where a triangle is nearer than the clear value
+
     slots = (uniform("params", VisibilityParams), *VISIBILITY_SLOTS)
     targets = ("rgba16float", "rgba16float", "rgba16float")
     file = "visibility_gbuffer.wgsl"
@@ -131,7 +133,7 @@ class VisibilityBuffer:
         *,
         of_lights: bool = False,
     ) -> None:
-        """`surface` is the second pass, with VISIBILITY_SLOTS."""
+        """`surface` is the second pass, with VISIBILITY_SLOTS; it tests against depth."""
         self.gpu, self._surface = gpu, surface
         kinds = (
             (_LightCutoutTriangleIds, _LightTriangleIds)
@@ -206,6 +208,7 @@ class VisibilityBuffer:
         self._surfaces[has_transforms].draw(
             commands,
             targets,
+            tested=DepthTest(depth["view"], self.triangle_ids.size, depth["depth_clear_value"]),
             params=params,
             triangle_ids=self.triangle_ids,
             triangles=table.triangles,

@@ -4,6 +4,11 @@
 
 // What each texel of a reflective shadow map sees: what reflective.wgsl makes of varyings.
 
+// Virtual lights average over many texels: the nearest one of the fitting level is as good as eight.
+fn maps_seen(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
+    return packed_maps_near(maps, uv, dx, dy);
+}
+
 struct ReflectiveOut {
     @location(0) normal: vec4f,
     @location(1) flux: vec4f,

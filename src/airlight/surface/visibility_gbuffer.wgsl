@@ -3,6 +3,10 @@
 
 // The surface point of each pixel, from the triangle that it sees: what gbuffer.wgsl makes of varyings.
 
+fn maps_seen(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
+    return packed_maps_at(maps, uv, dx, dy);
+}
+
 struct GBufferOut {
     @location(0) albedo: vec4f,
     @location(1) normal: vec4f,

@@ -81,5 +81,21 @@ fn packed_maps_at(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
         k += 1.0;
         if (k >= over.probes) { break; }
     }
+    return scaled(sum);
+}
+
+// The texel at uv of the level whose texels are as large as the footprint is long.
+fn packed_maps_near(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel {
+    let size = vec2u(maps.y & 0xffffu, maps.y >> 16u);
+    let length = max(dot(dx * vec2f(size), dx * vec2f(size)), dot(dy * vec2f(size), dy * vec2f(size)));
+    let level = u32(clamp(0.5 * log2(max(length, 1e-12)) + 0.5, 0.0, f32(maps.w - 1u)));
+    let count = max(size >> vec2u(level), vec2u(1u));
+    let x = texel_pair(uv.x + 0.5 / f32(count.x), count.x, (maps.z >> 4u) & 3u).near;
+    let y = texel_pair(uv.y + 0.5 / f32(count.y), count.y, (maps.z >> 6u) & 3u).near;
+    let at = two_words(texels[maps.x + level]).x + y * count.x + x;
+    return scaled(add_texel(PackedTexel(vec3f(0.0), vec4f(0.0)), texels[at], 1.0));
+}
+
+fn scaled(sum: PackedTexel) -> PackedTexel {
     return PackedTexel(sum.light * (1.0 / (1023.0 * 1023.0)), sum.surface * (1.0 / 255.0));
 }

@@ -1,5 +1,6 @@
 //! use packed_maps
 //! use two_words
+//! needs fn maps_seen(maps: vec4u, uv: vec2f, dx: vec2f, dy: vec2f) -> PackedTexel
 
 // The surface point of a pixel, from the triangle that it sees. Who uses it binds `triangles`, `instances`,
 // `materials`, `uv_transforms` and `texels`, as surface/visibility_buffer.py does, and `params` with `clip_from_world`
@@ -128,7 +129,7 @@ fn visible_point(seen: vec2u, position: vec2f) -> VisiblePoint {
     }
     var point: VisiblePoint;
     point.material = m;
-    point.texel = packed_maps_at(m.maps, uv, uv_dx, uv_dy);
+    point.texel = maps_seen(m.maps, uv, uv_dx, uv_dy);
     point.texel.light = select(vec3f(1.0), point.texel.light, (m.maps.z & MAPS_BASE) != 0u);
     point.world = on.world + inside.x * on.edge_1 + inside.y * on.edge_2;
     point.world_dx = dx.x * on.edge_1 + dx.y * on.edge_2;
