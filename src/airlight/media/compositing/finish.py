@@ -11,9 +11,9 @@ from typing import Any, ClassVar
 
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
-from ...gpu.memory import Texture
+from ...gpu.memory import Texture, nearest_sampler
 from ...gpu.raster import FullscreenPass
-from ...gpu.slots import texture, uniform
+from ...gpu.slots import sampler, texture, uniform
 from ..gpu_media import GpuMedia
 from ..pixel_list import PixelList, RedrawParams, pixel_list_slots
 from ..rays import RayParams, Rays
@@ -107,8 +107,10 @@ class Finish(FullscreenPass):
             texture("depth", "2d", "depth"),
             *media.medium_slots,
             *(texture(name, "2d", "unfilterable-float") for name in read),
+            sampler("nearest", "non-filtering"),
             *(pixel_list_slots() if lists else ()),
         )
+        self._nearest = nearest_sampler(gpu)
         super().__init__(
             gpu,
             generated=media.medium_wgsl + self._generated(names, lists=lists),
@@ -157,6 +159,7 @@ class Finish(FullscreenPass):
             rays=rays.params,
             depth=depth,
             reduced=reduced.multiple,
+            nearest=self._nearest,
             **self._media.medium_bound,
             **read,
             **bound,

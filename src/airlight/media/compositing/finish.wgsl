@@ -14,10 +14,14 @@ struct Seen {
     @location(2) @interpolate(flat) eye: vec3f,      // in that space
     @location(3) @interpolate(flat) sigma_t: vec3f,  // of that medium, m^-1
     @location(4) @interpolate(flat) grid: vec4f,     // pixels of a texel's side, last texel, 1/near
+    @location(5) @interpolate(flat) per_texel: vec4f,   // of the reduced images, of the image
 }
 
+var<private> per_texel: vec4f;
+
+// A sampler takes the nearest texel in half of the time that CPU adapters take to load it.
 fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
-    return textureLoad(source, vec2i(texel), 0);
+    return textureSampleLevel(source, nearest, (texel + 0.5) * per_texel.xy, 0.0);
 }
 
 @vertex fn vertex(@builtin(vertex_index) index: u32) -> Seen {
@@ -29,6 +33,7 @@ fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
     seen.eye = medium_coordinates(0u, rays.eye);
     seen.sigma_t = media[0].sigma_t;
     seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
+    seen.per_texel = 1.0 / vec4f(vec2f(rays.reduced), vec2f(rays.size));
     return seen;
 }
 
@@ -43,9 +48,10 @@ fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
 
 @fragment fn fragment(seen: Seen) -> Finished {
     let pixel = vec2i(seen.position.xy);
+    per_texel = seen.per_texel;
     // How far the pixel's own ray goes.
     let reach = length(seen.direction);
-    let shown = textureLoad(depth, pixel, 0);
+    let shown = textureSampleLevel(depth, nearest, seen.position.xy * seen.per_texel.zw, 0);
     let own = select(min(reach * seen.grid.w / max(shown, 1e-30), EYE_RAY_FAR), EYE_RAY_FAR,
         shown <= 0.0);
     // The four texels around the pixel.
