@@ -190,26 +190,31 @@ class FullscreenPass(RasterPipeline):
     vertex_entry = "fullscreen"
     depth_writes = False
 
-    def draw(
+    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
+        """Write `targets` (textures, or views); `values` name every slot."""
+        self._draw(commands, targets, None, values)
+
+    def draw_where(
+        self, commands: Commands, targets: tuple[Any, ...], passed: DepthTest, **values: Any
+    ) -> None:
+        """The same where a test is `passed`; zero elsewhere."""
+        self._draw(commands, targets, passed, values)
+
+    def _draw(
         self,
         commands: Commands,
         targets: tuple[Any, ...],
-        tested: DepthTest | None = None,
-        **values: Any,
+        tested: DepthTest | None,
+        values: dict[str, Any],
     ) -> None:
-        """Write `targets` (textures, or views), as zero where `tested` fails.
-
-        `values` name every slot.
-        """
         kept = self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         if commands.tally is not None:
             width, height = getattr(targets[0], "size", (0, 0))[:2]
             commands.tally.ran(commands.stage_name, width * height)
             commands.tally.bound(commands.stage_name, targets)
-        with commands.render(
-            self.label, color_attachments=colors, **(tested.attached if tested else {})
-        ) as encoder:
+        attached = tested.attached if tested else {}
+        with commands.render(self.label, color_attachments=colors, **attached) as encoder:
             if tested:
                 encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)
             encoder.set_pipeline(self.pipeline)

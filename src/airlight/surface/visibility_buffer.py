@@ -205,10 +205,10 @@ class VisibilityBuffer:
         if has_transforms not in self._surfaces:
             constants = {"HAS_MAP_TRANSFORM": float(has_transforms)}
             self._surfaces[has_transforms] = self._surface(self.gpu, constants=constants)
-        self._surfaces[has_transforms].draw(
+        self._surfaces[has_transforms].draw_where(
             commands,
             targets,
-            tested=DepthTest(depth["view"], self.triangle_ids.size, depth["depth_clear_value"]),
+            DepthTest(depth["view"], self.triangle_ids.size, depth["depth_clear_value"]),
             params=params,
             triangle_ids=self.triangle_ids,
             triangles=table.triangles,
