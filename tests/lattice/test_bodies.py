@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.lattice.bodies import sides, winding_number
-from airlight.lattice.surfels import follow, surfels
-from airlight.scene import Geometry, Material, shapes
+from airlight.lattice.bodies import winding_number
+from airlight.lattice.rooms import Rooms, sides
+from airlight.lattice.surfels import follow, surfels, turned
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Environment, Geometry, Material, Scene, shapes
 from airlight.scene.mesh import Mesh
 
 NOWHERE = np.zeros((0, 3))
@@ -80,10 +82,67 @@ def test_a_body_around_the_eye_is_a_room_also_in_parts():
 
 def test_surfels_of_a_flipped_body_face_out_and_follow_it():
     mesh = flipped(box())
-    made = surfels((mesh,), [0], 400)
+    made = surfels((mesh,), [0], 400, sides([mesh], NOWHERE))
     assert not made["is_two_sided"].any()
     outward = np.einsum("nk,nk->n", made["area_normal"], made["position"])
     assert (outward > 0.0).all()
     grown = replace(mesh, geometry=Geometry(2.0 * mesh.geometry.positions, mesh.geometry.indices))
     moved = follow(made, [0], (mesh,), (grown,))
     np.testing.assert_allclose(moved["area_normal"], 4.0 * made["area_normal"], rtol=1e-5)
+
+
+def test_surfels_turn_with_the_sides_that_block():
+    meshes = (flipped(box()), box(centre=(4.0, 0.0, 0.0)))
+    made = [surfels(meshes, [1, 0], 400, each) for each in ([-1, 1], [0, 1], [0, 0])]
+    for before, now in ((0, 1), (1, 2), (2, 0)):
+        given = ([-1, 1], [0, 1], [0, 0])
+        assert (turned(made[before], [1, 0], meshes, given[before], given[now]) == made[now]).all()
+
+
+def test_a_body_is_a_room_while_the_eye_is_in_it():
+    meshes = tuple(halves(box(2.0)))
+    rooms = Rooms(meshes, NOWHERE)
+    assert rooms.sides == [1, 1]
+    # In, on within, out through a wall by a hair, and in again.
+    for x, holds in ((0.0, True), (0.9, True), (0.999, True), (1.001, False), (0.99, True)):
+        rooms.update(meshes, np.array([[x, 0.1, -0.2]]))
+        assert rooms.sides == ([0, 0] if holds else [1, 1]), x
+    moved = tuple(replace(m, world_from_object=shifted(m, 3.0)) for m in meshes)
+    assert rooms.update(moved, np.array([[0.99, 0.1, -0.2]]))
+    assert rooms.sides == [1, 1]
+    # One that was around the eye at first stays a room.
+    assert not Rooms(meshes, np.zeros((1, 3))).update(meshes, np.array([[9.0, 0.0, 0.0]]))
+
+
+def shifted(mesh, by):
+    matrix = mesh.world_from_object.copy()
+    matrix[0, 3] += by
+    return matrix
+
+
+def test_an_eye_that_moves_within_reach_asks_no_triangle(monkeypatch):
+    meshes, rng = (box(2.0),), np.random.default_rng(2)
+    rooms, asked = Rooms(meshes, NOWHERE), []
+    monkeypatch.setattr(
+        "airlight.lattice.rooms.winding_number",
+        lambda body, point: asked.append(point) or winding_number(body, point),
+    )
+    for step in rng.uniform(-0.3, 0.3, (50, 3)):
+        rooms.update(meshes, step[None])
+        assert rooms.sides == [0]
+    assert len(asked) == 1
+
+
+def test_a_camera_that_enters_a_box_later_sees_what_one_does_that_began_inside(gpu):
+    grey = Material(base_color=(0.7, 0.7, 0.7))
+    outside = Camera((0.0, 0.0, 9.0), (0.0, 0.0, 0.0))
+    inside = Camera((0.5, 0.2, 1.0), (0.0, 0.0, -2.0))
+    scene = Scene(meshes=(box(4.0, material=grey),), environment=Environment(), camera=outside)
+    settings = {"resolution": 12, "gather": "off", "sky_lights": 16, "sky_resolution": 32}
+    with Renderer(scene, "lpv", (32, 18), settings=settings) as renderer:
+        renderer.frame(read=False)
+        later = renderer.frame(camera=inside).radiance
+    with Renderer(replace(scene, camera=inside), "lpv", (32, 18), settings=settings) as renderer:
+        began = renderer.frame().radiance
+    # To the bit: for a solid that it is taken for from outside, .01 of the sky came in.
+    np.testing.assert_array_equal(later, began)

@@ -26,7 +26,8 @@ from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from ..surface.instances import InstanceData
 from .placement import LatticeParams, Placement
-from .surfels import SurfelData, follow, surfels
+from .rooms import Rooms
+from .surfels import SurfelData, follow, surfels, turned
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
@@ -108,8 +109,8 @@ class Blockers:
         """`count` surfels. `size`: of textures that nested lattices share (cells; the lattice's
         own if not given); `owner`: the one of them that owns textures and surfels.
         """
-        self.placement, self.meshes, self._is_owner = placement, meshes, owner is None
-        self.version = 0
+        self.placement, self.meshes, self._owner = placement, meshes, owner or self
+        self.version = self._turns = 0
         # Nested lattices share surfels and textures; each has its own faces.
         if owner is None:
             self._sample(gpu, scene, count)
@@ -123,10 +124,13 @@ class Blockers:
         self.face_visibility = Buffer(gpu, "face_visibility", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
         self._open = _FaceVisibility(gpu)
-        self._made: tuple[int, Placement] | None = None
+        self._made: tuple[int, int, Placement] | None = None
 
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
-        samples = surfels(scene.meshes, self.meshes.order, count, _inside(scene))
+        # A body that the camera enters on its way is a room from the beginning.
+        eyes = scene.animation.eyes(scene) if scene.animation else []
+        self._rooms = Rooms(self.meshes.current, np.array([*eyes, *_inside(scene)], np.float64))
+        samples = surfels(scene.meshes, self.meshes.order, count, self._rooms.sides)
         self.count = len(samples)
         self.surfels = buffer_of(gpu, "surfels", samples)
         self._samples, self._followed = samples, self.meshes.original
@@ -143,9 +147,21 @@ class Blockers:
         """Move the lattice, which has as many cells as before, at the next `encode`."""
         self.placement = placement
 
+    def find_rooms(self, scene: Scene) -> None:
+        """Let bodies that hold the eye or a local light of `scene` block with both sides.
+
+        Of nested lattices the largest one does it for all, before any of them is encoded.
+        """
+        before = self._rooms.sides
+        if self._rooms.update(self.meshes.current, _inside(scene)):
+            order, meshes = self.meshes.order, self.meshes.original
+            self._samples = turned(self._samples, order, meshes, before, self._rooms.sides)
+            self.surfels.write(self._samples)
+            self._followed, self._turns = self.meshes.original, self._turns + 1
+
     def encode(self, commands: Commands) -> bool:
         """Update the faces; returns whether anything changed."""
-        made = (self.meshes.version, replace(self.placement, fade=None))
+        made = (self.meshes.version, self._owner._turns, replace(self.placement, fade=None))
         if self._made == made:
             return False
         self._made = made
@@ -202,7 +218,7 @@ class Blockers:
     def follow_vertices(self) -> None:
         """Move the surfels of meshes whose vertices moved; nested lattices share the owner's."""
         meshes = self.meshes
-        if not self._is_owner:
+        if self._owner is not self:
             return
         pairs = zip(self._followed, meshes.current, strict=True)
         if any(before.geometry is not now.geometry for before, now in pairs):

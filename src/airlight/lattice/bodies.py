@@ -24,10 +24,10 @@ _MOST_EDGES = 1 << 20
 """Of open meshes, the smallest first: what are more are leaves and the like."""
 
 
-def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
-    """The side of each mesh that blocks: 1 the front, -1 the back, 0 both that its material has.
+def closed_bodies(meshes: Sequence[Mesh]) -> tuple[list[int], list[list[int]]]:
+    """The outer side of each mesh, and the bodies that they close, by the meshes' indices.
 
-    `points` (n, 3), metres: a closed body around one of them is a room, and blocks from both sides.
+    1: the front faces out, -1: the back, 0: the mesh is part of no closed body.
     """
     closed = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
     found = [closed[id(mesh.geometry)] for mesh in meshes]
@@ -37,13 +37,7 @@ def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
         for index in body:
             found[index] = outside
         bodies.append(body)
-    # Rooms, and what of single-sided materials faces in, block as their materials have it.
-    for body in bodies:
-        is_room = _is_around([meshes[index] for index in body], points)
-        for index in body:
-            if is_room or (found[index] < 0 and not meshes[index].material.two_sided):
-                found[index] = 0
-    return found
+    return found, bodies
 
 
 def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
@@ -107,14 +101,6 @@ def _unmatched_edges(corners: NDArray[np.int64]) -> int:
     doubtful = is_open[corners] & is_open[ahead] & (corners != ahead)
     a, b, n = corners[doubtful], ahead[doubtful], np.int64(len(is_open))
     return len(a) - int(np.isin(a * n + b, b * n + a, kind="sort").sum())
-
-
-def _is_around(body: Sequence[Mesh], points: F64) -> bool:
-    """Whether a closed body holds one of the points."""
-    low = np.min([mesh.world_bounds[0] for mesh in body], axis=0)
-    high = np.max([mesh.world_bounds[1] for mesh in body], axis=0)
-    near = points[((points > low) & (points < high)).all(axis=1)]
-    return any(winding_number(body, point) > 0.5 for point in near)
 
 
 def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:

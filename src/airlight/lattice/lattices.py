@@ -129,6 +129,7 @@ class Lattices:
         if self.source is not None:
             self.source.encode(commands, scene)
             return
+        self.largest.blockers.find_rooms(scene)
         for level in self.levels:
             level.blockers.encode(commands)
 

@@ -7,6 +7,8 @@ light whether or not a view sees it. They live in object space and move with the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,7 @@ from ..scene.light_shapes import LightMesh
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 from ..surface.materials import chance_to_meet, reflecting_share
-from .bodies import sides
+from .rooms import Rooms
 
 F64 = NDArray[np.float64]
 _LIGHTS = 0.125
@@ -37,29 +39,28 @@ class SurfelData(Struct):
 
 
 def surfels(
-    meshes: tuple[Mesh, ...], order: list[int], count: int, inside: F64 | None = None
+    meshes: tuple[Mesh, ...], order: list[int], count: int, sides: Sequence[int] | None = None
 ) -> NDArray[np.void]:
     """About `count` surfels over all `meshes`, by world area; at least one per mesh.
 
     `order` says at which instance index each mesh stands: order[instance] = mesh. Returns an array
     of `SurfelData`. Cut-out materials contribute the share of the area that is not cut away,
     translucent ones that of the light that does not pass them.
-    `inside` (n, 3), metres: positions of the eye and of local lights; a closed body around one of
-    them is a room, and blocks from both sides.
+    `sides`: which side of each mesh blocks, as Rooms.sides; by default those without any room.
     """
-    # World areas, which instances share, and which side of each body blocks.
+    sides = Rooms(meshes, np.zeros((0, 3))).sides if sides is None else sides
+    # World areas, which instances share.
     areas_of: dict[tuple[int, bytes], F64] = {}
     for mesh in meshes:
         if _area_key(mesh) not in areas_of:
             areas_of[_area_key(mesh)] = triangle_areas(mesh)
     areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
-    side = sides(meshes, np.zeros((0, 3)) if inside is None else inside)
     counts = _counts(meshes, areas, count)
     parts = []
     for instance, index in enumerate(order):
         mesh = meshes[index]
         own = areas_of[_area_key(mesh)]
-        parts.append(_mesh_surfels(mesh, own, instance, counts[index], side[index]))
+        parts.append(_mesh_surfels(mesh, own, instance, counts[index], sides[index]))
     return np.concatenate(parts) if parts else np.zeros(1, SurfelData.dtype)
 
 
@@ -114,6 +115,24 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["reflectance"] = albedo
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
+
+
+def turned(
+    made: NDArray[np.void],
+    order: list[int],
+    meshes: tuple[Mesh, ...],
+    before: Sequence[int],
+    now: Sequence[int],
+) -> NDArray[np.void]:
+    """The surfels `made` for some sides that block, as they are for others: Rooms.sides."""
+    found = made.copy()
+    for instance, index in enumerate(order):
+        if before[index] != now[index]:
+            rows = made["instance"] == instance
+            found["area_normal"][rows] *= (before[index] or 1) * (now[index] or 1)
+            is_both = now[index] == 0 and meshes[index].material.two_sided
+            found["is_two_sided"][rows] = int(is_both)
+    return found
 
 
 def follow(

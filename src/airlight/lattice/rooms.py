@@ -1,0 +1,126 @@
+"""Which closed bodies are rooms: those that hold the eye or a local light.
+
+A solid blocks light with its outside, a room with both sides of its walls. The eye and the lights
+move, so that rooms are found again in each frame, mostly without a look at any triangle: what a
+point is inside of does not change before it reaches a triangle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.chunks import chunks
+from ..scene.mesh import Mesh
+from .bodies import closed_bodies, winding_number
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """Whether a body of `meshes` holds all points nearer than `reach_m` to `point`."""
+
+    meshes: tuple[Mesh, ...]
+    point: F64
+    reach_m: float
+    holds: bool
+
+
+class Rooms:
+    """The closed bodies of a scene, and which of their sides block.
+
+    `sides`, one per mesh: 1 the front, -1 the back, 0 both that its material has.
+    """
+
+    def __init__(self, meshes: Sequence[Mesh], points: F64) -> None:
+        """`points` (n, 3), metres: bodies around one of them are rooms for good."""
+        self._outer, self._bodies = closed_bodies(meshes)
+        self._known: list[list[_Known]] = [[] for _ in self._bodies]
+        self._placed: Sequence[Mesh] | None = None
+        self._boxes = np.zeros((2, 0, 3))
+        self._always = self._around(meshes, points)
+        self._rooms = self._always
+        self.sides = self._blocking(meshes)
+
+    def update(self, meshes: Sequence[Mesh], points: F64) -> bool:
+        """Take on where meshes and `points` (n, 3), metres, are; whether `sides` changed."""
+        rooms = self._always | self._around(meshes, points)
+        if rooms == self._rooms:
+            return False
+        self._rooms, before = rooms, self.sides
+        self.sides = self._blocking(meshes)
+        return self.sides != before
+
+    def _blocking(self, meshes: Sequence[Mesh]) -> list[int]:
+        """Rooms, and what of single-sided materials faces in, block as their materials have it."""
+        found = list(self._outer)
+        for number, body in enumerate(self._bodies):
+            for index in body:
+                faces_in = found[index] < 0 and not meshes[index].material.two_sided
+                if number in self._rooms or faces_in:
+                    found[index] = 0
+        return found
+
+    def _around(self, meshes: Sequence[Mesh], points: F64) -> frozenset[int]:
+        """The bodies that hold one of the points."""
+        if not self._bodies or not len(points):
+            return frozenset()
+        # Boxes tell of nearly all that they hold none.
+        if meshes is not self._placed:
+            bounds = [[meshes[i].world_bounds for i in body] for body in self._bodies]
+            low = [np.min([box[0] for box in boxes], axis=0) for boxes in bounds]
+            high = [np.max([box[1] for box in boxes], axis=0) for boxes in bounds]
+            self._placed, self._boxes = meshes, np.array([low, high])
+        low_m, high_m = self._boxes[:, :, None]
+        is_near = ((points > low_m) & (points < high_m)).all(axis=-1)
+        return frozenset(
+            int(number)
+            for number in np.flatnonzero(is_near.any(axis=1))
+            if any(self._holds(int(number), meshes, point) for point in points[is_near[number]])
+        )
+
+    def _holds(self, number: int, meshes: Sequence[Mesh], point: F64) -> bool:
+        """Whether a body holds a point."""
+        body = tuple(meshes[index] for index in self._bodies[number])
+        # What was found of these very meshes, at a point with no triangle between.
+        kept = [
+            known
+            for known in self._known[number]
+            if all(a is b for a, b in zip(known.meshes, body, strict=True))
+        ]
+        for known in kept:
+            if float(np.linalg.norm(point - known.point)) < known.reach_m:
+                return known.holds
+        new = _Known(body, point, _clearance(body, point), winding_number(body, point) > 0.5)
+        self._known[number] = [*kept[-_MOST_KNOWN:], new]
+        return new.holds
+
+
+_MOST_KNOWN = 31
+"""Places of which a body remembers whether it holds them."""
+
+
+def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
+    """The side of each mesh that blocks, with rooms around `points` (n, 3), metres."""
+    return Rooms(meshes, points).sides
+
+
+def _clearance(body: Sequence[Mesh], point: F64) -> float:
+    """Metres to the nearest triangle at least: to its box, or to its plane."""
+    nearest = np.inf
+    for mesh in body:
+        linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+        corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+        for part in chunks(len(mesh.geometry.indices)):
+            three = corners[mesh.geometry.indices[part]]
+            beyond = np.maximum(np.maximum(three.min(axis=1), -three.max(axis=1)), 0.0)
+            normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
+            length = np.maximum(np.linalg.norm(normal, axis=1), 1e-30)
+            to_plane = np.abs(np.einsum("nk,nk->n", normal, three[:, 0])) / length
+            least = np.maximum(np.linalg.norm(beyond, axis=1), to_plane)
+            nearest = min(nearest, float(least.min(initial=np.inf)))
+    return nearest
