@@ -10,9 +10,16 @@ import pytest
 
 from airlight.errors import ReferenceFailure
 from airlight.reference import quadrature, tracer
-from airlight.reference.tracer import Beam, BoxMedium, IsotropicEnvironment, PointSource, trace
+from airlight.reference.tracer import (
+    Beam,
+    BoxMedium,
+    Emitting,
+    IsotropicEnvironment,
+    PointSource,
+    trace,
+)
 from airlight.reference.tracer_setup import Slice
-from airlight.scene import Medium, Volume
+from airlight.scene import Emission, Medium, Volume
 
 pytestmark = pytest.mark.needs("numba")
 
@@ -185,3 +192,34 @@ def test_media_of_the_scene_are_understood_and_bad_ones_refused(monkeypatch):
     monkeypatch.delattr("airlight.reference.tracer_kernel", raising=False)
     with pytest.raises(ReferenceFailure, match=r"needs Numba. Install it with: pip install"):
         trace(BoxMedium(1.0), Beam((0, 0, 1)))
+
+
+def test_a_thick_medium_in_equilibrium_glows_as_a_black_body():
+    """J = sigma_a B: deep inside radiance is B in all directions, and 4 pi B of fluence."""
+    sigma_a, black = 60.0, 2.5
+    glow = np.full((3, 3, 3), sigma_a * black, np.float32)
+    light = trace(BoxMedium(sigma_a, 0.0), Emitting(glow), cells=(5, 5, 5), photons=200_000)
+    middle, error = light.fluence[0, 2, 2, 2], light.fluence_error[0, 2, 2, 2]
+    # 2/5 of a metre are 24 optical depths.
+    assert middle == pytest.approx(4.0 * math.pi * black, abs=4.0 * error)
+    # Each face sends what a black one does, pi B, but for its edges.
+    assert light.exits.sum() / 6.0 == pytest.approx(math.pi * black, rel=0.03)
+
+
+def test_a_clear_medium_sends_all_that_its_voxels_emit():
+    glow = np.random.default_rng(3).random((4, 5, 6)).astype(np.float32)
+    volume = Volume((0.0,) * 3, np.ones_like(glow), bounds=((0, 0, 0), (2, 1, 3)))
+    with pytest.raises(ReferenceFailure, match="emits nothing"):
+        Emitting.of_volume(volume)
+    lit = Volume(
+        (0.0,) * 3,
+        np.ones_like(glow),
+        bounds=((0, 0, 0), (2, 1, 3)),
+        emission=Emission((3.0, 2.0, 1.0), glow),
+    )
+    light = trace(BoxMedium.of_volume(lit, 1), Emitting.of_volume(lit, 1), photons=20_000)
+    power = 4.0 * math.pi * 2.0 * float(glow.mean(dtype=np.float64)) * 6.0
+    assert light.entered == pytest.approx(power, rel=1e-9)
+    assert light.exits[0].sum() == pytest.approx(power, rel=1e-9)
+    with pytest.raises(ReferenceFailure, match="no power"):
+        trace(BoxMedium(1.0), Emitting(0.0 * glow))

@@ -29,6 +29,7 @@ from .tracer_setup import (
     Beam,
     BoxMedium,
     Domain,
+    Emitting,
     IsotropicEnvironment,
     PointSource,
     Slice,
@@ -39,6 +40,7 @@ from .tracer_setup import (
 __all__ = [
     "Beam",
     "BoxMedium",
+    "Emitting",
     "IsotropicEnvironment",
     "PointSource",
     "Slice",

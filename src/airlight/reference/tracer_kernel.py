@@ -19,7 +19,18 @@ import numba
 import numpy as np
 
 from ..scene.checks import F64
-from .tracer_setup import BEAM, ELLIPSOID, HOMOGENEOUS, POINT, Domain, Emitter, Slice, Tally, Vector
+from .tracer_setup import (
+    BEAM,
+    ELLIPSOID,
+    HOMOGENEOUS,
+    POINT,
+    VOXELS,
+    Domain,
+    Emitter,
+    Slice,
+    Tally,
+    Vector,
+)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -281,7 +292,7 @@ def _turned(axis: Vector, cosine: float) -> Vector:
 
 @compiled
 def _start(domain: Domain, emitter: Emitter) -> tuple[Vector, Vector, bool]:
-    """A photon on the box's surface or at the light: position, direction, whether it enters."""
+    """A photon on the box's surface, in it or at the light: position, direction, if it enters."""
     if emitter.kind == POINT:
         span = 1.0 - emitter.cone_cosine
         d = _turned(emitter.direction, 1.0 - span * np.random.random())  # noqa: NPY002
@@ -297,6 +308,9 @@ def _start(domain: Domain, emitter: Emitter) -> tuple[Vector, Vector, bool]:
     )
     if emitter.kind == BEAM:
         return p, emitter.direction, True
+    if emitter.kind == VOXELS:
+        upwards = (0.0, 0.0, 1.0)
+        return p, _turned(upwards, 1.0 - 2.0 * np.random.random()), True  # noqa: NPY002
     n = emitter.inward[face]
     return p, _turned((n[0], n[1], n[2]), math.sqrt(1.0 - np.random.random())), True  # noqa: NPY002
 

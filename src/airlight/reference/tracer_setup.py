@@ -19,7 +19,7 @@ from ..scene.volume import Volume
 
 Vector = tuple[float, float, float]
 HOMOGENEOUS, GRID, ELLIPSOID = 0, 1, 2
-BEAM, ENVIRONMENT, POINT = 0, 1, 2
+BEAM, ENVIRONMENT, POINT, VOXELS = 0, 1, 2, 3
 UNIT_CUBE: Bounds = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
 
@@ -37,10 +37,10 @@ class Domain(NamedTuple):
 
 
 class Emitter(NamedTuple):
-    """Where photons start. Rectangles on the box's faces, or one point."""
+    """Where photons start. Rectangles on the box's faces, voxels in it, or one point."""
 
     kind: int
-    cumulative: F64  # (faces,) chance of starting on this face or an earlier one
+    cumulative: F64  # (faces,) chance of starting on this face (in this voxel) or an earlier one
     rect_low: F64  # (faces, 3)
     rect_high: F64  # (faces, 3)
     inward: F64  # (faces, 3) unit normals
@@ -181,7 +181,43 @@ class PointSource:
         return emitter, 2.0 * math.pi * (1.0 - cosine) * self.intensity
 
 
-Source = Beam | IsotropicEnvironment | PointSource
+@dataclass(frozen=True, eq=False)
+class Emitting:
+    """The medium itself: `emission` (z, y, x), W m^-3 sr^-1, constant in each voxel of its box."""
+
+    emission: F32
+
+    @classmethod
+    def of_volume(cls, volume: Volume, channel: int = 0) -> Emitting:
+        """One channel of a volume, in its own space. Raises ReferenceFailure where it is dark."""
+        emission = volume.emission
+        if emission is None:
+            raise ReferenceFailure("the volume emits nothing")
+        values = emission.values
+        if values is not None:
+            return cls(values[..., channel] * np.float32(emission.radiance[channel]))
+        if volume.shape == "sphere":
+            raise ReferenceFailure("the tracer knows no emission of a sphere")
+        density = np.ones((1, 1, 1), np.float32) if volume.density is None else volume.density
+        return cls(density * np.float32(emission.radiance[channel]))
+
+    def emitter(self, bounds: Bounds) -> tuple[Emitter, float]:
+        """For the kernel, and the power that the medium emits, W."""
+        nz, ny, nx = self.emission.shape
+        size = np.subtract(bounds[1], bounds[0]) / (nx, ny, nz)
+        power = 4.0 * math.pi * float(np.prod(size)) * self.emission.astype(np.float64).ravel()
+        total = float(power.sum())
+        if total <= 0.0:
+            raise ReferenceFailure("the medium emits no power")
+        z, y, x = np.unravel_index(np.flatnonzero(power), self.emission.shape)
+        low = np.array(bounds[0]) + np.stack([x, y, z], axis=1) * size
+        chance = np.cumsum(power[power > 0.0]) / total
+        none = (0.0, 0.0, 0.0)
+        emitter = Emitter(VOXELS, chance, low, low + size, np.zeros((1, 3)), none, none, -1.0)
+        return emitter, total
+
+
+Source = Beam | IsotropicEnvironment | PointSource | Emitting
 
 
 def _faces(bounds: Bounds) -> tuple[F64, F64, F64]:
