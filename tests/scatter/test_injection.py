@@ -19,7 +19,7 @@ from airlight.scatter.cell_lights import CellLights
 from airlight.scatter.cell_medium import CellMedium
 from airlight.scatter.inject_rays import InjectRays, Sampling, owner_rows
 from airlight.scatter.inject_single import InjectSingle
-from airlight.scene.lights import DirectionalLight, PointLight, SpotLight
+from airlight.scene.lights import DirectionalLight, LightSample, PointLight, SpotLight
 from airlight.scene.material import Material
 from airlight.scene.medium import Medium
 from airlight.scene.mesh import Mesh
@@ -146,6 +146,18 @@ def test_cells_gather_what_scatters_in_the_box(place, name):
         rtol=0.03 if is_lamp_near else 0.012,
     )
     assert not got[..., 1:].any()
+
+
+def test_a_mediums_own_light_is_scattered_beside_its_sample_too(place):
+    """A sample of fire is not cut off within its extent; one of a surface is."""
+    at, even = (0.05, -0.1, 0.08), {"front": 0.0, "even": 1.0, "extent": 0.4}
+    point = place(PointLight(at, (6.0, 5.0, 4.0))).gathered()[..., 0].sum(axis=(1, 2, 3))
+    own = LightSample(at, (0, 1, 0), (6.0, 5.0, 4.0), **even)
+    own_sum = place(own).gathered()[..., 0].sum(axis=(1, 2, 3))
+    # Attenuation alone still counts from the rim of the extent.
+    np.testing.assert_allclose(own_sum, point, rtol=0.12)
+    surface = LightSample(at, (0, 1, 0), (6.0, 5.0, 4.0), 1e-6, 1.0, 0.4)
+    assert (place(surface).gathered()[..., 0].sum(axis=(1, 2, 3)) < 0.85 * point).all()
 
 
 def test_a_sheet_casts_its_shadow_into_the_air(place):

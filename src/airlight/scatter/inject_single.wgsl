@@ -3,6 +3,13 @@
 //! use media_light
 //! use cell_light
 
+// How far p is from a light, `cut` where that is the least that counts. A medium's own light is all
+// within it: of its samples nothing is cut off.
+fn true_reach(light: LightData, p: vec3f, cut: f32) -> f32 {
+    let is_own = light.kind == LIGHT_SAMPLE && light.shape_x == 0.0;
+    return select(cut, max(length(light.position - p), 1e-6), is_own);
+}
+
 // Mean irradiance of a local light over a box of sides `size` about p, which it is close to, and which it
 // reaches attenuated by `passed` at p. The box is cut into 27, each of which stands for a ball.
 fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, passed: vec3f) -> vec3f {
@@ -11,9 +18,11 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
     var sum = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
         let third = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
-        let in = incoming(light, p + world_from_lattice(lattice, third * size / 3.0));
-        let spread = in.distance * in.distance * mean_inverse_square(in.distance, radius);
-        sum += in.irradiance * spread * min(passed * exp(sigma_t * (distance - in.distance)),
+        let at = p + world_from_lattice(lattice, third * size / 3.0);
+        let in = incoming(light, at);
+        let reach = true_reach(light, at, in.distance);
+        let spread = in.distance * in.distance * mean_inverse_square(reach, radius);
+        sum += in.irradiance * spread * min(passed * exp(sigma_t * (distance - reach)),
             vec3f(1.0));
     }
     return sum / 27.0;
@@ -39,7 +48,8 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
         let in = incoming(light, p);
-        let is_near = in.distance < 4.0 * radius;
+        let reach = true_reach(light, p, in.distance);
+        let is_near = reach < 4.0 * radius;
         if (!is_near && all(in.irradiance <= vec3f(0.0))) {
             continue;
         }
@@ -53,7 +63,9 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
             sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
         } else {
             let direction = lattice_from_world(lattice, in.to_light);
-            sum += lit * in.irradiance * box_transmittance(depth, sigma_t, direction, size);
+            let nearer = in.distance / reach;
+            sum += lit * in.irradiance * (nearer * nearer)
+                * box_transmittance(depth, sigma_t, direction, size);
         }
     }
     return sum;

@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
+from airlight.maths.blackbody import rec709
 from airlight.scene.io import load
 from airlight.scene.io.framing import framing_box
-from airlight.scene.io.volume_scene import DEPTH, fitting_sigma_t, load_volume_scene
+from airlight.scene.io.volume_scene import (
+    DEPTH,
+    FLAME,
+    fitting_sigma_t,
+    load_volume_scene,
+)
 
 
 def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path):
@@ -48,3 +54,32 @@ def test_a_damaged_grid_is_one_message(tmp_path):
     (tmp_path / "a.npy").write_bytes(b"no")
     with pytest.raises(SceneError, match=r"a\.npy"):
         load_volume_scene(tmp_path / "a.npy")
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0])
+def test_a_bare_grid_with_temperatures_is_a_fire(tmp_path, unit):
+    """In kelvin, or from 0 to 2 as simulations have them: the hottest voxels glow alike."""
+    density = np.ones((4, 8, 6), np.float32)
+    kelvin = np.linspace(0.0, 1900.0, density.size, dtype=np.float32).reshape(density.shape)
+    np.savez(tmp_path / "fire.npz", density=density, temperature=kelvin / unit)
+    scene = load(tmp_path / "fire.npz")
+    emission = scene.volumes[0].emission
+    expected = rec709(1900.0)
+    np.testing.assert_allclose(emission.values[-1, -1, -1], expected, rtol=2e-3, atol=0.1)
+    # A tenth of the two metres that a grid without a box is long.
+    assert emission.peak * emission.radiance[0] * 0.2 == pytest.approx(FLAME, rel=0.01)
+    assert 'temperature_grid = "temperature"' in " ".join(scene.warnings)
+    assert ("temperature_scale" in " ".join(scene.warnings)) == (unit != 1.0)
+    assert not scene.lights
+
+
+def test_a_bare_grid_with_flames_glows_orange_and_a_cold_one_does_not(tmp_path):
+    density = np.ones((4, 8, 6), np.float32)
+    flame = np.random.default_rng(1).random(density.shape, dtype=np.float32)
+    np.savez(tmp_path / "a.npz", density=density, flame=flame)
+    emission = load(tmp_path / "a.npz").volumes[0].emission
+    assert emission.radiance[0] > emission.radiance[1] > emission.radiance[2] > 0.0
+    np.savez(tmp_path / "b.npz", density=density, flame=0.0 * flame)
+    cold = load(tmp_path / "b.npz")
+    assert cold.volumes[0].emission is None
+    assert "no fire that is seen" in " ".join(cold.warnings)

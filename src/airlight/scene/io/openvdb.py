@@ -62,6 +62,18 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         ) from None
 
 
+def openvdb_names(path: Path) -> list[str]:
+    """The grids of a file. Raises SceneError for what is no .vdb that is read."""
+    try:
+        stream = VdbStream(read_bytes(path))
+        _check_head(stream)
+        return [grid.name for grid in _descriptors(stream)]
+    except (VdbError, struct.error, UnicodeDecodeError, OverflowError) as error:
+        raise SceneError(
+            f"is not a readable .vdb: {error}", remedy="Copy or export it again."
+        ) from None
+
+
 def _check_head(stream: VdbStream) -> None:
     """Raise SceneError for a head that is none of a .vdb file which is read; else go past it."""
     magic, version = stream.unpack("<qI")

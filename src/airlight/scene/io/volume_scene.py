@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ..checks import F32, Bounds
+from ..emission import Emission
 from ..scene import Scene
 from ..volume import Volume
-from .volumes import read_volume
+from .emission_files import on_one_grid
+from .volumes import VolumeGrid, grid_names, read_values, read_volume
 
 DEPTH = 6.0
 """Optical depth through the denser parts, of the coefficient that is chosen for a bare grid."""
 ALBEDO = 0.9
+FLAME = 20.0
+"""W m^-2 sr^-1 of the brightest flames of a bare grid, a tenth of its length deep."""
+HOTTEST_K = 1900.0
+"""What temperatures end at that are in no kelvin: a flame of wood."""
+ORANGE = (1.0, 0.25, 0.02)
+_FLAMES = ("temperature", "flame", "flames", "heat", "fire")
+_COOLEST_K = 600.0
 
 
 def load_volume_scene(file: Path) -> Scene:
     """The grid in `file` as whitish smoke; no light, no camera. Raises SceneError.
 
     A grid does not say how dense density 1 is: sigma_t is chosen for it, and a warning says so.
+    Where the file has flames or temperatures, too, it is a fire.
     """
-    grid = read_volume(file)
+    grid, emission, told = _with_emission(read_volume(file), file)
     sigma_t = fitting_sigma_t(grid.density, grid.bounds)
     volume = Volume(
         sigma_t=(sigma_t,) * 3,
@@ -30,12 +41,43 @@ def load_volume_scene(file: Path) -> Scene:
         albedo=(ALBEDO,) * 3,
         world_from_volume=grid.world_from_volume,
         source=str(file),
+        emission=emission,
     )
     chosen = (
         f"{file.name} says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
         "were chosen; a scene file with [[volume]] sets them"
     )
-    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, chosen))
+    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, chosen))
+
+
+def _with_emission(
+    grid: VolumeGrid, file: Path
+) -> tuple[VolumeGrid, Emission | None, tuple[str, ...]]:
+    """The grid on a box that holds its fire, the fire if there is one, and what was chosen for it.
+
+    Its brightest path is as bright as FLAME; temperatures in units of their own end at HOTTEST_K.
+    """
+    name = next((n for n in grid_names(file) if n in _FLAMES), None)
+    if name is None:
+        return grid, None, ()
+    grown, values = on_one_grid(grid, read_values(file, name))
+    if values.ndim != 3 or not float(values.max()) > 0.0:
+        return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
+    scale = 1.0
+    if name == "temperature":
+        hottest = float(values.max())
+        scale = 1.0 if _COOLEST_K < hottest <= 1e4 else HOTTEST_K / hottest
+        found = Emission(temperature=values, temperature_scale=scale)
+    else:
+        found = Emission(ORANGE, np.maximum(values, 0.0))
+    assert found.values is not None
+    longest_m = float(np.subtract(grown.bounds[1], grown.bounds[0]).max())
+    strength = FLAME / max(found.peak * max(found.radiance) * 0.1 * longest_m, 1e-30)
+    r, g, b = (float(f"{c * strength:.3g}") for c in found.radiance)
+    keys = f'{"temperature" if name == "temperature" else "emission"}_grid = "{name}"'
+    keys += f" with temperature_scale = {scale:g}" if scale != 1.0 else ""
+    text = f"{file.name} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
+    return grown, replace(found, radiance=(r, g, b)), (text,)
 
 
 def fitting_sigma_t(density: F32, bounds: Bounds) -> float:

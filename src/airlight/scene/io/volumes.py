@@ -20,7 +20,7 @@ from ..checks import F32, F64, Bounds
 from .files import naming, opened
 from .nanovdb import SparseGrid, read_nanovdb
 from .numpy_files import opened_npz, read_npy
-from .openvdb import read_openvdb
+from .openvdb import openvdb_names, read_openvdb
 
 LONGEST_SIDE = 2048
 """Voxels along a side; what every graphics device takes. Longer sides are averaged."""
@@ -105,6 +105,16 @@ def read_values(path: Path, grid: str) -> GridValues:
         if bounds is None:
             bounds = _in_own_box(made, path).bounds
         return GridValues(made, bounds, np.eye(4))
+
+
+def grid_names(path: Path) -> list[str]:
+    """The named grids of an .npz or .vdb; none of files that hold but one. Raises SceneError."""
+    with naming(path):
+        suffix = path.suffix.lower()
+        if suffix == ".npz":
+            with opened_npz(path) as archive:
+                return list(archive.names)
+        return openvdb_names(path) if suffix == ".vdb" else []
 
 
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
