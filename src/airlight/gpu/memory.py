@@ -129,9 +129,17 @@ class Texture(_Counted):
             )
         return self._layers[index]
 
-    def write(self, pixels: NDArray[Any], *, mip: int = 0, layer: int = 0, row: int = 0) -> None:
-        """Upload one whole mip level (of one layer, or of a whole 3D texture), or the rows of it
-        from `row` on."""
+    def write(
+        self,
+        pixels: NDArray[Any],
+        *,
+        mip: int = 0,
+        layer: int = 0,
+        row: int = 0,
+        column: int = 0,
+    ) -> None:
+        """Upload a box of texels from (`column`, `row`, `layer`) on; by default all of a mip level
+        (of one layer, or of a whole 3D texture)."""
         data = np.ascontiguousarray(pixels)
         dtype, channels = _DTYPES[self.format]
         if data.dtype != dtype:
@@ -139,7 +147,7 @@ class Texture(_Counted):
         depth, height, width = (1, *data.shape)[-4:-1] if channels > 1 else (1, *data.shape)[-3:]
         with self.gpu.guarded():
             self.gpu.queue.write_texture(
-                {"texture": self.handle, "mip_level": mip, "origin": (0, row, layer)},
+                {"texture": self.handle, "mip_level": mip, "origin": (column, row, layer)},
                 data,
                 {"bytes_per_row": data.itemsize * channels * width, "rows_per_image": height},
                 (width, height, depth),

@@ -86,13 +86,21 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
 _MEDIA_FIRST = {
     "media": (
         "albedo",
-        "grid",
         "g",
+        "phase",
         "has_shafts",
         "voxel",
         "detail_periods",
         "detail",
         "detail_bias",
+        "emission",
+        "emission_first",
+        "emission_count",
+        "grid_first",
+        "grid_count",
+        "columns_first",
+        "columns_count",
+        "nodes",
     )
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}

@@ -1,8 +1,9 @@
-"""All participating media of a scene on the device: up to 8, overlapping freely.
+"""All participating media of a scene on the device, overlapping freely.
 
 A pass reads them with `//! use media`, the slots `GpuMedia.slots`, the generated text
 `GpuMedia.wgsl` and the resources `GpuMedia.bound`. Extinctions add up; each medium keeps its own
-albedo and phase function.
+albedo and phase function. Density grids lie in one texture (`atlas`), their columns towards lights
+in another, and what a ray or a point does not meet is skipped by a tree of boxes.
 """
 
 from __future__ import annotations
@@ -17,13 +18,12 @@ from ..errors import SceneError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
-from ..gpu.memory import Buffer, Texture, linear_sampler
-from ..maths.half import half_floats
+from ..gpu.memory import Buffer, linear_sampler
 from ..maths.transforms import F64
-from ..scene.checks import F32
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .atlas import DensityAtlas
 from .detail import detail_bias, detail_periods, detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, brightest_emission, glows, has_emission
 from .light_columns import LightColumns
@@ -36,9 +36,10 @@ from .media_slots import (
     medium_slots,
     medium_wgsl,
 )
+from .media_tree import media_nodes
 
-MAX_MEDIA = 8
-MAX_GRIDS = 4
+MAX_MEDIA = 256
+"""A ray's list of media and their intervals are private to a shader, which WebGPU gives 8 KiB."""
 BOX, ELLIPSOID, GRID = 0, 1, 2
 
 
@@ -67,15 +68,15 @@ class GpuMedia:
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
         self._kinds = _kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
-        if self.count > MAX_MEDIA or grids > MAX_GRIDS:
+        if self.count > MAX_MEDIA:
             raise SceneError(
-                f"the scene has {self.count} media, {grids} of them grids",
-                remedy=f"Use at most {MAX_MEDIA}, with at most {MAX_GRIDS} grids",
+                f"the scene has {self.count} media, at most {MAX_MEDIA} can be drawn at once",
+                remedy="Merge some of the volumes into one grid",
             )
-        # Media as rows of a table, their densities as textures.
+        # Media as rows of a table, their densities as boxes of a texture.
         self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
-        self._densities = [v.density for v in scene.volumes if v.density is not None]
-        self.grids = [_density_texture(gpu, density) for density in self._densities]
+        densities = [v.density for v in scene.volumes if v.density is not None]
+        self.atlas = DensityAtlas(gpu, densities) if densities else None
         self._linear = linear_sampler(gpu, "media")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
@@ -105,7 +106,7 @@ class GpuMedia:
     @property
     def has_grids(self) -> bool:
         """Whether any medium is heterogeneous."""
-        return bool(self.grids)
+        return self.atlas is not None
 
     @property
     def is_one_box(self) -> bool:
@@ -141,9 +142,11 @@ class GpuMedia:
         if _kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
+        densities = [v.density for v in scene.volumes if v.density is not None]
+        changed = self.atlas is not None and self.atlas.update(densities)
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
-        changed = self._take_densities(scene)
+        packed["nodes"] = media_nodes(self.rows, len(packed))
         if self._emission is not None:
             changed = self._emission.update(scene.volumes) or changed
         if packed.tobytes() != self._written:
@@ -152,29 +155,12 @@ class GpuMedia:
         self._box, self._media = box, media
         return changed
 
-    def _take_densities(self, scene: Scene) -> bool:
-        """Upload the densities that are not the last frame's; returns whether there were any."""
-        new = [v.density for v in scene.volumes if v.density is not None]
-        changed = False
-        for i, (density, old) in enumerate(zip(new, self._densities, strict=True)):
-            if density is old:
-                continue
-            if density.shape != old.shape:
-                raise SceneError(
-                    f"a volume's grid changed from {old.shape} to {density.shape} cells",
-                    remedy="Make a new Renderer",
-                )
-            self.grids[i].write(half_floats(density))
-            self._densities[i], changed = density, True
-        return changed
-
     @property
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/media.wgsl` alone."""
         bound: dict[str, Any] = {"media": self.table}
-        if self.grids:
-            bound["media_linear"] = self._linear
-            bound |= {f"medium_density{i}": grid for i, grid in enumerate(self.grids)}
+        if self.atlas is not None:
+            bound |= {"media_linear": self._linear, "media_densities": self.atlas.texture}
         if self._emission is not None:
             bound["emission_grids"] = self._emission.texture
         if self._noise is not None:
@@ -187,8 +173,9 @@ class GpuMedia:
         return self.medium_bound | (self.columns.bound if self.columns else {})
 
     def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
+        assert self.atlas is not None
         rows = [i for i, kind in enumerate(self._kinds) if kind == GRID]
-        grids = {row: grid.size for row, grid in zip(rows, self.grids, strict=True)}
+        grids = {row: box.count for row, box in zip(rows, self.atlas.regions, strict=True)}
         return LightColumns(
             self.gpu, self.medium_slots, self.medium_wgsl, grids, light_count, resolution
         )
@@ -199,7 +186,7 @@ class GpuMedia:
         if scene.medium is not None:
             box = medium_box(scene.medium, low, high, scene.camera.position)
             rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
-        grid = 0
+        grids = iter(self.atlas.regions if self.atlas is not None else ())
         for index, volume in enumerate(scene.volumes):
             kind = _kind(volume)
             to_world = np.asarray(volume.world_from_volume)
@@ -209,12 +196,16 @@ class GpuMedia:
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
             if kind == GRID:
-                row |= {"grid": grid, "voxel": voxel_m(volume)}
+                box = next(grids)
+                row |= {"grid_first": box.first, "grid_count": box.count, "voxel": voxel_m(volume)}
+                if self.columns is not None:
+                    columns = self.columns.regions[len(rows)]
+                    row |= {"columns_first": columns.first, "columns_count": columns.count}
                 if self._noise is not None and volume.detail > 0.0:
                     row |= _detail_fields(volume)
-                grid += 1
             rows.append(row)
-        return rows
+        phases = {g: i for i, g in enumerate(dict.fromkeys(tuple(row["g"]) for row in rows))}
+        return [row | {"phase": phases[tuple(row["g"])]} for row in rows]
 
 
 def voxel_m(volume: Volume) -> float:
@@ -250,7 +241,7 @@ def _fields(
         "sigma_t": of.sigma_t,
         "kind": kind,
         "albedo": of.albedo,
-        "grid": 0,
+        "phase": 0,
         "g": of.g,
         "has_shafts": int(has_shafts),
         "emission": brightest_emission(of),
@@ -260,6 +251,11 @@ def _fields(
         "detail": 0.0,
         "detail_bias": 0.0,
         "detail_periods": (0.0, 0.0, 0.0),
+        "grid_first": (0.0, 0.0, 0.0),
+        "grid_count": (1.0, 1.0, 1.0),
+        "columns_first": (0.0, 0.0, 0.0),
+        "columns_count": (2.0, 2.0, 2.0),
+        "nodes": np.zeros((4, 4)),
     }
 
 
@@ -275,10 +271,3 @@ def _detail_fields(volume: Volume) -> dict[str, Any]:
         "detail_periods": detail_periods(volume),
         "voxel": 0.5 * voxel_m(volume),
     }
-
-
-def _density_texture(gpu: Gpu, density: F32) -> Texture:
-    depth, height, width = density.shape
-    made = Texture(gpu, "density", (width, height, depth), "r16float", dimension="3d")
-    made.write(half_floats(density))
-    return made

@@ -21,6 +21,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, storage, uniform
 from ..scene.lights import Light
 from ..surface.light_table import LightData, light_rows
+from .atlas import LIMIT, Region, packed
 from .media_slots import light_groups
 
 
@@ -29,6 +30,7 @@ class ColumnParams(Struct):
 
     count = vec3u("texels of one slab")
     medium = u32()
+    first = vec3u("texel of the texture")
     light_count = u32()
 
 
@@ -47,7 +49,11 @@ class _Columns(ComputePass):
 
 
 class LightColumns:
-    """Per grid a texture of the mean density towards each light."""
+    """The mean densities of grids towards each light, in the boxes of one texture.
+
+    `regions`: where the columns of a grid lie, by its row in the table of media; the count is that
+    of the slab of four lights.
+    """
 
     def __init__(
         self,
@@ -59,24 +65,19 @@ class LightColumns:
         resolution: int,
     ) -> None:
         """`grids`: by their rows in the table of media, their counts (x, y, z)."""
-        self._media = list(grids)
         self._lights: tuple[Light, ...] | None = None
         self._table = Buffer(gpu, "column lights", LightData.dtype.itemsize * max(1, light_count))
         self._pass = _Columns(gpu, slots, generated)
         # Four lights a texel, and a slab of texels for every four.
-        self._counts = [_shrunk(shape, resolution) for shape in grids.values()]
-        groups = light_groups(light_count)
-        self.textures = [
-            Texture(
-                gpu,
-                "light columns",
-                (nx, ny, nz * groups),
-                "rgba16float",
-                dimension="3d",
-                written=True,
-            )
-            for nx, ny, nz in self._counts
-        ]
+        self._groups = light_groups(light_count)
+        slabs = [_shrunk(shape, resolution) for shape in grids.values()]
+        boxes, size = packed([(x, y, z * self._groups) for x, y, z in slabs], gpu.limits[LIMIT])
+        self.regions = {
+            row: Region(box.first, slab) for row, box, slab in zip(grids, boxes, slabs, strict=True)
+        }
+        self.texture = Texture(
+            gpu, "light columns", size, "rgba16float", dimension="3d", written=True
+        )
 
     def encode(
         self,
@@ -91,23 +92,24 @@ class LightColumns:
             return
         self._lights = lights
         self._table.write(pack_array(LightData, light_rows(lights)))
-        for medium, texture, (nx, ny, nz) in zip(
-            self._media, self.textures, self._counts, strict=True
-        ):
-            params = ColumnParams(count=(nx, ny, nz), medium=medium, light_count=len(lights))
+        for medium, region in self.regions.items():
+            (nx, ny, nz), count = region.count, len(lights)
+            params = ColumnParams(
+                count=region.count, medium=medium, first=region.first, light_count=count
+            )
             self._pass.dispatch(
                 commands,
-                texture.size,
+                (nx, ny, nz * self._groups),
                 params=params,
                 lights=self._table,
-                columns=texture,
+                columns=self.texture,
                 **medium_bound,
             )
 
     @property
     def bound(self) -> dict[str, Texture]:
         """By slot name."""
-        return {f"light_columns{i}": texture for i, texture in enumerate(self.textures)}
+        return {"light_columns": self.texture}
 
 
 def _shrunk(shape: tuple[int, int, int], resolution: int) -> tuple[int, int, int]:

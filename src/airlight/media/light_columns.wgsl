@@ -18,8 +18,8 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(columns);
-    if (any(id >= size)) {
+    let slabs = (params.light_count + 3u) / 4u;
+    if (any(id >= vec3u(params.count.xy, params.count.z * slabs))) {
         return;
     }
     // The columns' box is the unit cube of the volume's own space; texels reach from border to border.
@@ -33,7 +33,7 @@ fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
             means[k] = mean_density_towards(lights[first + k], world);
         }
     }
-    textureStore(columns, id, means);
+    textureStore(columns, params.first + id, means);
 }
 
 // The inverse of the affine volume_from_world, by cofactors.

@@ -5,6 +5,9 @@ from __future__ import annotations
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture
 
+LISTED_WHOLE = 8
+"""So many media are taken one by one; of more, a tree skips those that are not met."""
+
 
 class MediumData(Struct):
     """One medium, as shaders see it; its box is 0..1 on each axis of its own space."""
@@ -13,7 +16,7 @@ class MediumData(Struct):
     sigma_t = vec3f("m^-1 at density 1")
     kind = u32("0 box, 1 ellipsoid, 2 grid")
     albedo = vec3f()
-    grid = u32("which density texture")
+    phase = u32("which of the mean cosines that media have")
     g = vec3f("mean cosine")
     has_shafts = u32("1: its single scattering is drawn by shafts")
     voxel = f32("m, the grid's shortest cell side; 0 without a grid")
@@ -23,59 +26,52 @@ class MediumData(Struct):
     emission = vec3f("W m^-3 sr^-1 of the brightest voxel, or at density 1")
     emission_first = vec3f("texels, of its grid in the texture of all")
     emission_count = vec3f("texels; 0 where it emits by its density")
+    grid_first = vec3f("texels, of its grid in the texture of all")
+    grid_count = vec3f("texels")
+    columns_first = vec3f("texels, of its columns in the texture of all")
+    columns_count = vec3f("texels for four lights")
+    nodes = mat4x4f("two nodes of the tree: (low, after), (high, medium), twice; m")
 
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The slots of the table of media, of the density grids, and of their noise."""
     slots: list[Slot] = [storage("media", MediumData)]
     if grids:
-        slots.append(sampler("media_linear"))
-        slots += [texture(f"medium_density{i}", "3d") for i in range(grids)]
+        slots += [sampler("media_linear"), texture("media_densities", "3d")]
     if has_detail:
         slots += [sampler("media_repeat"), texture("medium_noise_texture", "3d")]
     return tuple(slots)
 
 
 def column_slots(grids: int) -> tuple[Slot, ...]:
-    """The slots of the columns of each grid towards the lights."""
-    return tuple(texture(f"light_columns{i}", "3d") for i in range(grids))
+    """The slots of the columns of the grids towards the lights."""
+    return (texture("light_columns", "3d"),) if grids else ()
 
 
 def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
-    """The constants, `medium_grid_texel` (a grid's density in its x) and `medium_noise`."""
+    """The constants, `densities_texel`, `densities_size` and `medium_noise`."""
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
+    density, size = _read("media_densities", grids)
+    has_tree = count > LISTED_WHOLE
+    nodes = 2 * count - 1 if has_tree else max(1, count)
     return (
         f"const MEDIA_COUNT = {max(1, count)}u;\nconst GRID_COUNT = {grids}u;\n"
+        f"const HAS_MEDIA_TREE = {str(has_tree).lower()};\nconst MEDIA_NODES = {nodes}u;\n"
+        f"const COPIED_MEDIA = {1 if has_tree else max(1, count)}u;\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
-        + _chosen(
-            "medium_grid_texel",
-            "uvw: vec3f",
-            "vec4f",
-            "vec4f(0.0)",
-            [_sample(f"medium_density{i}") for i in range(grids)],
-        )
+        f"fn densities_texel(at: vec3f) -> f32 {{ return {density}.x; }}\n"
+        f"fn densities_size() -> vec3f {{ return {size}; }}\n"
     )
 
 
 def column_wgsl(grids: int, light_count: int) -> str:
     """`light_columns_texel`: four lights' columns at texture coordinates; and its size."""
+    texel, size = _read("light_columns", grids)
     return (
-        f"const LIGHT_GROUPS = {light_groups(light_count)}u;\n"
-        + _chosen(
-            "light_columns_texel",
-            "uvw: vec3f",
-            "vec4f",
-            "vec4f(0.0)",
-            [_sample(f"light_columns{i}") for i in range(grids)],
-        )
-        + _chosen(
-            "light_columns_size",
-            "",
-            "vec3u",
-            "vec3u(1u)",
-            [f"textureDimensions(light_columns{i})" for i in range(grids)],
-        )
+        f"const LIGHT_GROUPS = {light_groups(light_count)}.0;\n"
+        f"fn light_columns_texel(at: vec3f) -> vec4f {{ return {texel}; }}\n"
+        f"fn light_columns_size() -> vec3f {{ return {size}; }}\n"
     )
 
 
@@ -100,15 +96,9 @@ def light_groups(light_count: int) -> int:
     return max(1, -(-light_count // 4))
 
 
-def _sample(name: str) -> str:
-    return f"textureSampleLevel({name}, media_linear, uvw, 0.0)"
-
-
-def _chosen(name: str, argument: str, result: str, default: str, choices: list[str]) -> str:
-    """A function that picks by grid: WGSL cannot index textures."""
-    arguments = f"grid: u32, {argument}" if argument else "grid: u32"
-    cases = "".join(f"        case {i}u: {{ return {c}; }}\n" for i, c in enumerate(choices))
-    return (
-        f"fn {name}({arguments}) -> {result} {{\n    switch grid {{\n{cases}"
-        f"        default: {{ return {default}; }}\n    }}\n}}\n"
-    )
+def _read(name: str, grids: int) -> tuple[str, str]:
+    """A texel of a texture at `at`, and its size; without grids there is none."""
+    if not grids:
+        return "vec4f(0.0)", "vec3f(1.0)"
+    texel = f"textureSampleLevel({name}, media_linear, at, 0.0)"
+    return texel, f"vec3f(textureDimensions({name}))"

@@ -21,18 +21,27 @@ fn touches(m: u32, centre: vec3f) -> bool {
     let n = params.samples;
     var scattering = vec3f(0.0);
     var extinction = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let count = select(0u, n * n * n, touches(m, world_from_cells(lattice, vec3f(id) + 0.5)));
+    let centre = world_from_cells(lattice, vec3f(id) + 0.5);
+    // Turned cells reach farther along the world's axes.
+    let reach = 0.8660254 * lattice.cell;
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, centre, reach);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
+        let count = select(0u, n * n * n, touches(m, centre));
         var density = 0.0;
-        for (var k = 0u; k < count; k++) {
-            let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
+        for (var s = 0u; s < count; s++) {
+            let inside = (vec3f(vec3u(s % n, (s / n) % n, s / (n * n))) + 0.5) / f32(n);
             density += medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
         }
         // Similarity theory: sigma_s (1 - g), and the absorption as it is.
         density /= f32(n * n * n);
-        let s = media[m].sigma_t * media[m].albedo;
-        scattering += density * s * (1.0 - media[m].g);
-        extinction += density * (media[m].sigma_t - s * media[m].g);
+        let scattered = media[m].sigma_t * media[m].albedo;
+        scattering += density * scattered * (1.0 - media[m].g);
+        extinction += density * (media[m].sigma_t - scattered * media[m].g);
     }
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     cells[cell] = vec4f(scattering, (extinction.r + extinction.g + extinction.b) / 3.0);

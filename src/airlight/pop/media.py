@@ -64,17 +64,17 @@ class PopMedia(Solver):
         introduce(self.solvers)
 
     def _made(self, volumes: list[Volume], media: GpuMedia) -> list[PopSolver]:
-        """A solver for each volume; the density grids are on the device already."""
+        """A solver for each volume; a grid with a texture to itself is on the device already."""
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         lights = len(self._scene.lights) + virtual
-        grids = iter(media.grids)
+        shared = media.atlas.texture if media.atlas is not None and media.atlas.is_alone else None
         return [
             PopSolver(
                 self.kit.gpu,
                 volume,
                 self.settings,
                 lights=lights,
-                voxels=next(grids) if volume.density is not None else None,
+                voxels=shared if volume.density is not None else None,
                 others=len(volumes) - 1,
             )
             for volume in volumes

@@ -19,7 +19,14 @@ struct Depths {
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    let ray = walked_ray(p, path.xyz, path.w);
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_on_ray(node, ray);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         let column = media_light_column(m, index, p, path);
         let reduced = media[m].sigma_t * column;
         let isotropic = max(vec3f(1e-4), 1.0 - media[m].g);

@@ -3,6 +3,7 @@
 //! use lights
 //! use fused_phase
 //! use march_lattice
+//! use media_here
 //! needs fn inside_lattices() -> f32
 
 // A light in the cells around a point, at texture coordinates that are one light's; of nested lattices
@@ -55,11 +56,13 @@ fn forward_light(
         }
         // What each medium scatters of it: at last towards the eye, and on towards it.
         let mu = dot(direction, travel);
-        for (var m = 0u; m < MEDIA_COUNT; m++) {
+        for (var j = 0u; j < media_here(); j++) {
+            let k = medium_here(j);
+            let m = ray_medium(k);
             let before = fused_phase(m, mu, light.a) * reached;
             let all = fused_phase(m, mu, light.a + eye_depth) * reduced_reached;
             let far = saturate(spread * (1.0 - media[m].g.g));
-            let scattering = media_density_here[m] * media_lit_scattering[m];
+            let scattering = media_density_here[k] * lit_scattering_of(m);
             sum.last += scattering * light.rgb * last_phase(m, mu, light.a) * reached;
             sum.on += scattering
                 * (light.rgb * before + mix(light.rgb, wide, far) * max(all - before, vec3f(0.0)));

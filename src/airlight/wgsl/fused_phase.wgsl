@@ -1,5 +1,5 @@
 // Light scattered twice or more that is deflected once; see maths/forward_phase.py. The including pass binds
-// `fused`, two tables for each medium: rgb by its g of each channel.
+// `fused`, two tables for each mean cosine g that media have: rgb by that of each channel.
 
 const FUSED_COSINES = 64u;
 const FUSED_DEPTHS = 32u;
@@ -10,8 +10,18 @@ fn fused_row(first: u32, column: u32, f: f32) -> vec3f {
 }
 
 // Of medium m at a scattering depth, sr^-1.
-fn fused_phase(m: u32, mu: f32, depth: f32) -> vec3f { return fused_table(2u * m, mu, depth); }
-fn last_phase(m: u32, mu: f32, depth: f32) -> vec3f { return fused_table(2u * m + 1u, mu, depth); }
+fn fused_phase(m: u32, mu: f32, depth: f32) -> vec3f {
+    return fused_table(2u * phase_of(m), mu, depth);
+}
+
+fn last_phase(m: u32, mu: f32, depth: f32) -> vec3f {
+    return fused_table(2u * phase_of(m) + 1u, mu, depth);
+}
+
+// Which of the mean cosines medium m has.
+fn phase_of(m: u32) -> u32 {
+    return select(media[m].phase, 0u, MEDIA_COUNT == 1u);
+}
 
 fn fused_table(k: u32, mu: f32, depth: f32) -> vec3f {
     let x = sqrt(sqrt(saturate(0.5 - 0.5 * mu))) * f32(FUSED_COSINES - 1u);

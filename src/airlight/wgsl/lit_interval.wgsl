@@ -1,7 +1,7 @@
 // Radiance towards the eye from a lit interval of an eye ray that `media_enter` has entered, through homogeneous
 // media. The including pass adds lit_interval_wgsl (media/shafts/shadow_rays.py), which says what cannot occur: CPU
 // adapters run both sides of every branch, and bodies of loops once before a test at their head.
-//! use media
+//! use media_ray
 //! use media_light
 //! use light_reach
 
@@ -156,10 +156,12 @@ fn lit_interval(
         return select(vec3f(0.0), parallel_interval(a, b) * light.color, a < b && medium_has_shafts);
     }
     var sum = vec3f(0.0);
-    var m = 0u;
+    var k = 0u;
     loop {
-        let a = max(t0, medium_intervals[m].x);
-        let b = min(t1, medium_intervals[m].y);
+        if (HAS_MEDIA_TREE && k >= ray_media()) { break; }
+        let m = ray_medium(k);
+        let a = max(t0, medium_intervals[k].x);
+        let b = min(t1, medium_intervals[k].y);
         if (a < b && media[m].has_shafts != 0u) {
             if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
                 sum += local_interval(light, index, m, origin, direction, a, b);
@@ -169,8 +171,8 @@ fn lit_interval(
                 sum += parallel_nodes(light, index, m, origin, direction, a, b);
             }
         }
-        m++;
-        if (m >= MEDIA_COUNT) { break; }
+        k++;
+        if (k >= ray_media()) { break; }
     }
     return sum * light.color;
 }

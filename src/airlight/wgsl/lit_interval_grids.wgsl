@@ -3,7 +3,7 @@
 // step, so a lit piece of it has its exact share of the step's light.
 // The including pass adds lit_interval_wgsl (media/shafts/shadow_rays.py). Loops are tested at their ends: CPU
 // adapters run a body once more than a test before it passes.
-//! use media
+//! use media_ray
 //! use media_light
 //! use light_reach
 
@@ -15,30 +15,53 @@ var<private> step_end: f32;
 var<private> step_depth: vec3f;     // optical depth from the eye to the step's begin
 var<private> step_sigma: vec3f;     // extinction, m^-1
 var<private> step_sent: vec3f;      // of a directional light to the eye, m^-1 sr^-1
-var<private> step_scattering: array<vec3f, MEDIA_COUNT>;
+// The media of the step, and their densities; few media are all listed.
+var<private> step_media: array<u32, MEDIA_COUNT>;
+var<private> step_density: array<f32, MEDIA_COUNT>;
+var<private> step_media_count: u32;
+// Of a directional light, sr^-1; and the cosine between its light and the way to the eye.
+var<private> parallel_phases: array<vec3f, COPIED_MEDIA>;
+var<private> towards_eye: f32;
 // Optical depth towards the light at the step's begin and end; for local lights per metre of the path,
 // which has no kink where the ray passes the light.
 var<private> step_light: mat2x3f;
-var<private> parallel_phase: array<vec3f, MEDIA_COUNT>;    // of a directional light
 var<private> media_hull: vec2f;
 
 // Once per eye ray and light.
 fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     media_hull = vec2f(MEDIUM_FAR, 0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        parallel_phase[m] = f32(media[m].has_shafts)
-            * scattering_phase(-dot(light.direction, direction), media[m].g);
-        media_hull = vec2f(min(media_hull.x, medium_intervals[m].x), max(media_hull.y, medium_intervals[m].y));
+    for (var k = 0u; k < ray_media(); k++) {
+        media_hull = vec2f(min(media_hull.x, medium_intervals[k].x), max(media_hull.y, medium_intervals[k].y));
+    }
+    towards_eye = -dot(light.direction, direction);
+    for (var m = 0u; m < COPIED_MEDIA; m++) {
+        parallel_phases[m] = f32(media[m].has_shafts) * scattering_phase(towards_eye, media[m].g);
     }
     step_end = -1.0;
+}
+
+// Copied where media are few.
+fn parallel_phase(m: u32) -> vec3f {
+    if (HAS_MEDIA_TREE) {
+        return f32(media[m].has_shafts) * scattering_phase(towards_eye, media[m].g);
+    }
+    return parallel_phases[m];
+}
+
+fn media_in_step() -> u32 {
+    if (!HAS_MEDIA_TREE) {
+        return MEDIA_COUNT;
+    }
+    return step_media_count;
 }
 
 // Borders of media end steps. The whole ray is cut into GRID_STEPS of them, and so is its interval in a grid, but
 // not finer than voxels.
 fn grid_step_length(t: f32) -> f32 {
     var limit = (media_hull.y - media_hull.x) / GRID_STEPS;
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let span = medium_intervals[m];
+    for (var k = 0u; k < ray_media(); k++) {
+        let m = ray_medium(k);
+        let span = medium_intervals[k];
         let is_in = span.x <= t && t < span.y;
         let fine = max(media[m].voxel, (span.y - span.x) / GRID_STEPS);
         limit = min(limit, select(MEDIUM_FAR, fine, is_in && media[m].kind == MEDIUM_GRID));
@@ -57,11 +80,19 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
     let p = origin + 0.5 * (step_begin + step_end) * direction;
     step_sigma = vec3f(0.0);
     step_sent = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let extinction = medium_density(m, p) * media[m].sigma_t;
-        step_scattering[m] = extinction * media[m].albedo;
+    step_media_count = 0u;
+    for (var k = 0u; k < ray_media(); k++) {
+        let m = ray_medium(k);
+        if (HAS_MEDIA_TREE && !is_inside(k, 0.5 * (step_begin + step_end))) {
+            continue;
+        }
+        let density = medium_density(m, p);
+        let extinction = density * media[m].sigma_t;
         step_sigma += extinction;
-        step_sent += step_scattering[m] * parallel_phase[m];
+        step_sent += extinction * media[m].albedo * parallel_phase(m);
+        step_media[step_media_count] = m;
+        step_density[step_media_count] = density;
+        step_media_count++;
     }
     let end = origin + step_end * direction;
     let is_local = light.kind != LIGHT_DIRECTIONAL;
@@ -83,8 +114,10 @@ fn sent_by(light: LightData, t: f32, path: f32, mu: f32) -> vec3f {
     let along = (t - step_begin) / (step_end - step_begin);
     let towards = path * mix(step_light[0], step_light[1], along);
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += f32(media[m].has_shafts) * step_scattering[m] * scattering_phase(mu, media[m].g);
+    for (var j = 0u; j < media_in_step(); j++) {
+        let m = step_media[j];
+        sum += f32(media[m].has_shafts) * step_density[j] * media[m].sigma_t * media[m].albedo
+            * scattering_phase(mu, media[m].g);
     }
     return sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }

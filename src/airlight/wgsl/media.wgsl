@@ -1,10 +1,12 @@
 // All participating media of a scene. The including pass binds `GpuMedia.slots` and adds `GpuMedia.wgsl`,
-// which declare `media`, MEDIA_COUNT, GRID_COUNT, medium_grid_texel and medium_noise. Points and lengths in
-// metres; directions are unit vectors.
+// which declare `media`, MEDIA_COUNT, GRID_COUNT, densities_texel, densities_size and medium_noise. Points and
+// lengths in metres; directions are unit vectors.
 //! use medium
+//! use media_tree
 //! use phase
-//! needs fn medium_grid_texel(grid: u32, uvw: vec3f) -> vec4f
 //! needs fn media_emission_texel(at: vec3f) -> vec3f
+//! needs fn densities_texel(at: vec3f) -> f32
+//! needs fn densities_size() -> vec3f
 //! needs fn medium_noise(at: vec3f) -> f32
 
 const MEDIUM_BOX = 0u;
@@ -41,6 +43,16 @@ fn medium_detail(m: u32, uvw: vec3f) -> f32 {
     return exp(media[m].detail * medium_noise(at) + media[m].detail_bias);
 }
 
+// Voxels of medium m, trilinear. Grids lie in one texture: each is filtered within its own box.
+fn medium_grid_density(m: u32, uvw: vec3f) -> f32 {
+    if (GRID_COUNT <= 1u) {
+        return densities_texel(uvw);
+    }
+    let count = media[m].grid_count;
+    let at = clamp(uvw * count, vec3f(0.5), count - 0.5) + media[m].grid_first;
+    return densities_texel(at / densities_size());
+}
+
 // Density of medium m at a point, dimensionless; 0 outside the medium.
 fn medium_density(m: u32, p: vec3f) -> f32 {
     let uvw = medium_coordinates(m, p);
@@ -48,7 +60,7 @@ fn medium_density(m: u32, p: vec3f) -> f32 {
         return 0.0;
     }
     if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
-        return medium_grid_texel(media[m].grid, uvw).x * medium_detail(m, uvw);
+        return medium_grid_density(m, uvw) * medium_detail(m, uvw);
     }
     let off = uvw - 0.5;
     return select(1.0, 0.0, media[m].kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);
@@ -68,7 +80,13 @@ fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
 // Emission of all media at a point, W m^-3 sr^-1.
 fn media_emission(p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, p, 0.0);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         let uvw = medium_coordinates(m, p);
         if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {
             sum += medium_emission(m, medium_density(m, p), uvw);
@@ -80,7 +98,13 @@ fn media_emission(p: vec3f) -> vec3f {
 // Extinction of all media at a point, m^-1.
 fn media_extinction(p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, p, 0.0);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         sum += medium_density(m, p) * media[m].sigma_t;
     }
     return sum;
@@ -89,7 +113,13 @@ fn media_extinction(p: vec3f) -> vec3f {
 // Scattering coefficient of all media at a point, m^-1.
 fn media_scattering(p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, p, 0.0);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo;
     }
     return sum;
@@ -99,7 +129,13 @@ fn media_scattering(p: vec3f) -> vec3f {
 // directions of travel.
 fn media_phase_scattering(p: vec3f, mu: f32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, p, 0.0);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         if (media[m].has_shafts != 0u) {
             sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo
                 * scattering_phase(mu, media[m].g);
@@ -115,7 +151,7 @@ fn medium_column(m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> f
     var sum = 0.0;
     for (var i = 0.5; i < steps; i += 1.0) {
         let p = origin + (t0 + i * dt) * direction;
-        sum += medium_grid_texel(media[m].grid, medium_coordinates(m, p)).x;
+        sum += medium_grid_density(m, medium_coordinates(m, p));
     }
     return sum * dt;
 }
@@ -123,7 +159,14 @@ fn medium_column(m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> f
 // Optical depth of all media on the interval t0..t1 of a ray.
 fn media_optical_depth(origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    let ray = walked_ray(origin, direction, t1);
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_on_ray(node, ray);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         let span = medium_interval(m, origin, direction);
         let a = max(span.x, t0);
         let b = min(span.y, t1);
@@ -146,62 +189,4 @@ fn media_transmittance(a: vec3f, b: vec3f) -> vec3f {
         return vec3f(1.0);
     }
     return exp(-media_optical_depth(a, path / reach, 0.0, reach));
-}
-
-// Of one eye ray, the interval inside each medium, which `media_enter` finds once.
-var<private> medium_intervals: array<vec2f, MEDIA_COUNT>;
-
-// From the first to the last medium, in front of the eye, at most `reach`; a miss has x >= y.
-fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
-    var hull = vec2f(MEDIUM_FAR, -MEDIUM_FAR);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let span = medium_interval(m, origin, direction);
-        let held = vec2f(max(span.x, 0.0), min(span.y, reach));
-        medium_intervals[m] = select(vec2f(MEDIUM_FAR, -MEDIUM_FAR), held, held.x < held.y);
-        hull = vec2f(min(hull.x, medium_intervals[m].x), max(hull.y, medium_intervals[m].y));
-    }
-    return hull;
-}
-
-// Optical depth of the media without grids on t0..t1 of the entered ray, exact.
-fn homogeneous_depth(t0: f32, t1: f32) -> vec3f {
-    var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        if (GRID_COUNT == 0u || media[m].kind != MEDIUM_GRID) {
-            let span = medium_intervals[m];
-            sum += media[m].sigma_t * max(0.0, min(t1, span.y) - max(t0, span.x));
-        }
-    }
-    return sum;
-}
-
-// Extinction of the grids at a point, m^-1.
-fn grids_extinction(p: vec3f) -> vec3f {
-    var sum = vec3f(0.0);
-    if (GRID_COUNT > 0u) {
-        for (var m = 0u; m < MEDIA_COUNT; m++) {
-            if (media[m].kind == MEDIUM_GRID) {
-                sum += medium_density(m, p) * media[m].sigma_t;
-            }
-        }
-    }
-    return sum;
-}
-
-// The next border of a medium beyond t, and the longest step that the grids around t allow.
-fn media_step_limit(t: f32, step: f32) -> f32 {
-    if (MEDIA_COUNT == 1u && GRID_COUNT == 0u) {
-        return step;
-    }
-    var limit = step;
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let span = medium_intervals[m];
-        let in_reach = span.x <= t && t < span.y;
-        if (in_reach && media[m].kind == MEDIUM_GRID) {
-            limit = min(limit, max(media[m].voxel, (span.y - span.x) / MAX_COLUMN_STEPS));
-        }
-        if (span.x > t) { limit = min(limit, span.x - t); }
-        if (in_reach) { limit = min(limit, span.y - t); }
-    }
-    return max(limit, 2e-7 * t + 1e-7);
 }

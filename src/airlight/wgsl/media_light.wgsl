@@ -1,18 +1,23 @@
 // How media attenuate light on its path from a light to a point. The including pass declares LightData too.
 //! use media
 //! use lights
-//! needs fn light_columns_size(grid: u32) -> vec3u
-//! needs fn light_columns_texel(grid: u32, uvw: vec3f) -> vec4f
+//! needs fn light_columns_size() -> vec3f
+//! needs fn light_columns_texel(at: vec3f) -> vec4f
 
-// Mean density from a point on or in a grid's box towards light `light`. The texture holds four lights a texel,
-// stacked along z; its texels lie on the box's borders too.
-fn media_light_density(grid: u32, light: u32, uvw: vec3f) -> f32 {
-    let size = light_columns_size(grid);
-    let count = vec3f(vec3u(size.xy, size.z / LIGHT_GROUPS));
-    let texel = saturate(uvw) * (count - 1.0) + 0.5;
+// Mean density from a point on or in the box of grid m towards light `light`. Its part of the texture holds four
+// lights a texel, stacked along z; texels lie on the box's borders too.
+fn media_light_density(m: u32, light: u32, uvw: vec3f) -> f32 {
+    let size = light_columns_size();
+    var count = vec3f(size.xy, size.z / LIGHT_GROUPS);
+    var first = vec3f(0.0);
+    if (GRID_COUNT > 1u) {
+        count = media[m].columns_count;
+        first = media[m].columns_first;
+    }
+    let texel = saturate(uvw) * (count - 1.0) + 0.5 + first;
     let slab = f32(light / 4u) * count.z;
-    let at = vec3f(texel.xy, texel.z + slab) / vec3f(size);
-    return light_columns_texel(grid, at)[light % 4u];
+    let at = vec3f(texel.xy, texel.z + slab) / size;
+    return light_columns_texel(at)[light % 4u];
 }
 
 // From p: the direction to a light, and its distance, m.
@@ -35,7 +40,7 @@ fn media_light_column(m: u32, index: u32, p: vec3f, path: vec4f) -> f32 {
     }
     var column = b - a;
     if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
-        column *= media_light_density(media[m].grid, index, medium_coordinates(m, p + a * path.xyz));
+        column *= media_light_density(m, index, medium_coordinates(m, p + a * path.xyz));
     }
     return column;
 }
@@ -44,7 +49,14 @@ fn media_light_column(m: u32, index: u32, p: vec3f, path: vec4f) -> f32 {
 fn media_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
     let path = media_light_path(light, p);
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
+    let ray = walked_ray(p, path.xyz, path.w);
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_on_ray(node, ray);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
         sum += media[m].sigma_t * media_light_column(m, index, p, path);
     }
     return sum;

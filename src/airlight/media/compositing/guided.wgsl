@@ -1,5 +1,5 @@
 // Upsamples what was marched, and sharpens it by the density along each pixel's own ray (Elek2014 section 4.4).
-//! use media
+//! use media_ray
 //! use upsample_weight
 
 // Texels whose transmittance differs by more are not interpolated.
@@ -23,7 +23,7 @@ fn marched_transmittance(direction: vec3f, reach: f32, is_asked: bool) -> vec3f 
     for (var i = 0u; i < most && t < end; i++) {
         let dt = min(media_step_limit(t, longest), end - t);
         let p = rays.eye + (t + 0.5 * dt) * direction;
-        depth += homogeneous_depth(t, t + dt) + dt * grids_extinction(p);
+        depth += homogeneous_depth(t, t + dt) + dt * grids_extinction(p, t + 0.5 * dt);
         t += dt;
     }
     return exp(-depth);

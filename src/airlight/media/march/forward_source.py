@@ -28,10 +28,11 @@ def forward_slots() -> tuple[Slot, ...]:
 
 
 def fused_rows(rows: Sequence[dict[str, Any]]) -> F32:
-    """(media * 2 * DEPTHS * COSINES, 4): the tables of `fused` for the rows of GpuMedia."""
+    """(mean cosines * 2 * DEPTHS * COSINES, 4): the tables of `fused` for the rows of GpuMedia, one
+    for each `phase`."""
     known: dict[float, Any] = {}
     tables = []
-    for g in (row["g"] for row in rows):
+    for g in dict(sorted((row["phase"], row["g"]) for row in rows)).values():
         three = [known.setdefault(c, fused_table(c)) for c in map(float, g)]
         tables.append(np.stack([*three, np.zeros_like(three[0])], axis=-1).reshape(-1, 4))
     return np.concatenate(tables).astype(np.float32)

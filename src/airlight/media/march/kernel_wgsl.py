@@ -148,9 +148,10 @@ def _emission_wgsl(name: str) -> str:
         f"{before}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         "    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }\n"
         f"    let along = lattice_axes * travel;\n{samples}"
-        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
+        "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
+        "        let k = medium_here(j);\n        let m = ray_medium(k);\n"
         "        let g = media[m].g;\n"
-        f"        sum += media_density_here[m] * media_lit_scattering[m] * vec3f({channels});\n"
+        f"        sum += media_density_here[k] * lit_scattering_of(m) * vec3f({channels});\n"
         "    }\n"
         f"    return own.{name}_scale * sum;\n}}\n"
     )
@@ -161,8 +162,9 @@ var<private> sky_means: vec3f;
 // What the reduced media would scatter of the sky's light at the same point.
 fn sky_reduced_here() -> vec3f {
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += media_density_here[m] * media_reduced_sigma_s[m];
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));
     }
     return own.sky_scale * select(vec3f(0.0), sum * sky_means, lattice_at[0].w > 0.0);
 }
@@ -174,8 +176,9 @@ def _isotropic_wgsl(name: str) -> str:
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
-        "    var sum = vec3f(0.0);\n    for (var m = 0u; m < MEDIA_COUNT; m++) {\n"
-        "        sum += media_density_here[m] * media_reduced_sigma_s[m];\n"
+        "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
+        "        let k = medium_here(j);\n"
+        "        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));\n"
         f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

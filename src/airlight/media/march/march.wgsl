@@ -2,7 +2,7 @@
 // step, the integral over it is exact (Billeter2012 section 4.3). Where lattices hold the light of
 // reduced media (similarity theory), that light is marched through the reduced media: their
 // transmittance stands for light that is scattered forwards on its way to the eye.
-//! use media
+//! use media_here
 //! use eye_ray
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> ForwardLight
@@ -25,92 +25,21 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
         return scattering_here();
     }
     var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        if (m == u32(medium)) {
-            sum = media_density_here[m] * media_sigma_s[m];
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        if (ray_medium(k) == u32(medium)) {
+            sum = media_density_here[k] * sigma_s_of(ray_medium(k));
         }
     }
     return sum;
 }
 
-// Copies of what every step reads; a CPU adapter would read the buffers lane by lane each time.
-// m^-1 at density 1:
+// A copy: a CPU adapter would read the buffer lane by lane each time.
 var<private> own: MarchParams;
-var<private> media_sigma_t: array<vec3f, MEDIA_COUNT>;
-var<private> media_sigma_s: array<vec3f, MEDIA_COUNT>;
-var<private> media_lit_scattering: array<vec3f, MEDIA_COUNT>;   // sigma_s where lattices light it, else 0
-var<private> media_reduced_sigma_s: array<vec3f, MEDIA_COUNT>;  // of that, what the reduced medium scatters
-var<private> media_reduced_sigma_t: array<vec3f, MEDIA_COUNT>;
-var<private> media_is_grid: array<bool, MEDIA_COUNT>;
 // Optical depth of scattering from the eye to the middle of a step.
 var<private> eye_depth: f32;
 // Metres of that path in media that lattices light.
 var<private> eye_path: f32;
-// Densities in the middle of a step: looked up once, because they cost more than all else.
-var<private> media_density_here: array<f32, MEDIA_COUNT>;
-// What all media emit there, W m^-3 sr^-1.
-var<private> emitted_here: vec3f;
-
-// Fill the copies.
-fn march_begin() {
-    own = march;
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        media_sigma_t[m] = media[m].sigma_t;
-        media_sigma_s[m] = media[m].sigma_t * media[m].albedo;
-        media_lit_scattering[m] = f32(media[m].has_shafts) * media_sigma_s[m];
-        media_reduced_sigma_s[m] = (1.0 - media[m].g) * media_lit_scattering[m];
-        media_reduced_sigma_t[m] =
-            media_sigma_t[m] - (media_lit_scattering[m] - media_reduced_sigma_s[m]);
-        media_is_grid[m] = GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID;
-    }
-}
-
-// Look up the densities at p, t of the entered ray. Homogeneous media are known by their intervals.
-fn densities_at(p: vec3f, t: f32) {
-    emitted_here = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let is_in = medium_intervals[m].x <= t && t < medium_intervals[m].y;
-        media_density_here[m] = select(0.0, 1.0, is_in);
-        if (GRID_COUNT > 0u && media_is_grid[m]) {
-            media_density_here[m] = medium_density(m, p);
-        }
-        if (HAS_EMISSION && is_in) {
-            emitted_here += medium_emission(m, media_density_here[m], medium_coordinates(m, p));
-        }
-    }
-}
-
-// m^-1 of media that lattices light; next of all media.
-fn lit_scattering_here() -> vec3f {
-    var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += media_density_here[m] * media_lit_scattering[m];
-    }
-    return sum;
-}
-
-fn scattering_here() -> vec3f {
-    var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += media_density_here[m] * media_sigma_s[m];
-    }
-    return sum;
-}
-
-// Metres of medium m at density 1 in a step from t on, dt long.
-fn column_here(m: u32, t: f32, dt: f32) -> f32 {
-    let within = max(0.0, min(t + dt, medium_intervals[m].y) - max(t, medium_intervals[m].x));
-    return select(within, media_density_here[m] * dt, media_is_grid[m]);
-}
-
-// The optical depth of a step.
-fn depth_here(t: f32, dt: f32) -> vec3f {
-    var sum = vec3f(0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        sum += media_sigma_t[m] * column_here(m, t, dt);
-    }
-    return sum;
-}
 
 // Light of lights one by one: scattered for the last time, towards the eye; and scattered on
 // towards it as well.
@@ -122,11 +51,14 @@ struct ReducedStep { depth: vec3f, scattered: f32, path: f32 }
 
 fn reduced_step_here(t: f32, dt: f32) -> ReducedStep {
     var sum = ReducedStep(vec3f(0.0), 0.0, 0.0);
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let length = column_here(m, t, dt);
-        sum.depth += media_reduced_sigma_t[m] * length;
-        sum.scattered += dot(media_lit_scattering[m], vec3f(1.0 / 3.0)) * length;
-        sum.path = max(sum.path, select(0.0, length, any(media_lit_scattering[m] > vec3f(0.0))));
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        let m = ray_medium(k);
+        let length = column_here(k, t, dt);
+        let lit = lit_scattering_of(m);
+        sum.depth += reduced_sigma_t_of(m) * length;
+        sum.scattered += dot(lit, vec3f(1.0 / 3.0)) * length;
+        sum.path = max(sum.path, select(0.0, length, any(lit > vec3f(0.0))));
     }
     return sum;
 }
@@ -157,7 +89,8 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
     // The ray, and where it is in media.
     let texel = vec2u(position.xy);
     let ray = picked_ray(rays, texel, textureLoad(picked, vec2i(texel), 0).xy);
-    march_begin();
+    own = march;
+    media_copied();
     lattice_begin();
     let eye = rays.eye;
     let hull = media_enter(eye, ray.direction, ray.distance);

@@ -1,6 +1,7 @@
 // Single scattering by jittered steps, one sample of each light in each.
 //! use eye_ray
 //! use media_light
+//! use media_ray
 
 // Sixteen offsets in a step, in the order of a 4 x 4 Bayer matrix.
 fn bayer(pixel: vec2u) -> f32 {
@@ -84,7 +85,7 @@ fn step_radiance(
     let most = params.steps * (2u + 2u * MEDIA_COUNT);
     for (var i = 0u; i < most && t < hull.y; i++) {
         let dt = min(jitter_step(t, longest), hull.y - t);
-        let grids = grids_extinction(rays.eye + (t + u * dt) * ray.direction);
+        let grids = grids_extinction(rays.eye + (t + u * dt) * ray.direction, t + u * dt);
         var k = 0u;
         loop {
             let light = lights[k];
@@ -104,8 +105,9 @@ fn step_radiance(
 // none finer than its voxels.
 fn jitter_step(t: f32, longest: f32) -> f32 {
     var limit = longest;
-    for (var m = 0u; m < MEDIA_COUNT; m++) {
-        let span = medium_intervals[m];
+    for (var k = 0u; k < ray_media(); k++) {
+        let m = ray_medium(k);
+        let span = medium_intervals[k];
         if (span.x <= t && t < span.y) {
             limit = min(limit, span.y - t);
             if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {

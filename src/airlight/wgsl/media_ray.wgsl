@@ -1,0 +1,99 @@
+// One eye ray through all media: which of them it meets, where, and how far its steps may go.
+//! use media
+
+// Of one eye ray, the media that it meets, which `media_enter` finds once, and its interval inside each. Few media
+// are all listed in their order.
+var<private> medium_intervals: array<vec2f, MEDIA_COUNT>;
+var<private> listed_media: array<u32, MEDIA_COUNT>;
+var<private> listed_count: u32;
+
+fn ray_media() -> u32 {
+    if (!HAS_MEDIA_TREE) {
+        return MEDIA_COUNT;
+    }
+    return listed_count;
+}
+
+// The k-th of them.
+fn ray_medium(k: u32) -> u32 {
+    if (!HAS_MEDIA_TREE) {
+        return k;
+    }
+    return listed_media[k];
+}
+
+// From the first to the last medium, in front of the eye, at most `reach`; a miss has x >= y.
+fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
+    var hull = vec2f(MEDIUM_FAR, -MEDIUM_FAR);
+    let ray = walked_ray(origin, direction, reach);
+    var k = 0u;
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_on_ray(node, ray);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
+        let span = medium_interval(m, origin, direction);
+        let held = vec2f(max(span.x, 0.0), min(span.y, reach));
+        medium_intervals[k] = select(vec2f(MEDIUM_FAR, -MEDIUM_FAR), held, held.x < held.y);
+        hull = vec2f(min(hull.x, medium_intervals[k].x), max(hull.y, medium_intervals[k].y));
+        if (HAS_MEDIA_TREE) {
+            listed_media[k] = m;
+        }
+        k += select(1u, 0u, HAS_MEDIA_TREE && held.x >= held.y);
+    }
+    listed_count = k;
+    return hull;
+}
+
+// Optical depth of the media without grids on t0..t1 of the entered ray, exact.
+fn homogeneous_depth(t0: f32, t1: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < ray_media(); k++) {
+        let m = ray_medium(k);
+        if (GRID_COUNT == 0u || media[m].kind != MEDIUM_GRID) {
+            let span = medium_intervals[k];
+            sum += media[m].sigma_t * max(0.0, min(t1, span.y) - max(t0, span.x));
+        }
+    }
+    return sum;
+}
+
+// Extinction of the grids at the point p, t of the entered ray, m^-1.
+fn grids_extinction(p: vec3f, t: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    if (GRID_COUNT > 0u) {
+        for (var k = 0u; k < ray_media(); k++) {
+            let m = ray_medium(k);
+            if (media[m].kind == MEDIUM_GRID && is_inside(k, t)) {
+                sum += medium_density(m, p) * media[m].sigma_t;
+            }
+        }
+    }
+    return sum;
+}
+
+// Whether t of the entered ray is in its k-th medium.
+fn is_inside(k: u32, t: f32) -> bool {
+    return medium_intervals[k].x <= t && t < medium_intervals[k].y;
+}
+
+// The next border of a medium beyond t, and the longest step that the grids around t allow.
+fn media_step_limit(t: f32, step: f32) -> f32 {
+    if (MEDIA_COUNT == 1u && GRID_COUNT == 0u) {
+        return step;
+    }
+    var limit = step;
+    for (var k = 0u; k < ray_media(); k++) {
+        let span = medium_intervals[k];
+        let in_reach = span.x <= t && t < span.y;
+        let m = ray_medium(k);
+        if (in_reach && media[m].kind == MEDIUM_GRID) {
+            limit = min(limit, max(media[m].voxel, (span.y - span.x) / MAX_COLUMN_STEPS));
+        }
+        if (span.x > t) { limit = min(limit, span.x - t); }
+        if (in_reach) { limit = min(limit, span.y - t); }
+    }
+    return max(limit, 2e-7 * t + 1e-7);
+}
