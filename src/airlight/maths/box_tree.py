@@ -35,7 +35,9 @@ class BoxTree:
 @lru_cache(maxsize=16)
 def _runs(count: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Of `count` boxes: where each node's run begins and ends, and the node after it."""
-    first, last, after = [], [], []
+    first: list[int] = []
+    last: list[int] = []
+    after: list[int] = []
 
     def add(a: int, b: int) -> None:
         node = len(first)

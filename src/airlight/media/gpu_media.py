@@ -196,8 +196,12 @@ class GpuMedia:
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
             if kind == GRID:
-                box = next(grids)
-                row |= {"grid_first": box.first, "grid_count": box.count, "voxel": voxel_m(volume)}
+                region = next(grids)
+                row |= {
+                    "grid_first": region.first,
+                    "grid_count": region.count,
+                    "voxel": voxel_m(volume),
+                }
                 if self.columns is not None:
                     columns = self.columns.regions[len(rows)]
                     row |= {"columns_first": columns.first, "columns_count": columns.count}
