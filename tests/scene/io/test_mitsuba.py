@@ -281,6 +281,21 @@ def test_area_emitters_are_area_lights(tmp_path: Path) -> None:
     )
 
 
+def test_an_area_emitter_that_shapes_refer_to_lights_by_them_alone(tmp_path: Path) -> None:
+    named = GLOW.replace('type="area"', 'type="area" id="lamp"')
+    shape = '<shape type="{}"><ref id="lamp"/></shape>'
+    # Before, between and after its shapes; a cube is a mesh that glows.
+    text = shape.format("rectangle") + named + shape.format("cube")
+    read = scene(tmp_path, SENSOR.format("") + text)
+    (light,) = read.lights
+    assert light.radiance == (1, 2, 3)
+    assert [mesh.material.emission for mesh in read.meshes] == [(1, 2, 3)]
+    assert read.warnings == ()
+    alone = scene(tmp_path, SENSOR.format("") + named)
+    assert alone.lights == () and alone.meshes == ()
+    assert alone.warnings == ("emitter 'lamp' (area) lights nothing: no shape refers to it",)
+
+
 @pytest.mark.parametrize("kind", ["rectangle", "disk", "sphere"])
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 @pytest.mark.parametrize("flipped", [False, True])

@@ -108,6 +108,10 @@ def _scene(tree: Node, source: Source) -> Scene:
             _read_shape(node, found, source)
         elif node.tag == "emitter":
             _read_emitter(node, found, source)
+    for node in tree.children:
+        if node.tag == "emitter" and node.kind == "area" and not node.read:
+            source.note(f"{node} lights nothing: no shape refers to it")
+            node.read.update(node.values)
     sensors = tree.all("sensor")
     if len(sensors) > 1:
         source.note(f"{len(sensors)} sensors: the first one is used")
@@ -207,6 +211,8 @@ def _glowing(node: Node, made: Material, source: Source) -> Material:
 
 
 def _read_emitter(node: Node, found: _Found, source: Source) -> None:
+    if node.kind == "area":
+        return  # a definition: the shapes that refer to it glow
     light = emitter(node, source)
     if isinstance(light, Environment):
         if found.environment is not None:
