@@ -124,6 +124,17 @@ def sun_option() -> Decorator:
     )
 
 
+def ground_option() -> Decorator:
+    """--ground or --no-ground, which the command gets within `model`; for commands that show."""
+    return click.option(
+        "--ground/--no-ground",
+        default=True,
+        callback=_model,
+        expose_value=False,
+        help="Whether a mesh file that airlight lights stands on a ground.  [default: ground]",
+    )
+
+
 def check_settings(technique: str, settings: Mapping[str, str]) -> None:
     """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
     from ..scene.scene import Scene

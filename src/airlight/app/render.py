@@ -15,6 +15,7 @@ from .options import (
     Number,
     adapter_option,
     check_settings,
+    ground_option,
     model_options,
     settings_option,
     size_option,
@@ -74,6 +75,7 @@ _STARTED_S = time.perf_counter()
 )
 @model_options()
 @sun_option()
+@ground_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.

@@ -433,3 +433,13 @@ def test_the_first_image_is_coarse_and_says_how_far_it_is(gpu, scene_file):
         assert surface.read()[..., :3].max() > 50
     finally:
         session.close()
+
+
+def test_fog_that_hides_everything_is_said_while_it_does(screen):
+    session = screen.session
+    assert session.doubts == ()
+    session.state.scene = replace(session.state.scene, medium=Medium(sigma_t=9.0))
+    (line,) = session.doubts
+    assert "nothing else will be seen" in line
+    session.state.scene = replace(session.state.scene, medium=Medium(sigma_t=0.01))
+    assert session.doubts == ()

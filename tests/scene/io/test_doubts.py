@@ -38,3 +38,12 @@ def test_a_scene_file_in_centimetres_is_doubted_when_it_is_loaded(tmp_path):
     text = '[[mesh]]\nshape = "box"\nscale = 150\n[medium]\nsigma_s = 0.05\n'
     (tmp_path / "a.toml").write_text(text)
     assert "optical depths" in load(tmp_path / "a.toml").warnings[-1]
+
+
+def test_fog_that_hides_a_room_from_inside_is_doubted():
+    """In the foggy room the nearest twentieth of the view is some 2 m away."""
+    foggy = load("builtin:foggy-room")
+    thick = replace(foggy, medium=Medium(sigma_t=5.0))
+    (line,) = doubts(thick)
+    assert "optical depths: nothing else" in line
+    assert doubts(replace(foggy, medium=Medium(sigma_t=1.0))) == ()

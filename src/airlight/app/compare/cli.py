@@ -12,6 +12,7 @@ from ...errors import SettingsError
 from ..options import (
     Number,
     adapter_option,
+    ground_option,
     model_options,
     settings_option,
     size_option,
@@ -111,6 +112,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
 @settings_option("A setting of each technique that has it; may be repeated.")
 @model_options()
 @sun_option()
+@ground_option()
 @adapter_option()
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(

@@ -178,10 +178,17 @@ def _size_word(size: tuple[int, int]) -> str:
 
 def _own_words(plan: Plan) -> list[str]:
     settings = [w for key, value in plan.settings.items() for w in ("-D", f"{key}={value}")]
-    return settings + [w for key, value in plan.model.items() for w in (f"--{key}", str(value))]
+    return settings + [w for key, value in plan.model.items() for w in _option(key, value)]
 
 
 def _about(outcomes: list[Outcome]) -> dict[str, str]:
     stats = next((o.image.stats for o in outcomes if o.image is not None), {})
     about = {"airlight": __version__, "machine": f"{platform.system()} {platform.machine()}"}
     return about | ({"device": str(stats["device"])} if "device" in stats else {})
+
+
+def _option(key: str, value: Any) -> tuple[str, ...]:
+    """A keyword of `load` as its option."""
+    if isinstance(value, bool):
+        return () if value else (f"--no-{key}",)
+    return f"--{key}", str(value)

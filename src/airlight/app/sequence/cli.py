@@ -14,6 +14,7 @@ from ..options import (
     Number,
     adapter_option,
     check_settings,
+    ground_option,
     model_options,
     settings_option,
     size_option,
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
 )
 @model_options()
 @sun_option()
+@ground_option()
 @adapter_option()
 @click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
 @click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")

@@ -6,7 +6,14 @@ from typing import Any
 
 import click
 
-from ..options import adapter_option, model_options, settings_option, size_option, sun_option
+from ..options import (
+    adapter_option,
+    ground_option,
+    model_options,
+    settings_option,
+    size_option,
+    sun_option,
+)
 from ..scene_argument import load_scene, show_warnings
 
 
@@ -31,6 +38,7 @@ from ..scene_argument import load_scene, show_warnings
 @settings_option()
 @model_options()
 @sun_option()
+@ground_option()
 @adapter_option()
 @click.option(
     "--port",

@@ -90,10 +90,11 @@ class Panel:
 
     def _status(self) -> None:
         session, state = self.session, self.session.state
-        if state.message:
-            imgui.push_style_color(imgui.Col_.text, _ERROR_COLOUR)
-            imgui.text_wrapped(state.message)
-            imgui.pop_style_color()
+        for said in (state.message, *session.doubts):
+            if said:
+                imgui.push_style_color(imgui.Col_.text, _ERROR_COLOUR)
+                imgui.text_wrapped(said)
+                imgui.pop_style_color()
         if state.notice:
             imgui.push_style_color(imgui.Col_.text, _NOTICE_COLOUR)
             imgui.text_wrapped(f"{state.notice}   {session.progress}".rstrip())

@@ -17,6 +17,8 @@ from ...maths.sampling import pixel_jitter
 from ...rendering import Renderer
 from ...scene.image import Image
 from ...scene.io import BUILTIN_PREFIX, load
+from ...scene.io.doubts import doubts
+from ...scene.io.ground import without_ground
 from ...scene.scene import Scene
 from ...techniques import checked_settings
 from .build import Turns, said
@@ -80,6 +82,7 @@ class Session:
         self._toned: tuple[Any, ...] = ()
         self._before_s: float | None = None
         self._progress = ""
+        self._doubted: tuple[Any, tuple[str, ...]] = (None, ())
         self._touched_s = float("-inf")
 
     @property
@@ -177,6 +180,15 @@ class Session:
     def progress(self) -> str:
         """How far the renderer is that is being made; empty where none is."""
         return self._progress
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What of the air is hardly meant; found again once the air has changed and a hand rests."""
+        scene = self.state.scene
+        key = (scene.medium, id(scene.meshes))
+        if key != self._doubted[0] and not self.controls.is_held:
+            self._doubted = key, doubts(self.scene_now())
+        return self._doubted[1]
 
     @property
     def share(self) -> float:
@@ -380,5 +392,5 @@ class Session:
 
 def reach_m(scene: Scene) -> float:
     """The diagonal of what is to be seen, metres."""
-    low, high = scene.bounds
+    low, high = without_ground(scene).bounds
     return float(np.linalg.norm(high - low)) or 1.0

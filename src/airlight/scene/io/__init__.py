@@ -37,12 +37,14 @@ def load(
     scale: float = 1.0,
     variant: str | None = None,
     sun: Sky | str | None = None,
+    ground: bool = False,
 ) -> Scene:
     """A scene from a file, or from `builtin:NAME`.
 
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
-    `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment.
+    `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. With
+    `ground` a mesh file that shows no room, has no floor and gets its daylight here stands on one.
 
     Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
     camera one that frames them, as density grids (NumPy, VDB, Mitsuba .vol) do; scene files
@@ -61,6 +63,10 @@ def load(
     with naming(file):
         scene = _loaded(file, model, sky)
         check_extent(scene)
+        if ground and file.suffix.lower() in MESH_SUFFIXES:
+            from .ground import with_ground
+
+            scene = with_ground(scene)
     return scene
 
 

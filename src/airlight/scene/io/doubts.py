@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene import Scene
+from .framing import view_directions
+from .probe import Probe
 
 THICK = 6.0
 """Optical depths of fog through which 0.25 % of the light comes."""
@@ -16,14 +18,17 @@ def doubts(scene: Scene) -> tuple[str, ...]:
 
 
 def _thick_fog(scene: Scene) -> str:
-    """Whether fog hides a scene that is seen from outside: up to its middle."""
+    """Whether fog hides a scene: up to its middle from outside, up to what is near from inside."""
     if scene.medium is None or not scene.meshes:
         return ""
     eye = np.array(scene.camera.position)
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
-    if np.all((low <= eye) & (eye <= high)):
-        return ""
     way = float(np.linalg.norm(0.5 * (low + high) - eye))
+    if np.all((low <= eye) & (eye <= high)):
+        most = float(np.linalg.norm(high - low))
+        if min(scene.medium.sigma_t) * most <= THICK:
+            return ""
+        way = _nearest(scene, most)
     if scene.medium.bounds is not None:
         first, last = (np.array(corner) for corner in scene.medium.bounds)
         way = min(way, float(np.linalg.norm(last - first)))
@@ -31,6 +36,14 @@ def _thick_fog(scene: Scene) -> str:
     if depth <= THICK:
         return ""
     return (
-        f"the camera looks through {way:.0f} m of fog, {depth:.0f} optical depths: nothing else "
+        f"the camera looks through {way:.3g} m of fog, {depth:.0f} optical depths: nothing else "
         "will be seen. Lengths are metres: scale the mesh, or lower sigma_t"
     )
+
+
+def _nearest(scene: Scene, most: float) -> float:
+    """How far away a twentieth of what the camera sees is at most, metres; `most` for the sky."""
+    directions = view_directions(scene.camera, 16, 9)
+    eyes = np.tile(scene.camera.position, (len(directions), 1))
+    distance = Probe.of(scene).cast(np.asarray(eyes, np.float64), directions).distance
+    return float(np.quantile(np.minimum(distance, most), 0.05))

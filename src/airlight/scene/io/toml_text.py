@@ -25,6 +25,7 @@ from ..sun_sky import followed
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
 from .files import read_text
+from .ground import ground_tables
 from .light_groups import is_group
 from .toml_sky import sky_table
 from .toml_text_moving import has_own_camera, moves_light, with_motion
@@ -71,6 +72,8 @@ def scene_text(
     if is_default:
         raw["light"], raw["environment"] = groups, {}
         del notes[notes_before:]
+    if (model or {}).get("ground"):
+        raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
     raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes)
     with_motion(raw, scene, original, notes)
@@ -96,7 +99,7 @@ def _original(
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     if path.suffix.lower() in MESH_SUFFIXES:
-        placed = {name: value for name, value in model.items() if name != "sun"}
+        placed = {name: model[name] for name in model if name not in ("sun", "ground")}
         return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
     if path.suffix.lower() in VOLUME_SUFFIXES:
         return {"volume": [{"file": _relative(path, folder)}]}, []

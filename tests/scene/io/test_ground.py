@@ -1,0 +1,107 @@
+"""Bare models stand on a ground; rooms, floors and scenes with a sky of their own do not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.maths.colour import luminance
+from airlight.rendering import render
+from airlight.scene import Environment, Material, Mesh, Scene
+from airlight.scene.io import load, with_defaults
+from airlight.scene.io.ground import ALBEDO, NAME, with_ground, without_ground
+from airlight.scene.io.toml_text import scene_text
+from airlight.scene.shapes import box, quad, sphere
+from airlight.scene.sun_sky import Sky, with_sky
+
+
+def placed(geometry, at, size) -> Mesh:
+    matrix = np.diag((*size, 1.0))
+    matrix[:3, 3] = at
+    return Mesh(geometry=geometry, world_from_object=matrix, material=Material((0.7, 0.3, 0.2)))
+
+
+def ball() -> Scene:
+    return with_defaults(Scene(meshes=(placed(sphere(), (3.0, 5.0, 1.0), (2.0, 2.0, 2.0)),)))
+
+
+def test_a_ball_stands_on_a_ground_that_touches_it():
+    scene = with_ground(ball())
+    ground = scene.meshes[-1]
+    assert ground.name == NAME
+    low, high = ground.world_bounds
+    assert low[1] == pytest.approx(4.0, abs=1e-3)
+    assert low[1] < 4.0
+    assert (low[[0, 2]] + high[[0, 2]]) / 2.0 == pytest.approx((3.0, 1.0), abs=0.01)
+    assert high[0] - low[0] > 10.0
+    assert scene.camera == ball().camera
+    assert len(without_ground(scene).meshes) == 1
+
+
+def test_beyond_its_edge_the_sky_shows_ground_as_bright():
+    before = ball()
+    scene = with_ground(before)
+    below = scene.environment.map[-4:].reshape(-1, 3).mean(axis=0)
+    # What the map's upper half and the sun give it, summed texel by texel here.
+    v = (np.arange(32) + 0.5) / 32 * np.pi
+    weights = np.cos(v[:16]) * np.sin(v[:16]) * (np.pi / 32) * (2.0 * np.pi / 64)
+    received = (before.environment.map[:16] * weights[:, None, None]).sum(axis=(0, 1))
+    received += np.array(before.lights[0].irradiance) * -before.lights[0].direction[1]
+    assert below == pytest.approx(ALBEDO / np.pi * received, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["floor", "room", "plane", "own sky", "no sky"])
+def test_no_ground_under(name):
+    walls = placed(box(), (0.0, 1.3, 0.0), (6.0, 2.6, 5.0))
+    turned = replace(
+        walls.geometry,
+        indices=walls.geometry.indices[:, ::-1].copy(),
+        normals=-walls.geometry.normals,
+    )
+    on_floor = (
+        placed(box(), (0.0, 0.5, 0.0), (1.0, 1.0, 1.0)),
+        placed(quad(), (0.0, 0.0, 0.0), (6.0, 1.0, 6.0)),
+    )
+    scene = {
+        "floor": with_defaults(Scene(meshes=on_floor)),
+        "room": with_defaults(Scene(meshes=(replace(walls, geometry=turned),))),
+        "plane": with_defaults(Scene(meshes=on_floor[1:])),
+        "own sky": replace(ball(), environment=Environment()),
+        "no sky": replace(ball(), environment=None),
+    }[name]
+    assert with_ground(scene) is scene
+
+
+def test_a_computed_sky_gives_it_its_albedo():
+    scene = with_ground(with_sky(ball(), Sky(ground=0.4)))
+    assert scene.meshes[-1].material.base_color == pytest.approx((0.4, 0.4, 0.4))
+
+
+def test_it_carries_a_shadow_and_has_no_edge(gpu):
+    """Beside the ball the ground is darker where the sun does not reach it; far away ground and
+    background meet within a tenth."""
+    scene = with_ground(ball())
+    image = render(scene, technique="lpv", size=(96, 54), samples=2).radiance
+    grey = luminance(image)
+    lit, dark = np.quantile(grey[41:], 0.9), np.quantile(grey[41:], 0.02)
+    assert dark < 0.5 * lit
+    # The last row of background under the horizon, and the first of the square, at the left edge.
+    left = grey[:, :4].mean(axis=1)
+    horizon = int(np.argmax(-np.diff(left))) + 1
+    ground = left[horizon + 1 : horizon + 14]
+    assert np.abs(np.diff(ground)).max() < 0.1 * ground.mean()
+
+
+def test_load_puts_it_where_it_is_asked_to_and_scene_files_keep_it(tmp_path):
+    obj = tmp_path / "one.obj"
+    obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    assert len(load(obj).meshes) == 1
+    scene = load(obj, ground=True)
+    assert len(scene.meshes) == 2
+    again = tmp_path / "again.toml"
+    again.write_text(scene_text(scene, scene, str(obj), tmp_path, model={"ground": True}))
+    back = load(again)
+    assert len(back.meshes) == 2
+    assert back.meshes[1].world_bounds == pytest.approx(scene.meshes[1].world_bounds)
