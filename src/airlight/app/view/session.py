@@ -183,7 +183,7 @@ class Session:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What of the air is hardly meant; found again once the air has changed and a hand rests."""
+        """What of the air is hardly meant; looked for when the air has changed and a hand rests."""
         scene = self.state.scene
         key = (scene.medium, id(scene.meshes))
         if key != self._doubted[0] and not self.controls.is_held:
