@@ -21,12 +21,13 @@ from .gpu.process import enter_driver, is_forked
 from .lighting.accumulate import Accumulator
 from .lighting.read_layers import read_layers
 from .lighting.view import View
-from .maths.sampling import pixel_jitter
+from .maths.sampling import pixel_jitter, shutter_shares
 from .maths.tone import auto_exposure
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image
 from .scene.io import load
+from .scene.lens import through_lens
 from .scene.light_shapes import LightMeshes
 from .scene.lights import Light
 from .scene.limits import check_extent
@@ -39,7 +40,7 @@ from .techniques import make_technique
 
 Progress = Callable[[str, float], None]
 MAX_SIDE_PX = 16384
-STILL_SAMPLES = 8
+STILL_SAMPLES, LENS_SAMPLES = 8, 64
 _MOST_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
@@ -120,24 +121,26 @@ class Renderer:
 
         `time`, seconds, evaluates the scene's animation; other arguments override it. `samples`
         jittered images are averaged. Without `read` nothing comes back to the host, as in a
-        viewer; the call then returns None when the device is done. Raises SceneError,
-        SettingsError, DeviceError.
+        viewer; the call then returns None when the device is done. While the camera's shutter is
+        open samples see what moves at times of their own. Raises SceneError, SettingsError,
+        DeviceError.
         """
         begin = perf_counter()
         with self.used():
-            scene = self._asked(
-                self.scene if time is None else self.scene.at(time),
-                camera=camera,
-                lights=lights,
-                environment=environment,
-                meshes=meshes,
-                volumes=volumes,
-                light_groups=light_groups,
-            )
+            changes: dict[str, Any] = dict(camera=camera, lights=lights, environment=environment)
+            changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
+            before = self.scene
+            scene = self._asked(before if time is None else before.at(time), **changes)
+            moments = []
+            if time is not None and _is_blurred(scene, samples):
+                opened_s = scene.camera.shutter_s * shutter_shares(samples)
+                moments = [self._asked(before.at(time + s), **changes) for s in opened_s.tolist()]
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
                 self.technique.solve(self.commands, self._take(scene))
-                self._draw(samples, progress)
+                self._draw(samples, progress, moments)
+                if moments:
+                    self._take(scene)
                 encoded = perf_counter()
                 self.gpu.wait()
                 self._count(begin, encoded, perf_counter())
@@ -151,13 +154,22 @@ class Renderer:
         self.scene = scene
         return shown
 
-    def _draw(self, samples: int, progress: Progress | None) -> None:
-        """Draw the solved scene once per sample, and submit all work."""
+    def _draw(self, samples: int, progress: Progress | None, moments: Sequence[Scene] = ()) -> None:
+        """Draw the solved scene once per sample, and submit all work.
+
+        `moments`: what each sample sees instead, solved as it comes.
+        """
         self.view.is_still = samples > 1
         # Without anti-aliasing the one sample lies in the middle of its pixel.
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
-            self.view.aim(self.scene.camera, (float(jitter[0]), float(jitter[1])), index)
+            if moments:
+                self.technique.solve(self.commands, self._take(moments[index]))
+            place = (float(jitter[0]), float(jitter[1]))
+            camera = self.scene.camera
+            if samples > 1:
+                camera, place = through_lens(camera, place, index, self.size[1])
+            self.view.aim(camera, place, index)
             self.technique.draw(self.commands, self.view)
             # Several samples are averaged on the device, and submitted one by one.
             if samples > 1:
@@ -326,7 +338,7 @@ def render(
     size: tuple[int, int] = (1280, 720),
     *,
     settings: Mapping[str, Any] | None = None,
-    samples: int = STILL_SAMPLES,
+    samples: int | None = None,
     adapter: str = "auto",
     progress: Progress | None = None,
     timed: bool = False,
@@ -334,12 +346,17 @@ def render(
 ) -> Image:
     """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
-    `size`: (width, height) in pixels. `samples` jittered images are averaged. `settings` as in
-    `airlight render -D`. `progress(stage, share)` is called after each step. `timed` renders a few
-    more frames, for `frame_ms` and the milliseconds of each pass in `image.stats`. `time`,
-    seconds, is when a moving scene is shown.
+    `size`: (width, height) in pixels. `samples` jittered images are averaged (8, or 64
+    where the camera has a lens or a shutter). `settings` as in `airlight render -D`.
+    `progress(stage, share)` is called after each step. `timed` renders a few more frames, for
+    `frame_ms` and the milliseconds of each pass in `image.stats`. `time`, seconds, is when a moving
+    scene is shown.
     Raises SceneError, SettingsError, DeviceError.
     """
+    if isinstance(scene, (str, Path)):
+        scene = load(scene)
+    if samples is None:
+        samples = LENS_SAMPLES if scene.camera.is_sampled else STILL_SAMPLES
     if samples < 1 or samples > 4096:
         raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
     if progress:
@@ -356,6 +373,11 @@ def render(
             renderer.frame(read=False)
         stats = {**renderer.stats(), "passes": renderer.timed_passes()}
         return dataclasses.replace(image, stats=stats)
+
+
+def _is_blurred(scene: Scene, samples: int) -> bool:
+    """Whether a frame of so many samples shows more than one moment."""
+    return samples > 1 and scene.camera.shutter_s > 0.0 and scene.animation is not None
 
 
 def _median(times_ms: Sequence[float]) -> float | None:

@@ -24,6 +24,7 @@ COMMANDS: tuple[str, ...] = (
     "render",
     "view",
     "sequence",
+    "turntable",
     "compare",
     "info",
     "validate",

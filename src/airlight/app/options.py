@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -135,6 +136,52 @@ def ground_option() -> Decorator:
     )
 
 
+def camera_options() -> Decorator:
+    """--aperture, --focus and --shutter; the command gets `camera`, {field: value}, what of them
+    was given."""
+    options = (
+        click.option(
+            "--aperture",
+            "aperture_m",
+            type=Number(min=0.0, max=1e6),
+            metavar="METRES",
+            callback=_camera,
+            expose_value=False,
+            help="Diameter of the camera's lens, .05 for a large one.  [default: the scene's]",
+        ),
+        click.option(
+            "--focus",
+            "focus_m",
+            type=Number(min=1e-6, max=1e9),
+            metavar="METRES",
+            callback=_camera,
+            expose_value=False,
+            help="How far ahead things are sharp.  [default: the scene's, or its target]",
+        ),
+        click.option(
+            "--shutter",
+            "shutter_s",
+            type=Number(min=0.0, max=1e6),
+            metavar="SECONDS",
+            callback=_camera,
+            expose_value=False,
+            help="How long a frame's shutter is open while things move.  [default: the scene's]",
+        ),
+    )
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """The scene with what `camera_options` gave its camera."""
+    return replace(scene, camera=replace(scene.camera, **changes)) if changes else scene
+
+
 def check_settings(technique: str, settings: Mapping[str, str]) -> None:
     """Refuse, before a scene is loaded, what the technique takes for none. Raises SettingsError."""
     from ..scene.scene import Scene
@@ -174,6 +221,12 @@ def shared_settings(
             remedy=nearest(unknown[0], known),
         )
     return own
+
+
+def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
+    camera: dict[str, Any] = ctx.params.setdefault("camera", {})
+    if value is not None:
+        camera[str(param.name)] = value
 
 
 def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:

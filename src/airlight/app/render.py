@@ -14,16 +14,19 @@ from .options import (
     SECONDS,
     Number,
     adapter_option,
+    camera_options,
     check_settings,
     ground_option,
     model_options,
     settings_option,
     size_option,
     sun_option,
+    with_camera,
 )
 from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, reads, show_warnings
+from .watching import watched
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -50,7 +53,11 @@ _STARTED_S = time.perf_counter()
     help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
 )
 @size_option("1280x720")
-@click.option("--samples", type=click.IntRange(1, 4096), help="Jittered samples per pixel.")
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 4096),
+    help="Jittered samples per pixel.  [default: 8; 64 with a lens or a shutter]",
+)
 @click.option(
     "--time",
     "time_s",
@@ -73,9 +80,11 @@ _STARTED_S = time.perf_counter()
     type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx]",
 )
+@camera_options()
 @model_options()
 @sun_option()
 @ground_option()
+@click.option("--watch", is_flag=True, help="Render again whenever the scene file is saved.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.
@@ -84,15 +93,24 @@ def command(scene: str, output: Path, **options: Any) -> None:
     airlight render builtin:atrium -o atrium.png
     airlight render room.toml -o room.exr --layers -t lpv -D resolution=48
     airlight render builtin:smoke -o smoke.png --time 2.5
+    airlight render room.toml -o room.png --watch
     """
-    stats_path: Path | None = options["stats"]
     reads(scene)
-    _check_outputs(output, stats_path, options["layers"])
+    _check_outputs(output, options["stats"], options["layers"])
     check_settings(options["technique"], options["settings"])
+    if options["watch"]:
+        watched(scene, lambda: _rendered(scene, output, options))
+    else:
+        _rendered(scene, output, options)
+
+
+def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
+    """One image into its file. Raises AirlightError."""
+    stats_path: Path | None = options["stats"]
     with progress(quiet=options["quiet"]) as report:
         report("loading", 0.0)
         started_s = time.perf_counter()
-        loaded = load_scene(scene, options["model"])
+        loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
         load_s = time.perf_counter() - started_s
         check_outputs(output, stats_path)
         from ..rendering import render
@@ -146,9 +164,16 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
         "settings": options["settings"],
         "adapter": options["adapter"],
         "timed": options["stats"] is not None,
-        "time": options["time_s"],
+        "time": _time_s(scene, options["time_s"]),
         **({"samples": options["samples"]} if options["samples"] else {}),
     }
+
+
+def _time_s(scene: Scene, time_s: float | None) -> float | None:
+    """When: as asked, or where the shutter is open for a while from the animation's start."""
+    if time_s is None and scene.animation is not None and scene.camera.shutter_s > 0.0:
+        return scene.animation.start_s
+    return time_s
 
 
 def _shown(image: Image, options: dict[str, Any]) -> Image:

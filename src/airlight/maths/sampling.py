@@ -51,6 +51,28 @@ def pixel_jitter(count: int) -> F64:
     return np.asarray((points + 0.5) / count - 0.5)
 
 
+def lens_points(sample: int) -> F64:
+    """Point number `sample` (2,) of a sequence in the unit disc: the first of many are spread, too.
+
+    Those of `r2_sequence`, by the area.
+    """
+    radius, angle = r2_sequence(1, sample)[0]
+    turn = 2.0 * np.pi * angle
+    return np.asarray(np.sqrt(radius) * np.array([np.cos(turn), np.sin(turn)]))
+
+
+def shutter_shares(count: int) -> F64:
+    """When samples (count,) fall within a shutter's opening, 0 to 1: evenly, in mixed order.
+
+    By rank of the numbers whose digits to the base 3 are reversed: rows and columns of
+    `pixel_jitter`, which are of base 2 and the golden ratio, do not go with them.
+    """
+    digits = 3 ** np.arange(1, 12)
+    k = np.arange(count)[:, None]
+    reversed_3 = (k * 3 // digits % 3 / digits).sum(axis=1)
+    return np.asarray((reversed_3.argsort().argsort() + 0.5) / count)
+
+
 def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
     """Blue-noise-like dither in [0, 1) by whole pixel and frame.
 

@@ -214,7 +214,12 @@ def _hiding(integrator: Element, scene: Scene, notes: list[str]) -> Element:
 
 def _sensor(scene: Scene, diagonal: float, medium_id: str) -> Element:
     camera = scene.camera
-    sensor = plugin("sensor", "perspective")
+    has_lens = camera.aperture_m > 0.0
+    sensor = plugin("sensor", "thinlens" if has_lens else "perspective")
+    if has_lens:
+        focus = float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+        add_number(sensor, "aperture_radius", camera.aperture_m / 2.0)
+        add_number(sensor, "focus_distance", focus if camera.focus_m is None else camera.focus_m)
     add_lookat(sensor, "to_world", camera.position, camera.target, camera.up)
     add_number(sensor, "fov", camera.fov_y_deg)
     add_text(sensor, "fov_axis", "y")

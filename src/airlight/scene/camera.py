@@ -1,4 +1,4 @@
-"""A pinhole camera."""
+"""A camera: a pinhole, or a lens with a shutter."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from .checks import Vec3
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera in a right-handed world, +Y up, metres.
+    """A camera in a right-handed world, +Y up, metres.
 
     `position` looks at `target`; `fov_y_deg` is the full vertical field of view.
     `exposure_stops` scales the displayed image by 2**stops (None: from the image itself);
-    radiance is not touched.
+    radiance is not touched. `aperture_m` is the diameter of its lens, 0 for a pinhole; what lies
+    `focus_m` ahead along the view is sharp (None: what lies at the target's distance). `shutter_s`:
+    how long the shutter is open from a frame's time on, while things move.
     Raises SceneError for a camera that looks nowhere.
     """
 
@@ -26,6 +28,14 @@ class Camera:
     up: Vec3 = (0.0, 1.0, 0.0)
     fov_y_deg: float = 50.0
     exposure_stops: float | None = 0.0
+    aperture_m: float = 0.0
+    focus_m: float | None = None
+    shutter_s: float = 0.0
+
+    @property
+    def is_sampled(self) -> bool:
+        """Whether an image is a mean over a lens or a time: few samples show as many images."""
+        return self.aperture_m > 0.0 or self.shutter_s > 0.0
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -35,6 +45,10 @@ class Camera:
         put(self, "fov_y_deg", checks.number(self.fov_y_deg, "fov_y_deg", low=0.1, high=179.0))
         if self.exposure_stops is not None:
             put(self, "exposure_stops", checks.stops(self.exposure_stops, "exposure_stops"))
+        put(self, "aperture_m", checks.number(self.aperture_m, "aperture_m", low=0.0, high=1e6))
+        put(self, "shutter_s", checks.number(self.shutter_s, "shutter_s", low=0.0, high=1e6))
+        if self.focus_m is not None:
+            put(self, "focus_m", checks.number(self.focus_m, "focus_m", low=1e-6, high=1e9))
         look = np.subtract(self.target, self.position)
         if not np.any(look):
             raise SceneError("camera position and target are the same point")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +13,14 @@ from ..options import (
     SECONDS,
     Number,
     adapter_option,
+    camera_options,
     check_settings,
     ground_option,
     model_options,
     settings_option,
     size_option,
     sun_option,
+    with_camera,
 )
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
@@ -68,6 +70,7 @@ if TYPE_CHECKING:
     type=click.Choice(["agx", "aces", "neutral", "none"]),
     help="Display curve.  [default: agx]",
 )
+@camera_options()
 @model_options()
 @sun_option()
 @ground_option()
@@ -87,17 +90,24 @@ def command(scene: str, output: Path, **options: Any) -> None:
     Frames are numbered from 0; each appears whole or not at all, and shows the same whichever are
     made before it. What moves is said in the scene file, or by a glTF file's animation.
     """
+    reads(scene)
+    check_sequence(output, options)
+    loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
+    make_sequence(_plan(loaded, options), loaded, output, options)
+
+
+def make_sequence(plan: Plan, loaded: Scene, output: Path, options: Mapping[str, Any]) -> None:
+    """The plan's frames into a folder or a video, gone on with and spread as `options` say.
+
+    `options` are `resume`, `farm`, `quiet` and `keep_frames`. Raises AirlightError.
+    """
     from ...techniques import checked_settings
 
     is_video = output.suffix.lower() in VIDEO_SUFFIXES
-    reads(scene)
-    _check_options(output, options, is_video=is_video)
-    loaded = load_scene(scene, options["model"])
     if is_video:
         check_writable(output)
     show_warnings(loaded)
-    checked_settings(options["technique"], loaded, options["settings"])
-    plan = _plan(loaded, options, is_video=is_video)
+    checked_settings(plan.technique, loaded, plan.settings)
     asked = plan.asked(loaded)
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
@@ -188,8 +198,9 @@ def _note_device(folder: FrameFolder, device: str) -> None:
             )
 
 
-def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> None:
+def check_sequence(output: Path, options: Mapping[str, Any]) -> None:
     """Refuse, before any work, what could not be done after it."""
+    is_video = output.suffix.lower() in VIDEO_SUFFIXES
     check_settings(options["technique"], options["settings"])
     if options["farm"]:
         from .farm import check_farm
@@ -210,7 +221,7 @@ def _check_options(output: Path, options: dict[str, Any], *, is_video: bool) -> 
         raise SettingsError("--layers needs --format exr")
 
 
-def _plan(scene: Scene, options: dict[str, Any], *, is_video: bool) -> Plan:
+def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
     start_s, fps, first, last = frame_span(
         scene, options["frames"], options["start_s"], options["end_s"], options["fps"]
     )

@@ -21,6 +21,7 @@ from ...lighting.lattice_box import lattice_axes, lattice_box
 from ...maths.sampling import pixel_jitter
 from ...media.settings import MediaSettings
 from ...rendering import Renderer
+from ...scene.lens import through_lens
 from ...scene.scene import Scene
 from .build import Task, Turns, said
 from .drawn import Drawn
@@ -182,7 +183,10 @@ class Fine:
         for index, jitter in enumerate(self._jitters):
             if self._shot is not shot:
                 return
-            drawn.draw(commands, shot.scene.camera, (float(jitter[0]), float(jitter[1])), index)
+            place = (float(jitter[0]), float(jitter[1]))
+            drawn.draw(
+                commands, *through_lens(shot.scene.camera, place, index, shot.size[1]), index
+            )
             commands.submit()
             self._fold(commands, drawn.renderer, shot, index)
 

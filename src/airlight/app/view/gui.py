@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from imgui_bundle import imgui
 
 from ...maths.tone import TONE_CURVES
@@ -198,6 +199,7 @@ class Panel:
         changed, fov = imgui.slider_float("field of view", hands.camera.fov_y_deg, 5.0, 120.0)
         if changed:
             hands.camera = replace(hands.camera, fov_y_deg=fov)
+        self._lens()
         low = -2.0
         changed, speed = imgui.slider_float(
             "size of steps", hands.reach_m, 10.0**low, 1e4, "%.3g", imgui.SliderFlags_.logarithmic
@@ -206,6 +208,21 @@ class Panel:
             hands.reach_m = speed
         if imgui.button("steps as the scene"):
             hands.reach_m = reach_m(self.session.state.scene)
+
+    def _lens(self) -> None:
+        """Depth of field: at rest the image is a mean over the lens."""
+        hands = self.session.controls
+        camera, span = hands.camera, hands.reach_m
+        focus = camera.focus_m or float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+        flags = imgui.SliderFlags_.logarithmic
+        opened, aperture = imgui.slider_float(
+            "aperture (m)", camera.aperture_m, 0.0, 0.1 * span, "%.3g", flags
+        )
+        focused, focus = imgui.slider_float("focus (m)", focus, 1e-3 * span, span, "%.3g", flags)
+        if opened:
+            hands.camera = replace(camera, aperture_m=aperture)
+        if focused:
+            hands.camera = replace(hands.camera, focus_m=focus)
 
     def _times(self) -> None:
         session = self.session

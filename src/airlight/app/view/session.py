@@ -19,6 +19,7 @@ from ...scene.image import Image
 from ...scene.io import BUILTIN_PREFIX, load
 from ...scene.io.doubts import doubts
 from ...scene.io.ground import without_ground
+from ...scene.lens import through_lens
 from ...scene.scene import Scene
 from ...techniques import checked_settings
 from .build import Turns, said
@@ -356,7 +357,10 @@ class Session:
             drawn.give(self.scene_now())
         drawn.solve(commands, is_quick=plan.is_moving)
         x, y = (0.0, 0.0) if plan.is_moving else self._jitters[plan.sample]
-        drawn.draw(commands, self.controls.camera, (float(x), float(y)), plan.sample)
+        camera, place = self.controls.camera, (float(x), float(y))
+        if not plan.is_moving:
+            camera, place = through_lens(camera, place, plan.sample, plan.size[1])
+        drawn.draw(commands, camera, place, plan.sample)
         if self._presenter is None:
             self._presenter = Presenter(self.gpu, plan.size, self._format)
         self._presenter.resize(plan.size)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.transforms import rotation_xyz
+from ..camera import Camera
 from ..checks import F64
 from .curve import Curve
 
@@ -51,6 +52,42 @@ class CameraTrack:
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene seen from where the camera is."""
         return replace(scene, camera=replace(scene.camera, **_values(self.curves, time_s)))
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitTrack:
+    """A camera that goes once around `pivot` in `turn_s`, its own way up; or, without a pivot,
+    turns once on the spot."""
+
+    camera: Camera
+    turn_s: float
+    pivot: tuple[float, float, float] | None = None
+
+    @property
+    def end_s(self) -> float:
+        """When it is back, seconds."""
+        return self.turn_s
+
+    @property
+    def camera_alone(self) -> OrbitTrack:
+        """What it does to the camera."""
+        return self
+
+    def apply(self, scene: Scene, time_s: float) -> Scene:
+        """The scene seen from where the camera is; exposed as the scene's own."""
+        own = self.camera
+        centre = np.asarray(own.position if self.pivot is None else self.pivot, np.float64)
+        up, angle = np.array(own.up), 2.0 * np.pi * time_s / self.turn_s
+
+        def turned(place: tuple[float, float, float]) -> tuple[float, float, float]:
+            v = np.subtract(place, centre)
+            along = up * float(v @ up)
+            moved = centre + along + (v - along) * np.cos(angle) + np.cross(up, v) * np.sin(angle)
+            x, y, z = moved.tolist()
+            return x, y, z
+
+        camera = replace(own, position=turned(own.position), target=turned(own.target))
+        return replace(scene, camera=camera)
 
 
 @dataclass(frozen=True, eq=False)

@@ -226,9 +226,10 @@ def _read_emitter(node: Node, found: _Found, source: Source) -> None:
 def _camera(node: Node, source: Source) -> Camera:
     if node.kind not in ("perspective", "thinlens"):
         source.note(f"{node} is read as a perspective one")
+    aperture_m, focus_m = 0.0, None
     if node.kind == "thinlens":
-        source.note(f"{node}: its lens is left out, all is in focus")
-        node.read.update(("aperture_radius", "focus_distance"))
+        aperture_m = 2.0 * float(node.get("aperture_radius", 0.0))
+        focus_m = float(node.get("focus_distance", 1.0))
     matrix = node.get("to_world")
     matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
     forward = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
@@ -242,6 +243,8 @@ def _camera(node: Node, source: Source) -> Camera:
         target=(float(target[0]), float(target[1]), float(target[2])),
         up=up,
         fov_y_deg=_fov_y(node, source),
+        aperture_m=aperture_m,
+        focus_m=focus_m,
     )
 
 

@@ -37,7 +37,7 @@ def _choice(*names: str) -> str:
 
 CAMERA = Table(
     "camera",
-    "The pinhole camera. Without the table, one is chosen that frames the scene and is exposed by "
+    "The camera. Without the table, one is chosen that frames the scene and is exposed by "
     "the image.",
     (
         _POSITION,
@@ -51,6 +51,23 @@ CAMERA = Table(
             'display exposure: 2^stops; "auto": from the image itself, as without it where a '
             "default sun is added",
             "stops",
+            "0",
+        ),
+        Key("aperture_m", checks.number, "number", "diameter of its lens; 0: a pinhole", "m", "0"),
+        Key(
+            "focus_m",
+            checks.number,
+            "number",
+            "how far ahead things are sharp",
+            "m",
+            "the target's distance",
+        ),
+        Key(
+            "shutter_s",
+            checks.number,
+            "number",
+            "how long each frame's shutter is open while things move",
+            "seconds",
             "0",
         ),
         BETWEEN,

@@ -1,0 +1,31 @@
+"""Doing something again whenever a scene file, or a file that it names, is saved."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+
+from ..errors import AirlightError, SettingsError
+from ..scene.io import BUILTIN_PREFIX
+from .view.watch import INTERVAL_S, Watch
+
+
+def watched(scene: str, work: Callable[[], None]) -> None:
+    """`work` now and after each save, until interrupted; its errors are said, and waited out.
+
+    Raises SettingsError for a scene that is no file.
+    """
+    if scene.startswith(BUILTIN_PREFIX):
+        raise SettingsError("--watch is for scene files", remedy="Nobody saves a builtin scene.")
+    watch = Watch(Path(scene))
+    while True:
+        try:
+            work()
+        except AirlightError as error:
+            click.echo(f"airlight: {error}", err=True)
+        click.echo(f"watching {scene}; Ctrl-C ends it", err=True)
+        while not watch.changed():
+            time.sleep(INTERVAL_S / 2.0)

@@ -1,0 +1,37 @@
+"""A thin lens by samples: where on the lens each one looks from, and how its image is moved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..maths.sampling import lens_points
+from .camera import Camera
+
+
+def through_lens(
+    camera: Camera, jitter_px: tuple[float, float], sample: int, height_px: int
+) -> tuple[Camera, tuple[float, float]]:
+    """The pinhole camera of one sample of a lens, and the jitter of its image, pixels.
+
+    The eye moves on the lens, the image as much against it as keeps the plane in focus where it
+    was, so that what lies in it is sharp and nothing else is. Source: Haeberli1990, section 4.
+    """
+    if camera.aperture_m <= 0.0:
+        return camera, jitter_px
+    look = np.subtract(camera.target, camera.position)
+    distance = float(np.linalg.norm(look))
+    forward = look / distance
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    focus = distance if camera.focus_m is None else camera.focus_m
+    x, y = lens_points(sample) * (camera.aperture_m / 2.0)
+    offset = x * right + y * np.cross(right, forward)
+    px_per_m = height_px / (2.0 * focus * np.tan(np.radians(camera.fov_y_deg) / 2.0))
+    moved = replace(
+        camera,
+        position=tuple(np.add(camera.position, offset).tolist()),
+        target=tuple(np.add(camera.target, offset).tolist()),
+    )
+    return moved, (jitter_px[0] + x * px_per_m, jitter_px[1] - y * px_per_m)

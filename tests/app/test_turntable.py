@@ -1,0 +1,90 @@
+"""`airlight turntable`: once around, evenly, with the sun standing still."""
+
+from __future__ import annotations
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from airlight.app.cli import run
+from airlight.app.turntable import around
+from airlight.scene.io import load
+
+OBJ = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+SMALL = ["-t", "direct", "--size", "32x20", "--samples", "1", "-q", "-D", "shadow_resolution=64"]
+
+
+@pytest.fixture
+def model(tmp_path):
+    file = tmp_path / "model.obj"
+    file.write_text(OBJ)
+    return file
+
+
+def test_the_camera_goes_around_the_model_at_its_height_and_distance(model):
+    scene = around(load(model, ground=True), 4.0, 10.0)
+    eyes = np.array([scene.at(k / 10.0).camera.position for k in range(41)])
+    targets = np.array([scene.at(k / 10.0).camera.target for k in range(41)])
+    assert np.allclose(eyes[0], scene.camera.position)
+    assert np.allclose(eyes[40], eyes[0])
+    assert np.ptp(eyes[:, 1]) < 1e-9
+    # Every frame looks at one point, from equally far, a fortieth of a turn on.
+    pivot = (eyes[0] + eyes[20]) / 2.0
+    flat = (eyes - pivot)[:, [0, 2]]
+    assert np.ptp(np.linalg.norm(flat, axis=1)) < 1e-9
+    angles = np.unwrap(np.arctan2(flat[:, 1], flat[:, 0]))
+    assert np.allclose(np.abs(np.diff(angles)), 2.0 * np.pi / 40.0)
+    low, high = scene.meshes[0].world_bounds
+    assert np.all(pivot[[0, 2]] > low[[0, 2]])
+    assert np.all(pivot[[0, 2]] < high[[0, 2]])
+    assert np.allclose(np.linalg.norm(targets - eyes, axis=1), np.linalg.norm(targets[0] - eyes[0]))
+    assert scene.at(1.7).lights is scene.lights
+
+
+def test_a_camera_whose_target_is_near_goes_around_the_model_all_the_same(model):
+    from dataclasses import replace
+
+    scene = load(model)
+    eye = np.array(scene.camera.position)
+    look = np.subtract(scene.camera.target, eye)
+    near = replace(scene.camera, target=tuple(eye + 0.01 * look))
+    far_side = around(replace(scene, camera=near), 1.0, 2.0).at(0.5).camera.position
+    usual = around(scene, 1.0, 2.0).at(0.5).camera.position
+    assert np.allclose(far_side, usual)
+
+
+def test_within_walls_it_turns_on_the_spot():
+    scene = around(load("builtin:room"), 1.0, 4.0)
+    quarter = scene.at(0.25).camera
+    assert quarter.position == pytest.approx(scene.camera.position)
+    look, was = (np.subtract(c.target, c.position) for c in (quarter, scene.camera))
+    assert look[1] == pytest.approx(was[1])
+    assert float(look[[0, 2]] @ was[[0, 2]]) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_frames_show_it_from_all_sides(model, tmp_path):
+    out = tmp_path / "spin"
+    assert (
+        run(["turntable", str(model), "-o", str(out), "--seconds", "1", "--fps", "4", *SMALL]) == 0
+    )
+    frames = [np.asarray(PIL.Image.open(f), int) for f in sorted(out.glob("*.png"))]
+    assert len(frames) == 4
+    for one, other in zip(frames, [*frames[1:], frames[0]], strict=True):
+        assert np.abs(one - other).mean() > 2.0
+    assert all(frame.std() > 10.0 for frame in frames)
+
+
+@pytest.mark.needs("av")
+def test_a_video(model, tmp_path):
+    video = tmp_path / "spin.mp4"
+    assert (
+        run(["turntable", str(model), "-o", str(video), "--seconds", ".5", "--fps", "4", *SMALL])
+        == 0
+    )
+    assert video.stat().st_size > 500
+    assert not (tmp_path / "spin.mp4.frames").exists()
+
+
+def test_a_bad_output_is_refused_before_any_work(model, tmp_path, capsys):
+    assert run(["turntable", str(model), "-o", str(tmp_path / "a.gif")]) == 2
+    assert "'.gif' is no kind of video" in capsys.readouterr().err
