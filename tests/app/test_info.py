@@ -69,6 +69,18 @@ def test_a_density_grid(tmp_path, capsys):
     assert told["density"] == {"lowest": 0.0, "mean": 11.5, "highest": 23.0}
 
 
+def test_a_volume_that_glows(tmp_path, capsys):
+    grids = {"density": np.ones((2, 3, 4)), "flame": np.arange(24.0).reshape(2, 3, 4)}
+    np.savez(tmp_path / "a.npz", **grids)
+    text = (
+        '[[volume]]\nfile = "a.npz"\nsigma_t = 1\nemission_grid = "flame"\nemission = [2, 1, 0]\n'
+    )
+    (tmp_path / "a.toml").write_text(text)
+    told = facts(capsys, str(tmp_path / "a.toml"))
+    assert told["volumes"][0]["emission_peak"] == [46.0, 23.0, 0.0]
+    assert all(light["type"] == "samples" for light in told["surfaces_that_light"])
+
+
 def test_what_cannot_be_read(tmp_path, capsys):
     for name in ("gone.toml", "gone.exr", "gone.npy", "gone.obj", "gone"):
         assert cli.run(["info", str(tmp_path / name)]) == 2

@@ -181,7 +181,13 @@ def _coefficients(medium: Any) -> dict[str, Any]:
 
 def _volume_facts(volume: Volume) -> dict[str, Any]:
     size = None if volume.density is None else list(volume.density.shape)
-    return {"shape": volume.shape, "size_zyx": size, **_coefficients(volume)}
+    facts = {"shape": volume.shape, "size_zyx": size, **_coefficients(volume)}
+    if volume.emission is None:
+        return facts
+    # Of the brightest voxel, W m^-3 sr^-1; where its density is 1 if it has no grid.
+    values = volume.emission.values
+    most = np.ones(3) if values is None else values.max(axis=(0, 1, 2)).astype(np.float64)
+    return facts | {"emission_peak": (most * volume.emission.radiance).tolist()}
 
 
 def _text(facts: Mapping[str, Any]) -> str:
