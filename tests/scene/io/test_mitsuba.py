@@ -569,7 +569,7 @@ def test_a_search_path_outside_is_skipped_unless_the_user_allows_it(
     inner.mkdir(parents=True)
     (tmp_path / "common" / "mesh.obj").write_text(TRIANGLE)
     body = '<path value="../../common"/>'
-    with pytest.raises(SceneError, match="file not found"):
+    with pytest.raises(SceneError, match="leads out of"):
         scene(inner, body + MESH)
     (warning,) = scene(inner, body + '<shape type="cube"/>').warnings[:1]
     assert "the search path '../../common' is no folder in" in warning
@@ -580,7 +580,7 @@ def test_a_search_path_outside_is_skipped_unless_the_user_allows_it(
     with pytest.raises(SceneError, match="outside its folder"):
         scene(inner, outside)
     monkeypatch.setenv("AIRLIGHT_ROOT", str(tmp_path / "common"))  # not around the scene
-    with pytest.raises(SceneError, match="file not found"):
+    with pytest.raises(SceneError, match="leads out of"):
         scene(inner, body + MESH)
 
 
@@ -596,3 +596,54 @@ def test_open_surfaces_that_are_black_behind_in_mitsuba_are_named(tmp_path: Path
         "sides here: shape 'rectangle1' (rectangle), shape 'disk1' (disk), "
         "shape 'cylinder1' (cylinder)"
     )
+
+
+GROUP = """<shape type="shapegroup" id="pair">
+  <shape type="cube"><transform name="to_world"><translate x="2"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.2"/></bsdf></shape>
+  <shape type="sphere"/>
+</shape>
+<shape type="instance"><ref id="pair"/></shape>
+<shape type="instance" id="high"><ref id="pair"/>
+  <transform name="to_world"><scale value="2"/><translate y="5"/></transform></shape>"""
+
+
+def test_instances_of_a_group_share_its_geometry(tmp_path: Path) -> None:
+    """The group itself is not there; each instance is all of it, where it is placed."""
+    read = scene(tmp_path, GROUP + SENSOR.format(""))
+    assert [mesh.name for mesh in read.meshes][2:] == ["high", "high"]
+    assert len({id(mesh.geometry) for mesh in read.meshes}) == 2
+    assert len({id(mesh.material) for mesh in read.meshes}) == 2
+    cube, _, high, _ = read.meshes
+    np.testing.assert_allclose(cube.world_bounds, [[1, -1, -1], [3, 1, 1]], atol=1e-6)
+    np.testing.assert_allclose(high.world_bounds, [[2, 3, -2], [6, 7, 2]], atol=1e-6)
+    assert read.warnings == ()
+
+
+def test_an_instance_of_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="has no shapegroup inside"):
+        scene(tmp_path, '<shape type="instance"><shape type="cube"/></shape>')
+
+
+def test_merged_shapes_are_shapes(tmp_path: Path) -> None:
+    inner = '<shape type="cube"/><shape type="rectangle"/>'
+    read = scene(tmp_path, f'<shape type="merge">{inner}</shape>' + SENSOR.format(""))
+    assert [mesh.geometry.indices.shape[0] for mesh in read.meshes] == [12, 2]
+
+
+def test_an_emitter_may_stand_where_shapes_refer_to_it(tmp_path: Path) -> None:
+    read = scene(
+        tmp_path,
+        '<shape type="cube"><ref id="glow"/></shape><emitter type="area" id="glow">'
+        '<rgb name="radiance" value="3, 2, 1"/></emitter>' + SENSOR.format(""),
+    )
+    assert read.meshes[0].material.emission == (3.0, 2.0, 1.0)
+    assert read.warnings == ()
+
+
+def test_files_behind_a_search_path_outside_name_the_remedy(tmp_path: Path) -> None:
+    (tmp_path / "scenes").mkdir()
+    shape = '<shape type="ply"><string name="filename" value="meshes/a.ply"/></shape>'
+    with pytest.raises(SceneError, match=r"search path '\.\./common' leads out") as error:
+        scene(tmp_path / "scenes", f'<path value="../common"/>{shape}')
+    assert "AIRLIGHT_ROOT" in str(error.value)

@@ -26,10 +26,10 @@ _SUPPORTED = {
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 }
 _LOST = {
-    "KHR_texture_basisu": "images in other formats are used where there are any",
     "KHR_node_visibility": "hidden nodes are shown",
     "MSFT_lod": "the finest level of detail is shown",
 }

@@ -190,8 +190,11 @@ class Materials:
 
     def _image(self, texture: Item, *, is_srgb: bool) -> Texture | None:
         """The pixels of a texture; where they cannot be had, a stand-in for colours."""
-        webp = texture.at("extensions", "EXT_texture_webp")
-        source = webp if webp.has("source") else texture
+        packed = [
+            texture.at("extensions", name) for name in ("EXT_texture_webp", "KHR_texture_basisu")
+        ]
+        # Of a WebP or a KTX 2 and a plain image of the same, the plain one needs no package.
+        source = next((s for s in (texture, *packed) if s.has("source")), texture)
         if not source.has("source"):
             names = ", ".join(texture.child("extensions").keys()) or "nothing"
             self._warn(

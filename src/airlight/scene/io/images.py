@@ -27,6 +27,7 @@ from ..material import Texture
 from . import exr, rgbe
 from .files import naming, read_bytes
 from .image_sizes import MAX_TEXTURE_PIXELS, check_size
+from .ktx2 import is_ktx2, read_ktx2
 from .writing import whole_file
 
 _BAND_ROWS = 256
@@ -35,13 +36,15 @@ IMAGE_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
 
 
 def read_texture(data: Path | bytes, *, is_srgb: bool, source: str = "") -> Texture:
-    """An 8-bit texture from a file or its bytes: PNG, JPEG and whatever else Pillow reads.
+    """An 8-bit texture from a file or its bytes: PNG, JPEG, KTX 2 and whatever else Pillow reads.
 
     Palettes, grey, 16-bit and CMYK images become RGBA. `source` is what messages and the
     texture call it; the path where it is left out. Raises SceneError.
     """
     name = source or (str(data) if isinstance(data, Path) else "an embedded image")
     raw = read_bytes(data) if isinstance(data, Path) else data
+    if is_ktx2(raw):
+        return Texture(pixels=read_ktx2(raw, name), is_srgb=is_srgb, source=name)
     image = _opened(raw, name)
     with _fitting(image.size, name):
         return Texture(pixels=_rgba(image), is_srgb=is_srgb, source=name)

@@ -1,10 +1,11 @@
 """A useful subset of Mitsuba 3's scenes. What is dropped or approximated is in `warnings`.
 
-Read: obj, ply, cube, rectangle, sphere, disk and cylinder; diffuse, (rough)conductor,
-(rough)plastic, principled, twosided, mask, normalmap and null; bitmap and checkerboard; point,
-spot, directional, area, constant and envmap; homogeneous and heterogeneous media of constants
-and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor; <default>, <path>,
-$parameters, <include>, <ref>.
+Read: obj, ply, serialized, cube, rectangle, sphere, disk and cylinder, instances of shape groups
+and merged shapes; diffuse, (rough)conductor,
+(rough)plastic, principled, glass without thickness, twosided, mask, normalmap and null; bitmap and
+checkerboard; point, spot, directional, area, constant and envmap; homogeneous and heterogeneous
+media of constants and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor;
+<default>, <path>, $parameters, <include>, <ref>.
 """
 
 from __future__ import annotations
@@ -70,6 +71,7 @@ class _Found:
     held: list[Held] = field(default_factory=list)
     one_sided: list[str] = field(default_factory=list)
     rims: dict[int, bool] = field(default_factory=dict)
+    groups: dict[int, list[Mesh]] = field(default_factory=dict)
 
     def is_open(self, geometry: Geometry) -> bool:
         """`_is_open`, asked once of a geometry that many shapes share; meshes keep it alive."""
@@ -155,6 +157,40 @@ def _with_filling_medium(scene: Scene) -> Scene:
 
 
 def _read_shape(node: Node, found: _Found, source: Source) -> None:
+    """Add what a shape is: a group by itself is nothing, each of its instances all of it."""
+    if node.kind == "shapegroup":
+        return
+    if node.kind == "merge":
+        for child in node.all("shape"):
+            _read_shape(child, found, source)
+        return
+    if node.kind == "instance":
+        _read_instance(node, found, source)
+        return
+    _read_surface(node, found, source)
+
+
+def _read_instance(node: Node, found: _Found, source: Source) -> None:
+    """Add the meshes of a group once more; they share geometries and materials."""
+    group = node.first("shape")
+    if group is None or group.kind != "shapegroup":
+        raise SceneError(f"{node} has no shapegroup inside")
+    key = id(group.children)  # which all references to a group share
+    if key not in found.groups:
+        own = _Found(rims=found.rims)
+        for child in group.all("shape"):
+            _read_shape(child, own, source)
+        if own.lights or own.held:
+            source.note(f"{group}: lights and media in it are left out")
+        found.one_sided += own.one_sided
+        found.groups[key] = own.meshes
+    to_world = np.asarray(node.get("to_world", np.eye(4)), np.float64)
+    for mesh in found.groups[key]:
+        placed = to_world @ mesh.world_from_object
+        found.meshes.append(replace(mesh, world_from_object=placed, name=node.id or mesh.name))
+
+
+def _read_surface(node: Node, found: _Found, source: Source) -> None:
     interior = next((c for c in node.all("medium") if c.name == "interior"), None)
     exterior = next((c for c in node.all("medium") if c.name == "exterior"), None)
     if interior is not None:

@@ -32,6 +32,8 @@ def emitter(node: Node, source: Source) -> Light | Environment | None:
         return Environment(radiance=color_input(node, "radiance", 1.0, source)[0])
     if node.kind == "envmap":
         return _envmap(node, source)
+    if node.kind == "area":
+        return None  # it stands here for shapes to refer to
     if node.kind in _LEFT_OUT:
         source.note(f"{node} is left out: emitters of this kind are not read")
         node.read.update(node.values)

@@ -82,7 +82,15 @@ class Folders:
             found = inside(self.root, name, where, start=folder)
             if found.exists():
                 return found
-        return inside(self.root, name, where, start=self.own)
+        beside = inside(self.root, name, where, start=self.own)
+        if self.skipped and not beside.exists():
+            raise SceneError(
+                f"'{name}' is not in its folder, and its search path '{self.skipped[0]}' leads "
+                f"out of '{self.root}'",
+                where=self.own,
+                remedy="Set AIRLIGHT_ROOT to a folder around the scene and its files",
+            )
+        return beside
 
     def add(self, name: str, path: Path) -> None:
         """Look in the folder `name`, as the file `path` says in a <path>, before all others.

@@ -232,9 +232,6 @@ _MAKERS: dict[str, Callable[[], Geometry]] = {
     "disk": _disk,
 }
 _LEFT_OUT = (
-    "instance",
-    "shapegroup",
-    "merge",
     "bsplinecurve",
     "linearcurve",
     "ellipsoids",
