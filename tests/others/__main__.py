@@ -25,15 +25,14 @@ def main() -> int:
         before = known.get(row.place)
         counts[row.outcome] += 1
         known[row.place] = row
+        if asked.write:  # as it goes: it may take an hour
+            write_rows(known.values())
         if before is None or (before.outcome, before.words) != (row.outcome, row.words):
             changed += 1
             was = f" (was {before.outcome}: {before.words})" if before else " (new)"
             print(f"{row.place}: {row.outcome}: {row.words}{was}", flush=True)
     print(", ".join(f"{count} {outcome}" for outcome, count in counts.most_common()))
-    if asked.write:
-        write_rows(known.values())
-        return 0
-    return int(changed > 0)
+    return int(changed > 0 and not asked.write)
 
 
 if __name__ == "__main__":

@@ -80,8 +80,7 @@ def tried(folder: Path, files: list[tuple[str, Path]], command: list[str]) -> It
             _end(child)
             child, before = _started(command, clone), repository
         answer = _asked(child, path)
-        if answer is None:
-            answer = {"outcome": "slow" if child.poll() is None else "crash", "words": ""}
+        if answer["outcome"] in ("slow", "crash"):
             _end(child)
             child = None
         yield Row(
@@ -117,16 +116,19 @@ def _started(command: list[str], clone: Path) -> subprocess.Popen[str]:
     )
 
 
-def _asked(child: subprocess.Popen[str], path: Path) -> dict[str, Any] | None:
+def _asked(child: subprocess.Popen[str], path: Path) -> dict[str, Any]:
     assert child.stdin is not None and child.stdout is not None
     try:
         child.stdin.write(f"{path}\n")
         child.stdin.flush()
     except BrokenPipeError:
-        return None
+        return {"outcome": "crash", "words": ""}
     ready, _, _ = select.select([child.stdout], [], [], LIMIT_S)
     line = child.stdout.readline() if ready else ""
-    return json.loads(line) if line else None
+    if not line:
+        return {"outcome": "crash" if ready else "slow", "words": ""}
+    answer: dict[str, Any] = json.loads(line)
+    return answer
 
 
 def _end(child: subprocess.Popen[str] | None) -> None:

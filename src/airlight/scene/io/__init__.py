@@ -27,6 +27,9 @@ BUILTIN_PREFIX = "builtin:"
 GLTF_SUFFIXES = (".glb", ".gltf")
 MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl")
 VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
+OTHER_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz", ".fbx", ".dae", ".blend", ".3ds", ".abc")
+"""Of other programs' scenes, which are not read."""
+_EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
@@ -165,7 +168,7 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,
-        remedy=nearest(suffix, SCENE_SUFFIXES),
+        remedy=_EXPORT if suffix in OTHER_SUFFIXES else nearest(suffix, SCENE_SUFFIXES),
     )
 
 
