@@ -15,7 +15,7 @@ OUTCOMES = {"image", "refused", "empty", "blank"}
 
 def test_the_list_says_what_came_of_each_file() -> None:
     rows = read_rows()
-    assert len({row.place for row in rows}) == len(rows) > 300
+    assert len({row.place for row in rows}) == len(rows) > 250
     for row in rows:
         assert re.fullmatch(r"[0-9a-f]{40}", row.blob), row
         assert row.outcome in OUTCOMES, row
@@ -70,13 +70,13 @@ def test_each_file_is_tried_and_a_crash_is_one_of_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "kept"),
     [
-        ("/home/me/a+b/x.obj: it has no triangles", "it has no triangles"),
-        ("/home/me/a+b/x.obj, line 3: 'v 1' is\n  short", "'v 1' is short"),
+        ("/clones/me/a+b/x.obj: it has no triangles", "it has no triangles"),
+        ("/clones/me/a+b/x.obj, line 3: 'v 1' is\n  short", "'v 1' is short"),
         ("NaN everywhere", "NaN everywhere"),
     ],
 )
 def test_words_are_kept_without_places(words: str, kept: str) -> None:
-    assert short(words, Path("/home/me")) == kept
+    assert short(words, Path("/clones/me")) == kept
 
 
 def test_checksums_are_gits(tmp_path: Path) -> None:
