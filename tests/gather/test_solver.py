@@ -174,6 +174,37 @@ def test_blocks_grow_with_the_image():
     assert reduction((1280, 720), MOST_POINTS) == 6
 
 
+def test_rays_decide_where_shadow_maps_are_unsure():
+    """Maps of 64 and of 2048 texels: the same edges, which the coarse one alone blurs."""
+    sun = DirectionalLight((0.3, -1.0, -0.4), (2, 2, 2))
+    scene = Scene((FLOOR, Mesh(box(), PAINT, np.diag((0.7, 0.7, 0.7, 1.0)))), (sun,), camera=ABOVE)
+
+    def direct(resolution, gather):
+        settings = {**LPV, "shadow_resolution": resolution, "gather": gather}
+        return render(scene, "lpv", SIZE, samples=8, settings=settings).layers["direct"]
+
+    fine = direct(2048, "still")
+    off = {gather: np.linalg.norm(direct(64, gather) - fine) for gather in ("still", "off")}
+    assert off["still"] < 0.1 * off["off"], off
+
+
+def test_rays_meet_what_began_to_move():
+    """A wall that leaves the floor's side between frames, beside one that always stood there."""
+    sun = (DirectionalLight((0, 0, -1), (2, 2, 2)),)
+    away = np.eye(4)
+    away[:3, 3] = (0.0, 0.0, 0.5)
+    before, after = (FLOOR, WALL), (FLOOR, replace(WALL, world_from_object=away))
+    settings = {**LPV, "gather": "always", "bounces": False}
+    with Renderer(Scene(before, sun, camera=ABOVE), "lpv", SIZE, settings=settings) as renderer:
+        renderer.frame()
+        followed = renderer.frame(meshes=after)
+    with Renderer(Scene(after, sun, camera=ABOVE), "lpv", SIZE, settings=settings) as renderer:
+        fresh = renderer.frame()
+    assert followed is not None and fresh is not None
+    a, b = (frame.layers["indirect"] for frame in (followed, fresh))
+    assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b)
+
+
 def bumpy_floor():
     """A floor whose relief turns the normal at random, every ten centimetres."""
     turn = np.random.default_rng(5).uniform(-0.8, 0.8, (60, 60, 2))

@@ -57,6 +57,19 @@ def test_flux_of_rays_is_the_irradiance_of_turned_normals():
     np.testing.assert_allclose(gather.flux_along(UP, d) @ UP, 1.0)
 
 
+def test_what_differs_by_its_noise_is_the_same():
+    """Sums of 16 numbers each: of one source, and of one of twice the light."""
+    rays = RNG.exponential(size=(2, 4000, 16))
+    sums = rays.sum(axis=-1)
+    spread = gather.variance_of_sum(sums, (rays**2).sum(axis=-1), 16)
+    assert spread.mean() == pytest.approx(15.0, rel=0.05)  # n variances, less that of their mean
+    assert gather.sameness(*sums, spread.sum(axis=0)).mean() > 0.85
+    twice = gather.sameness(sums[0], 2.0 * sums[1], spread[0] + 4.0 * spread[1])
+    assert twice.mean() < gather.sameness(*sums, spread.sum(axis=0)).mean() - 0.1
+    assert gather.sameness(1.0, 2.0, 0.0) < 1e-6
+    assert gather.sameness(0.0, 0.0, 0.0) == 1.0
+
+
 def test_detail_follows_a_smooth_field_where_that_has_light():
     assert gather.detailed(2.0, 3.0, 3.0) == 2.0
     assert gather.detailed(1.0, 10.0, 20.0) == pytest.approx(2.0, rel=0.01)
@@ -130,6 +143,12 @@ def test_twins(wgsl):
     np.testing.assert_allclose(close, gather.closeness(texel, u[:, 0]), rtol=1e-3, atol=1e-6)
     along = wgsl("gather", "flux_along", n, m, returns="vec3f")
     np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
+    a, b = np.exp(RNG.normal(size=(2, 500)))
+    spread = wgsl("gather", "variance_of_sum", a, a * a, x % 9 + 1, returns="f32")
+    twin = [gather.variance_of_sum(s, s * s, int(i)) for s, i in zip(a, x % 9 + 1, strict=True)]
+    np.testing.assert_allclose(spread, twin, rtol=1e-3, atol=1e-5)
+    same = wgsl("gather", "sameness", a, b, b, returns="f32")
+    np.testing.assert_allclose(same, gather.sameness(a, b, b), rtol=1e-3, atol=1e-6)
     three = np.exp(RNG.normal(size=(3, 500, 3)))
     detail = wgsl("gather", "detailed", *three, returns="vec3f")
     np.testing.assert_allclose(detail, gather.detailed(*three), rtol=1e-5)

@@ -1,6 +1,12 @@
-// The light of gather points, shared with neighbours on about the same plane. Source: Dammertz2010
-// (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
+// The light of gather points, shared with neighbours on about the same plane; the sky's where it does not differ by more
+// than its noise. Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
 //! use gather
+
+// Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares.
+fn noisy(light: vec4f) -> vec2f {
+    let sum = luminance(light.rgb);
+    return vec2f(sum, select(light.w, variance_of_sum(sum, light.w, params.rays), params.stride == 1u));
+}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {
@@ -9,11 +15,16 @@
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(planes, id.xy, 0).xyz;
     let own = SUMS * (id.y * params.reduced.x + id.x);
-    var sum: array<vec4f, SUMS>;
-    let own_inverse_m = before[own].w / before[own + 1u].w;
+    let own_sky = noisy(before[own + 1u]);
+    var surfaces = vec4f(0.0);
+    var sky = vec4f(0.0);
+    var flux = vec4f(0.0);
+    var sky_flux = vec4f(0.0);
+    var variance = 0.0;
+    var total = 0.0;
+    var sky_total = 0.0;
     let texel_m = params.texel * max(place.w, 1e-9) * f32(params.stride);
     let last = vec2i(params.reduced) - 1;
-    var total = 0.0;
     var k = 0;
     loop {
         if (place.w <= 0.0) { break; }
@@ -22,23 +33,32 @@
         if (all(at >= vec2i(0)) && all(at <= last)) {
             let other = textureLoad(places, at, 0);
             let its = textureLoad(planes, at, 0).xyz;
+            let index = SUMS * (u32(at.y) * params.reduced.x + u32(at.x));
+            let its_light = before[index];
+            let its_sky = before[index + 1u];
+            let inverse_m = 0.5 * (before[own].w + its_light.w) / f32(params.rays);
             var weight = exp(-params.falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
-            let index = SUMS * (u32(at.y) * params.reduced.x + u32(at.x));
-            let its_inverse_m = before[index].w / max(before[index + 1u].w, 1e-9);
-            let inverse_m = 0.5 * (own_inverse_m + its_inverse_m);
             weight *= closeness(distance(place.xyz, other.xyz), inverse_m);
             weight = select(0.0, weight, other.w > 0.0);
-            for (var i = 0u; i < SUMS; i++) {
-                sum[i] += weight * before[index + i];
-            }
+            surfaces += weight * its_light;
+            flux += weight * before[index + 2u];
             total += weight;
+            // Of the sky, what is no noise but the edge of a shadow stays.
+            let other_sky = noisy(its_sky);
+            weight *= sameness(own_sky.x, other_sky.x, own_sky.y + other_sky.y);
+            sky += weight * its_sky;
+            sky_flux += weight * before[index + 3u];
+            variance += weight * weight * other_sky.y;
+            sky_total += weight;
         }
         k++;
         if (k >= 25) { break; }
     }
     let inverse = select(0.0, 1.0 / total, total > 0.0);
-    for (var i = 0u; i < SUMS; i++) {
-        after[own + i] = inverse * sum[i];
-    }
+    let sky_inverse = select(0.0, 1.0 / sky_total, sky_total > 0.0);
+    after[own] = surfaces * inverse;
+    after[own + 1u] = vec4f(sky.rgb * sky_inverse, variance * sky_inverse * sky_inverse);
+    after[own + 2u] = flux * inverse;
+    after[own + 3u] = sky_flux * sky_inverse;
 }

@@ -25,7 +25,7 @@ class FilterParams(Struct):
     stride = u32("texels")
     falloff = f32("per squared stride")
     texel = f32("m, how wide a texel is one metre away")
-    pad = u32()
+    rays = u32("of a point")
 
 
 class _Filter(ComputePass):
@@ -43,8 +43,9 @@ class _Filter(ComputePass):
 class Filtering:
     """Sums of points -> their means over neighbours."""
 
-    def __init__(self, gpu: Gpu, points: Points) -> None:
-        self._points = points
+    def __init__(self, gpu: Gpu, points: Points, rays: int) -> None:
+        """`rays`: of a point."""
+        self._points, self._rays = points, rays
         self._filter = _Filter(gpu)
         self._between = [
             Buffer(gpu, f"filtered sums {i}", NBYTES * points.count) for i in range(len(STRIDES))
@@ -62,7 +63,7 @@ class Filtering:
                     stride=stride,
                     falloff=falloff(view.sample),
                     texel=points.texel_m(view),
-                    pad=0,
+                    rays=self._rays,
                 ),
                 places=points.places,
                 planes=points.planes,

@@ -26,7 +26,8 @@ class PointParams(Struct):
     reduced = vec2u("texels")
     sample = u32("of the still")
     texel = f32("m, how wide a texel is one metre away")
-    pad = vec2u()
+    rays = u32("of a point")
+    pad = u32()
 
 
 class _Points(ComputePass):
@@ -73,8 +74,8 @@ class Points:
         down = view.world_from_clip[:3, 1] / view.world_from_clip[3, 2]
         return float(np.linalg.norm(down)) * 2.0 * self.scale / self.size[1]
 
-    def params(self, view: View) -> PointParams:
-        """What passes over points or pixels must know of the camera."""
+    def params(self, view: View, rays: int = 0) -> PointParams:
+        """What passes over points or pixels must know of the camera; `rays` of a point."""
         return PointParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,
@@ -83,7 +84,8 @@ class Points:
             reduced=self.reduced,
             sample=view.sample,
             texel=self.texel_m(view),
-            pad=(0, 0),
+            rays=rays,
+            pad=0,
         )
 
     def encode(self, commands: Commands, view: View) -> None:

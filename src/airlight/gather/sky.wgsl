@@ -18,6 +18,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     let origin = place.xyz + RAISED * place.w * n;
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
+    var squares = 0.0;
     var k = 0u;
     loop {
         if (k >= sky.sky_rays) { break; }
@@ -28,11 +29,12 @@ const RAISED = 2e-4;        // as in trace.wgsl
                 let found = sky_share(cosine, ray.density, sky.rays, sky.sky_rays) * ray.radiance;
                 sum += found;
                 flux += luminance(found) * flux_along(n, ray.direction);
+                squares += luminance(found) * luminance(found);
             }
         }
         k++;
     }
     let at = SUMS * (id.y * sky.reduced.x + id.x);
-    sums[at + 1u] += vec4f(sum, 0.0);
+    sums[at + 1u] += vec4f(sum, squares);
     sums[at + 3u] += vec4f(flux, 0.0);
 }

@@ -20,6 +20,7 @@ from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..lighting.occlusion import Occlusion, lattice_reach
+from ..lighting.shadow_rays import ShadowRays
 from ..lighting.view import View
 from ..rays.rays import RayScene
 from ..surface.hits import Hits
@@ -76,7 +77,7 @@ class GatherSolver(Solver):
         kit = self.kit
         if not self._gathers(view):
             return fields
-        self._make()
+        self._make(commands)
         sized = self._fitted(view.size)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
@@ -88,8 +89,6 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
-            assert self._rays is not None
-            self._rays.update(commands, self._scene)
         if kit.area_shadows is not None:
             with commands.stage("area lights"):
                 kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
@@ -108,17 +107,16 @@ class GatherSolver(Solver):
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
-        return replace(fields, gathered=gathered)
+        return replace(fields, gathered=replace(gathered, shadows=self._lighting.shadows))
 
     def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
         """Trace paths of several segments; lattices light what the last of them meets."""
         assert self._trace is not None
-        kit, rays = self.kit, self.settings.gather_rays
+        rays = self.settings.gather_rays
         count = self.settings.gather_bounces if self._bounces else 1
-        raised = _RAISED * float(np.linalg.norm(kit.box[1] - kit.box[0]))
         hits, before = sized.hits
         for index in range(count):
-            segment = Segment(numbers, index, raised)
+            segment = Segment(numbers, index, self._raised)
             with commands.stage("gather rays"):
                 self._trace.encode(commands, sized.points, (before, hits), segment)
             with commands.stage("gather lighting"):
@@ -147,13 +145,25 @@ class GatherSolver(Solver):
         is_wanted = view.is_still or self.settings.gather == "always"
         return is_wanted and bool(self.kit.meshes.draws) and not self._scene.light_groups
 
-    def _make(self) -> None:
-        if self._trace is None:
-            kit = self.kit
-            materials = {id(m.material): m.material for m in kit.meshes.original}
+    def _make(self, commands: Commands) -> None:
+        """Bring the hierarchy up to date, and the passes that look into it."""
+        kit = self.kit
+        if self._rays is None:
             self._rays = RayScene(kit.gpu, kit.meshes)
+            materials = {id(m.material): m.material for m in kit.meshes.original}
+            self._albedos = Albedos(kit.gpu, list(materials.values()))
+        with commands.stage("gather rays"):
+            self._rays.update(commands, self._scene)
+        # Once something has moved, rays also meet instances.
+        if self._trace is None or self._trace.constants != self._rays.constants:
+            self._trace = Trace(kit.gpu, self._rays, self._albedos)
             self._sky_rays = SkyRays(kit.gpu, self._rays, self._cells)
-            self._trace = Trace(kit.gpu, self._rays, Albedos(kit.gpu, list(materials.values())))
+        self._lighting.shadows = ShadowRays(self._rays, self._raised)
+
+    @property
+    def _raised(self) -> float:
+        """Where rays start above surfaces that other rays met, m."""
+        return _RAISED * float(np.linalg.norm(self.kit.box[1] - self.kit.box[0]))
 
     def _fitted(self, size: tuple[int, int]) -> _Sized:
         if self._sized is None or self._sized.points.size != size:
@@ -187,5 +197,5 @@ class _Sized:
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
         self.paths = Paths(gpu, self.points, cells, self.batch)
-        self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points)
-        self.upsampling = Upsampling(gpu, kit, self.points)
+        self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
+        self.upsampling = Upsampling(gpu, kit, self.points, rays)

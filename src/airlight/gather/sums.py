@@ -39,9 +39,9 @@ class Sums:
     """Four vec4f for each point.
 
     The first: radiance of the surfaces that its rays met, summed, and the sum of their distances'
-    inverses, m^-1. The second: that of the environment, and the number of rays. The
+    inverses, m^-1. The second: that of the environment, and the sum of its luminance squared. The
     third: where the first's light comes from, as the sum of `maths.gather.flux_along` times its
-    luminance, and the share of the hemisphere that near occluders leave; the fourth: where the
+    luminance, and the share of the hemisphere that near occluders leave. The fourth: where the
     second's comes from.
     """
 

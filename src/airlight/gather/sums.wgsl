@@ -24,15 +24,15 @@
         if (k >= params.rays) { break; }
         let path = paths[2u * (point + k * count)];
         let direction = cosine_direction(facing.xyz, ray_numbers(id.x, id.y, params.first_ray + k));
-        let its_flux = vec4f(luminance(path.rgb) * flux_along(facing.xyz, direction), 0.0);
+        let light = luminance(path.rgb);
+        let its_flux = vec4f(light * flux_along(facing.xyz, direction), 0.0);
         let is_outside = path.w < 0.0;
         surfaces += select(path, vec4f(0.0), is_outside);
-        outside += select(vec4f(0.0), vec4f(path.rgb, 0.0), is_outside);
+        outside += select(vec4f(0.0), vec4f(path.rgb, light * light), is_outside);
         flux += select(its_flux, vec4f(0.0), is_outside);
         flux_outside += select(vec4f(0.0), its_flux, is_outside);
         k++;
     }
-    outside.w += f32(params.rays);
     flux.w = facing.w;
     sums[at] = surfaces;
     sums[at + 1u] = outside;

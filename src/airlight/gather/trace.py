@@ -61,6 +61,7 @@ class Trace:
 
     def __init__(self, gpu: Gpu, scene: RayScene, albedos: Albedos) -> None:
         self._scene, self._albedos = scene, albedos
+        self.constants = scene.constants
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
 

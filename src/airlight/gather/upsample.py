@@ -38,8 +38,9 @@ class _Upsample(FullscreenPass):
 class Upsampling:
     """Sums of points -> irradiance of pixels."""
 
-    def __init__(self, gpu: Gpu, kit: Kit, points: Points) -> None:
-        self._kit, self._points = kit, points
+    def __init__(self, gpu: Gpu, kit: Kit, points: Points, rays: int) -> None:
+        """`rays`: of a point."""
+        self._kit, self._points, self._rays = kit, points, rays
         light = LatticeLight(
             is_occluded=kit.settings.ambient_occlusion,
             has_sky=kit.sky.maps.layers > 0,
@@ -66,7 +67,7 @@ class Upsampling:
         self._pass.draw(
             commands,
             (self.gathered.irradiance, self.gathered.sky),
-            params=points.params(view),
+            params=points.params(view, self._rays),
             depth=gbuffer.depth,
             albedo=gbuffer.albedo,
             normal=gbuffer.normal,

@@ -96,7 +96,7 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     let seen = interreflected(open, tint);
     // Of cosine-distributed rays, pi times the mean radiance.
     let is_any = found.total > 1e-4 * LEAST;
-    let scale = select(0.0, 3.14159265 / found.sum[1].w, is_any);
+    let scale = select(0.0, 3.14159265 / (f32(params.rays) * found.total), is_any);
     let its_open = found.sum[2].w * select(0.0, 1.0 / found.total, is_any);
     let surfaces = turned(scale * found.sum[0].rgb, scale * found.sum[2].xyz, n, seen,
         interreflected(its_open, tint));

@@ -20,6 +20,7 @@ from ..surface.hits import HITS, Hits
 from .kernel import Emitters, LatticeLight, LightingParams, Part, lighting_slots
 from .kit import Kit
 from .lighting import Lighting, RadianceLayers
+from .shadow_rays import ShadowRays, shadow_key
 
 
 class HitLighting:
@@ -27,7 +28,9 @@ class HitLighting:
 
     def __init__(self, kit: Kit, attenuation: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
-        self._passes: dict[Part, Lighting] = {}
+        self._passes: dict[tuple[Any, ...], Lighting] = {}
+        self.shadows: ShadowRays | None = None
+        """Rays that decide where shadow maps are unsure."""
         has_panes = kit.meshes.has_translucent
         slots = lighting_slots("whole", attenuation, points=HITS, has_panes=has_panes)
         self._is_whole = fits(kit.gpu, slots)
@@ -110,10 +113,14 @@ class HitLighting:
             "sky_cube": sky.cube,
             **kit.blockers.bound,
             "linear_clamp": self._linear,
+            **(self.shadows.bound if self.shadows else {}),
         }
 
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
-        if part not in self._passes:
+        # What another part has lit has its shadows.
+        shadows = None if part == "rest" else self.shadows
+        key = (part, shadow_key(shadows))
+        if key not in self._passes:
             count, directional = self.kit.emitters.plain, self.kit.lights.parallel.layers
             emitters = Emitters(
                 has_directional=directional > 0,
@@ -126,12 +133,13 @@ class HitLighting:
                 is_one_lattice=self.kit.lattices.table.count == 1,
             )
             light = replace(light, damping=irradiance.damping)
-            self._passes[part] = Lighting(
+            self._passes[key] = Lighting(
                 self.gpu,
                 part,
                 emitters,
                 light,
                 attenuation=self.attenuation,
                 points=HITS,
+                shadows=shadows,
             )
-        return self._passes[part]
+        return self._passes[key]

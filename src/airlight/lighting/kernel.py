@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,6 +10,7 @@ from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams
+from ..rays.slots import RAY_SLOTS
 from ..surface.hits import PIXELS, Points
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
@@ -16,6 +18,10 @@ from ..surface.light_views import LightViewData
 _NO_ATTENUATION = """
 fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
+_NOT_TRACED = """
+fn arriving_share(lit: f32, p: vec3f, n: vec3f, in: Incoming) -> f32 { return lit; }
+"""
+_TRACED = "//! use traced_shadow\n"
 _ATTENUATED_BY_MEDIA = """
 //! use media_light
 fn light_transmittance(index: u32, p: vec3f) -> vec3f {
@@ -263,8 +269,16 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     return Kernel(generated, constants, LATTICES_FIRST)
 
 
-def lights_kernel(part: Part, emitters: Emitters, attenuation: Attenuation | None) -> Kernel:
-    """Lights, emission and background, or the texture where another part wrote them."""
+def lights_kernel(
+    part: Part,
+    emitters: Emitters,
+    attenuation: Attenuation | None,
+    shadows: Mapping[str, float] | None = None,
+) -> Kernel:
+    """Lights, emission and background, or the texture where another part wrote them.
+
+    `shadows`: the constants of `ShadowRays`, where rays look for them.
+    """
     if part not in ("whole", "lights"):
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box
@@ -275,7 +289,10 @@ def lights_kernel(part: Part, emitters: Emitters, attenuation: Attenuation | Non
         "IS_ONE_DIRECTIONAL": float(emitters.is_one_directional),
     }
     panes = "//! use panes\n" if emitters.has_panes else _NO_PANES
-    generated = _NOT_LIT + _transmittance_wgsl(attenuation) + panes + "//! use direct_light\n"
+    constants |= shadows or {}
+    traced = _NOT_TRACED if shadows is None else _TRACED
+    asked = _transmittance_wgsl(attenuation) + panes + traced
+    generated = _NOT_LIT + asked + "//! use direct_light\n"
     return Kernel(generated, constants, _LIGHTS_FIRST | _MEDIA_FIRST if is_box else _LIGHTS_FIRST)
 
 
@@ -294,8 +311,9 @@ def lighting_slots(
     points: Points = PIXELS,
     *,
     has_panes: bool = False,
+    is_traced: bool = False,
 ) -> tuple[Slot, ...]:
-    """The slots of a part of lighting, see `Lighting`."""
+    """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
     is_after = part in ("lattices", "rest", "gathered")
     has_lattices = part != "lights" and (part != "gathered" or gloss == "inline")
     return (
@@ -305,5 +323,6 @@ def lighting_slots(
         *(_GATHERED_SLOTS if part == "gathered" else ()),
         *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
         *(PANE_SLOTS if has_panes and not is_after else ()),
+        *(RAY_SLOTS if is_traced and not is_after else ()),
         *(_LISTS if gloss == "listed" and part != "lights" else ()),
     )

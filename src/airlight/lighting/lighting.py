@@ -6,7 +6,10 @@ and Schlick's Fresnel term, as glTF 2.0 defines it.
 
 from __future__ import annotations
 
+from functools import partial
+
 from ..area.attenuation import Attenuation
+from ..gpu.demands import fits
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
@@ -21,6 +24,7 @@ from .kernel import (
     lighting_slots,
     lights_kernel,
 )
+from .shadow_rays import ShadowRays
 
 
 class Lighting(FullscreenPass):
@@ -38,22 +42,29 @@ class Lighting(FullscreenPass):
         gloss: Gloss = "none",
         attenuation: Attenuation | None = None,
         points: Points = PIXELS,
+        shadows: ShadowRays | None = None,
     ) -> None:
         """`part`: which light is added up. `attenuation`: the media between lights and surfaces.
 
-        `points`: whether surfaces are those of pixels, or hits of rays.
+        `points`: whether surfaces are those of pixels, or hits of rays. `shadows`: rays that decide
+        where shadow maps are unsure, as far as the device binds what they need.
         """
-        self.slots = lighting_slots(  # type: ignore[misc]
-            part, attenuation, gloss, points, has_panes=emitters.has_panes
+        slots_of = partial(
+            lighting_slots, part, attenuation, gloss, points, has_panes=emitters.has_panes
         )
+        slots = slots_of(is_traced=shadows is not None)
+        if shadows is not None and not fits(gpu, slots):
+            shadows, slots = None, slots_of()
+        self.slots = slots  # type: ignore[misc]
         self.names = [slot.name for slot in self.slots]
+        traced = shadows.constants(points) if shadows else None
         surfaces = {
             "HAS_SURFACES": float(emitters.has_surfaces),
         }
         kernel = (
             Kernel(points.wgsl, surfaces, {})
             + lattices_kernel(part, lattices, gloss)
-            + lights_kernel(part, emitters, attenuation)
+            + lights_kernel(part, emitters, attenuation, traced)
         )
         super().__init__(
             gpu,

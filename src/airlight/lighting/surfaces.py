@@ -31,6 +31,7 @@ from .kernel import (
 from .kit import Kit
 from .lighting import Lighting
 from .occlusion import Occlusion, lattice_reach
+from .shadow_rays import ShadowRays, shadow_key
 from .view import View
 
 _AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before
@@ -42,7 +43,7 @@ class Surfaces:
     def __init__(self, kit: Kit, scene: Scene, attenuation: Attenuation | None = None) -> None:
         self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
         self._cpu_scope = kit.gpu.scope()  # of passes of CPU adapters, by the image's size
-        self._passes: dict[Part, Lighting] = {}
+        self._passes: dict[tuple[Any, ...], Lighting] = {}
         self.glossy: GlossyPixels | None = None
         self._occlusion: Occlusion | None = None
         self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
@@ -78,7 +79,7 @@ class Surfaces:
         self._emission = self._emitted(commands, view)
         if gathered is not None:
             with commands.stage("lighting"):
-                self._light(commands, view, "lights", irradiance, sky)
+                self._light(commands, view, "lights", irradiance, sky, gathered)
                 self._light(commands, view, "gathered", irradiance, sky, gathered)
             return
         is_occluded = self.kit.settings.ambient_occlusion and bool(meshes.draws)
@@ -135,9 +136,11 @@ class Surfaces:
     ) -> None:
         layers = view.layers
         values = self._bound(view, part, irradiance, sky)
+        shadows = gathered.shadows if gathered and part == "lights" else None
         values |= gathered.bound if gathered else {}
+        values |= shadows.bound if shadows else {}
         self._make_cpu_passes(view.size)
-        lighting = self._lighting_of(part, irradiance)
+        lighting = self._lighting_of(part, irradiance, shadows)
         drawn = {name: values[name] for name in lighting.names if name in values}
         if self.glossy is None or part == "lights":
             targets = (layers.lit,) if part == "lights" else layers.targets
@@ -199,8 +202,11 @@ class Surfaces:
         self._passes.clear()
         self.glossy = GlossyPixels(self._cpu_scope, self._lattices) if is_listed else None
 
-    def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
-        if part not in self._passes:
+    def _lighting_of(
+        self, part: Part, irradiance: Irradiance, shadows: ShadowRays | None
+    ) -> Lighting:
+        key = (part, shadow_key(shadows))
+        if key not in self._passes:
             count, directional = self._plain
             emitters = Emitters(
                 has_surfaces=bool(self.kit.meshes.draws),
@@ -214,15 +220,16 @@ class Surfaces:
                 damping=irradiance.damping,
                 has_interreflection=irradiance.has_interreflection,
             )
-            self._passes[part] = Lighting(
+            self._passes[key] = Lighting(
                 self.gpu,
                 part,
                 emitters,
                 lattices,
                 gloss=self._gloss_of(part),
                 attenuation=self.attenuation,
+                shadows=shadows,
             )
-        return self._passes[part]
+        return self._passes[key]
 
     def _gloss_of(self, part: Part) -> Gloss:
         if self.glossy is not None and part != "lights":

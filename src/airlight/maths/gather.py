@@ -23,6 +23,10 @@ PLANE_SHARE = 0.25
 
 REACH = 0.3
 """Of the distance that light comes from, over which neighbours' light stands for a point's."""
+SAME = 0.02
+"""Of the sum of two lights: by what they may differ without noise."""
+DOUBT = 4.0
+"""Variances by whose root two lights differ at which one counts 1/e for the other."""
 LEAST_COSINE = 0.1
 """Rays that graze more count as if they grazed like this in what turning a normal changes."""
 TRUST = 0.1
@@ -108,6 +112,23 @@ def detailed(gathered: ArrayLike, around: ArrayLike, own: ArrayLike) -> F64:
     trust = TRUST * light
     ratio = (b + trust) / np.maximum(a + trust, 1e-20)
     return np.asarray(light * np.clip(ratio, 1.0 / MOST_DETAIL, MOST_DETAIL))
+
+
+def variance_of_sum(sum: ArrayLike, squares: ArrayLike, count: int) -> F64:
+    """The variance of a sum of `count` numbers that are alike, from that of their squares."""
+    total, squared = np.asarray(sum, dtype=np.float64), np.asarray(squares, dtype=np.float64)
+    return np.asarray(np.maximum(squared - total * total / count, 0.0))
+
+
+def sameness(a: ArrayLike, b: ArrayLike, variance: ArrayLike) -> F64:
+    """How far (...) two lights are the same but for their noise, 0 to 1.
+
+    `variance`: the sum of both. What is to be expected of noise is taken from their difference.
+    Source: Rousselle2012 (pixel distances of non-local means).
+    """
+    x, y, v = (np.asarray(value, dtype=np.float64) for value in (a, b, variance))
+    off = np.maximum((x - y) ** 2 - v, 0.0)
+    return np.asarray(np.exp(-off / np.maximum(DOUBT * v + (SAME * (x + y)) ** 2, 1e-30)))
 
 
 def closeness(distance_m: ArrayLike, inverse_m: ArrayLike) -> F64:

@@ -6,6 +6,7 @@
 //! use surface_reflection
 //! needs fn light_transmittance(index: u32, p: vec3f) -> vec3f
 //! needs fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f
+//! needs fn arriving_share(lit: f32, p: vec3f, n: vec3f, in: Incoming) -> f32
 
 override HAS_DIRECTIONAL: bool = true;
 override HAS_LOCAL: bool = true;
@@ -67,7 +68,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         let in = arriving_from(light, p);
         let cosine = dot(n, in.to_light);
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
-            let lit = light_visibility(light, p, n, in);
+            let lit = arriving_share(light_visibility(light, p, n, in), p, n, in);
             if (lit > 0.0) {
                 let passed = light_transmittance(i, p) * panes_passed(light, p, n, in);
                 let arriving = in.irradiance * passed * cosine * lit;

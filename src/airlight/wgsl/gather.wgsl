@@ -7,6 +7,8 @@ const SUMS = 4u;            // vec4f of a point, see gather/sums.py
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.25;
 const REACH = 0.3;
+const SAME = 0.02;
+const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
@@ -50,6 +52,16 @@ fn detailed(gathered: vec3f, around: vec3f, own: vec3f) -> vec3f {
     let trust = TRUST * gathered;
     let ratio = (own + trust) / max(around + trust, vec3f(1e-20));
     return gathered * clamp(ratio, vec3f(1.0 / MOST_DETAIL), vec3f(MOST_DETAIL));
+}
+
+fn variance_of_sum(sum: f32, squares: f32, count: u32) -> f32 {
+    return max(squares - sum * sum / f32(count), 0.0);
+}
+
+fn sameness(a: f32, b: f32, variance: f32) -> f32 {
+    let off = max((a - b) * (a - b) - variance, 0.0);
+    let same = SAME * (a + b);
+    return exp(-off / max(DOUBT * variance + same * same, 1e-30));
 }
 
 fn closeness(distance_m: f32, inverse_m: f32) -> f32 {

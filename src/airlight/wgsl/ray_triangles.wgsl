@@ -67,12 +67,15 @@ fn ray_chance(hit: RayHit) -> f32 {
     return f32(((word >> 22u) ^ word) >> 8u) / 16777216.0;
 }
 
+override RAYS_MEET_TRANSLUCENT: bool = true;    // else they pass, as if nothing were there
+
 // Whether a material is there at a hit, as the alpha of its instance's mask says, and, where it is translucent, chance.
 fn ray_is_there(hit: RayHit) -> bool {
     let at = RAY_INSTANCE_PAIRS * hit.instance;
     let mask = ray_rows(ray_instances[at + 3u]);
     let first = mask.first.z;
     let met = bitcast<f32>(ray_rows(ray_instances[at + 4u]).first.w);
+    if (!RAYS_MEET_TRANSLUCENT && met > 0.0) { return false; }
     if (first == 0u) { return met == 0.0 || ray_chance(hit) < met; }
     let limit = ray_rows(ray_instances[at + 4u]).first.xy;
     let uv = ray_uv(ray_rows(ray_triangles[2u * hit.triangle + 1u]), hit.bary);

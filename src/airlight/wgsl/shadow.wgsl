@@ -4,6 +4,8 @@
 const SHADOW_OUTER = vec2f(-0.35, -1.05);
 const SHADOW_INNER = vec2f(-0.95, -0.55) * 0.45;
 
+override SHADOW_REACH: f32 = 1.0;       // times as far
+
 fn lit_corners(
     maps: texture_depth_2d_array, compare: sampler_comparison, uv: vec2f, corner: vec2f, layer: u32,
     depth: f32,
@@ -51,7 +53,7 @@ fn lit_share(
     if (!point.is_inside) {
         return 1.0;
     }
-    let texel = 1.0 / f32(textureDimensions(maps).x);
+    let texel = SHADOW_REACH / f32(textureDimensions(maps).x);
     // No edge comes between corners of the outer square that agree. A loop: drivers that run both
     // sides of a branch end it where none of the pixels at hand is at an edge.
     var sum = 0.0;
