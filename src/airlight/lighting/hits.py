@@ -127,6 +127,7 @@ class HitLighting:
                 has_local=count > directional,
                 is_one_directional=count == directional == 1,
                 has_panes=self.kit.meshes.has_translucent,
+                shadows=shadows,
             )
             light = LatticeLight(
                 has_sky=self.kit.sky.maps.layers > 0,
@@ -140,6 +141,5 @@ class HitLighting:
                 light,
                 attenuation=self.attenuation,
                 points=HITS,
-                shadows=shadows,
             )
         return self._passes[key]

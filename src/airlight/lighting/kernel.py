@@ -14,6 +14,7 @@ from ..rays.slots import RAY_SLOTS
 from ..surface.hits import PIXELS, Points
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
+from .shadow_rays import ShadowRays
 
 _NO_ATTENUATION = """
 fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
@@ -139,7 +140,8 @@ class Emitters:
 
     `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the kinds of
     lights there may be; `is_one_directional`: the table `lights` has one row, a directional light.
-    `has_panes`: translucent surfaces tint light.
+    `has_panes`: translucent surfaces tint light. `shadows`: rays that decide where shadow maps are
+    unsure, as far as the device binds what they need.
     """
 
     has_surfaces: bool = True
@@ -147,6 +149,7 @@ class Emitters:
     has_local: bool = True
     is_one_directional: bool = False
     has_panes: bool = False
+    shadows: ShadowRays | None = None
 
 
 @dataclass(frozen=True)

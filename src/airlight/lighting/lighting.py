@@ -24,7 +24,6 @@ from .kernel import (
     lighting_slots,
     lights_kernel,
 )
-from .shadow_rays import ShadowRays
 
 
 class Lighting(FullscreenPass):
@@ -42,16 +41,15 @@ class Lighting(FullscreenPass):
         gloss: Gloss = "none",
         attenuation: Attenuation | None = None,
         points: Points = PIXELS,
-        shadows: ShadowRays | None = None,
     ) -> None:
         """`part`: which light is added up. `attenuation`: the media between lights and surfaces.
 
-        `points`: whether surfaces are those of pixels, or hits of rays. `shadows`: rays that decide
-        where shadow maps are unsure, as far as the device binds what they need.
+        `points`: whether surfaces are those of pixels, or hits of rays.
         """
         slots_of = partial(
             lighting_slots, part, attenuation, gloss, points, has_panes=emitters.has_panes
         )
+        shadows = emitters.shadows
         slots = slots_of(is_traced=shadows is not None)
         if shadows is not None and not fits(gpu, slots):
             shadows, slots = None, slots_of()

@@ -214,6 +214,7 @@ class Surfaces:
                 has_local=count > directional,
                 is_one_directional=count == directional == 1,
                 has_panes=self.kit.meshes.has_translucent,
+                shadows=shadows,
             )
             lattices = replace(
                 self._lattices,
@@ -227,7 +228,6 @@ class Surfaces:
                 lattices,
                 gloss=self._gloss_of(part),
                 attenuation=self.attenuation,
-                shadows=shadows,
             )
         return self._passes[key]
 
