@@ -33,7 +33,7 @@ class ShadowRays:
         is_pixel = points is PIXELS
         return {
             **self.scene.constants,
-            # What translucent surfaces let through, maps of their own say.
+            # The transmittance of translucent surfaces is in maps of their own.
             "RAYS_MEET_TRANSLUCENT": 0.0,
             "SHADOW_REACH": _REACH,
             "SHADOW_RAISED": _RAISED if is_pixel else 0.0,
