@@ -66,17 +66,20 @@ def layout(found: Sequence[Source]) -> Layout:
     for row, source in enumerate(found):
         geometry, material = source.surface.geometry, source.surface.material
         count = len(geometry.indices)
+        # Triangles of few-sided surfaces, and of textured ones, are split into equal parts.
         texture = material.emission_texture if geometry.uvs is not None else None
         wanted = LEAST_TEXTURED if texture else LEAST_PIECES
         depth = min(MOST_SPLIT, max(0, int(np.ceil(0.5 * np.log2(wanted / count)))))
         split = _split(depth)
         triangle = np.repeat(np.arange(count), len(split))
         weights = np.tile(split, (count, 1, 1))
+        # The share of the emission that the texture leaves each piece.
         share = np.ones((len(triangle), 3))
         if texture is not None and geometry.uvs is not None:
             uv = geometry.uvs[geometry.indices[triangle]].astype(np.float64)
             taps = np.einsum("tk,nkc,ncx->tnx", _TAPS, weights, uv)
             share = np.mean([texture_light(texture, tap) for tap in taps], axis=0)
+        # Smooth parts are numbered over all sources.
         part = _parts_of(geometry) + parts
         parts = int(part.max()) + 1
         columns.append((np.full(len(triangle), row), triangle, weights, share, part[triangle]))

@@ -37,11 +37,13 @@ def clusters(features: F64, power: F64, atoms: I64, most: int) -> list[I64]:
     kept = np.flatnonzero(power > 0.0)
     if not len(kept):
         return []
+    # Each atom's power, and its mean features by power.
     numbers, owner = np.unique(atoms[kept], return_inverse=True)
     owner = owner.reshape(-1)
     total = np.bincount(owner, power[kept]).astype(np.float64)
     sums = [np.bincount(owner, power[kept] * column) for column in features[kept].T]
     centre = np.stack(sums, axis=1) / total[:, None]
+    # The group of the largest cost is halved, as long as there may be more groups.
     heap = [(-_cost(centre, total, np.arange(len(numbers))), 0, np.arange(len(numbers)))]
     made = 1
     while len(heap) < min(most, len(numbers)):
@@ -55,6 +57,7 @@ def clusters(features: F64, power: F64, atoms: I64, most: int) -> list[I64]:
         for half in _halves(centre, total, rows, 0.5, 1, 1):
             heapq.heappush(heap, (-_cost(centre, total, half), made, half))
             made += 1
+    # The groups in the order of their first atoms, as rows.
     found = sorted((rows for _, _, rows in heap), key=lambda rows: int(rows.min()))
     return [kept[np.isin(owner, rows)] for rows in found]
 

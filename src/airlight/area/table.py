@@ -158,9 +158,11 @@ def corner_rows(emitters: Sequence[Emitter]) -> Any:
 
 def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
     """The table of `SampleData`, emitter by emitter."""
+    # Each sample, where it is beside the first one of its emitter.
     rows, view = [], 0
     for sample, first in ((s, emitter.samples[0]) for emitter in emitters for s in emitter.samples):
         light, axes = sample.light, frame(sample)
+        # Depth in its maps follows from the distance along a face's axis: gain and offset.
         near, far = reach(sample, low, high)
         gain = far / (far - near)
         rows.append(

@@ -41,7 +41,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 }
 """Our stages under the paper's names. Its lookup pass adds indirect light to an image; ours
 computes all of a pixel's light, direct light and its shadows too."""
-KEPT = "GV Injection here: all meshes moving. Blockers of what stands still are kept and cost none."
+KEPT = "GV Injection here: all meshes moving. Blockers of static meshes are cached and cost none."
 COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
 
 

@@ -217,7 +217,7 @@ def off(found: Mapping[str, Mapping[str, float]]) -> str:
 
 
 def _in_blocks(image: F32) -> F32:
-    """Means (rows, columns, 3) of squares of pixels; what is left over at the edges is cut off."""
+    """Means (rows, columns, 3) of squares of pixels; the remainder at the edges is cut off."""
     n = _BLOCK_PX
     height, width = (length // n for length in image.shape[:2])
     cut = image[: height * n, : width * n]

@@ -63,6 +63,7 @@ class RasterPipeline:
         self.targets_used = self.targets if targets is None else targets
         check_slots(gpu, self.label, (*self._slots, *self._second))
         check_targets(gpu, self.label, self.targets_used)
+        # The source; full-screen passes bring the vertex shader, and parameters where that pays.
         text = shader_path(type(self)).read_text()
         self._entry = self.fragment_entry
         if self.vertex_entry == "fullscreen":
@@ -70,12 +71,14 @@ class RasterPipeline:
             self._slots, self._entry, text = made.slots, made.entry, made.text
             generated = made.generated + generated
         self._source, self._constants = self._joined(generated, text), constants or {}
+        # Bind groups: the pass's own, and one per material.
         self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
         self.second: Bindings | None = None
         if self.second_slots:
             self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
         self._primitive = {"topology": self.topology, "cull_mode": cull, "front_face": front_face}
         layouts = [slot.layout for slot in (*self._slots, *self._second)]
+        # All that a compiled pipeline is shared by, beside its source.
         self._made_of = (
             self.label,
             constants,

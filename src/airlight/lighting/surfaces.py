@@ -77,6 +77,7 @@ class Surfaces:
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
         self._emission = self._emitted(commands, view)
+        # Gathered light replaces all that follows from lattices.
         if gathered is not None:
             with commands.stage("lighting"):
                 self._light(commands, view, "lights", irradiance, sky, gathered)
@@ -91,6 +92,8 @@ class Surfaces:
         if is_occluded:
             with commands.stage("ambient occlusion"):
                 self._occlude(commands, view, has_light=has_near_field)
+        # The lattices' light, with that of lights where it was not drawn yet; two passes where one
+        # would bind more than the device may.
         with commands.stage("lighting"):
             part: Part = "lattices" if has_near_field else "whole"
             if part == "whole" and not self._is_whole:

@@ -119,6 +119,7 @@ class Translucent:
             self._fronts[name] = _Pair(
                 self._sized, f"{name} in front", self.view.size, "rgba32float"
             )
+        # The variant of the pass: what there is in front of the layer.
         front, key = self._fronts[name], [kind]
         if name in self._started:
             key.append("HAS_FRONT")

@@ -130,7 +130,7 @@ def _marched(
     at_points = densities(heights)
     depth = air.extinction(at_points * widths[..., None])
     before = np.exp(-(np.cumsum(depth, axis=1) - depth))
-    # Within a step the source is constant: what it sends through what is left of it.
+    # Within a step the source is constant: what it sends through the rest of the step.
     share = before * -np.expm1(-depth) / np.maximum(depth, 1e-300) * widths[..., None]
     scattering = at_points[..., :2, None] * air.scattering
     direct = transmittance_out(air, heights, sun_cosine) * share

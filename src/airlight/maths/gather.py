@@ -165,7 +165,7 @@ def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
     small, large = np.flatnonzero(share < 1.0), np.flatnonzero(share >= 1.0)
     if not len(large):
         return np.ones(len(w)), other
-    # A large item gives until what is left of it is below 1; the next one then fills that up.
+    # A large item gives until its rest is below 1; the next one then fills that up.
     left = share[large].copy()
     at = 0
     stack = [int(i) for i in small]

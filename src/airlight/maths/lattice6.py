@@ -43,7 +43,7 @@ SPREAD_KEPT = 0.25
 # cells: indirect light 1.27 of the truth), and is too bright where it lingers.
 _CHORD_CELLS = 16.0
 _LARGEST_SPREAD = 0.75
-# Light that turns less is isotropic later: fewer steps than that do not know what is left.
+# Light that turns less is isotropic later: fewer steps than that do not know the remaining light.
 _STEPS_PER_CHORD = 3.0
 LEAST_STEPS = 64
 """Steps made unless more are needed; with the tail they do for 32 cells."""

@@ -123,7 +123,7 @@ def propagate(
     iterations: int = 24,
     watch: Watch | None = None,
 ) -> Propagated:
-    """`iterations` hops of `power`; what is left goes to the residuum.
+    """`iterations` hops of `power`; the rest goes to the residuum.
 
     `density` (z, y, x); `towards`: the cosine (z, y, x) of the light's direction to each view.
     `watch(fluence, a)` is told every iteration's light.

@@ -148,7 +148,7 @@ def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
 
 
 def _blocks(values: F64, blocks: tuple[int, int]) -> F64:
-    """Sums over blocks of (rows, columns); the last ones take what is left over."""
+    """Sums over blocks of (rows, columns); the last ones take the remainder."""
     by_row = np.add.reduceat(values, np.arange(0, len(values) - blocks[0] + 1, blocks[0]), axis=0)
     starts = np.arange(0, values.shape[1] - blocks[1] + 1, blocks[1])
     return np.asarray(np.add.reduceat(by_row, starts, axis=1))

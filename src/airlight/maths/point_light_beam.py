@@ -82,7 +82,7 @@ def near_fluence(
 
     `away_m` (z, y, x): distance to it; `radius_m`: the medium's (three times the largest
     diffusivity); `mean_density`: over its mass. In a medium thinner than the radius the lost part
-    falls faster than an infinite one's. Where little of the path is filled, the lamp is outside:
+    falls faster than an infinite one's. Where little of the path is filled, the light is outside:
     no loss.
     """
     f = forward_share(medium.g)

@@ -20,13 +20,13 @@ INSTANCE_WORDS = 40
 """Of an instance: object from world and world from object (12 each), the first node of its mesh,
 its material, the first word of its mask (0: none), the mask's width and height (16 bits each); the
 scale and offset of its coordinates; the least alpha that is there, how it wraps, the first node of
-all that stand still, the chance to be met (of translucent ones, else 0); 4 unused."""
+all that are static, the chance to be met (of translucent ones, else 0); 4 unused."""
 MOST_SIDE = 1024
 """Texels of a mask's longer side; of larger textures each texel is the mean of several."""
 
 
 class Masks:
-    """`rows` (I + 1, INSTANCE_WORDS): what instances show, the last all that stand still.
+    """`rows` (I + 1, INSTANCE_WORDS): what instances show, the last all that are static.
 
     `texels` lie behind the rows: four to a word, each mask from a word of its own.
     """

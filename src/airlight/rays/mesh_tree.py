@@ -53,7 +53,7 @@ class MeshTree:
 
 
 class StillTree:
-    """One hierarchy over all instances that stand still, their triangles in the world.
+    """One hierarchy over all static instances, their triangles in the world.
 
     An instance that moves is hidden: its triangles have no area, and are in no box.
     """

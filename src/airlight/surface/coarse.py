@@ -45,6 +45,7 @@ class CoarseScene:
         self._made: dict[int, tuple[Geometry, Geometry]] = {}
         if sum(len(m.geometry.indices) for m in scene.original) <= MOST_TRIANGLES:
             return
+        # Vertices within a part of a texel become one, where that leaves half of the triangles.
         low, high = scene.bounds
         cell = float(np.linalg.norm(high - low)) / (_CELLS_A_TEXEL * resolution)
         for first, (geometry, stretch, instances) in _geometries(scene).items():
@@ -56,6 +57,7 @@ class CoarseScene:
                     self._sources[first] = sources.astype(np.uint32)
                     coarse = _at(geometry, sources, indices.reshape(-1, 3).astype(np.uint32))
                     self._made[first] = (geometry, coarse)
+        # The simplified scene shares the materials' textures with the original.
         if self._made:
             self._coarse = GpuScene(gpu, Scene(self._meshes(scene.original)), scene.store)
 

@@ -150,6 +150,7 @@ class GpuScene:
                     f"mesh '{mesh.name}' no longer shares the geometry that it shared",
                     remedy="Make a new Renderer",
                 )
+        # Geometries are compared by identity: a deformed one is another.
         uploaded = self._vertices.uploaded
         changed = [key for key, geometry in wanted.items() if geometry is not uploaded[key]]
         for first in changed:

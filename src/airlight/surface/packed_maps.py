@@ -119,6 +119,7 @@ class PackedMaps:
             return (0, 1 | 1 << 16, 0, 1)
         if self._length + _count(*some.pixels.shape[:2]) >= self._most:  # `texels` has one more
             return None
+        # All mip levels of the three maps, texel by texel in one word pair.
         chains = [None if t is None else self._chain(t) for t in (base, rough, normal)]
         levels = next(len(chain) for chain in chains if chain is not None)
         is_srgb = bool(base and base.is_srgb)
@@ -126,11 +127,13 @@ class PackedMaps:
             _packed(*(chain[level] if chain else None for chain in chains), is_srgb=is_srgb)
             for level in range(levels)
         ]
+        # Where each level and the next one begin, then the levels.
         first = self._length
         begins = first + levels + np.cumsum([0, *(len(p) for p in packed)])[:levels]
         table = np.stack([begins, np.append(begins[1:], begins[-1])], axis=1).astype(np.uint32)
         self._parts += [table, *packed]
         self._length += levels + sum(len(p) for p in packed)
+        # Which maps there are, and how coordinates wrap.
         flags = HAS_NORMAL * (normal is not None) + HAS_ROUGHNESS * (rough is not None)
         flags += HAS_BASE * (base is not None)
         flags |= WRAP_BITS[some.wrap[0]] << WRAP_U_SHIFT | WRAP_BITS[some.wrap[1]] << WRAP_V_SHIFT

@@ -42,18 +42,21 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     """
     if environment is None or count < 1:
         return []
+    # The flux of each texel of the environment, from its direction.
     radiance = shrunk_map(environment)
     height, width = radiance.shape[:2]
     directions = turned(latlong_texel_directions(height, width), environment.rotation_deg)
     towards = directions.reshape(-1, 3)
     solid_angles = np.repeat(latlong_row_solid_angles(height, width), width)
     flux = radiance.reshape(-1, 3) * solid_angles[:, None]
+    # Voronoi cells of Fibonacci points: their irradiance, and the mean direction of their flux.
     cell = np.argmax(towards @ fibonacci_sphere(count).T, axis=1)
     irradiance = np.stack([np.bincount(cell, flux[:, k], count) for k in range(3)], axis=1)
     weight = flux.sum(axis=1)
     centroid = np.stack(
         [np.bincount(cell, weight * towards[:, k], count) for k in range(3)], axis=1
     )
+    # A light for each cell that is not black.
     lit = irradiance.max(axis=1) > 1e-6 * max(float(irradiance.max()), 1e-30)
     total = np.bincount(cell, weight, count)
     return [

@@ -101,6 +101,7 @@ class SurfelViews:
             "depth_store_op": "store",
             "depth_clear_value": 1.0,
         }
+        # Behind the layer before, of which the first has none.
         params = SurfelViewParams(clip_from_world=view.clip_from_world, is_peeled=int(peel > 0))
         previous = self.depth.layer(layer - 1) if peel else self._nothing
         with commands.render(

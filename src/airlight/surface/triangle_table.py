@@ -76,6 +76,7 @@ class TriangleTable:
         (its first vertex) and material in the scene's order."""
         fits = len(instances) <= _MOST and len(materials) <= _MOST
         geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
+        # Vertices are copied so that no two triangles begin at one: where each geometry's come to lie.
         self._sources: dict[int, U32] = {}
         self.base_vertex: dict[int, int] = {}
         self._first_triangle: dict[int, int] = {}
@@ -89,6 +90,7 @@ class TriangleTable:
             vertex_count += len(self._sources[key])
             triangle_count += len(corners)
             indices.append(corners.ravel())
+        # What the first pass draws: positions and, for holes, texture coordinates of those vertices.
         parts = list(geometries.values())
         corners = _joined(indices, np.uint32, ())
         moved = [g.positions[self._sources[key]] for key, g in geometries.items()]
@@ -98,6 +100,7 @@ class TriangleTable:
         self.indices = buffer_of(gpu, "seen indices", corners, index=True)
         laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
         self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
+        # What the second pass reads: triangles, materials and their maps.
         rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
         self.triangles = buffer_of(gpu, "triangle table", rows)
         self._take_materials(gpu, materials, store)

@@ -3,7 +3,7 @@
 //! use ray_triangles
 //! needs fn ray_rows(pair: RayPair) -> RayRows
 
-// Rays against the triangles of a scene, through hierarchies laid out by rays/words.py: one of all that stands still,
+// Rays against the triangles of a scene, through hierarchies laid out by rays/words.py: one of all that is static,
 // in the world, and one of the instances that have moved, whose leaves lead to those of meshes. Who uses it binds
 // RAY_SLOTS (rays/slots.py).
 

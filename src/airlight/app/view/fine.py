@@ -76,7 +76,7 @@ class Shot:
 
 
 class Fine:
-    """`begin` where the view stands still, `moved` when it no longer does; for one structure.
+    """`begin` where the view is static, `moved` when it no longer is; for one structure.
 
     `samples` are in the mean of `presenter`. `message`: why there will be none.
     """
@@ -116,7 +116,7 @@ class Fine:
         return None if self.is_working else self._drawn
 
     def moved(self) -> None:
-        """The view no longer stands still: what is being made holds. Only in the viewer's turn."""
+        """The view is no longer static: what is being made holds. Only in the viewer's turn."""
         self.samples, self._shot = 0, None
         if self._task:
             self._task.pause(holds=True)
