@@ -1,7 +1,7 @@
 """airlight's thin glass, written in Mitsuba's Python: the reflection model beside what passes.
 
 A surface without thickness (KHR_materials_transmission) mirrors by Fresnel's term; of the rest
-`transmission` (times 1 - metallic) goes straight on, tinted by the base colour, and the remainder is
+`transmission` (times 1 - metallic) goes straight on, tinted by the base colour, and the rest is
 reflected as `mitsuba_brdf` says. Only the child process imports this module.
 """
 

@@ -76,7 +76,7 @@ class TriangleTable:
         (its first vertex) and material in the scene's order."""
         fits = len(instances) <= _MOST and len(materials) <= _MOST
         geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
-        # Vertices are copied so that no two triangles begin at one: where each geometry's come to lie.
+        # No two triangles begin at one vertex, so some are copied: where each geometry's are.
         self._sources: dict[int, U32] = {}
         self.base_vertex: dict[int, int] = {}
         self._first_triangle: dict[int, int] = {}
@@ -90,7 +90,7 @@ class TriangleTable:
             vertex_count += len(self._sources[key])
             triangle_count += len(corners)
             indices.append(corners.ravel())
-        # What the first pass draws: positions and, for holes, texture coordinates of those vertices.
+        # What the first pass draws: positions and, for holes, texture coordinates.
         parts = list(geometries.values())
         corners = _joined(indices, np.uint32, ())
         moved = [g.positions[self._sources[key]] for key, g in geometries.items()]
