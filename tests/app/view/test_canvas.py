@@ -113,6 +113,34 @@ def test_every_section_of_the_panel_can_be_drawn(view):
     state.scene, state.shows_times = before, False
 
 
+def test_the_help_is_drawn_and_goes_again(view):
+    before = shown(view)
+    event(view, "key_down", key="?")
+    helped = shown(view)
+    assert np.abs(helped[:, PANEL_PX:] - before[:, PANEL_PX:]).mean() > 5.0
+    event(view, "key_down", key="?")
+    assert np.abs(shown(view)[:, PANEL_PX:] - before[:, PANEL_PX:]).mean() < 3.0
+
+
+def test_the_sections_of_a_computed_sky_and_of_the_lens_can_be_drawn(view, monkeypatch):
+    """Every section open: none of them refuses what a sky, thick fog and a lens give it."""
+    from airlight.app.view import gui
+    from airlight.scene import Medium, Sky
+
+    state, hands = view.session.state, view.session.controls
+    before, camera = state.scene, hands.camera
+    monkeypatch.setattr(gui, "_header", lambda name, is_open=True: name != "time of passes")
+    state.put_sky(Sky(30.0, 200.0))
+    assert state.look.exposure_stops is None
+    state.scene = replace(state.scene, medium=Medium(sigma_t=50.0))
+    assert len(view.session.doubts) == 1
+    hands.camera = replace(camera, aperture_m=0.1)
+    assert shown(view, 3).std() > 5.0
+    assert state.message == ""
+    assert state.scene.environment.sky == Sky(30.0, 200.0)  # no slider moved it by itself
+    state.scene, hands.camera = before, camera
+
+
 def test_a_canvas_of_nothing_is_not_drawn(view):
     view.canvas.set_physical_size(0, 0)
     view.draw()

@@ -92,6 +92,8 @@ class CanvasView:
     def _key(self, key: str) -> None:
         if key == "Tab" and self.panel:
             self.panel.is_shown = not self.panel.is_shown
+        elif key == "?" and self.panel:
+            self.panel.shows_help = not self.panel.shows_help
         elif key == "r":
             self.session.controls.reset()
         elif key == "f":

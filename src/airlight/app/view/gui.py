@@ -22,7 +22,8 @@ _BAR_COLOUR = (0.35, 0.55, 0.8, 1.0)
 _HELP = (
     "left drag: turn   right drag: move   wheel: nearer\n"
     "w a s d q e: fly (shift: faster)   f: orbit or fly\n"
-    "control-drag, or l and drag: turn the light   tab: panel   r: camera back"
+    "control-drag, or l and drag: turn the light\n"
+    "r: camera back   tab: panel   ?: this help"
 )
 
 
@@ -31,7 +32,7 @@ class Panel:
 
     def __init__(self, session: Session, saver: Saver) -> None:
         self.session, self.saver = session, saver
-        self.is_shown = True
+        self.is_shown, self.shows_help = True, False
         self._box = (0.0, 0.0, 0.0, 0.0)
         self._display = (0.0, 0.0)
         self._has_popup = False
@@ -41,6 +42,8 @@ class Panel:
     def draw(self) -> None:
         """Build this frame's widgets; what they change is in the session at once."""
         display = imgui.get_io().display_size
+        if self.shows_help and min(display.x, display.y) >= _LEAST_SIDE:
+            self._help(display.x, display.y)
         if not self.is_shown or min(display.x, display.y) < _LEAST_SIDE:
             self._box, self._has_popup = (0.0, 0.0, 0.0, 0.0), False
             return
@@ -59,6 +62,14 @@ class Panel:
         imgui.end()
         anything = imgui.PopupFlags_.any_popup
         self._has_popup = imgui.is_popup_open("", anything)
+
+    def _help(self, width: float, height: float) -> None:
+        """What mouse and keys do, in the middle of the image, until ? is pressed again."""
+        imgui.set_next_window_pos((width / 2.0, height / 2.0), imgui.Cond_.always, (0.5, 0.5))
+        flags = imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_inputs
+        imgui.begin("help###help", None, flags | imgui.WindowFlags_.no_collapse)
+        imgui.text(_HELP)
+        imgui.end()
 
     def covers(self, x: float, y: float) -> bool:
         """Whether the panel, or a list that it opened, takes a click here, in logical pixels.
