@@ -132,11 +132,15 @@ class HalfSpaceLight:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One frame of a scene. `low`, `high` (3,), metres: the box that shadow maps must cover."""
+    """One frame of a scene. `low`, `high` (3,), metres: the box that shadow maps must cover.
+
+    `is_still`: its image is one of several samples, and may take its time.
+    """
 
     scene: Scene
     low: F64
     high: F64
+    is_still: bool = False
 
     @property
     def bounds(self) -> tuple[F64, F64]:

@@ -137,7 +137,7 @@ class Renderer:
                 moments = [self._asked(before.at(time + s), **changes) for s in opened_s.tolist()]
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
-                self.technique.solve(self.commands, self._take(scene))
+                self.technique.solve(self.commands, self._take(scene), is_still=samples > 1)
                 self._draw(samples, progress, moments)
                 if moments:
                     self._take(scene)
@@ -164,7 +164,8 @@ class Renderer:
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             if moments:
-                self.technique.solve(self.commands, self._take(moments[index]))
+                moment = self._take(moments[index])
+                self.technique.solve(self.commands, moment, is_still=True)
             place = (float(jitter[0]), float(jitter[1]))
             camera = self.scene.camera
             if samples > 1:

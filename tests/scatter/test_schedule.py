@@ -6,6 +6,7 @@ import pytest
 from airlight.errors import SettingsError
 from airlight.maths import lattice26
 from airlight.scatter.schedule import cycles_to, iterations_to, schedule
+from airlight.scatter.settings import ScatterSettings, iterations_of
 
 
 def test_levels_go_down_to_four_cells():
@@ -51,3 +52,13 @@ def test_after_the_iterations_about_the_residual_is_left(sigma_t, albedo):
 def test_thicker_air_takes_longer():
     thin, thick = (iterations_to(0.05, [s] * 3, [s] * 3, 1.0, (16, 16, 16)) for s in (0.1, 3.0))
     assert thin < thick <= 512
+
+
+def test_stills_take_more_iterations_unless_somebody_says_how_many():
+    usual = ScatterSettings()
+    assert [iterations_of(usual, is_still=still) for still in (False, True)] == [12, 48]
+    few = ScatterSettings(still_iterations=20)
+    assert [iterations_of(few, is_still=still) for still in (False, True)] == [12, 20]
+    for asked in (ScatterSettings(iterations=5), ScatterSettings(iterations=5, residual=0.1)):
+        assert iterations_of(asked, is_still=True) == 5
+    assert iterations_of(ScatterSettings(residual=0.1), is_still=True) == 12

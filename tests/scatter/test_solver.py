@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from airlight.errors import SettingsError
+from airlight.rendering import Renderer
 from airlight.scatter.settings import ScatterSettings, densest_medium, is_varied
+from airlight.scatter.solver import ScatterSolver
 from airlight.scene.environment import Environment
 from airlight.scene.material import Material
 from airlight.scene.medium import Medium
@@ -136,3 +138,21 @@ def test_iterations_to_a_residual_are_counted_before_the_frame(gpu):
     stats = solved.solver.stats
     assert stats["levels"] == 1
     assert 10 < stats["iterations"] < 200
+
+
+def test_stills_are_solved_further_and_leave_frames_as_they_are(gpu):
+    settings = {"resolution": 12, "shadow_resolution": 64, "lamp_resolution": 64, "surfels": 5000}
+    with Renderer(lamp_scene(*room()), "lpv-scatter", (16, 9), settings=settings) as renderer:
+
+        def drawn(samples):
+            image = renderer.frame(samples=samples)
+            light = renderer.technique.find(ScatterSolver).emission.mean.read()
+            return image.radiance, light, renderer.stats()["cycles"]
+
+        frame, few, cycles = drawn(1)
+        _, more, still_cycles = drawn(2)
+        again = drawn(1)
+    assert (cycles, still_cycles) == (3, 12)
+    assert (more != few).any()
+    np.testing.assert_array_equal(again[0], frame)
+    np.testing.assert_array_equal(again[1], few)

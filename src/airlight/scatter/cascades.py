@@ -18,7 +18,7 @@ from .injection import Injection
 from .levels import Levels
 from .reduced import reduced_scene
 from .schedule import Schedule, cycles_to, iterations_to, schedule
-from .settings import ScatterSettings, densest_medium, is_varied
+from .settings import ScatterSettings, densest_medium, is_varied, iterations_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +29,7 @@ class Cascade:
     cells: LatticeCells
     injection: Injection
     levels: Levels
+    plans: tuple[Schedule, Schedule]  # of frames, of stills
 
     @property
     def placement(self) -> Placement:
@@ -59,19 +60,23 @@ def cascades(
     for level in kit.lattices.levels:
         place = level.placement
         cells = LatticeCells(gpu, level, light.media, settings, is_varied=varies)
-        plan = _schedule(reduced_scene(scene), settings, place)
-        levels = Levels(gpu, place.count, place.cell, plan, cells.kind(scene, kit.placement))
-        made.append(Cascade(level, cells, Injection(kit, scene, light, cells), levels))
+        reduced = reduced_scene(scene)
+        frames, stills = (_schedule(reduced, settings, place, is_still=s) for s in (False, True))
+        levels = Levels(gpu, place.count, place.cell, frames, cells.kind(scene, kit.placement))
+        injection = Injection(kit, scene, light, cells)
+        made.append(Cascade(level, cells, injection, levels, (frames, stills)))
     return made
 
 
-def _schedule(reduced: Scene, settings: ScatterSettings, place: Placement) -> Schedule:
+def _schedule(
+    reduced: Scene, settings: ScatterSettings, place: Placement, *, is_still: bool
+) -> Schedule:
     s, count = settings, place.count
     # The paper has one lattice.
     faster = "none" if s.scheme.startswith("paper") else s.acceleration
     # As many iterations as were asked for, or as leave the residual that was.
-    steps = s.iterations
     sigma_s, sigma_t = densest_medium(reduced)
+    steps = iterations_of(s, is_still=is_still and any(sigma_t))
     if s.residual > 0.0 and faster == "cycle":
         steps = cycles_to(s.residual)
     elif s.residual > 0.0:

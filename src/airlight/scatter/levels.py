@@ -40,7 +40,7 @@ class Levels:
         self, gpu: Gpu, count: Count, cell_size_m: float, schedule: Schedule, kind: LatticeKind
     ) -> None:
         """A lattice of `count` cells, and the coarser ones that `schedule` asks for."""
-        self.schedule, self.kind = schedule, kind
+        self.schedule, self.kind = schedule, kind  # another schedule has as many levels
         self.levels = [
             Level(gpu, size, cell_size_m * 2**k, kind, is_finest=k == 0)
             for k, size in enumerate(schedule.counts(count))
@@ -121,7 +121,7 @@ class Levels:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         finest = self.levels[0]
         finest.source = source
-        key = (source, finest.medium, finest.face_visibility, *self._tracks)
+        key = (self.schedule, source, finest.medium, finest.face_visibility, *self._tracks)
         return self._recorded.encode(commands, key, partial(self._solved, commands))
 
     def _solved(self, commands: Commands) -> tuple[Buffer, Buffer]:

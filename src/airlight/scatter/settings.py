@@ -31,6 +31,12 @@ class ScatterSettings:
     iterations: int = setting(
         12, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512
     )
+    still_iterations: int = setting(
+        48,
+        "those of images of several samples in media, unless iterations or residual are set",
+        low=1,
+        high=512,
+    )
     residual: float = setting(
         0.0,
         "light that may still be under way; chooses the iterations where above 0",
@@ -58,6 +64,12 @@ class ScatterSettings:
         low=8,
         high=4096,
     )
+
+
+def iterations_of(settings: ScatterSettings, *, is_still: bool) -> int:
+    """How many iterations there are: in stills more, where nobody says how many."""
+    is_asked = settings.iterations != ScatterSettings.iterations or settings.residual > 0.0
+    return settings.still_iterations if is_still and not is_asked else settings.iterations
 
 
 def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:

@@ -100,6 +100,7 @@ class ScatterSolver(Solver):
                 self._enter(commands, part, *around)
         # Everything that follows: scattered and reflected again and again.
         with commands.stage("propagate"):
+            part.levels.schedule = part.plans[frame.is_still]
             total, track = part.levels.encode(commands, injection.source)
         # The track becomes mean radiance in media, the states irradiance of surfaces.
         with commands.stage("copy"):

@@ -57,10 +57,13 @@ class Technique:
         self._seen: dict[str, Texture] | None = None  # through translucent surfaces
         self.fields: Fields | None = None
 
-    def solve(self, commands: Commands, scene: Scene) -> None:
-        """Update lights, sky and lattices, then run each solver on the fields of those before."""
+    def solve(self, commands: Commands, scene: Scene, *, is_still: bool = False) -> None:
+        """Update lights, sky and lattices, then run each solver on the fields of those before.
+
+        `is_still`: for an image of several samples.
+        """
         scene = self.kit.emitters.of(self._scene_filter(scene))
-        frame = Frame(scene, *self.kit.bounds(scene))
+        frame = Frame(scene, *self.kit.bounds(scene), is_still=is_still)
         # What all solvers share: shadow maps, blockers, the sky's light in all cells.
         self.kit.encode(commands, scene, *frame.bounds)
         # Each solver adds its fields to those of the solvers before it.

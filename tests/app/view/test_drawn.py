@@ -34,7 +34,7 @@ def solved(drawn: Drawn, scene) -> int:
     """How often it is solved for `scene`."""
     calls: list[int] = []
     inner = drawn.renderer.technique.solve
-    drawn.renderer.technique.solve = lambda *a: (calls.append(1), inner(*a))
+    drawn.renderer.technique.solve = lambda *a, **named: (calls.append(1), inner(*a, **named))
     drawn.give(scene)
     drawn.solve(drawn.renderer.commands)
     drawn.renderer.technique.solve = inner
@@ -64,10 +64,10 @@ def test_a_moving_light_makes_fewer_steps_and_coarser_shadows_until_it_rests():
     if not r.gpu.is_cpu:
         pytest.skip("a GPU has time for all steps")
     inner = r.technique.solve
-    r.technique.solve = lambda *a: (
+    r.technique.solve = lambda *a, **named: (
         steps.append(r.technique.find(LpvSolver).steps),
         coarse.append(r.technique.kit.lights.coarseness),
-        inner(*a),
+        inner(*a, **named),
     )
     for is_quick in (True, True, False, False, True):
         drawn.solve(r.commands, is_quick=is_quick)

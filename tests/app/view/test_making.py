@@ -42,7 +42,7 @@ def test_it_comes_solved_and_drawn(making):
     assert structure == ("a",)
     assert drawn.renderer.view.layers.direct.read()[..., :3].max() > 0.1
     solves = []
-    drawn.renderer.technique.solve = lambda *a: solves.append(1)
+    drawn.renderer.technique.solve = lambda *a, **named: solves.append(1)
     drawn.solve(drawn.renderer.commands)
     assert not solves
     drawn.close()

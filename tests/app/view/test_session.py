@@ -117,7 +117,7 @@ def test_solving_is_skipped_while_only_the_camera_moves(screen):
     solved = []
     technique = screen.session.renderer.technique
     inner = technique.solve
-    technique.solve = lambda *a: (solved.append(1), inner(*a))
+    technique.solve = lambda *a, **named: (solved.append(1), inner(*a, **named))
     screen.session.controls.camera = replace(screen.session.controls.camera, fov_y_deg=40.0)
     screen.settle()
     assert not solved

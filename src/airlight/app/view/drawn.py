@@ -37,11 +37,12 @@ class Drawn:
             r.meshes.move(scene.meshes)
         r.scene = scene
 
-    def solve(self, commands: Commands, *, is_quick: bool = False) -> None:
+    def solve(self, commands: Commands, *, is_quick: bool = False, is_still: bool = False) -> None:
         """All that the camera does not matter for, unless nothing else has changed.
 
         `is_quick`: a hand moves what shines, and fewer steps of propagation and coarser shadows
         will do for now on a CPU adapter; what was solved so is solved again where it is not.
+        `is_still`: for an image of several samples, as always or never of this renderer.
         """
         self.solve_ms = 0.0
         r = self.renderer
@@ -51,7 +52,7 @@ class Drawn:
         begin = time.perf_counter()
         self._is_quick = is_quick and r.gpu.is_cpu
         with _quickly(r) if self._is_quick else nullcontext():
-            r.technique.solve(commands, r.scene)
+            r.technique.solve(commands, r.scene, is_still=is_still)
         self._solved = now
         if r.gpu.is_cpu:
             commands.submit()
