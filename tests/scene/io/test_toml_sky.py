@@ -94,6 +94,7 @@ def test_a_model_under_a_sun_is_written_with_it(tmp_path):
     model = {"sun": "30,120"}
     scene = load(ply, **model)
     assert scene.lights == (Sky(30.0, 120.0).sun(),)
+    assert scene.camera == load(ply).camera  # framed as without the sun
     again = tmp_path / "again.toml"
     again.write_text(scene_text(scene, scene, str(ply), tmp_path, model=model))
     assert load(again).environment.sky == Sky(30.0, 120.0)

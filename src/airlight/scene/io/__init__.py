@@ -121,7 +121,13 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
             from .toml_meshes import placed
 
             scene = placed(scene, model)
-    return with_defaults(with_sky(scene, sky) if sky else scene)
+    if sky:
+        from .defaults import with_default_camera
+
+        # Framed before it is exposed: a camera that says how is one of the file's own.
+        scene = with_default_camera(scene) if scene.camera == Camera() else scene
+        scene = with_sky(scene, sky)
+    return with_defaults(scene)
 
 
 def load_meshes(file: Path, variant: str | None = None) -> Scene:
