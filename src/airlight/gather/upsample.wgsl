@@ -5,7 +5,7 @@
 //! use flat_normal
 //! use mirrored_light
 
-const LEAST = 1e-2;         // weight of what lattices say, where hardly any point is alike
+const LEAST = 1e-3;         // weight of what lattices say, where hardly any point is alike
 
 struct Found {
     @location(0) irradiance: vec4f,     // W m^-2
