@@ -109,7 +109,7 @@ ROOT = Path(airlight.__file__).parent
 ASK_FOR_A_TYPE = {
     "area/sources.py": "surfaces of area lights, balls about points",
     "pop/light/table.py": "what `as_point` gives: points and spots",
-    "scatter/forward.py": "lights without extent",
+    "scatter/forward_textures.py": "lights without extent",
     "scene/light_shapes.py": "the surfaces of area lights",
 }
 """Others ask `LightType`; only whether a light is directional may be asked anywhere."""
