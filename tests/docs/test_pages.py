@@ -23,7 +23,7 @@ QUICK = ("techniques/index.md",)
 """Pages run every time; the others with --slow."""
 NOT_RUN = ("./run", "pip", "ssh", "sudo", "python", ".venv/bin/python", "pytest")
 """Words that begin a line which is not airlight's, or is a test of its own elsewhere."""
-SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "figure --all")
+SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "turntable", "figure --all")
 """Tested elsewhere: they need a screen, a path tracer, or minutes."""
 _BLOCK = re.compile(
     r"(?:<!-- (?P<note>[^>]*?) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
