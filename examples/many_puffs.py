@@ -2,9 +2,10 @@
 
     python examples/many_puffs.py
 
-You should see a drift of small lumpy clouds over a grey floor, lit by the sun from one side, with their
-shadows on the floor and on each other. A scene holds up to 256 volumes; they may overlap, and each is
-placed by a matrix of its own. Volumes of one array share its memory on the device.
+You should see a drift of small lumpy clouds over a grey floor, lit by the sun from one side, with
+their shadows on the floor and on each other. A scene holds up to 256 volumes; they may overlap, and
+each is placed by a matrix of its own. Volumes of one array share its memory on the device. Without a
+GPU it takes a minute or two.
 """
 
 import numpy as np

@@ -275,8 +275,8 @@ MEDIUM = Table(
 VOLUME = Table(
     "volume",
     "A medium of varying density: a density grid, or a shape of density 1. Coefficients hold at "
-    "density 1. It is placed as a mesh is, after its bounds. A scene may have 256 media, its [medium] "
-    "included; they may overlap.",
+    "density 1. It is placed as a mesh is, after its bounds. A scene may have 256 media, its "
+    "[medium] included; they may overlap.",
     (
         Key(
             "file",
