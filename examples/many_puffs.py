@@ -4,8 +4,8 @@
 
 You should see a drift of small lumpy clouds over a grey floor, lit by the sun from one side, with
 their shadows on the floor and on each other. A scene holds up to 256 volumes; they may overlap, and
-each is placed by a matrix of its own. Volumes of one array share its memory on the device. Without a
-GPU it takes a minute or two.
+each is placed by a matrix of its own. Volumes of one array share its memory on the device. Without
+a GPU it takes a minute or two.
 """
 
 import numpy as np
@@ -35,19 +35,19 @@ def placed() -> np.ndarray:
 
 
 puffs = tuple(
-    al.Volume(sigma_t=5.0, albedo=0.95, g=0.3, density=density, world_from_volume=placed())
+    al.Volume(sigma_t=8.0, albedo=0.95, g=0.3, density=density, world_from_volume=placed())
     for _ in range(COUNT)
 )
 corners = np.array([[-4, 0, -4], [4, 0, -4], [4, 0, 4], [-4, 0, 4]], np.float32)
 floor = al.Mesh(
     al.Geometry(corners, np.array([[0, 2, 1], [0, 3, 2]], np.uint32)),
-    al.Material(base_color=(0.4, 0.4, 0.4)),
+    al.Material(base_color=(0.15, 0.14, 0.12)),
 )
 scene = al.Scene(
     meshes=(floor,),
     volumes=puffs,
-    lights=(al.DirectionalLight(direction=(0.6, -0.7, -0.4), irradiance=(12.0, 11.0, 9.5)),),
-    environment=al.Environment(radiance=(0.5, 0.7, 1.0)),
+    lights=(al.DirectionalLight(direction=(0.6, -0.7, -0.4), irradiance=(6.0, 5.4, 4.5)),),
+    environment=al.Environment(radiance=(0.12, 0.19, 0.32)),
     camera=al.Camera(position=(0.0, 3.2, 8.5), target=(0.0, 0.8, 0.0), fov_y_deg=42.0),
 )
-al.render(scene, size=(640, 360)).save("many_puffs.png")
+al.render(scene, size=(480, 270)).save("many_puffs.png")
