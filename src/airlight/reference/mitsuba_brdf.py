@@ -33,10 +33,7 @@ def make_bsdf() -> Any:
     class GltfReflection(mi.BSDF):  # type: ignore[misc]
         def __init__(self, props: Any) -> None:
             super().__init__(props)
-            self.base_color = props.get_texture("base_color", 0.8)
-            self.roughness = props.get_texture("roughness", 1.0)
-            self.metallic = props.get_texture("metallic", 0.0)
-            self.specular = props.get("specular", 1.0)
+            take_properties(self, props)
             front = mi.BSDFFlags.FrontSide
             self.m_components = [
                 mi.BSDFFlags.DiffuseReflection | front,
@@ -48,17 +45,11 @@ def make_bsdf() -> Any:
             self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
         ) -> tuple[Any, Any]:
             surface = self._surface(si, active)
-            glossy_share = surface.glossy_share(si.wi)
-            glossy = sample1 < glossy_share
-            normal, _ = surface.microfacets.sample(si.wi, sample2)
-            mirrored = mi.reflect(si.wi, normal)
-            scattered = mi.warp.square_to_cosine_hemisphere(sample2)
+            glossy = sample1 < surface.glossy_share(si.wi)
             bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = dr.select(glossy, mirrored, scattered)
+            bs.wo = surface.sampled(si.wi, glossy, sample2)
             bs.eta = 1.0
-            bs.sampled_component = dr.select(glossy, mi.UInt32(1), mi.UInt32(0))
-            kinds = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
-            bs.sampled_type = dr.select(glossy, mi.UInt32(+kinds[0]), mi.UInt32(+kinds[1]))
+            bs.sampled_component, bs.sampled_type = lobe(glossy)
             value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
             usable = active & (bs.pdf > 0.0)
             return bs, dr.select(usable, value / bs.pdf, 0.0)
@@ -92,6 +83,21 @@ def make_bsdf() -> Any:
     return GltfReflection
 
 
+def take_properties(bsdf: Any, props: Any) -> None:
+    """Give a BSDF the properties that a material of glTF has."""
+    bsdf.base_color = props.get_texture("base_color", 0.8)
+    bsdf.roughness = props.get_texture("roughness", 1.0)
+    bsdf.metallic = props.get_texture("metallic", 0.0)
+    bsdf.specular = props.get("specular", 1.0)
+
+
+def lobe(glossy: Any) -> tuple[Any, Any]:
+    """The number and the kind of the glossy lobe, or of the diffuse one."""
+    kinds = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
+    number = dr.select(glossy, mi.UInt32(1), mi.UInt32(0))
+    return number, dr.select(glossy, mi.UInt32(+kinds[0]), mi.UInt32(+kinds[1]))
+
+
 class Surface:
     """The reflection model at one point: directions are local, z along the shading normal."""
 
@@ -113,6 +119,12 @@ class Surface:
         diffuse = dr.mean(self.diffuse)
         share = glossy / dr.maximum(glossy + diffuse, 1e-6)
         return dr.select(diffuse > 0.0, dr.clip(share, 0.1, 0.9), 1.0)
+
+    def sampled(self, wi: Any, glossy: Any, sample: Any) -> Any:
+        """A direction of the glossy lobe, or of the diffuse one."""
+        normal, _ = self.microfacets.sample(wi, sample)
+        scattered = mi.warp.square_to_cosine_hemisphere(sample)
+        return dr.select(glossy, mi.reflect(wi, normal), scattered)
 
     def reflection(self, wi: Any, wo: Any) -> Any:
         """f, sr^-1."""

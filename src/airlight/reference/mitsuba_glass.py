@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .mitsuba_brdf import Surface, dr, mi
+from .mitsuba_brdf import Surface, dr, lobe, mi, take_properties
 
 PLUGIN = "airlight_glass"
 
@@ -25,10 +25,7 @@ def make_bsdf() -> Any:
     class ThinGlass(mi.BSDF):  # type: ignore[misc]
         def __init__(self, props: Any) -> None:
             super().__init__(props)
-            self.base_color = props.get_texture("base_color", 0.8)
-            self.roughness = props.get_texture("roughness", 1.0)
-            self.metallic = props.get_texture("metallic", 0.0)
-            self.specular = props.get("specular", 1.0)
+            take_properties(self, props)
             self.transmission = props.get("transmission", 1.0)
             self.two_sided = props.get("two_sided", True)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -47,16 +44,12 @@ def make_bsdf() -> Any:
             p = dr.mean(passed)
             goes_on = sample1 < p
             glossy = (sample1 - p) < surface.glossy_share(wi) * (1.0 - p)
-            normal, _ = surface.microfacets.sample(wi, sample2)
-            scattered = mi.warp.square_to_cosine_hemisphere(sample2)
-            up = dr.select(glossy, mi.reflect(wi, normal), scattered)
+            up = surface.sampled(wi, glossy, sample2)
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = dr.select(goes_on, -si.wi, self._mirrored(up, si.wi))
             bs.eta = 1.0
-            kinds = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
-            reflected = dr.select(glossy, mi.UInt32(+kinds[0]), mi.UInt32(+kinds[1]))
+            component, reflected = lobe(glossy)
             bs.sampled_type = dr.select(goes_on, mi.UInt32(+mi.BSDFFlags.Null), reflected)
-            component = dr.select(glossy, mi.UInt32(1), mi.UInt32(0))
             bs.sampled_component = dr.select(goes_on, mi.UInt32(2), component)
             value, pdf = self.eval_pdf(ctx, si, bs.wo, active)
             bs.pdf = dr.select(goes_on, p, pdf)

@@ -81,10 +81,9 @@ def make_integrator() -> Any:
             through = mi.Spectrum(1)
             if self.options.has_media or self.options.has_masks:
                 through = transmittance(scene, sampler, eye, inside, here, to_surface=True)
-            direct, one, indirect, single, multiple = trace(
-                scene, sampler, eye, inside, here, self.options
-            )
-            layers = (direct, one, indirect, single, multiple, through)
+            found = trace(scene, sampler, eye, inside, here, self.options)
+            direct, _, indirect, single, multiple = found
+            layers = (*found, through)
             total = direct + indirect + single + multiple
             return total, mi.Bool(True), [layer[k] for layer in layers for k in range(3)]
 
@@ -105,144 +104,203 @@ def pick_channel(sampler: Any, active: Any) -> Any:
     return mi.UInt32(dr.minimum(3.0 * sampler.next_1d(active), 2.0))
 
 
+@dataclass(frozen=True)
+class Vertex:
+    """Where paths are: at `si` those `on_surface`; at `mei`, in `medium`, those it `scatters`."""
+
+    si: Any
+    mei: Any
+    bsdf: Any
+    medium: Any
+    on_surface: Any
+    scatters: Any
+
+
 @dr.syntax  # type: ignore[untyped-decorator]
-def trace(  # a path tracer is one loop: cutting it would only hide its state
-    scene: Any,
-    sampler: Any,
-    ray: Any,
-    medium: Any,
-    active: Any,
-    options: Options,
-) -> Any:
-    """All layers along one path per ray; see the module."""
+def trace(scene: Any, sampler: Any, ray: Any, medium: Any, active: Any, options: Options) -> Any:
+    """The first five of PATH_LAYERS along one path per ray; see the module."""
     # Dr.Jit's loops carry local variables, and would try to write into `options`.
     max_depth, hide_environment = options.max_depth, options.hide_environment
     has_media, has_masks = options.has_media, options.has_masks
-    ray = mi.Ray3f(ray)
-    medium = mi.MediumPtr(medium)
-    active = mi.Bool(active)
-    direct, one, indirect = mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)
-    single, multiple = mi.Spectrum(0), mi.Spectrum(0)
-    throughput = mi.Spectrum(1)
-    events = mi.UInt32(0)
-    medium_first = mi.Bool(False)
-    last = dr.zeros(mi.Interaction3f)
-    last_pdf = mi.Float(1)
-    last_delta = mi.Bool(True)
+    ray, medium, active = mi.Ray3f(ray), mi.MediumPtr(medium), mi.Bool(active)
+    layers = no_light()
+    throughput, events, medium_first = mi.Spectrum(1), mi.UInt32(0), mi.Bool(False)
+    last, last_pdf, last_delta = dr.zeros(mi.Interaction3f), mi.Float(1), mi.Bool(True)
 
     while active:
-        # Russian roulette keeps weights near one.
-        q = dr.minimum(dr.max(throughput), 0.95)
-        roulette = events > RUSSIAN_ROULETTE_DEPTH
-        survives = (sampler.next_1d(active) < q) | ~roulette
-        throughput[roulette] = throughput * dr.rcp(q)
-        active &= survives & dr.any(throughput != 0.0)
+        active, throughput = roulette(sampler, throughput, events, active)
 
         # Free flight to the nearer of a collision and a surface.
         si = scene.ray_intersect(ray, active)
-        mei = dr.zeros(mi.MediumInteraction3f)
-        collides, scatters = mi.Bool(False), mi.Bool(False)
+        mei, collides, scatters = dr.zeros(mi.MediumInteraction3f), mi.Bool(False), mi.Bool(False)
         if dr.hint(has_media, mode="scalar"):
-            in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
-            channel = pick_channel(sampler, in_medium)
-            mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
-            mei.t[in_medium & (si.t < mei.t)] = dr.inf
-            tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
-            density = dr.mean(pdf)
-            throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
-
-            # A collision is real or null.
-            collides = in_medium & mei.is_valid()
-            real_share = dr.mean(mei.sigma_t / mei.combined_extinction)
-            is_real = sampler.next_1d(collides) < real_share
-            scatters, passes = collides & is_real, collides & ~is_real
-            throughput[scatters] *= mei.sigma_s / real_share
-            throughput[passes] *= mei.sigma_n / (1.0 - real_share)
-            ray[passes] = mei.spawn_ray(ray.d)
+            mei, collides, scatters, throughput = flown(
+                sampler, ray, medium, si, throughput, active
+            )
+            ray[collides & ~scatters] = mei.spawn_ray(ray.d)
 
         # Emission where the ray ends.
-        on_surface = active & ~collides
-        emitter = si.emitter(scene, on_surface)
-        shines = on_surface & (emitter != None)  # noqa: E711
+        shines = active & ~collides
         if dr.hint(hide_environment, mode="scalar"):
             shines &= si.is_valid() | (events > 0)
-        ds = mi.DirectionSample3f(scene, si, last)
-        light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~last_delta)
-        weight = dr.select(last_delta, 1.0, mis_weight(last_pdf, light_pdf))
-        found = dr.select(shines, throughput * emitter.eval(si, shines) * weight, 0.0)
-        direct += dr.select((events == 0) | ((events == 1) & ~medium_first), found, 0.0)
-        one += dr.select((events == 2) & ~medium_first, found, 0.0)
-        indirect += dr.select((events > 1) & ~medium_first, found, 0.0)
-        single += dr.select((events == 1) & medium_first, found, 0.0)
-        multiple += dr.select((events > 1) & medium_first, found, 0.0)
+        found = emitted(scene, si, (last, last_pdf, last_delta), throughput, shines)
+        layers = credited(layers, events, medium_first, found)
 
         # Light sampled from this vertex: one event more.
-        on_surface &= si.is_valid()
-        context = mi.BSDFContext()
+        on_surface = active & ~collides & si.is_valid()
         bsdf = si.bsdf(ray)
-        smooth = mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-        next_event = events + 1
-        allowed = next_event < max_depth
-        lit_surface, lit_medium = on_surface & smooth & allowed, scatters & allowed
-        here = dr.zeros(mi.Interaction3f)
-        here[lit_surface] = si
-        here[lit_medium] = mei
-        light, to_light = scene.sample_emitter_direction(
-            here, sampler.next_2d(lit_surface | lit_medium), False, lit_surface | lit_medium
-        )
-        lit = (lit_surface | lit_medium) & (light.pdf != 0.0)
-        to_shadow = here.spawn_ray_to(light.p)
-        seen = mi.Spectrum(1)
-        if dr.hint(has_media or has_masks, mode="scalar"):
-            shadow_medium = mi.MediumPtr(medium)
-            shadow_medium[lit_surface & si.is_medium_transition()] = si.target_medium(light.d)
-            seen = transmittance(scene, sampler, to_shadow, shadow_medium, lit, to_surface=False)
-        else:
-            lit &= ~scene.ray_test(to_shadow, lit)
-        f, vertex_pdf = bsdf.eval_pdf(context, si, si.to_local(light.d), lit_surface)
-        if dr.hint(has_media, mode="scalar"):
-            phase = medium.phase_function()
-            phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
-            phase_context = mi.PhaseFunctionContext(sampler)
-            f_medium, pdf_medium = phase.eval_pdf(phase_context, mei, light.d, lit_medium)
-            f = dr.select(lit_surface, f, f_medium)
-            vertex_pdf = dr.select(lit_surface, vertex_pdf, pdf_medium)
-        weight = dr.select(light.delta, 1.0, mis_weight(light.pdf, vertex_pdf))
-        found = dr.select(lit, throughput * f * weight * to_light * seen, 0.0)
-        from_medium = dr.select(events == 0, scatters, medium_first)
-        direct += dr.select((next_event == 1) & ~from_medium, found, 0.0)
-        one += dr.select((next_event == 2) & ~from_medium, found, 0.0)
-        indirect += dr.select((next_event > 1) & ~from_medium, found, 0.0)
-        single += dr.select((next_event == 1) & from_medium, found, 0.0)
-        multiple += dr.select((next_event > 1) & from_medium, found, 0.0)
+        found = sampled_light(
+            scene, sampler, Vertex(si, mei, bsdf, medium, on_surface, scatters), throughput,
+            events + 1 < max_depth, has_media, has_media or has_masks,
+        )  # fmt: skip
+        medium_first |= scatters & (events == 0)
+        layers = credited(layers, events + 1, medium_first, found)
 
         # Onward: the phase function, or the surface.
         if dr.hint(has_media, mode="scalar"):
-            wo, phase_weight, phase_pdf = phase.sample(
-                phase_context, mei, sampler.next_1d(scatters), sampler.next_2d(scatters), scatters
-            )
+            wo, phase_weight, last_pdf[scatters] = sampled_phase(sampler, medium, mei, scatters)
             throughput[scatters] *= phase_weight
-            ray[scatters] = mei.spawn_ray(wo)
-            last[scatters] = mei
-            last_pdf[scatters] = phase_pdf
-            last_delta[scatters] = False
-        bs, bsdf_weight = bsdf.sample(
-            context, si, sampler.next_1d(on_surface), sampler.next_2d(on_surface), on_surface
-        )
+            ray[scatters], last[scatters], last_delta[scatters] = mei.spawn_ray(wo), mei, False
+        bs, bsdf_weight, reflects = sampled_bsdf(sampler, bsdf, si, on_surface)
         throughput[on_surface] *= bsdf_weight
         ray[on_surface] = si.spawn_ray(si.to_world(bs.wo))
-        reflects = on_surface & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
         medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
-
-        medium_first |= scatters & (events == 0)
-        last[reflects] = si
-        last_pdf[reflects] = bs.pdf
+        last[reflects], last_pdf[reflects] = si, bs.pdf
         last_delta[reflects] = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         events[scatters | reflects] += 1
-        active &= collides | on_surface
-        active &= events < max_depth
+        active &= (collides | on_surface) & (events < max_depth)
 
-    return direct, one, indirect, single, multiple
+    return layers
+
+
+def no_light() -> tuple[Any, ...]:
+    """The first five of PATH_LAYERS, black."""
+    return tuple(mi.Spectrum(0) for _ in PATH_LAYERS[:5])
+
+
+def credited(layers: tuple[Any, ...], events: Any, in_medium: Any, found: Any) -> tuple[Any, ...]:
+    """The layers with light `found` after so many events, the first of them in a medium or not."""
+    direct, one, indirect, single, multiple = layers
+    return (
+        direct + dr.select((events < 2) & ~in_medium, found, 0.0),
+        one + dr.select((events == 2) & ~in_medium, found, 0.0),
+        indirect + dr.select((events > 1) & ~in_medium, found, 0.0),
+        single + dr.select((events == 1) & in_medium, found, 0.0),
+        multiple + dr.select((events > 1) & in_medium, found, 0.0),
+    )
+
+
+def roulette(sampler: Any, throughput: Any, events: Any, active: Any) -> tuple[Any, Any]:
+    """Which paths are still `active`, and their throughput, of weights near one."""
+    q = dr.minimum(dr.max(throughput), 0.95)
+    is_asked = events > RUSSIAN_ROULETTE_DEPTH
+    survives = (sampler.next_1d(active) < q) | ~is_asked
+    throughput = dr.select(is_asked, throughput * dr.rcp(q), throughput)
+    return active & survives & dr.any(throughput != 0.0), throughput
+
+
+def flown(
+    sampler: Any, ray: Any, medium: Any, si: Any, throughput: Any, active: Any
+) -> tuple[Any, Any, Any, Any]:
+    """Where rays collide in media before `si`, which do, which of those scatter; throughput."""
+    throughput = mi.Spectrum(throughput)
+    in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
+    channel = pick_channel(sampler, in_medium)
+    mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
+    mei.t[in_medium & (si.t < mei.t)] = dr.inf
+    tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
+    density = dr.mean(pdf)
+    throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
+
+    # A collision is real or null.
+    collides = in_medium & mei.is_valid()
+    real_share = dr.mean(mei.sigma_t / mei.combined_extinction)
+    is_real = sampler.next_1d(collides) < real_share
+    scatters, passes = collides & is_real, collides & ~is_real
+    throughput[scatters] *= mei.sigma_s / real_share
+    throughput[passes] *= mei.sigma_n / (1.0 - real_share)
+    return mei, collides, scatters, throughput
+
+
+def emitted(scene: Any, si: Any, came: tuple[Any, Any, Any], throughput: Any, shines: Any) -> Any:
+    """What reaches the eye of the emission that rays meet at `si`.
+
+    `came`: the vertex before, how likely it sent the ray, sr^-1, and whether nowhere else.
+    """
+    last, last_pdf, last_delta = came
+    emitter = si.emitter(scene, shines)
+    shines = shines & (emitter != None)  # noqa: E711
+    ds = mi.DirectionSample3f(scene, si, last)
+    light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~last_delta)
+    weight = dr.select(last_delta, 1.0, mis_weight(last_pdf, light_pdf))
+    return dr.select(shines, throughput * emitter.eval(si, shines) * weight, 0.0)
+
+
+def sampled_light(
+    scene: Any,
+    sampler: Any,
+    at: Vertex,
+    throughput: Any,
+    allowed: Any,
+    has_media: bool,
+    is_filtered: bool,
+) -> Any:
+    """What reaches the eye of a light that is sampled from vertices, where that is `allowed`.
+
+    `is_filtered`: surfaces and media let some of it pass.
+    """
+    si, mei = at.si, at.mei
+    smooth = mi.has_flag(at.bsdf.flags(), mi.BSDFFlags.Smooth)
+    lit_surface, lit_medium = at.on_surface & smooth & allowed, at.scatters & allowed
+    here = dr.zeros(mi.Interaction3f)
+    here[lit_surface] = si
+    here[lit_medium] = mei
+    asked = lit_surface | lit_medium
+    light, to_light = scene.sample_emitter_direction(here, sampler.next_2d(asked), False, asked)
+    lit = asked & (light.pdf != 0.0)
+
+    # How much of it arrives.
+    to_shadow, seen = here.spawn_ray_to(light.p), mi.Spectrum(1)
+    if is_filtered:
+        medium = mi.MediumPtr(at.medium)
+        medium[lit_surface & si.is_medium_transition()] = si.target_medium(light.d)
+        seen = transmittance(scene, sampler, to_shadow, medium, lit, to_surface=False)
+    else:
+        lit &= ~scene.ray_test(to_shadow, lit)
+
+    # What the vertex sends on of it.
+    local = si.to_local(light.d)
+    f, vertex_pdf = at.bsdf.eval_pdf(mi.BSDFContext(), si, local, lit_surface)
+    if has_media:
+        context = mi.PhaseFunctionContext(sampler)
+        phase = phase_of(at.medium, at.scatters)
+        f_medium, pdf_medium = phase.eval_pdf(context, mei, light.d, lit_medium)
+        f = dr.select(lit_surface, f, f_medium)
+        vertex_pdf = dr.select(lit_surface, vertex_pdf, pdf_medium)
+    weight = dr.select(light.delta, 1.0, mis_weight(light.pdf, vertex_pdf))
+    return dr.select(lit, throughput * f * weight * to_light * seen, 0.0)
+
+
+def phase_of(medium: Any, scatters: Any) -> Any:
+    """The phase functions of media where paths scatter, none elsewhere."""
+    phase = medium.phase_function()
+    phase[~scatters] = dr.zeros(mi.PhaseFunctionPtr)
+    return phase
+
+
+def sampled_phase(sampler: Any, medium: Any, mei: Any, scatters: Any) -> tuple[Any, Any, Any]:
+    """Where paths that scatter go on, with their weights and how likely that was, sr^-1."""
+    phase, context = phase_of(medium, scatters), mi.PhaseFunctionContext(sampler)
+    chance, place = sampler.next_1d(scatters), sampler.next_2d(scatters)
+    found: tuple[Any, Any, Any] = phase.sample(context, mei, chance, place, scatters)
+    return found
+
+
+def sampled_bsdf(sampler: Any, bsdf: Any, si: Any, on_surface: Any) -> tuple[Any, Any, Any]:
+    """How paths on surfaces go on, with their weights, and which do not just pass."""
+    chance, place = sampler.next_1d(on_surface), sampler.next_2d(on_surface)
+    bs, weight = bsdf.sample(mi.BSDFContext(), si, chance, place, on_surface)
+    return bs, weight, on_surface & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
 
 
 @dr.syntax  # type: ignore[untyped-decorator]
