@@ -362,6 +362,15 @@ def _filtered(texels: np.ndarray, uv: np.ndarray, wrap: str) -> np.ndarray:
     return total
 
 
+def _veil(alpha: int) -> Texture:
+    pixels = np.full((2, 2, 4), 255, np.uint8)
+    pixels[..., 3] = alpha
+    return Texture(pixels)
+
+
+_CUT_GLASS = Material(base_color=(0.9, 0.6, 0.3), transmission=0.5, alpha_cutoff=0.5)
+
+
 @pytest.mark.parametrize("has_moved", [False, True])
 @pytest.mark.parametrize(
     ("look", "met"),
@@ -369,6 +378,10 @@ def _filtered(texels: np.ndarray, uv: np.ndarray, wrap: str) -> np.ndarray:
         (Material(alpha=0.3, is_blended=True), 0.3),
         (Material(base_color=(0.9, 0.6, 0.3), transmission=0.5), 1.0 - 0.5 * 0.96 * 0.6),
         (Material(transmission=1.0, metallic=1.0), 1.0),
+        (Material(alpha=0.5, base_color_texture=_veil(153), is_blended=True), 0.3),
+        # Of a cut-out alpha says where it is, not how much of it.
+        (replace(_CUT_GLASS, base_color_texture=_veil(153)), 1.0 - 0.5 * 0.96 * 0.6),
+        (replace(_CUT_GLASS, base_color_texture=_veil(102)), 0.0),
     ],
 )
 def test_translucent_surfaces_are_met_by_chance(

@@ -20,7 +20,8 @@ INSTANCE_WORDS = 40
 """Of an instance: object from world and world from object (12 each), the first node of its mesh,
 its material, the first word of its mask (0: none), the mask's width and height (16 bits each); the
 scale and offset of its coordinates; the least alpha that is there, how it wraps, the first node of
-all that are static, the chance to be met (of translucent ones, else 0); 4 unused."""
+all that are static, the chance to be met (of translucent ones, else 0), 1 where alpha is coverage;
+3 unused."""
 MOST_SIDE = 1024
 """Texels of a mask's longer side; of larger textures each texel is the mean of several."""
 
@@ -49,6 +50,7 @@ class Masks:
             self.rows[index, 26:28] = self._place(texture)
             floats[index, 28:32] = uv_transform(texture)
             floats[index, 32] = material.alpha_cutoff / max(material.alpha, 1e-6)
+            self.rows[index, 36] = int(material.is_blended)
             self.rows[index, 33] = WRAP_BITS[texture.wrap[0]] | WRAP_BITS[texture.wrap[1]] << 2
         self._parts.append(np.zeros(-self._first % 8, np.uint32))  # to whole pairs of rows
         self.texels: U32 = np.concatenate(self._parts)

@@ -74,10 +74,11 @@ fn ray_is_there(hit: RayHit) -> bool {
     let at = RAY_INSTANCE_PAIRS * hit.instance;
     let mask = ray_rows(ray_instances[at + 3u]);
     let first = mask.first.z;
-    let met = bitcast<f32>(ray_rows(ray_instances[at + 4u]).first.w);
+    let passing = ray_rows(ray_instances[at + 4u]);
+    let met = bitcast<f32>(passing.first.w);
     if (!RAYS_MEET_TRANSLUCENT && met > 0.0) { return false; }
     if (first == 0u) { return met == 0.0 || ray_chance(hit) < met; }
-    let limit = ray_rows(ray_instances[at + 4u]).first.xy;
+    let limit = passing.first.xy;
     let uv = ray_uv(ray_rows(ray_triangles[2u * hit.triangle + 1u]), hit.bary);
     let size = vec2u(mask.first.w & 0xffffu, mask.first.w >> 16u);
     let wrap = vec2u(limit.y & 3u, limit.y >> 2u);
@@ -90,5 +91,7 @@ fn ray_is_there(hit: RayHit) -> bool {
     let high = mix(ray_mask_texel(first, size, corner + vec2f(0.0, 1.0), wrap),
         ray_mask_texel(first, size, corner + 1.0, wrap), share.x);
     let alpha = mix(low, high, share.y) / 255.0;
-    return select(alpha >= bitcast<f32>(limit.x), ray_chance(hit) < met * alpha, met > 0.0);
+    // Alpha cuts holes, of glass too; as coverage it thins what is left.
+    let chance = met * select(1.0, alpha, passing.second.x != 0u);
+    return alpha >= bitcast<f32>(limit.x) && (met == 0.0 || ray_chance(hit) < chance);
 }
