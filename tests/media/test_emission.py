@@ -11,6 +11,7 @@ import pytest
 from airlight.errors import SceneError
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
+from airlight.media.emission_grids import EmissionGrids
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.march.march import March, MarchedLight, MarchTargets
 from airlight.media.rays import Rays
@@ -91,6 +92,32 @@ def test_an_emission_alone_follows_the_density(gpu: Gpu, look: Any) -> None:
     images = [drawn(gpu, look(scene(EYES["outside"], volumes=(v,)))) for v in (plain, same)]
     assert images[0].max() > 1.0
     np.testing.assert_allclose(images[0], images[1], rtol=2e-3)
+
+
+def test_grids_of_several_volumes_are_read_apart(gpu: Gpu, look: Any) -> None:
+    """Clear volumes in one place: what both emit is the sum."""
+    rng = np.random.default_rng(7)
+    volumes = []
+    for shape, color in (((5, 9, 4), (1.0, 0.2, 0.1)), ((7, 3, 6), (0.1, 0.4, 2.0))):
+        glow = rng.uniform(0.0, 2.0, (*shape, 3)).astype(np.float32)
+        dense = np.ones(shape, np.float32)
+        volumes.append(Volume((0.0,) * 3, dense, bounds=BOX, emission=Emission(color, glow)))
+    one, two, both = (
+        drawn(gpu, look(scene(EYES["outside"], volumes=tuple(seen))))
+        for seen in (volumes[:1], volumes[1:], volumes)
+    )
+    assert min(one.max(), two.max()) > 0.5
+    # Steps lie elsewhere among the voxels of both.
+    np.testing.assert_allclose(both, one + two, atol=0.02 * both.max())
+
+
+def test_more_grids_than_a_texture_is_high_fit_beside_one_another(gpu: Gpu) -> None:
+    high = gpu.limits["max-texture-dimension-3d"] // 2
+    tall = np.ones((high, 1, 1), np.float32)
+    volumes = tuple(Volume((1.0,) * 3, tall, emission=Emission(GLOW, tall)) for _ in range(3))
+    grids = EmissionGrids(gpu, volumes)
+    assert len({place.first for place in grids.places}) == 3
+    assert all(place.count == (1.0, 1.0, high) for place in grids.places)
 
 
 def test_frames_bring_new_emission_but_no_new_kind_of_it(gpu: Gpu, look: Any) -> None:

@@ -1,59 +1,50 @@
-"""The emission grids of all volumes on the device: one texture, stacked along z."""
+"""The emission grids of all volumes on the device: boxes of one texture (`atlas`)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..maths.half import half_floats
-from ..scene.checks import Rgb, Vec3
+from ..scene.checks import Rgb
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .atlas import LIMIT, Region, packed
 
-
-@dataclass(frozen=True)
-class GridPlace:
-    """Texels of one grid in the texture, x y z; none where `count` is 0."""
-
-    first: Vec3 = (0.0, 0.0, 0.0)
-    count: Vec3 = (0.0, 0.0, 0.0)
-
-
-NO_GRID = GridPlace()
+NO_GRID = Region((0, 0, 0), (0, 0, 0))
+"""Of a volume without an emission grid."""
 
 
 class EmissionGrids:
-    """rgb in 0..1: the share of the brightest voxel's emission. Sizes are fixed."""
+    """rgb in 0..1: the share of the brightest voxel's emission. Sizes are fixed.
+
+    `places`: the texels of each volume's grid.
+    """
 
     def __init__(self, gpu: Gpu, volumes: Sequence[Volume]) -> None:
-        """For the `volumes` of a scene, of which one at least has an emission grid."""
+        """For the `volumes` of a scene, of which one at least has an emission grid.
+
+        Raises SceneError where the grids do not fit into one texture.
+        """
         self._seen: list[Volume] = list(volumes)
-        self.places: list[GridPlace] = []
-        sizes = [v.emission.size for v in volumes if v.emission and glows(v)]
-        height, width = (max(s[axis] for s in sizes if s) for axis in (1, 2))
-        depth = 0
-        for volume in volumes:
-            place = NO_GRID
-            if glows(volume) and volume.emission and volume.emission.size:
-                z, y, x = volume.emission.size
-                place = GridPlace((0.0, 0.0, float(depth)), (float(x), float(y), float(z)))
-                depth += z
-            self.places.append(place)
-        self.texture = Texture(
-            gpu, "emission grids", (width, height, depth), "rgba16float", dimension="3d"
-        )
+        sizes = [v.emission.size if v.emission else None for v in volumes]
+        boxes, size = packed([(s[2], s[1], s[0]) for s in sizes if s], gpu.limits[LIMIT])
+        self.texture = Texture(gpu, "emission grids", size, "rgba16float", dimension="3d")
+        found = iter(boxes)
+        self.places = [NO_GRID if s is None else next(found) for s in sizes]
         for volume, place in zip(volumes, self.places, strict=True):
             self._write(volume, place)
 
     def update(self, volumes: Sequence[Volume]) -> bool:
-        """Upload the grids that are not the last frame's; returns whether there were any."""
+        """Upload the grids that are not the last frame's; returns whether there were any.
+
+        Raises SceneError where a grid comes, goes or changes in size.
+        """
         changed = False
         for i, (volume, old) in enumerate(zip(volumes, self._seen, strict=True)):
             self._seen[i] = volume
@@ -70,16 +61,16 @@ class EmissionGrids:
                 changed = True
         return changed
 
-    def _write(self, volume: Volume, place: GridPlace) -> None:
+    def _write(self, volume: Volume, place: Region) -> None:
         if place is NO_GRID:
             return
-        emission, (width, height, _) = volume.emission, self.texture.size
+        emission = volume.emission
         assert emission and emission.values is not None
-        z, y, x = emission.values.shape[:3]
-        rows: NDArray[np.float16] = np.zeros((z, height, width, 4), np.float16)
+        texels = np.zeros((*emission.values.shape[:3], 4), np.float16)
         scale = 1.0 / max(emission.peak, 1e-30)
-        half_floats(emission.values, scale, out=rows[:, :y, :x, :3])
-        self.texture.write(rows, layer=int(place.first[2]))
+        half_floats(emission.values, scale, out=texels[..., :3])
+        x, y, z = place.first
+        self.texture.write(texels, layer=z, row=y, column=x)
 
 
 def has_emission(scene: Scene) -> bool:
