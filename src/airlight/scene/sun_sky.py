@@ -103,10 +103,18 @@ class Sky:
 
 
 def sky_at(latitude_deg: float, longitude_deg: float, when: datetime, *, turbidity: float) -> Sky:
-    """The sky of a place at a time with its zone. Raises SceneError at night."""
+    """The sky of a place, degrees, at a time with its zone.
+
+    Raises SceneError at night, and for what is no place or no time.
+    """
     latitude = checks.number(latitude_deg, "latitude", low=-90.0, high=90.0)
     longitude = checks.number(longitude_deg, "longitude", low=-180.0, high=180.0)
-    utc = when.astimezone(UTC).replace(tzinfo=None)
+    try:
+        utc = when.astimezone(UTC).replace(tzinfo=None)
+    except OverflowError:
+        raise SceneError(
+            f"{when.isoformat()} is no time at UTC", remedy="Write years from 2 to 9998."
+        ) from None
     elevation, azimuth = sun_angles_deg(utc, latitude, longitude)
     if elevation < LOWEST_DEG:
         raise SceneError(
@@ -117,8 +125,9 @@ def sky_at(latitude_deg: float, longitude_deg: float, when: datetime, *, turbidi
 
 
 def zone_of(longitude_deg: float) -> timezone:
-    """The zone in whole hours that the longitude alone would have."""
-    return timezone(timedelta(hours=round(longitude_deg / 15.0)))
+    """The zone in whole hours that the longitude alone would have. Raises SceneError."""
+    longitude = checks.number(longitude_deg, "longitude", low=-180.0, high=180.0)
+    return timezone(timedelta(hours=round(longitude / 15.0)))
 
 
 _WRITTEN = "ELEVATION,AZIMUTH or DATE-T-TIME@LATITUDE,LONGITUDE, such as 35,135 or "
@@ -141,7 +150,6 @@ def sky_of_text(text: str) -> Sky:
     except ValueError:
         raise _not_a_sun(text) from None
     if moment.tzinfo is None:
-        checks.number(second, "longitude", low=-180.0, high=180.0)
         moment = moment.replace(tzinfo=zone_of(second))
     return sky_at(first, second, moment, turbidity=turbidity)
 

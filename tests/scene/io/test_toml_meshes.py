@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +130,16 @@ def test_roughness_and_metallic_replace_their_own_channel_only(from_file):
     metal = from_file(Scene(meshes=(textured_mesh(),)), metallic=0.2).meshes[0].material
     assert metal.metallic_roughness_texture.pixels[0, 0].tolist() == [64, 64, 255, 64]
     assert (rough.roughness, metal.metallic) == (0.2, 0.2)
+
+
+def test_an_opacity_thins_a_cut_out_and_leaves_its_holes_where_they_are(from_file):
+    own = textured_mesh()
+    half = replace(own, material=replace(own.material, alpha=0.8))
+    for mesh, at_one in ((own, 0.5), (half, 0.5 / 0.8)):
+        material = from_file(Scene(meshes=(mesh,)), opacity=0.4).meshes[0].material
+        assert (material.alpha, material.is_blended) == (0.4, True)
+        # What is there at full opacity is there at this one: texels from that alpha on.
+        assert material.alpha_cutoff / material.alpha == pytest.approx(at_one)
 
 
 def test_emission_replaces_its_texture(from_file):

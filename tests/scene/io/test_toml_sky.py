@@ -13,6 +13,7 @@ from airlight.scene.sun_sky import Sky, followed, with_sky
 
 BOX = '[camera]\nposition = [0, 1, 4]\ntarget = [0, 0, 0]\n[[mesh]]\nshape = "box"\n'
 PLACE = "latitude_deg = 48.1\nlongitude_deg = 11.6\ndate = 2026-06-21\ntime = 13:14:00\n"
+FAR = "latitude_deg = 1\nlongitude_deg = {}\ndate = {}\ntime = 00:00:00\n"
 
 
 def scene_of(folder: Path, sky: str, more: str = ""):
@@ -56,6 +57,8 @@ def test_lights_of_the_file_stay_and_keep_their_numbers(tmp_path):
         (PLACE.replace("13:14:00", '"noon"'), "is no time"),
         (PLACE.replace("13:14", "00:14"), "it is night"),
         ("turbidity = 0.5\n", "turbidity"),
+        (FAR.format(400, "2026-06-21"), r"\[sky\]: longitude"),
+        (FAR.format(90, "0001-01-01"), "is no time at UTC"),
     ],
 )
 def test_what_cannot_be_is_refused(tmp_path, sky, said):

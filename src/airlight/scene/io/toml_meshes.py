@@ -157,6 +157,11 @@ def _with_factors(material: Material, factors: Mapping[str, Any]) -> Material:
     if "metallic" in factors:
         rough_metal = _whitened(rough_metal, _METALLIC_CHANNEL)
     changes["metallic_roughness_texture"] = rough_metal
+    if "alpha" in factors and material.alpha > 0.0:
+        # Holes of a cut-out stay where they are: the cut is of alpha times the texture's.
+        changes["alpha_cutoff"] = min(
+            material.alpha_cutoff * factors["alpha"] / material.alpha, 1.0
+        )
     if "emission" in factors:
         changes["emission_texture"] = None
     return replace(material, **changes)
