@@ -131,15 +131,15 @@ class Renderer:
             changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
             before = self.scene
             scene = self._asked(before if time is None else before.at(time), **changes)
-            moments = []
+            moments: Iterator[Scene] | None = None
             if time is not None and _is_blurred(scene, samples):
-                opened_s = scene.camera.shutter_s * shutter_shares(samples)
-                moments = [self._asked(before.at(time + s), **changes) for s in opened_s.tolist()]
+                times_s = time + scene.camera.shutter_s * shutter_shares(samples)
+                moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
                 self.technique.solve(self.commands, self._take(scene), is_still=samples > 1)
                 self._draw(samples, progress, moments)
-                if moments:
+                if moments is not None:
                     self._take(scene)
                 encoded = perf_counter()
                 self.gpu.wait()
@@ -154,17 +154,19 @@ class Renderer:
         self.scene = scene
         return shown
 
-    def _draw(self, samples: int, progress: Progress | None, moments: Sequence[Scene] = ()) -> None:
+    def _draw(
+        self, samples: int, progress: Progress | None, moments: Iterator[Scene] | None = None
+    ) -> None:
         """Draw the solved scene once per sample, and submit all work.
 
-        `moments`: what each sample sees instead, solved as it comes.
+        `moments`: what each sample sees instead, made and solved as it comes.
         """
         self.view.is_still = samples > 1
         # Without anti-aliasing the one sample lies in the middle of its pixel.
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
-            if moments:
-                moment = self._take(moments[index])
+            if moments is not None:
+                moment = self._take(next(moments))
                 self.technique.solve(self.commands, moment, is_still=True)
             place = (float(jitter[0]), float(jitter[1]))
             camera = self.scene.camera
