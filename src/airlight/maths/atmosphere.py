@@ -82,7 +82,8 @@ def columns_out(height_m: F64, cosine: F64) -> F64:
     at = length[..., None] * (edges[:-1] + edges[1:]) / 2.0
     heights = np.sqrt(r[..., None] ** 2 + at**2 + 2.0 * at * (r * cosine)[..., None]) - GROUND_M
     widths = length[..., None] * np.diff(edges)
-    columns = (densities(heights) * widths[..., None]).sum(axis=-2)
+    # No ray that leaves goes below the ground; those that do would overflow there.
+    columns = (densities(np.maximum(heights, 0.0)) * widths[..., None]).sum(axis=-2)
     return np.where(_meets_ground(r, cosine)[..., None], np.inf, columns)
 
 

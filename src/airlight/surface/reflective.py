@@ -53,10 +53,8 @@ class _ReflectivePipeline(MeshPipeline):
 class _FluxFromIds(FullscreenPass):
     slots = (uniform("params", ReflectiveParams), *VISIBILITY_SLOTS)
     targets = _ReflectivePipeline.targets
-    depth, depth_compare = (
-        "depth32float",
-        "greater",
-    )  # where a triangle is nearer than the clear value
+    # Where a triangle is nearer than the clear value.
+    depth, depth_compare = "depth32float", "greater"
     file = "visibility_flux.wgsl"
 
 

@@ -74,7 +74,7 @@ class OrbitTrack:
         return self
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
-        """The scene seen from where the camera is; exposed as the scene's own."""
+        """The scene seen from where `camera` has gone, with that camera's lens and exposure."""
         own = self.camera
         centre = np.asarray(own.position if self.pivot is None else self.pivot, np.float64)
         up, angle = np.array(own.up), 2.0 * np.pi * time_s / self.turn_s

@@ -15,9 +15,8 @@ from ...errors import SceneError
 from .image_sizes import check_size
 
 IDENTIFIER = b"\xabKTX 20\xbb\r\n\x1a\n"
-_HEADER = struct.Struct(
-    "<9I"
-)  # format, type size, width, height, depth, layers, faces, levels, packing
+# Format, type size, width, height, depth, layers, faces, levels, packing.
+_HEADER = struct.Struct("<9I")
 
 
 def is_ktx2(raw: bytes) -> bool:

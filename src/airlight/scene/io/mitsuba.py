@@ -1,11 +1,11 @@
 """A useful subset of Mitsuba 3's scenes. What is dropped or approximated is in `warnings`.
 
 Read: obj, ply, serialized, cube, rectangle, sphere, disk and cylinder, instances of shape groups
-and merged shapes; diffuse, (rough)conductor,
-(rough)plastic, principled, glass without thickness, twosided, mask, normalmap and null; bitmap and
-checkerboard; point, spot, directional, area, constant and envmap; homogeneous and heterogeneous
-media of constants and grids with isotropic or Henyey-Greenstein scattering; the perspective sensor;
-<default>, <path>, $parameters, <include>, <ref>.
+and merged shapes; diffuse, (rough)conductor, (rough)plastic, principled, glass without thickness,
+twosided, mask, normalmap and null; bitmap and checkerboard; point, spot, directional, area,
+constant and envmap; homogeneous and heterogeneous media of constants and grids with isotropic or
+Henyey-Greenstein scattering; the sensors perspective and thinlens; <default>, <path>, $parameters,
+<include>, <ref>.
 """
 
 from __future__ import annotations

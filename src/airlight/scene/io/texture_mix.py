@@ -31,6 +31,7 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
 
 
 def _alpha(mask: Texture) -> Plane:
+    """(H, W) coverage of a mask: its alpha, or where that says nothing its brightness."""
     alpha = mask.pixels[..., 3]
     if alpha.min() == 255:
         alpha = mask.pixels[..., :3].mean(axis=2).round().astype(np.uint8)
