@@ -21,7 +21,7 @@ REPOSITORY = Path(__file__).parents[2]
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
 QUICK = ("techniques/index.md",)
 """Pages run every time; the others with --slow."""
-NOT_RUN = ("./run", "pip", "ssh", "sudo", "python", ".venv/bin/python", "pytest")
+NOT_RUN = ("./run", ".ci/run", "pip", "ssh", "sudo", "python", ".venv/bin/python", "pytest")
 """Words that begin a line which is not airlight's, or is a test of its own elsewhere."""
 SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "turntable", "figure --all")
 """Tested elsewhere: they need a screen, a path tracer, or minutes."""
