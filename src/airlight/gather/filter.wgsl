@@ -5,7 +5,8 @@
 // Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares.
 fn noisy(light: vec4f) -> vec2f {
     let sum = luminance(light.rgb);
-    return vec2f(sum, select(light.w, variance_of_sum(sum, light.w, params.rays), params.stride == 1u));
+    let found = variance_of_sum(sum, light.w, params.rays + params.sky_rays);
+    return vec2f(sum, select(light.w, found, params.stride == 1u));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

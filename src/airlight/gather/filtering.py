@@ -25,7 +25,9 @@ class FilterParams(Struct):
     stride = u32("texels")
     falloff = f32("per squared stride")
     texel = f32("m, how wide a texel is one metre away")
-    rays = u32("of a point")
+    rays = u32("of a point, by the cosine")
+    sky_rays = u32("of a point, towards what is bright of the sky")
+    pad = u32()
 
 
 class _Filter(ComputePass):
@@ -51,8 +53,11 @@ class Filtering:
             Buffer(gpu, f"filtered sums {i}", NBYTES * points.count) for i in range(len(STRIDES))
         ]
 
-    def encode(self, commands: Commands, view: View, sums: Buffer) -> Buffer:
-        """The filtered `sums` of a view's points, which are as `Sums` has them."""
+    def encode(self, commands: Commands, view: View, sums: Buffer, sky_rays: int) -> Buffer:
+        """The filtered `sums` of a view's points, which are as `Sums` has them.
+
+        `sky_rays`: of a point, beside those by the cosine.
+        """
         points = self._points
         for stride, after in zip(STRIDES, self._between, strict=True):
             self._filter.dispatch(
@@ -64,6 +69,8 @@ class Filtering:
                     falloff=falloff(view.sample),
                     texel=points.texel_m(view),
                     rays=self._rays,
+                    sky_rays=sky_rays,
+                    pad=0,
                 ),
                 places=points.places,
                 planes=points.planes,

@@ -103,7 +103,9 @@ class GatherSolver(Solver):
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, view.sample)
         with commands.stage("gather filter"):
-            sums = sized.filtering.encode(commands, view, sized.sums.buffer)
+            sums = sized.filtering.encode(
+                commands, view, sized.sums.buffer, self._cells.count(rays)
+            )
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
