@@ -40,6 +40,9 @@ def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_
     assert gather.likeness(p, UP, (5.0, 0.0, 0.0), UP, 0.1) == 1.0
     assert gather.likeness(p, UP, p, (0.0, 1.0, 0.0), 0.1) == 0.0
     assert gather.likeness(p, UP, (0.0, 0.0, 0.025), UP, 0.1) == pytest.approx(np.exp(-1.0))
+    # On a ball, neighbours lie off the plane by what their normals say.
+    turn = np.array([np.sin(0.2), 0.0, np.cos(0.2)])
+    assert gather.likeness(UP, UP, turn, turn, 0.01) == pytest.approx(np.cos(0.2) ** 8)
     assert gather.closeness(0.0, 2.0) == 1.0
     assert gather.closeness(0.3, 0.0) == 1.0
     assert gather.closeness(0.3, 2.0) < gather.closeness(0.1, 2.0) < 1.0

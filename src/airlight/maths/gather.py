@@ -82,12 +82,15 @@ def likeness(
     """How far (...) the light on `other` stands for that on `place`, 0 to 1.
 
     Places (..., 3) in metres and their unit normals (..., 3); `texel_m` is how wide a gather point
-    is on the surface at `place`. Points that face elsewhere or lie off its plane count less.
+    is on the surface at `place`. Points that face elsewhere count less, and those that lie off its
+    plane by more than a surface bends between their normals.
     """
     p, n, q, m = (np.asarray(v, dtype=np.float64) for v in (place, normal, other, its_normal))
-    facing = np.clip((n * m).sum(axis=-1), 0.0, 1.0) ** NORMAL_POWER
-    off = np.abs(((q - p) * n).sum(axis=-1)) / (PLANE_SHARE * np.asarray(texel_m))
-    return np.asarray(facing * np.exp(-off))
+    cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
+    # By this a round surface that has both normals leaves the plane: a circle's chord.
+    bend = np.linalg.norm(q - p, axis=-1) * np.sqrt(0.5 - 0.5 * cosine)
+    above = np.maximum(np.abs(((q - p) * n).sum(axis=-1)) - bend, 0.0)
+    return np.asarray(cosine**NORMAL_POWER * np.exp(-above / (PLANE_SHARE * np.asarray(texel_m))))
 
 
 def flux_along(normal: ArrayLike, direction: ArrayLike) -> F64:

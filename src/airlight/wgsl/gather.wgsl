@@ -38,9 +38,10 @@ fn flux_along(normal: vec3f, direction: vec3f) -> vec3f {
 }
 
 fn likeness(place: vec3f, normal: vec3f, other: vec3f, its_normal: vec3f, texel_m: f32) -> f32 {
-    let facing = pow(saturate(dot(normal, its_normal)), NORMAL_POWER);
-    let off = abs(dot(other - place, normal)) / (PLANE_SHARE * texel_m);
-    return facing * exp(-off);
+    let cosine = saturate(dot(normal, its_normal));
+    let bend = distance(other, place) * sqrt(0.5 - 0.5 * cosine);
+    let off = max(abs(dot(other - place, normal)) - bend, 0.0) / (PLANE_SHARE * texel_m);
+    return pow(cosine, NORMAL_POWER) * exp(-off);
 }
 
 fn sky_share(cosine: f32, density: f32, rays: u32, sky_rays: u32) -> f32 {
