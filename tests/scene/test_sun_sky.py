@@ -11,6 +11,7 @@ from airlight.errors import SceneError
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.rendering import render
 from airlight.scene import Camera, DirectionalLight, Environment, PointLight, Scene
+from airlight.scene.io import load
 from airlight.scene.sun_sky import Sky, followed, sky_of_text, with_sky
 
 
@@ -110,3 +111,8 @@ def test_a_map_with_a_horizon_for_who_blends_everywhere():
     assert fine[0] == 4.0
     assert np.all(np.diff(fine) <= 0.0)
     assert Environment(map=sky.map).rows_apart(4).shape == (4, 8, 3)
+
+
+def test_a_sun_that_is_no_text_is_refused_in_words():
+    with pytest.raises(SceneError, match="says no sun"):
+        load("builtin:cornell", sun=(25.0, 140.0))  # type: ignore[arg-type]

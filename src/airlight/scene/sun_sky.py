@@ -134,6 +134,15 @@ _WRITTEN = "ELEVATION,AZIMUTH or DATE-T-TIME@LATITUDE,LONGITUDE, such as 35,135 
 _EXAMPLE = "2026-06-21T17:30+02:00@48.1,11.6; a third number is the turbidity"
 
 
+def chosen_sky(sun: Sky | str | None) -> Sky | None:
+    """A sky, that of text, or none. Raises SceneError for anything else."""
+    if sun is None or isinstance(sun, Sky):
+        return sun
+    if isinstance(sun, str):
+        return sky_of_text(sun)
+    raise _not_a_sun(repr(sun))
+
+
 def sky_of_text(text: str) -> Sky:
     """What `--sun` says. Raises SceneError for text that is neither angles nor a time and place."""
     when, at, rest = text.rpartition("@")

@@ -20,7 +20,7 @@ from ...errors import SceneError, nearest
 from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
-from ..sun_sky import Sky, sky_of_text, with_sky
+from ..sun_sky import Sky, chosen_sky, with_sky
 from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
@@ -56,7 +56,7 @@ def load(
     """
     written = str(path)
     model = model_keys(written, up=up, scale=scale, variant=variant)
-    sky = sky_of_text(sun) if isinstance(sun, str) else sun
+    sky = chosen_sky(sun)
     if written.startswith(BUILTIN_PREFIX):
         from ..builtin import builtin_scene
 
