@@ -87,8 +87,10 @@ def likeness(
     """
     p, n, q, m = (np.asarray(v, dtype=np.float64) for v in (place, normal, other, its_normal))
     cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
-    # By this a round surface that has both normals leaves the plane: a circle's chord.
-    bend = np.linalg.norm(q - p, axis=-1) * np.sqrt(0.5 - 0.5 * cosine)
+    # By this a round surface that has both normals leaves the plane: a circle's chord. A turn of
+    # more than about 20 degrees is taken for an edge.
+    is_round = np.clip(25.0 * cosine - 23.5, 0.0, 1.0)
+    bend = np.linalg.norm(q - p, axis=-1) * np.sqrt(0.5 - 0.5 * cosine) * is_round
     above = np.maximum(np.abs(((q - p) * n).sum(axis=-1)) - bend, 0.0)
     return np.asarray(cosine**NORMAL_POWER * np.exp(-above / (PLANE_SHARE * np.asarray(texel_m))))
 

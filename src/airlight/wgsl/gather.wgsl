@@ -39,7 +39,7 @@ fn flux_along(normal: vec3f, direction: vec3f) -> vec3f {
 
 fn likeness(place: vec3f, normal: vec3f, other: vec3f, its_normal: vec3f, texel_m: f32) -> f32 {
     let cosine = saturate(dot(normal, its_normal));
-    let bend = distance(other, place) * sqrt(0.5 - 0.5 * cosine);
+    let bend = distance(other, place) * sqrt(0.5 - 0.5 * cosine) * saturate(25.0 * cosine - 23.5);
     let off = max(abs(dot(other - place, normal)) - bend, 0.0) / (PLANE_SHARE * texel_m);
     return pow(cosine, NORMAL_POWER) * exp(-off);
 }
