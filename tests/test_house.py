@@ -142,7 +142,6 @@ def test_only_gpu_imports_wgpu():
 
 
 LONG_FOR_A_REASON = {
-    "command": "each option of a command is a decorator",
     "make_bsdf": "a class of an optional package, which is there inside the function alone",
 }
 _CALLERS_NAME_THEM = "public: each parameter is an option of its own, which callers name"

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import OutputError, SettingsError
-from .options import Number, model_options
+from .options import (
+    display_options,
+    model_options,
+)
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
@@ -26,16 +29,9 @@ SCENES_OUT = (".xml", ".glb", ".toml")
 @click.command("convert")
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
-@click.option(
-    "--exposure",
-    type=Number(-64, 64),
-    metavar="STOPS",
-    help="For .png and .jpg of a linear image.  [default: 0]",
-)
-@click.option(
-    "--tone-map",
-    type=click.Choice(["agx", "aces", "neutral", "none"]),
-    help="Display curve.  [default: agx of a linear image, none of an 8-bit one]",
+@display_options(
+    "For .png and .jpg of a linear image.  [default: 0]",
+    "Display curve.  [default: agx of a linear image, none of an 8-bit one]",
 )
 @model_options()
 def command(

@@ -8,32 +8,19 @@ from typing import Any
 import click
 
 from ..errors import OutputError
-from .options import adapter_option, model_options, settings_option, sun_option
+from .options import (
+    output_option,
+    scene_options,
+    solving_options,
+)
 from .outputs import check_folder, check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
 
 @click.command("export-lattice")
-@click.argument("scene")
-@click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="FILE.npz|DIR",
-    help="An .npz, or a folder for .npy files and header.json.",
-)
-@click.option(
-    "-t",
-    "--technique",
-    default="auto",
-    show_default=True,
-    help="lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.",
-)
-@settings_option()
-@model_options()
-@sun_option()
-@adapter_option()
+@output_option("FILE.npz|DIR", "An .npz, or a folder for .npy files and header.json.")
+@solving_options("lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.")
+@scene_options()
 def command(scene: str, output: Path, **options: Any) -> None:
     """Solve the light in SCENE and write it as NumPy arrays with a JSON header.
 

@@ -11,7 +11,12 @@ import click
 
 from .. import __version__, env
 from ..errors import AirlightError, SettingsError
-from .options import adapter_option, size_option
+from .options import (
+    adapter_option,
+    output_option,
+    quiet_option,
+    size_option,
+)
 from .outputs import make_folder
 from .progress import progress
 
@@ -31,17 +36,11 @@ QUICK_SIZE = (96, 54)
     help="Write index.html over all figures in DIR; --all does, too.",
 )
 @click.option("--list", "is_list", is_flag=True, help="Name them and stop.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for NAME.png and NAME.json.",
-)
+@output_option("DIR", "Folder for NAME.png and NAME.json.", is_required=False)
 @size_option("640x360")
 @click.option("--quick", is_flag=True, help="Tiny lattices and images: does it work?")
 @adapter_option()
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@quiet_option()
 def command(
     names: tuple[str, ...],
     is_all: bool,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -47,6 +48,77 @@ SECONDS = Seconds()
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
+def together(*options: Decorator) -> Decorator:
+    """Several options as one decorator; `--help` lists them in this order."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def output_option(metavar: str, help: str, *, is_required: bool = True) -> Decorator:
+    """-o, given to the command as `output`, a path; None where it need not be given and is not."""
+    return click.option(
+        "-o",
+        "--output",
+        required=is_required,
+        type=click.Path(path_type=Path),
+        metavar=metavar,
+        help=help,
+    )
+
+
+def quiet_option() -> Decorator:
+    """-q, given to the command as `quiet`."""
+    return click.option("-q", "--quiet", is_flag=True, help="No progress.")
+
+
+def solving_options(
+    technique_help: str = "auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
+) -> Decorator:
+    """-t, -D and --adapter: how the light in a scene is solved, and on which device."""
+    return together(
+        click.option("-t", "--technique", default="auto", show_default=True, help=technique_help),
+        settings_option(),
+        adapter_option(),
+    )
+
+
+def samples_option(default: int | None, help: str = "Jittered samples per pixel.") -> Decorator:
+    """--samples N; None where it has no default and is not given."""
+    return click.option(
+        "--samples",
+        type=click.IntRange(1, 4096),
+        default=default,
+        show_default=default is not None,
+        help=help,
+    )
+
+
+def display_options(
+    exposure_help: str = "Instead of the camera's.",
+    curve_help: str = "Display curve.  [default: agx]",
+) -> Decorator:
+    """--exposure and --tone-map, given as `exposure` and `tone_map`, None where they are not."""
+    return together(
+        click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help=exposure_help),
+        click.option(
+            "--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]), help=curve_help
+        ),
+    )
+
+
+def scene_options() -> Decorator:
+    """SCENE, and how it is read and lit, given as `scene` and `model`; for commands that show it.
+
+    To `model_options` this adds --sun and --ground.
+    """
+    return together(click.argument("scene"), model_options(), _sun_option(), _ground_option())
+
+
 def size_option(default: str) -> Decorator:
     """--size WxH, given to the command as (width, height) in pixels."""
     return click.option(
@@ -79,7 +151,7 @@ def settings_option(help: str = "A setting of the technique; may be repeated.") 
 def model_options() -> Decorator:
     """--up, --scale and --variant of a mesh file; the command gets `model`, {name: value}, of what
     was given."""
-    options = (
+    return together(
         click.option(
             "--up",
             type=click.Choice(["y", "z"]),
@@ -104,16 +176,8 @@ def model_options() -> Decorator:
         ),
     )
 
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
 
-    return decorate
-
-
-def sun_option() -> Decorator:
-    """--sun, which the command gets within `model`; for commands that show the scene."""
+def _sun_option() -> Decorator:
     return click.option(
         "--sun",
         metavar="WHERE",
@@ -125,8 +189,7 @@ def sun_option() -> Decorator:
     )
 
 
-def ground_option() -> Decorator:
-    """--ground or --no-ground, which the command gets within `model`; for commands that show."""
+def _ground_option() -> Decorator:
     return click.option(
         "--ground/--no-ground",
         default=True,
@@ -139,7 +202,7 @@ def ground_option() -> Decorator:
 def camera_options() -> Decorator:
     """--aperture, --focus and --shutter; the command gets `camera`, {field: value}, what of them
     was given."""
-    options = (
+    return together(
         click.option(
             "--aperture",
             "aperture_m",
@@ -168,13 +231,6 @@ def camera_options() -> Decorator:
             help="How long a frame's shutter is open while things move.  [default: the scene's]",
         ),
     )
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return decorate
 
 
 def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:

@@ -12,15 +12,15 @@ import click
 from ..errors import SettingsError
 from .options import (
     SECONDS,
-    Number,
-    adapter_option,
     camera_options,
     check_settings,
-    ground_option,
-    model_options,
-    settings_option,
+    display_options,
+    output_option,
+    quiet_option,
+    samples_option,
+    scene_options,
     size_option,
-    sun_option,
+    solving_options,
     with_camera,
 )
 from .outputs import check_outputs, check_writable, write_json
@@ -36,28 +36,10 @@ _STARTED_S = time.perf_counter()
 
 
 @click.command("render")
-@click.argument("scene")
-@click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.",
-)
-@click.option(
-    "-t",
-    "--technique",
-    default="auto",
-    show_default=True,
-    help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
-)
+@output_option("FILE", "Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.")
+@solving_options()
 @size_option("1280x720")
-@click.option(
-    "--samples",
-    type=click.IntRange(1, 4096),
-    help="Jittered samples per pixel.  [default: 8; 64 with a lens or a shutter]",
-)
+@samples_option(None, "Jittered samples per pixel.  [default: 8; 64 with a lens or a shutter]")
 @click.option(
     "--time",
     "time_s",
@@ -65,7 +47,9 @@ _STARTED_S = time.perf_counter()
     metavar="SECONDS",
     help="Of a scene that moves: when.",
 )
-@settings_option()
+@camera_options()
+@display_options()
+@scene_options()
 @click.option("--layers", is_flag=True, help="Keep every layer in the EXR.")
 @click.option(
     "--stats",
@@ -73,19 +57,8 @@ _STARTED_S = time.perf_counter()
     metavar="FILE.json",
     help="Write device, timings and sizes as JSON.",
 )
-@adapter_option()
-@click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help="Instead of the camera's.")
-@click.option(
-    "--tone-map",
-    type=click.Choice(["agx", "aces", "neutral", "none"]),
-    help="Display curve.  [default: agx]",
-)
-@camera_options()
-@model_options()
-@sun_option()
-@ground_option()
 @click.option("--watch", is_flag=True, help="Render again whenever the scene file is saved.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@quiet_option()
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.
 

@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ... import __version__
-from ..options import adapter_option, settings_option
+from ..options import (
+    adapter_option,
+    output_option,
+    quiet_option,
+    settings_option,
+)
 from ..outputs import check_writable, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads
@@ -51,13 +56,7 @@ QUICK = Plan(
 
 
 @click.command("bench")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE.json",
-    help="Keep all numbers.",
-)
+@output_option("FILE.json", "Keep all numbers.", is_required=False)
 @click.option(
     "--scene",
     "scenes",
@@ -75,7 +74,7 @@ QUICK = Plan(
 @click.option("--markdown", "as_markdown", is_flag=True, help="Tables for docs/performance.md.")
 @settings_option()
 @adapter_option()
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@quiet_option()
 def command(output: Path | None, **options: Any) -> None:
     """Measure frames, propagation beside C, the first image, memory, growth and rays.
 

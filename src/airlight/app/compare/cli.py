@@ -12,11 +12,13 @@ from ...errors import SettingsError
 from ..options import (
     Number,
     adapter_option,
-    ground_option,
-    model_options,
+    output_option,
+    quiet_option,
+    samples_option,
+    scene_options,
     settings_option,
     size_option,
-    sun_option,
+    together,
 )
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
@@ -62,8 +64,32 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     return rest + spread
 
 
+_REFERENCE = together(
+    click.option(
+        "--spp",
+        type=click.IntRange(4, 65536),
+        default=64,
+        show_default=True,
+        help="Samples a pixel of the reference, at least.",
+    ),
+    click.option(
+        "--noise",
+        type=Number(0.0, min_open=True),
+        metavar="RELMSE",
+        help="Sample until the reference's noise floor is below this.",
+    ),
+    click.option(
+        "--timeout",
+        "timeout_s",
+        type=Number(1.0),
+        default=3600.0,
+        show_default=True,
+        help="Seconds the reference may take.",
+    ),
+)
+
+
 @click.command("compare", cls=_ManyTechniques)
-@click.argument("scene")
 @click.option(
     "-t",
     "--technique",
@@ -72,49 +98,14 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     metavar="NAME ...",
     help="Techniques to judge.  [default: direct auto]",
 )
-@click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for index.html, contact_sheet.png and results.json.",
-)
-@size_option("640x360")
-@click.option(
-    "--spp",
-    type=click.IntRange(4, 65536),
-    default=64,
-    show_default=True,
-    help="Samples a pixel of the reference, at least.",
-)
-@click.option(
-    "--noise",
-    type=Number(0.0, min_open=True),
-    metavar="RELMSE",
-    help="Sample until the reference's noise floor is below this.",
-)
-@click.option(
-    "--timeout",
-    "timeout_s",
-    type=Number(1.0),
-    default=3600.0,
-    show_default=True,
-    help="Seconds the reference may take.",
-)
-@click.option(
-    "--samples",
-    type=click.IntRange(1, 4096),
-    default=16,
-    show_default=True,
-    help="Jittered samples a pixel of each technique.",
-)
+@output_option("DIR", "Folder for index.html, contact_sheet.png and results.json.")
+@_REFERENCE
 @settings_option("A setting of each technique that has it; may be repeated.")
-@model_options()
-@sun_option()
-@ground_option()
 @adapter_option()
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@size_option("640x360")
+@samples_option(16, "Jittered samples a pixel of each technique.")
+@scene_options()
+@quiet_option()
 def command(
     scene: str, techniques: tuple[str, ...], output: Path, quiet: bool, **options: Any
 ) -> None:

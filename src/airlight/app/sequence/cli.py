@@ -12,14 +12,16 @@ from ...errors import OutputError, SettingsError
 from ..options import (
     SECONDS,
     Number,
-    adapter_option,
     camera_options,
     check_settings,
-    ground_option,
-    model_options,
-    settings_option,
+    display_options,
+    output_option,
+    quiet_option,
+    samples_option,
+    scene_options,
     size_option,
-    sun_option,
+    solving_options,
+    together,
     with_camera,
 )
 from ..outputs import check_writable, is_folder
@@ -33,30 +35,26 @@ if TYPE_CHECKING:
     from ...scene import Scene
 
 
-@click.command("sequence")
-@click.argument("scene")
-@click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="DIR|FILE.mp4",
-    help="A folder for frames, or a video.",
+FRAME_OPTIONS = together(
+    output_option("DIR|FILE.mp4", "A folder for frames, or a video."),
+    solving_options(),
+    size_option("1280x720"),
+    samples_option(4),
+    scene_options(),
+    click.option("--resume", is_flag=True, help="Go on where a run was broken off."),
+    quiet_option(),
 )
+"""What every command takes that makes frames or a video of a scene; `plan_of` reads it."""
+
+
+@click.command("sequence")
+@FRAME_OPTIONS
 @click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
 @click.option("--start", "start_s", type=SECONDS, metavar="SECONDS", help="The first frame's time.")
 @click.option("--end", "end_s", type=SECONDS, metavar="SECONDS", help="When it ends.")
 @click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
-@click.option("-t", "--technique", default="auto", show_default=True, help="As for render.")
-@size_option("1280x720")
-@click.option(
-    "--samples",
-    type=click.IntRange(1, 4096),
-    default=4,
-    show_default=True,
-    help="Jittered samples per pixel.",
-)
-@settings_option()
+@camera_options()
+@display_options()
 @click.option(
     "--format",
     "kind",
@@ -64,21 +62,8 @@ if TYPE_CHECKING:
     help="Of frames: png is tone mapped, exr linear.  [default: png]",
 )
 @click.option("--layers", is_flag=True, help="Keep every layer in EXR frames.")
-@click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help="Instead of the camera's.")
-@click.option(
-    "--tone-map",
-    type=click.Choice(["agx", "aces", "neutral", "none"]),
-    help="Display curve.  [default: agx]",
-)
-@camera_options()
-@model_options()
-@sun_option()
-@ground_option()
-@adapter_option()
-@click.option("--resume", is_flag=True, help="Go on where a run was broken off.")
 @click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")
 @click.option("--farm", metavar="tcp://HOST:PORT", help="Spread frames over a dask cluster.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render a moving SCENE into frames or a video.
 
@@ -221,20 +206,22 @@ def check_sequence(output: Path, options: Mapping[str, Any]) -> None:
         raise SettingsError("--layers needs --format exr")
 
 
+def plan_of(options: Mapping[str, Any], **frames: Any) -> Plan:
+    """A plan as the command's `FRAME_OPTIONS` say; `frames` are its other fields."""
+    shared = ("technique", "settings", "adapter", "size", "samples")
+    return Plan(**{name: options[name] for name in shared}, **frames)
+
+
 def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
     start_s, fps, first, last = frame_span(
         scene, options["frames"], options["start_s"], options["end_s"], options["fps"]
     )
-    return Plan(
-        technique=options["technique"],
-        size=options["size"],
+    return plan_of(
+        options,
         start_s=start_s,
         fps=fps,
         first=first,
         last=last,
-        settings=options["settings"],
-        samples=options["samples"],
-        adapter=options["adapter"],
         ending=FORMATS[options["kind"] or "png"],
         layers=options["layers"],
         exposure_stops=options["exposure"],

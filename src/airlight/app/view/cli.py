@@ -7,55 +7,46 @@ from typing import Any
 import click
 
 from ..options import (
-    adapter_option,
-    ground_option,
-    model_options,
-    settings_option,
+    scene_options,
     size_option,
-    sun_option,
+    solving_options,
+    together,
 )
 from ..scene_argument import load_scene, show_warnings
 
+_WHERE = together(
+    click.option(
+        "--in",
+        "place",
+        type=click.Choice(["window", "browser"]),
+        default="window",
+        show_default=True,
+        help="Where to look at it.",
+    ),
+    click.option(
+        "--port",
+        type=click.IntRange(0, 65535),
+        default=0,
+        metavar="N",
+        help="With --in browser: the port to serve on.  [default: a free one]",
+    ),
+    click.option(
+        "--listen",
+        metavar="ADDRESS",
+        help="With --in browser: an address other than this machine's own loopback. Anyone who "
+        "can reach it and sees the link can look and steer; the link is not encrypted.",
+    ),
+    click.option(
+        "--open/--no-open", "opens", default=True, help="Open the browser, or only say where."
+    ),
+)
+
 
 @click.command("view")
-@click.argument("scene")
-@click.option(
-    "--in",
-    "place",
-    type=click.Choice(["window", "browser"]),
-    default="window",
-    show_default=True,
-    help="Where to look at it.",
-)
-@click.option(
-    "-t",
-    "--technique",
-    default="auto",
-    show_default=True,
-    help="auto, direct, single, lpv, lpv-march, lpv-sum, lpv-scatter or pop.",
-)
+@_WHERE
+@solving_options()
 @size_option("1280x720")
-@settings_option()
-@model_options()
-@sun_option()
-@ground_option()
-@adapter_option()
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=0,
-    metavar="N",
-    help="With --in browser: the port to serve on.  [default: a free one]",
-)
-@click.option(
-    "--listen",
-    metavar="ADDRESS",
-    help="With --in browser: an address other than this machine's own loopback. Anyone who can "
-    "reach it and sees the link can look and steer; the link is not encrypted.",
-)
-@click.option(
-    "--open/--no-open", "opens", default=True, help="Open the browser, or only say where."
-)
+@scene_options()
 def command(scene: str, place: str, **options: Any) -> None:
     """Look at SCENE: turn it, fly, move its lights, change its air.
 
