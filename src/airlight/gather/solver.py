@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ..area.attenuation import Attenuation
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
@@ -20,9 +18,7 @@ from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..lighting.occlusion import Occlusion, lattice_reach
-from ..lighting.shadow_rays import ShadowRays
 from ..lighting.view import View
-from ..rays.rays import RayScene
 from ..surface.hits import Hits
 from .albedo import Albedos
 from .filtering import Filtering
@@ -37,7 +33,6 @@ from .upsample import Upsampling
 
 MOST_HITS = 1 << 20
 """Of a batch: 176 bytes for each."""
-_RAISED = 2e-5  # of the scene's diagonal: where rays start above surfaces that rays met
 
 
 class GatherSolver(Solver):
@@ -62,8 +57,8 @@ class GatherSolver(Solver):
         self._cells = SkyCells(kit.gpu)
         is_occluded = kit.settings.ambient_occlusion
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
-        self._rays: RayScene | None = None
         self._trace: Trace | None = None
+        self._albedos: Albedos | None = None
         self._scene = kit.context.scene
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
@@ -109,7 +104,7 @@ class GatherSolver(Solver):
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
-        return replace(fields, gathered=replace(gathered, shadows=self._lighting.shadows))
+        return replace(fields, gathered=gathered)
 
     def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
         """Trace paths of several segments; lattices light what the last of them meets."""
@@ -118,7 +113,7 @@ class GatherSolver(Solver):
         count = self.settings.gather_bounces if self._bounces else 1
         hits, before = sized.hits
         for index in range(count):
-            segment = Segment(numbers, index, self._raised)
+            segment = Segment(numbers, index, self.kit.rays.raised)
             with commands.stage("gather rays"):
                 self._trace.encode(commands, sized.points, (before, hits), segment)
             with commands.stage("gather lighting"):
@@ -150,22 +145,15 @@ class GatherSolver(Solver):
     def _make(self, commands: Commands) -> None:
         """Bring the hierarchy up to date, and the passes that look into it."""
         kit = self.kit
-        if self._rays is None:
-            self._rays = RayScene(kit.gpu, kit.meshes)
+        if self._albedos is None:
             materials = {id(m.material): m.material for m in kit.meshes.original}
             self._albedos = Albedos(kit.gpu, list(materials.values()))
-        with commands.stage("gather rays"):
-            self._rays.update(commands, self._scene)
+        rays = kit.rays.of_frame(commands)
         # Once something has moved, rays also meet instances.
-        if self._trace is None or self._trace.constants != self._rays.constants:
-            self._trace = Trace(kit.gpu, self._rays, self._albedos)
-            self._sky_rays = SkyRays(kit.gpu, self._rays, self._cells)
-        self._lighting.shadows = ShadowRays(self._rays, self._raised)
-
-    @property
-    def _raised(self) -> float:
-        """Where rays start above surfaces that other rays met, m."""
-        return _RAISED * float(np.linalg.norm(self.kit.box[1] - self.kit.box[0]))
+        if self._trace is None or self._trace.constants != rays.constants:
+            self._trace = Trace(kit.gpu, rays, self._albedos)
+            self._sky_rays = SkyRays(kit.gpu, rays, self._cells)
+        self._lighting.shadows = kit.shadow_rays(commands)
 
     def _fitted(self, size: tuple[int, int]) -> _Sized:
         if self._sized is None or self._sized.points.size != size:

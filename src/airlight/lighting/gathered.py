@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..gpu.memory import Texture
-from .shadow_rays import ShadowRays
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,12 +13,10 @@ class Gathered:
 
     irradiance  of surfaces that the rays met
     sky         of the environment, where they left the scene
-    shadows     rays for the view's direct light
     """
 
     irradiance: Texture
     sky: Texture
-    shadows: ShadowRays | None = None
 
     @property
     def bound(self) -> dict[str, Texture]:

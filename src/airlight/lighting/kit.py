@@ -1,7 +1,7 @@
 """What the solvers of one scene share: lights with shadow maps, the sky, the lattices.
 
 context   device, scene, meshes, size of the image
-kit       shadow maps -> blockers -> the sky's maps -> the sky's light in all cells
+kit       rays; shadow maps -> blockers -> the sky's maps -> the sky's light in all cells
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .lattice_box import lattice_axes, lattice_box
 from .lights import Lights
+from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
 
 
@@ -47,6 +48,9 @@ class SurfaceSettings:
     )
     lamp_resolution: int = setting(
         512, "side of a local light's shadow maps", unit="px", low=16, high=4096
+    )
+    shadow_rays: bool = setting(
+        True, "whether rays decide in stills where shadow maps of lights without extent are unsure"
     )
     area_samples: int = setting(
         16,
@@ -137,6 +141,7 @@ class Kit:
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,
         )
+        self.rays = SceneRays(gpu, self.meshes)
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None
         """Of lights with extent, where there are any and surfaces that they could light."""
@@ -167,6 +172,7 @@ class Kit:
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Update all that is shared to `scene`; low..high as from `bounds`."""
         self.box = (low, high)
+        self.rays.take(scene, low, high)
         self.lattices.follow(scene.camera)
         with commands.stage("shadow maps"):
             self.lights.encode(commands, self.meshes, scene.lights, scene.environment, low, high)
@@ -189,6 +195,12 @@ class Kit:
                 bound = level.blockers.bound
                 self.sky.light(commands, level.skylight, bound, is_same_light=is_same)
                 level.lit = version
+
+    def shadow_rays(self, commands: Commands) -> ShadowRays | None:
+        """Rays for shadow maps that are unsure, where there are any and the settings want them."""
+        if not (self.settings.shadow_rays and self.emitters.plain and self.meshes.draws):
+            return None
+        return self.rays.shadows(commands)
 
     @property
     def no_irradiance(self) -> Irradiance:

@@ -9,11 +9,51 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.device import Gpu
+from ..maths.transforms import F64
 from ..rays.rays import RayScene
+from ..scene.scene import Scene
+from ..surface.geometry import GpuScene
 from ..surface.hits import PIXELS, Points
 
 _REACH = 2.5  # times as far as the map's own filter: samples that must agree
 _RAISED = 2e-4  # of the distance to the eye: where rays start above surfaces that pixels show
+_RAISED_M = 2e-5  # of the scene's diagonal: where they start above surfaces that rays met
+
+
+class SceneRays:
+    """The hierarchy of a frame's meshes for all who send rays, built when the first one does."""
+
+    def __init__(self, gpu: Gpu, meshes: GpuScene) -> None:
+        self._gpu, self._meshes = gpu, meshes
+        self._scene: Scene | None = None
+        self._made: RayScene | None = None
+        self._box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
+
+    def take(self, scene: Scene, low: F64, high: F64) -> None:
+        """Follow `scene` from here on; low..high, metres: the box around it."""
+        self._scene, self._box = scene, (low, high)
+
+    @property
+    def raised(self) -> float:
+        """Where rays start above surfaces that other rays met, m."""
+        return _RAISED_M * float(np.linalg.norm(self._box[1] - self._box[0]))
+
+    def of_frame(self, commands: Commands) -> RayScene:
+        """The hierarchy, up to date; the frame's scene has meshes."""
+        assert self._scene is not None, "no scene was taken"
+        if self._made is None:
+            self._made = RayScene(self._gpu, self._meshes)
+        with commands.stage("rays"):
+            self._made.update(commands, self._scene)
+        return self._made
+
+    def shadows(self, commands: Commands) -> ShadowRays:
+        """Rays that decide where shadow maps are unsure."""
+        return ShadowRays(self.of_frame(commands), self.raised)
 
 
 @dataclass(frozen=True, eq=False)

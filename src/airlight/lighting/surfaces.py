@@ -8,6 +8,7 @@ arrive solved: this module knows no solver.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..area.attenuation import Attenuation
@@ -50,15 +51,18 @@ class Surfaces:
             mesh.material for mesh in scene.meshes
         )
         # Devices bind so many textures at once, and every volume brings its own.
-        self._is_whole = fits(
-            kit.gpu,
-            lighting_slots("whole", attenuation, has_panes=kit.meshes.has_translucent),
+        slots_of = partial(
+            lighting_slots, "whole", attenuation, has_panes=kit.meshes.has_translucent
         )
+        self._fits_whole = {
+            traced: fits(kit.gpu, slots_of(is_traced=traced)) for traced in (False, True)
+        }
         self._area: AreaLighting | None = None
         if kit.area_shadows is not None:
             materials = (mesh.material for mesh in scene.meshes)
             self._area = AreaLighting(kit.gpu, kit.area_shadows, materials, attenuation)
         self._emission: Texture | None = None
+        self._shadows: ShadowRays | None = None
         self._linear = linear_sampler(kit.gpu)
 
     def draw(
@@ -77,6 +81,8 @@ class Surfaces:
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
         self._emission = self._emitted(commands, view)
+        is_traced = view.is_still or gathered is not None
+        self._shadows = self.kit.shadow_rays(commands) if is_traced else None
         # Gathered light replaces all that follows from lattices.
         if gathered is not None:
             with commands.stage("lighting"):
@@ -96,7 +102,7 @@ class Surfaces:
         # would bind more than the device may.
         with commands.stage("lighting"):
             part: Part = "lattices" if has_near_field else "whole"
-            if part == "whole" and not self._is_whole:
+            if part == "whole" and not self._fits_whole[self._shadows is not None]:
                 self._light(commands, view, "lights", irradiance, sky)
                 part = "rest"
             self._light(commands, view, part, irradiance, sky)
@@ -139,7 +145,7 @@ class Surfaces:
     ) -> None:
         layers = view.layers
         values = self._bound(view, part, irradiance, sky)
-        shadows = gathered.shadows if gathered and part == "lights" else None
+        shadows = None if part in _AFTER else self._shadows
         values |= gathered.bound if gathered else {}
         values |= shadows.bound if shadows else {}
         self._make_cpu_passes(view.size)
