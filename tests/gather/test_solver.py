@@ -174,20 +174,6 @@ def test_blocks_grow_with_the_image():
     assert reduction((1280, 720), MOST_POINTS) == 6
 
 
-def test_rays_decide_where_shadow_maps_are_unsure():
-    """Maps of 64 and of 2048 texels: the same edges, which the coarse one alone blurs."""
-    sun = DirectionalLight((0.3, -1.0, -0.4), (2, 2, 2))
-    scene = Scene((FLOOR, Mesh(box(), PAINT, np.diag((0.7, 0.7, 0.7, 1.0)))), (sun,), camera=ABOVE)
-
-    def direct(resolution, gather):
-        settings = {**LPV, "shadow_resolution": resolution, "gather": gather}
-        return render(scene, "lpv", SIZE, samples=8, settings=settings).layers["direct"]
-
-    fine = direct(2048, "still")
-    off = {gather: np.linalg.norm(direct(64, gather) - fine) for gather in ("still", "off")}
-    assert off["still"] < 0.1 * off["off"], off
-
-
 def test_rays_meet_what_began_to_move():
     """A wall that leaves the floor's side between frames, beside one that always stood there."""
     sun = (DirectionalLight((0, 0, -1), (2, 2, 2)),)

@@ -7,12 +7,13 @@ import itertools
 import numpy as np
 import pytest
 
-from airlight.rendering import Renderer
+from airlight.rendering import Renderer, render
 from airlight.scene import (
     Camera,
     DirectionalLight,
     Environment,
     Material,
+    Medium,
     Mesh,
     PointLight,
     Scene,
@@ -187,3 +188,20 @@ def test_a_metal_has_no_matt_part(rendered, square):
     )
     # the mirrored sun is straight above, nowhere near the camera
     assert image.layers["direct"].max() < 0.05
+
+
+@pytest.mark.parametrize("technique", ["direct", "single"])
+def test_rays_decide_where_shadow_maps_are_unsure(technique):
+    """Maps of 64 and of 2048 texels: in stills the same edges, which the coarse one alone blurs."""
+    fog = Medium(sigma_t=(0.1, 0.1, 0.1), albedo=(0.5, 0.5, 0.5), bounds=((-2, -1, -2), (2, 2, 2)))
+    floor = Mesh(box(), MATT, np.diag((4.0, 0.05, 4.0, 1.0)))
+    cube = Mesh(box(), MATT, np.diag((0.7, 0.7, 0.7, 1.0)))
+    scene = Scene((floor, cube), (SUN,), camera=CAMERA, medium=fog if technique == "single" else None)
+
+    def direct(resolution, shadow_rays):
+        settings = {**SMALL, "shadow_resolution": resolution, "shadow_rays": shadow_rays}
+        return render(scene, technique, SIZE, samples=4, settings=settings).layers["direct"]
+
+    fine = direct(2048, True)
+    off = {traced: np.linalg.norm(direct(64, traced) - fine) for traced in (True, False)}
+    assert off[True] < 0.1 * off[False], off
