@@ -196,7 +196,8 @@ def test_rays_decide_where_shadow_maps_are_unsure(technique):
     fog = Medium(sigma_t=(0.1, 0.1, 0.1), albedo=(0.5, 0.5, 0.5), bounds=((-2, -1, -2), (2, 2, 2)))
     floor = Mesh(box(), MATT, np.diag((4.0, 0.05, 4.0, 1.0)))
     cube = Mesh(box(), MATT, np.diag((0.7, 0.7, 0.7, 1.0)))
-    scene = Scene((floor, cube), (SUN,), camera=CAMERA, medium=fog if technique == "single" else None)
+    medium = fog if technique == "single" else None
+    scene = Scene((floor, cube), (SUN,), camera=CAMERA, medium=medium)
 
     def direct(resolution, shadow_rays):
         settings = {**SMALL, "shadow_resolution": resolution, "shadow_rays": shadow_rays}
