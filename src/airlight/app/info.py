@@ -17,8 +17,6 @@ from .scene_argument import load_scene, show_warnings
 if TYPE_CHECKING:
     from ..scene import Light, Material, Scene, Texture, Volume
 
-_GRID_ENDINGS = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
-
 
 @click.command("info")
 @click.argument("file")
@@ -29,12 +27,12 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
 
     A scene (or builtin:NAME), an image or a density grid.
     """
-    from ..scene.io import model_keys
+    from ..scene.io import VOLUME_SUFFIXES, model_keys
     from ..scene.io.images import IMAGE_SUFFIXES
 
     model_keys(file, **model)
     ending = Path(file).suffix.lower()
-    if ending in _GRID_ENDINGS:
+    if ending in VOLUME_SUFFIXES:
         facts = grid_facts(Path(file))
     elif ending in IMAGE_SUFFIXES:
         facts = image_facts(Path(file))

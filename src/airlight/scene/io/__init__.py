@@ -26,7 +26,7 @@ from .files import naming, regular_file
 BUILTIN_PREFIX = "builtin:"
 GLTF_SUFFIXES = (".glb", ".gltf")
 MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl")
-VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb")
+VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb", ".vti", ".nc", ".nc4", ".zarr")
 OTHER_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz", ".fbx", ".dae", ".blend", ".3ds", ".abc")
 """Of other programs' scenes, which are not read."""
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
@@ -50,8 +50,8 @@ def load(
     `ground` a mesh file that shows no room, has no floor and gets its daylight here stands on one.
 
     Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
-    camera one that frames them, as density grids (NumPy, VDB, Mitsuba .vol) do; scene files
-    (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
+    camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
+    files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
     scene's `warnings`. Raises SceneError.
     """
     written = str(path)

@@ -20,6 +20,7 @@ from ..lights import Light
 from ..scene import Scene
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
+from .volumes import is_grid_file
 
 Raw = Mapping[str, Any]
 _PLACES = ("translate", "rotate_deg", "scale")
@@ -141,7 +142,7 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
         base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
         if "**" in name:
             raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
-        found = [f for f in base.glob(name) if f.is_file() and not f.name.startswith(".")]
+        found = [f for f in base.glob(name) if is_grid_file(f) and not f.name.startswith(".")]
     except (OSError, ValueError):  # a name that no file system takes
         found = []
     if not found:

@@ -282,7 +282,8 @@ VOLUME = Table(
             "file",
             checks.text,
             "path",
-            "a density grid: NumPy .npy or .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb",
+            "a density grid: NumPy .npy or .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb, VTK "
+            ".vti, NetCDF .nc, .zarr",
         ),
         Key(
             "shape",

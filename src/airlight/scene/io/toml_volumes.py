@@ -17,7 +17,7 @@ from .toml_keys import SEQUENCE_KEYS
 from .toml_meshes import existing_file, world_from_mesh
 from .toml_schema import check_table, inside
 from .toml_tables import VOLUME
-from .volumes import NOWHERE, read_volume
+from .volumes import NOWHERE, is_grid_file, read_volume
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
 _OF_FILES = ("grid", "channels")
@@ -46,7 +46,7 @@ def placed_volume(
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
-        (existing_file(folder / written, written, label),)
+        (_grid_file(folder / written, written, label),)
         if is_file
         else volume_files(written, folder, label)
     )
@@ -66,6 +66,11 @@ def placed_volume(
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
     return volume, warnings, None if is_file else sequence
+
+
+def _grid_file(path: Path, written: str, label: str) -> Path:
+    """A grid's file, or the folder that a zarr store is. Raises SceneError."""
+    return path if is_grid_file(path) else existing_file(path, written, label)
 
 
 def with_extinction(values: dict[str, Any], label: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ..checks import F32, Bounds
 from ..emission import Emission
 from ..scene import Scene
 from ..volume import Volume
+from .dense_grid import Optics
 from .emission_files import on_one_grid
 from .volumes import VolumeGrid, grid_names, read_values, read_volume
 
@@ -29,25 +30,36 @@ _COOLEST_K = 600.0
 def load_volume_scene(file: Path) -> Scene:
     """The grid in `file` as whitish smoke; no light, no camera. Raises SceneError.
 
-    A grid does not say how dense density 1 is: sigma_t is chosen for it, and a warning says so.
+    Unless its units say how dense density 1 is, sigma_t is chosen for it, and a warning says so.
     Where the file has flames or temperatures, too, it is a fire.
     """
     grid, emission, told = _with_emission(read_volume(file), file)
-    sigma_t = fitting_sigma_t(grid.density, grid.bounds)
+    optics = grid.optics or _chosen_optics(grid, file)
     volume = Volume(
-        sigma_t=(sigma_t,) * 3,
+        sigma_t=(optics.sigma_t,) * 3,
         density=grid.density,
         bounds=grid.bounds,
-        albedo=(ALBEDO,) * 3,
+        albedo=(optics.albedo,) * 3,
+        g=(optics.g,) * 3,
         world_from_volume=grid.world_from_volume,
         source=str(file),
         emission=emission,
     )
-    chosen = (
-        f"{file.name} says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
+    chosen = f"{file.name} {optics.text}"
+    if grid.optics:
+        chosen = f"{file.name}: {optics.text}: sigma_t = {optics.sigma_t:g} m^-1, "
+        chosen += f"albedo = {optics.albedo:g}, g = {optics.g}"
+    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, chosen))
+
+
+def _chosen_optics(grid: VolumeGrid, file: Path) -> Optics:
+    """Whitish smoke as deep as smoke is, for a grid that says nothing about light."""
+    sigma_t = fitting_sigma_t(grid.density, grid.bounds)
+    text = (
+        f"says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
         "were chosen; a scene file with [[volume]] sets them"
     )
-    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, chosen))
+    return Optics(sigma_t, ALBEDO, 0.0, text)
 
 
 def _with_emission(
@@ -57,7 +69,8 @@ def _with_emission(
 
     Its brightest path is as bright as FLAME; temperatures in units of their own end at HOTTEST_K.
     """
-    name = next((n for n in grid_names(file) if n in _FLAMES), None)
+    # Where the units say that it is a cloud, temperatures are those of its air.
+    name = None if grid.optics else next((n for n in grid_names(file) if n in _FLAMES), None)
     if name is None:
         return grid, None, ()
     grown, values = on_one_grid(grid, read_values(file, name))

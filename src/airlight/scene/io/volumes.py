@@ -1,4 +1,4 @@
-"""Density grids: NumPy .npy and .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb.
+"""Density grids: NumPy .npy and .npz, Mitsuba .vol, VDB, VTK .vti, NetCDF .nc and .zarr.
 
 Every header is checked against the file's size before anything is allocated.
 """
@@ -17,19 +17,19 @@ from numpy.typing import NDArray
 from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
+from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, check_count
 from .files import naming, opened
 from .nanovdb import SparseGrid, read_nanovdb
+from .netcdf import ZARR, read_xarray, xarray_names
 from .numpy_files import opened_npz, read_npy
 from .openvdb import openvdb_names, read_openvdb
+from .vti import read_vti, vti_names
 
 LONGEST_SIDE = 2048
 """Voxels along a side; what every graphics device takes. Longer sides are averaged."""
 
 NOWHERE = "does not say where it is"
 """In the warning of a file without a box."""
-
-LARGEST_VALUE_COUNT = 1 << 30
-"""Values in one grid, channels counted; more would need over 4 GiB."""
 
 _CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
 _VOL_HEADER = struct.Struct("<3sBiiiii6f")
@@ -42,19 +42,22 @@ class VolumeGrid:
 
     `density` is (z, y, x) float32; `bounds` the world box in metres that the file gives it, or a
     box 2 m along its longest side where the file gives none, which `warnings` then says.
-    `world_from_volume` (4, 4) comes after the box, where the file turns it.
+    `world_from_volume` (4, 4) comes after the box, where the file turns it. `optics`: the medium
+    that the file's units say it is.
     """
 
     density: F32
     bounds: Bounds
     warnings: tuple[str, ...] = ()
     world_from_volume: F64 = field(default_factory=lambda: np.eye(4))
+    optics: Optics | None = None
 
 
 def read_volume(path: str | Path, grid: str = "density", channels: str = "density") -> VolumeGrid:
     """Read a density grid.
 
-    `grid` names the array of an .npz or the grid of a VDB file; `channels` the channel that holds
+    `grid` names the array of an .npz or .vti, the grid of a VDB file or the variable of a NetCDF or
+    zarr one; `channels` the channel that holds
     the density: "density" (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or
     (z, y, x, channel); an .npz may hold `bounds` (2, 3) in metres too. Raises SceneError for what
     cannot be read.
@@ -67,11 +70,12 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
-        values, bounds = _DENSE[suffix](path, grid)
-        density = _density(values, channels)
-        if bounds is not None:
-            return _fitting(VolumeGrid(density, bounds), path)
-        return _fitting(_in_own_box(density, path), path)
+        found = _DENSE[suffix](path, grid)
+        density = _density(found.values, channels)
+        placed = _in_own_box(density, path)
+        if found.bounds is not None:
+            placed = VolumeGrid(density, found.bounds, found.warnings, found.world_from_volume)
+        return _fitting(replace(placed, optics=found.optics), path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +100,8 @@ def read_values(path: Path, grid: str) -> GridValues:
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a grid", remedy=f"Known endings: {known}.")
-        values, bounds = _DENSE[suffix](path, grid)
+        dense = _DENSE[suffix](path, grid)
+        values, bounds = dense.values, dense.bounds
         if values.ndim not in (3, 4) or values.dtype.kind not in "fiub":
             raise SceneError(f"'{grid}' is {values.dtype} {values.shape}, not numbers (z, y, x)")
         if values.size == 0:
@@ -104,17 +109,19 @@ def read_values(path: Path, grid: str) -> GridValues:
         made = np.ascontiguousarray(values, np.float32)
         if bounds is None:
             bounds = _in_own_box(made, path).bounds
-        return GridValues(made, bounds, np.eye(4))
+        return GridValues(made, bounds, dense.world_from_volume)
 
 
 def grid_names(path: Path) -> list[str]:
-    """The named grids of an .npz or .vdb; none of files that hold but one. Raises SceneError."""
+    """The named grids of a file; none of files that hold but one. Raises SceneError."""
     with naming(path):
-        suffix = path.suffix.lower()
-        if suffix == ".npz":
-            with opened_npz(path) as archive:
-                return list(archive.names)
-        return openvdb_names(path) if suffix == ".vdb" else []
+        names = _NAMES.get(path.suffix.lower())
+        return names(path) if names else []
+
+
+def is_grid_file(path: Path) -> bool:
+    """Whether there is a file, or the folder that a zarr store is."""
+    return path.is_file() or (path.suffix.lower() == ZARR and path.is_dir())
 
 
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
@@ -210,20 +217,25 @@ def _in_own_box(density: F32, path: Path) -> VolumeGrid:
     return VolumeGrid(density, ((-x, -y, -z), (x, y, z)), (text + "around the origin",))
 
 
-def _read_npy(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
-    return read_npy(path, most_values=LARGEST_VALUE_COUNT), None
+def _read_npy(path: Path, grid: str) -> DenseGrid:
+    return DenseGrid(read_npy(path, most_values=LARGEST_VALUE_COUNT))
 
 
-def _read_npz(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
+def _npz_names(path: Path) -> list[str]:
+    with opened_npz(path) as archive:
+        return list(archive.names)
+
+
+def _read_npz(path: Path, grid: str) -> DenseGrid:
     with opened_npz(path) as archive:
         # The box first: a grid may be large, and a bad box would make it useless.
         bounds = None
         if "bounds" in archive.names and grid != "bounds":
             bounds = checks.bounds(archive.array("bounds"), "its array 'bounds'")
-        return archive.array(grid, most_values=LARGEST_VALUE_COUNT), bounds
+        return DenseGrid(archive.array(grid, most_values=LARGEST_VALUE_COUNT), bounds)
 
 
-def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
+def _read_vol(path: Path, grid: str) -> DenseGrid:
     """Mitsuba 3's grid volume: version 3, float32, x fastest, channels interleaved."""
     with opened(path) as stream:
         size_bytes = path.stat().st_size
@@ -239,11 +251,7 @@ def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
         if min(nx, ny, nz, channel_count) < 1:
             raise SceneError(f"has an impossible size {nx} x {ny} x {nz} x {channel_count}")
         count = nx * ny * nz * channel_count
-        if count > LARGEST_VALUE_COUNT:
-            raise SceneError(
-                f"has {count:,} values, at most {LARGEST_VALUE_COUNT:,} can be used",
-                remedy="Downsample it.",
-            )
+        check_count(count)
         if size_bytes != _VOL_HEADER.size + 4 * count:
             raise SceneError(
                 f"has {size_bytes:,} bytes, its header of {nx} x {ny} x {nz} voxels and "
@@ -251,8 +259,24 @@ def _read_vol(path: Path, grid: str) -> tuple[NDArray[Any], Bounds | None]:
             )
         values = np.frombuffer(stream.read(4 * count), dtype="<f4")
     bounds = checks.bounds((box[:3], box[3:]), "the bounding box in its header")
-    return values.reshape(nz, ny, nx, channel_count), bounds
+    return DenseGrid(values.reshape(nz, ny, nx, channel_count), bounds)
 
 
-_DENSE = {".npy": _read_npy, ".npz": _read_npz, ".vol": _read_vol}
+_DENSE = {
+    ".npy": _read_npy,
+    ".npz": _read_npz,
+    ".vol": _read_vol,
+    ".vti": read_vti,
+    ".nc": read_xarray,
+    ".nc4": read_xarray,
+    ZARR: read_xarray,
+}
 _SPARSE = {".nvdb": read_nanovdb, ".vdb": read_openvdb}
+_NAMES = {
+    ".npz": _npz_names,
+    ".vdb": openvdb_names,
+    ".vti": vti_names,
+    ".nc": xarray_names,
+    ".nc4": xarray_names,
+    ZARR: xarray_names,
+}

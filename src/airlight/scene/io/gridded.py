@@ -1,0 +1,180 @@
+"""Axes of scientific grids: which dimension points where, in metres, and evenly spaced.
+
+Conventions: CF (axis, standard_name, units, positive), and the names that models use. A world here
+has +Y up, so a file's x goes along +X, its height along +Y and its y (north) along -Z.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ..checks import F32, F64, Bounds, bounds
+
+LARGEST_SIDE = 2048
+_METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "km": 1e3, "kilometre": 1e3, "kilometer": 1e3}
+_METRES |= {"cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "ft": 0.3048}
+_PASCALS = {"pa": 1.0, "hpa": 100.0, "mb": 100.0, "mbar": 100.0, "millibar": 100.0}
+_DEGREE_M = 111_195.0  # of latitude
+_SCALE_HEIGHT_M = 7400.0
+_SEA_LEVEL_PA = 101_325.0
+_STANDARD = {
+    "X": ("projection_x_coordinate", "longitude", "grid_longitude"),
+    "Y": ("projection_y_coordinate", "latitude", "grid_latitude"),
+    "Z": ("height", "altitude", "depth", "air_pressure", "model_level_number", "geometric_height"),
+    "T": ("time", "forecast_reference_time"),
+}
+_NAMED = (
+    ("T", re.compile(r"^(time|t|date|xtime|step|valid_time)", re.I)),
+    ("X", re.compile(r"^(x|lon|west_east|east|ni$|i$|nx)", re.I)),
+    ("Y", re.compile(r"^(y|lat|south_north|north|nj$|j$|ny)", re.I)),
+    ("Z", re.compile(r"^(z|lev|height|alt|bottom_top|depth|pfull|plev|isobaric|k$|nz|hgt)", re.I)),
+)
+_FAR = 10.0  # times its size from the origin: a grid is moved there
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A dimension: `letter` X, Y, Z or T ("" unknown), its cells' centres in units of the file."""
+
+    name: str
+    letter: str
+    size: int
+    centres: F64 | None
+    units: str
+    is_down: bool = False
+
+
+def letter_of(name: str, attributes: dict[str, Any]) -> str:
+    """Which way a dimension goes by its coordinate's attributes, else by its name; "" unknown."""
+    axis = str(attributes.get("axis", "")).upper()
+    if axis in _STANDARD:
+        return axis
+    said = attributes.get("standard_name", "")
+    units = str(attributes.get("units", "")).lower()
+    for letter, names in _STANDARD.items():
+        if said in names:
+            return letter
+    if " since " in units:
+        return "T"
+    if units.startswith(("degree_e", "degrees_e")):
+        return "X"
+    if units.startswith(("degree_n", "degrees_n")):
+        return "Y"
+    if units in _PASCALS:
+        return "Z"
+    return next((letter for letter, like in _NAMED if like.match(name)), "")
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Values (z, y, x) of a world whose Y is up, their box in metres, cells' heights, doubts."""
+
+    values: F32
+    box: Bounds
+    heights_m: F64
+    warnings: tuple[str, ...]
+
+
+def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
+    """Values along three axes Z, Y and X of a file, as a grid of the world. Raises SceneError."""
+    doubts: list[str] = []
+    latitude = next((a.centres for a in axes if a.units.lower().startswith("degree")
+                     and a.letter == "Y"), None)  # fmt: skip
+    middle = 0.0 if latitude is None else float(np.mean(latitude))
+    lines = [_metres(axis, middle, doubts) for axis in axes]
+    sampled: NDArray[Any] = np.asarray(values, np.float32)
+    evens = []
+    for k, line in enumerate(lines):
+        if line[0] > line[-1]:
+            line, sampled = line[::-1], np.flip(sampled, k)
+        even = _even(line, axes[k].name, doubts)
+        sampled = _resampled(sampled, k, line, even)
+        evens.append(even)
+    height, north, east = evens
+    # (height, north, east) -> z = -north backwards, y = height, x = east.
+    turned = np.ascontiguousarray(np.flip(sampled.transpose(1, 0, 2), 0), np.float32)
+    ends = [_ends(even) for even in (east, height, north)]
+    for k, name in ((0, "x"), (2, "y")):
+        ends[k] = _near(ends[k], name, doubts)
+    (west, e), (low, high), (south, n) = ends
+    box = bounds(((west, low, -n), (e, high, -south)), "its box")
+    return Placed(turned, box, height, tuple(f"{file}: {text}" for text in doubts))
+
+
+def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
+    """Centres of cells in metres."""
+    if axis.centres is None:
+        doubts.append(f"'{axis.name}' has no coordinates: its cells are taken as 1 m")
+        return np.arange(axis.size) + 0.5
+    units = axis.units.strip().lower().rstrip(".")
+    centres = np.asarray(axis.centres, np.float64)
+    if not np.isfinite(centres).all() or (np.sign(np.diff(centres)) == 0).any():
+        raise SceneError(f"its coordinate '{axis.name}' has equal or missing values")
+    if np.unique(np.sign(np.diff(centres))).size > 1:
+        raise SceneError(f"its coordinate '{axis.name}' goes up and down")
+    if units in _PASCALS:
+        if float(centres.min()) <= 0.0:
+            raise SceneError(f"its pressure '{axis.name}' is not above 0")
+        doubts.append(f"heights of '{axis.name}' are estimated from its pressures")
+        return np.asarray(_SCALE_HEIGHT_M * np.log(_SEA_LEVEL_PA / (centres * _PASCALS[units])))
+    if units.startswith("degree"):
+        doubts.append(f"degrees of '{axis.name}' are taken as metres on a flat ground")
+        shrunk = math.cos(math.radians(latitude)) if axis.letter == "X" else 1.0
+        return np.asarray(centres * _DEGREE_M * shrunk)
+    factor = _METRES.get(units, _METRES.get(units.rstrip("s")))
+    if factor is None:
+        doubts.append(f"units '{axis.units}' of '{axis.name}' are taken as metres")
+        factor = 1.0
+    return np.asarray(centres * (-factor if axis.is_down else factor))
+
+
+def _even(line: F64, name: str, doubts: list[str]) -> F64:
+    """Evenly spaced centres between the ends of `line`, as fine as its median spacing."""
+    if len(line) < 3:
+        return line
+    steps = np.diff(line)
+    if float(np.ptp(steps)) <= 0.01 * float(steps.mean()):
+        return np.linspace(line[0], line[-1], len(line))
+    count = round(float((line[-1] - line[0]) / np.median(steps))) + 1
+    count = min(max(count, len(line)), LARGEST_SIDE)
+    doubts.append(f"'{name}' is not evenly spaced: {len(line)} cells became {count} even ones")
+    return np.linspace(line[0], line[-1], count)
+
+
+def _resampled(values: NDArray[Any], axis: int, line: F64, even: F64) -> NDArray[Any]:
+    """`values` along `axis` at `even` instead of at `line`, linearly."""
+    if len(line) == len(even) and np.allclose(line, even, rtol=0.0, atol=0.01 * _step(even)):
+        return values
+    upper = np.clip(np.searchsorted(line, even), 1, len(line) - 1)
+    share = (even - line[upper - 1]) / (line[upper] - line[upper - 1])
+    shape = [1, 1, 1]
+    shape[axis] = -1
+    weight = np.clip(share, 0.0, 1.0).reshape(shape).astype(np.float32)
+    low, high = np.take(values, upper - 1, axis), np.take(values, upper, axis)
+    return np.asarray(low * (1.0 - weight) + high * weight)
+
+
+def _step(even: F64) -> float:
+    return float(even[1] - even[0]) if len(even) > 1 else 1.0
+
+
+def _ends(even: F64) -> tuple[float, float]:
+    half = 0.5 * _step(even)
+    return float(even[0]) - half, float(even[-1]) + half
+
+
+def _near(ends: tuple[float, float], name: str, doubts: list[str]) -> tuple[float, float]:
+    """The ends about 0 where they lie far from it, as in map projections."""
+    low, high = ends
+    middle = 0.5 * (low + high)
+    if abs(middle) <= _FAR * (high - low):
+        return ends
+    doubts.append(f"it was moved by {-middle:g} m along its {name}, to the origin")
+    return low - middle, high - middle

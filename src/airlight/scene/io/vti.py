@@ -1,0 +1,267 @@
+"""VTK's image data (.vti): regular grids as ParaView, PyVista and many simulations write them.
+
+Source: VTK's XML file formats, versions 0.1 to 2.3. Values may be ASCII, base64 or appended (raw or
+base64), packed by zlib or LZMA. The package vtk would bring 300 MB for this one format, and meshio
+has no reader of it.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import lzma
+import math
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from ..checks import Bounds, bounds
+from .dense_grid import DenseGrid, check_count, chosen_name
+from .files import read_bytes
+
+_TYPES = {
+    "Int8": "i1",
+    "UInt8": "u1",
+    "Int16": "i2",
+    "UInt16": "u2",
+    "Int32": "i4",
+    "UInt32": "u4",
+    "Int64": "i8",
+    "UInt64": "u8",
+    "Float32": "f4",
+    "Float64": "f8",
+}
+_APPENDED = re.compile(rb"<AppendedData\b([^>]*)>")
+_LONGEST_HEAD = 1 << 20  # bytes of XML before appended data
+_MOST_BLOCKS = 1 << 24
+_LIKELY = ("density", "Density", "smoke", "rho")
+_UNPACKERS: dict[str, Any] = {
+    "vtkZLibDataCompressor": zlib.decompressobj,
+    "vtkLZMADataCompressor": lzma.LZMADecompressor,
+}
+
+
+@dataclass(frozen=True)
+class _File:
+    """The parsed head, how binary values are stored, and the appended ones."""
+
+    image: ElementTree.Element
+    order: str
+    header: str
+    compressor: str
+    appended: bytes
+    is_raw: bool
+
+
+@dataclass(frozen=True)
+class _Array:
+    """A named array: of points or cells, and its element in each piece."""
+
+    name: str
+    is_of_points: bool
+    pieces: list[tuple[NDArray[np.int64], ElementTree.Element]]
+
+
+def read_vti(path: Path, wanted: str) -> DenseGrid:
+    """The array called `wanted`; of "density", the active scalars or the only array.
+
+    Raises SceneError for what is damaged, packed by LZ4, or has no such array.
+    """
+    try:
+        file = _parsed(read_bytes(path))
+        arrays, active = _arrays(file.image)
+        name = chosen_name(wanted, list(arrays), (*_LIKELY, *active))
+        warned = () if name == wanted else (f"{path.name}: its array '{name}' is the density",)
+        return _grid(file, arrays[name], warned)
+    except (ElementTree.ParseError, KeyError, ValueError, zlib.error, lzma.LZMAError) as error:
+        raise SceneError(
+            f"is not a readable .vti: {error}", remedy="Copy or export it again."
+        ) from None
+
+
+def vti_names(path: Path) -> list[str]:
+    """The arrays of a file. Raises SceneError for what is no .vti that is read."""
+    try:
+        return list(_arrays(_parsed(read_bytes(path)).image)[0])
+    except (ElementTree.ParseError, KeyError, ValueError) as error:
+        raise SceneError(
+            f"is not a readable .vti: {error}", remedy="Copy or export it again."
+        ) from None
+
+
+class _Builder(ElementTree.TreeBuilder):
+    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
+        raise SceneError("a document type (<!DOCTYPE ...>) is refused", remedy="Remove it.")
+
+
+def _parsed(raw: bytes) -> _File:
+    """The file without its appended data, which need not be XML, and those."""
+    found = _APPENDED.search(raw)
+    appended, is_raw = b"", False
+    if found:
+        if found.start() > _LONGEST_HEAD:
+            raise ValueError("its head is too long")
+        begin = raw.find(b"_", found.end())
+        if begin < 0:
+            raise ValueError("its appended data do not begin with an underscore")
+        appended, is_raw = raw[begin + 1 :], b"raw" in found[1]
+        if not is_raw:
+            appended = appended.partition(b"<")[0]
+        raw = raw[: found.start()] + b"</VTKFile>"
+    parser = ElementTree.XMLParser(target=_Builder())
+    parser.feed(raw)
+    root = cast(ElementTree.Element, parser.close())
+    image = root.find("ImageData")
+    if root.tag != "VTKFile" or image is None:
+        kind = root.get("type") or root.tag
+        raise SceneError(
+            f"is of VTK's type {kind}, only ImageData is read",
+            remedy="Resample it to an image in ParaView, or by vtkResampleToImage.",
+        )
+    order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
+    header = _TYPES[root.get("header_type", "UInt32")]
+    return _File(image, order, order + header, root.get("compressor", ""), appended, is_raw)
+
+
+def _arrays(image: ElementTree.Element) -> tuple[dict[str, _Array], list[str]]:
+    """Arrays of numbers by name, those of points first, and the names of active scalars."""
+    found: dict[str, _Array] = {}
+    active = []
+    for kind in ("PointData", "CellData"):
+        for piece in image.findall("Piece"):
+            extent = _numbers(piece, "Extent", 6, int)
+            for data in piece.findall(kind):
+                active.append(data.get("Scalars", ""))
+                for element in data.findall("DataArray"):
+                    name = element.get("Name", "")
+                    array = found.setdefault(name, _Array(name, kind == "PointData", []))
+                    if array.is_of_points == (kind == "PointData"):
+                        array.pieces.append((extent, element))
+    return found, active
+
+
+def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
+    """All pieces of an array in one grid, and its place."""
+    whole = _numbers(file.image, "WholeExtent", 6, int)
+    count = _counts(whole, array.is_of_points)
+    channels = int(array.pieces[0][1].get("NumberOfComponents", "1"))
+    check_count(math.prod(count) * channels)
+    values: NDArray[Any] | None = None
+    for extent, element in array.pieces:
+        own = _counts(extent, array.is_of_points)
+        first = extent[::2] - whole[::2]
+        if (first < 0).any() or any(a + n > m for a, n, m in zip(first, own, count, strict=True)):
+            raise ValueError(f"a piece of '{array.name}' lies outside of the whole")
+        flat = _values(file, element, math.prod(own) * channels)
+        block = flat.reshape(*own[::-1], channels)
+        if values is None:
+            values = np.zeros((*count[::-1], channels), block.dtype)
+        x, y, z = (slice(int(a), int(a) + n) for a, n in zip(first, own, strict=True))
+        values[z, y, x] = block
+    assert values is not None
+    box, matrix = _place(file.image, whole, array.is_of_points)
+    shown = values[..., 0] if channels == 1 else values
+    return DenseGrid(shown, box, matrix, warned)
+
+
+def _counts(extent: NDArray[np.int64], is_of_points: bool) -> tuple[int, int, int]:
+    """Values along x, y and z; a flat image has one layer of cells."""
+    x, y, z = (int(n) for n in extent[1::2] - extent[::2])
+    if min(x, y, z) < 0:
+        raise ValueError("an extent ends before it begins")
+    more = 1 if is_of_points else 0
+    return max(x + more, 1), max(y + more, 1), max(z + more, 1)
+
+
+def _place(
+    image: ElementTree.Element, whole: NDArray[np.int64], is_of_points: bool
+) -> tuple[Bounds, NDArray[np.float64]]:
+    """The box in the image's own axes, and the matrix from there. Points are voxels' centres."""
+    origin = _numbers(image, "Origin", 3, float, "0 0 0")
+    spacing = _numbers(image, "Spacing", 3, float, "1 1 1")
+    turn = _numbers(image, "Direction", 9, float, "1 0 0 0 1 0 0 0 1").reshape(3, 3)
+    half = 0.5 if is_of_points else 0.0
+    low = spacing * (whole[::2] - half)
+    high = spacing * (np.maximum(whole[1::2], whole[::2] + (not is_of_points)) + half)
+    matrix = np.eye(4)
+    if np.array_equal(turn, np.eye(3)):
+        low, high = low + origin, high + origin
+    else:
+        matrix[:3, :3], matrix[:3, 3] = turn, origin
+    return bounds((low, high), "its box"), matrix
+
+
+def _numbers(
+    element: ElementTree.Element, name: str, count: int, kind: type, usual: str = ""
+) -> NDArray[Any]:
+    values = np.array([kind(part) for part in element.get(name, usual).split()])
+    if len(values) != count:
+        raise ValueError(f"its {name} has {len(values)} numbers, not {count}")
+    return values
+
+
+def _values(file: _File, element: ElementTree.Element, count: int) -> NDArray[Any]:
+    """The `count` values of a DataArray element."""
+    dtype = np.dtype(file.order + _TYPES[element.get("type", "Float32")])
+    form = element.get("format", "ascii")
+    if form == "ascii":
+        values = np.array((element.text or "").split(), np.float64)
+        if len(values) != count:
+            raise ValueError(f"it has {len(values):,} values, its extent asks for {count:,}")
+        return values.astype(dtype)
+    if form == "appended":
+        stored = file.appended[int(element.get("offset", "0")) :]
+        stored = stored if file.is_raw else _from_base64(stored)
+    elif form == "binary":
+        stored = _from_base64((element.text or "").encode())
+    else:
+        raise ValueError(f"its format '{form}' is unknown")
+    raw = _unpacked(file, stored, count * dtype.itemsize)
+    return np.frombuffer(raw, dtype).astype(dtype.newbyteorder("="))
+
+
+def _from_base64(text: bytes) -> bytes:
+    """Bytes of one or more base64 texts on end: a header is often padded on its own."""
+    try:
+        return b"".join(
+            base64.b64decode(part, validate=True)
+            for part in re.findall(rb"[^=]+=*", b"".join(text.split()))
+        )
+    except binascii.Error as error:
+        raise ValueError(f"its base64 is damaged ({error})") from None
+
+
+def _unpacked(file: _File, stored: bytes, wanted: int) -> bytes:
+    """`wanted` bytes behind their header: their number, or of blocks the number and all sizes."""
+    size = np.dtype(file.header).itemsize
+    if not file.compressor:
+        length = int(np.frombuffer(stored, file.header, 1)[0])
+        if length != wanted or len(stored) < size + wanted:
+            raise ValueError(f"it has {min(length, len(stored)):,} bytes of values, not {wanted:,}")
+        return stored[size : size + wanted]
+    if file.compressor not in _UNPACKERS:
+        raise SceneError(
+            f"is packed by {file.compressor}, only zlib and LZMA are read",
+            remedy="Write it with zlib, or not packed.",
+        )
+    blocks, block_size, last = (int(n) for n in np.frombuffer(stored, file.header, 3))
+    expected = blocks * block_size - (block_size - last if last else 0)
+    if blocks > _MOST_BLOCKS or expected != wanted:
+        raise ValueError(f"its blocks hold {expected:,} bytes of values, not {wanted:,}")
+    packed = np.frombuffer(stored, file.header, blocks, 3 * size).astype(np.int64)
+    at, parts = (3 + blocks) * size, []
+    for length in packed.tolist():
+        unpacker = _UNPACKERS[file.compressor]()
+        parts.append(unpacker.decompress(stored[at : at + length], block_size + 1))
+        at += length
+    made = b"".join(parts)
+    if len(made) != wanted:
+        raise ValueError(f"its blocks hold {len(made):,} bytes of values, not {wanted:,}")
+    return made

@@ -1,0 +1,174 @@
+"""NetCDF and zarr by xarray: axes, units, water, times, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.scene.io import load
+from airlight.scene.io.volumes import grid_names, read_volume
+
+pytestmark = pytest.mark.needs("xarray", "h5netcdf", "h5py", "scipy", "zarr")
+VALUES = np.arange(24, dtype=np.float32).reshape(2, 3, 4)  # height, y, x
+
+
+def dataset(units="kg m-3", values=VALUES, dims=("z", "y", "x"), name="ql", **coords):
+    import xarray
+
+    usual = {
+        "z": ("z", [150.0, 250.0], {"units": "m", "axis": "Z"}),
+        "y": ("y", [0.05, 0.15, 0.25], {"units": "km"}),
+        "x": ("x", [50.0, 150.0, 250.0, 350.0], {"units": "m"}),
+    }
+    return xarray.Dataset(
+        {name: (dims, values, {"units": units})}, coords={**usual, **coords}
+    )  # fmt: skip
+
+
+def written(data, path):
+    if path.suffix == ".zarr":
+        data.to_zarr(path, zarr_format=2)
+    else:
+        data.to_netcdf(path, engine="h5netcdf" if path.suffix == ".nc4" else "scipy")
+    return path
+
+
+@pytest.mark.parametrize("ending", [".nc", ".nc4", ".zarr"])
+def test_height_is_up_and_north_is_away(tmp_path, ending):
+    grid = read_volume(written(dataset(), tmp_path / f"a{ending}"))
+    np.testing.assert_allclose(grid.bounds, ((0, 100, -300), (400, 300, 0)), atol=1e-3)
+    assert grid.density.shape == (3, 2, 4)  # world z, y, x
+    for north in range(3):
+        np.testing.assert_array_equal(grid.density[2 - north], VALUES[:, north])
+
+
+@pytest.mark.parametrize("dims", [("x", "y", "z"), ("y", "z", "x")])
+def test_the_order_of_dimensions_does_not_matter(tmp_path, dims):
+    data = dataset(values=VALUES.transpose(["zyx".index(d) for d in dims]), dims=dims)
+    expected = read_volume(written(dataset(), tmp_path / "a.nc"))
+    found = read_volume(written(data, tmp_path / "b.nc"))
+    np.testing.assert_array_equal(found.density, expected.density)
+    assert found.bounds == expected.bounds
+
+
+def test_falling_coordinates_and_depth_are_turned_round(tmp_path):
+    falling = dataset(values=VALUES[::-1], z=("z", [250.0, 150.0], {"units": "m"}))
+    deep = dataset(values=VALUES, z=("z", [250.0, 150.0], {"units": "m", "positive": "down"}))
+    np.testing.assert_array_equal(
+        read_volume(written(falling, tmp_path / "a.nc")).density,
+        read_volume(written(dataset(), tmp_path / "b.nc")).density,
+    )
+    low, high = read_volume(written(deep, tmp_path / "c.nc")).bounds
+    assert (low[1], high[1]) == (-300, -100)
+
+
+def test_uneven_levels_become_even_ones(tmp_path):
+    heights = np.array([0.0, 100.0, 200.0, 400.0, 800.0])
+    values = np.broadcast_to(heights[:, None, None], (5, 3, 4))  # linear: stays what it is
+    grid = read_volume(
+        written(dataset(values=values, z=("z", heights, {"units": "m"})), tmp_path / "a.nc")
+    )
+    assert any("'z' is not evenly spaced: 5 cells became" in text for text in grid.warnings)
+    count = grid.density.shape[1]
+    np.testing.assert_allclose(grid.density[0, :, 0], np.linspace(0, 800, count), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("units", "sigma_t"),
+    # 3 / (2 rho r) of a kilogram of water per cubic metre in droplets of 10 micrometres.
+    [("kg m-3", 150.0), ("g m-3", 0.15), ("m-1", 1.0), ("km-1", 1e-3)],
+)
+def test_units_say_how_dense_it_is(tmp_path, units, sigma_t):
+    written(dataset(units, VALUES * 1e-3), tmp_path / "cloud.nc")
+    volume = load(tmp_path / "cloud.nc").volumes[0]
+    assert volume.sigma_t[0] * volume.density.max() == pytest.approx(23e-3 * sigma_t)
+    assert volume.g[0] > 0.8 and volume.albedo[0] > 0.99
+
+
+def test_mixing_ratios_are_weighed_with_the_air(tmp_path):
+    volume = load(written(dataset("g kg-1"), tmp_path / "cloud.nc")).volumes[0]
+    by_height = volume.density[0, :, 0] / VALUES[:, 2, 0]
+    np.testing.assert_allclose(by_height, 1.2e-3 * np.exp([-150 / 8500, -250 / 8500]), rtol=1e-5)
+
+
+def test_the_first_of_several_times_is_read_and_missing_values_are_none(tmp_path):
+    values = np.stack([VALUES, VALUES + 100])
+    values[0, 0, 0, 1] = np.nan
+    data = dataset(values=values, dims=("time", "z", "y", "x"), time=("time", [0.0, 60.0]))
+    grid = read_volume(written(data, tmp_path / "a.nc"))
+    assert grid.density.max() == 23 and grid.density[2, 0, 1] == 0
+    assert "a.nc has 2 times, the first is read" in grid.warnings
+    assert "a.nc has 1 missing values, taken as 0" in grid.warnings
+
+
+def test_degrees_become_metres_at_the_origin(tmp_path):
+    data = dataset(
+        y=("y", [59.9, 60.0, 60.1], {"units": "degrees_north"}),
+        x=("x", [10.0, 10.1, 10.2, 10.3], {"units": "degrees_east"}),
+    )
+    grid = read_volume(written(data, tmp_path / "a.nc"))
+    size = np.subtract(*grid.bounds[::-1])
+    np.testing.assert_allclose(size[[0, 2]], [0.4 * 111195 * 0.5, 0.3 * 111195], rtol=1e-3)
+    assert np.abs(np.add(*grid.bounds))[[0, 2]].max() < 1.0
+
+
+def test_wrf_has_its_spacing_in_attributes(tmp_path):
+    import xarray
+
+    dims = ("Time", "bottom_top", "south_north", "west_east")
+    edges = np.array([0.0, 100.0, 200.0]) * 9.81
+    potential = np.broadcast_to(edges[None, :, None, None], (1, 3, 3, 4))
+    staggered = ("Time", "bottom_top_stag", "south_north", "west_east")
+    data = xarray.Dataset(
+        {
+            "QCLOUD": (dims, VALUES[None], {"units": "kg kg-1"}),
+            "PH": (staggered, potential * 0.25),
+            "PHB": (staggered, potential * 0.75),
+        },
+        attrs={"DX": 1000.0, "DY": 2000.0},
+    )
+    grid = read_volume(written(data, tmp_path / "a.nc"))
+    np.testing.assert_allclose(grid.bounds, ((0, 0, -6000), (4000, 200, 0)), atol=0.1)
+
+
+def test_a_sequence_of_zarr_folders_moves(tmp_path):
+    for k in range(2):
+        written(dataset(values=VALUES + 10 * k), tmp_path / f"cloud.{k}.zarr")
+    text = '[[volume]]\nsequence = "cloud.*.zarr"\ngrid = "ql"\nsigma_t = 1\nsequence_fps = 1\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    assert scene.animation.at(scene, 1.0).volumes[0].density.max() == 33
+    assert scene.animation.at(scene, 0.5).volumes[0].density.max() == 28
+
+
+def test_what_cannot_be_read_is_one_message(tmp_path):
+    import h5py
+
+    (tmp_path / "a.nc").write_bytes(b"no such thing")
+    (tmp_path / "b.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    (tmp_path / "c.nc").write_bytes(b"CDF\x01" + b"\xff" * 50)
+    with h5py.File(tmp_path / "d.nc", "w") as file:
+        file["ql"] = h5py.ExternalLink("/etc/hosts", "/x")
+    with h5py.File(tmp_path / "e.nc", "w") as file:
+        external = [("/etc/hosts", 0, 96)]
+        file.create_dataset("ql", (2, 3, 4), "f4", external=external)
+    (tmp_path / "f.zarr").mkdir()
+    (tmp_path / "f.zarr" / "secret").symlink_to("/etc/hosts")
+    two = dataset(name="a").assign(b=dataset()["ql"])
+    written(two, tmp_path / "g.nc")
+    written(dataset().isel(z=0), tmp_path / "h.nc")
+    for name, message in {
+        "a.nc": "is no NetCDF",
+        "b.nc": "is not readable",
+        "c.nc": "is not readable",
+        "d.nc": "has data in other files",
+        "e.nc": "has data in other files",
+        "f.zarr": "outside its folder",
+        "g.nc": "has no grid 'density'. Known: a, b",
+        "h.nc": "holds no grid of three dimensions",
+    }.items():
+        with pytest.raises(SceneError, match=name.replace(".", r"\.")) as caught:
+            read_volume(tmp_path / name)
+        assert message in str(caught.value), caught.value
+    assert grid_names(tmp_path / "g.nc") == ["a", "b"]

@@ -1,0 +1,144 @@
+"""VTK's image data: every way of storing values, placing, pieces, and damage."""
+
+from __future__ import annotations
+
+import base64
+import lzma
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from airlight.errors import SceneError
+from airlight.scene.io.volumes import grid_names, read_values, read_volume
+
+VALUES = np.arange(24, dtype="<f4").reshape(2, 3, 4)  # z, y, x
+BLOCK = 40  # bytes: 96 of values are two blocks and 16 left
+
+
+def packed(raw: bytes, compressor: str, header: str = "<I") -> bytes:
+    """As VTK writes binary values: their number, or the sizes of packed blocks, before them."""
+    if not compressor:
+        return struct.pack(header, len(raw)) + raw
+    pack = {"vtkZLibDataCompressor": zlib.compress, "vtkLZMADataCompressor": lzma.compress}
+    blocks = [raw[k : k + BLOCK] for k in range(0, len(raw), BLOCK)]
+    made = [pack[compressor](block) for block in blocks]
+    sizes = [len(blocks), BLOCK, len(raw) % BLOCK, *map(len, made)]
+    return b"".join(struct.pack(header, n) for n in sizes) + b"".join(made)
+
+
+def in_base64(raw: bytes, compressor: str, header: str = "<I") -> bytes:
+    """VTK encodes the header of packed values on its own."""
+    if not compressor:
+        return base64.b64encode(raw)
+    size = struct.calcsize(header)
+    head = size * (3 + struct.unpack_from(header, raw)[0])
+    return base64.b64encode(raw[:head]) + base64.b64encode(raw[head:])
+
+
+def vti(array: str, *, extent="0 3 0 2 0 1", head="", image="", appended=b"", kind="PointData"):
+    return (
+        f'<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" {head}>\n'
+        f'<ImageData WholeExtent="{extent}" {image}><Piece Extent="{extent}">'
+        f'<{kind} Scalars="smoke">{array}</{kind}></Piece></ImageData>\n'
+    ).encode() + (appended or b"") + b"</VTKFile>\n"  # fmt: skip
+
+
+def element(form: str, text: str = "", more: str = "", kind: str = "Float32") -> str:
+    return f'<DataArray type="{kind}" Name="smoke" format="{form}" {more}>{text}</DataArray>'
+
+
+@pytest.mark.parametrize("compressor", ["", "vtkZLibDataCompressor", "vtkLZMADataCompressor"])
+@pytest.mark.parametrize("form", ["binary", "raw", "base64"])
+@pytest.mark.parametrize("header", ["UInt32", "UInt64"])
+def test_every_way_of_storing_gives_the_same_values(tmp_path, form, compressor, header):
+    layout = {"UInt32": "<I", "UInt64": "<Q"}[header]
+    raw = packed(VALUES.tobytes(), compressor, layout)
+    head = f'byte_order="LittleEndian" header_type="{header}" compressor="{compressor}"'
+    if form == "binary":
+        text = vti(element("binary", in_base64(raw, compressor, layout).decode()), head=head)
+    else:
+        other = b"another array's bytes <&"
+        stored = raw if form == "raw" else in_base64(raw, compressor, layout)
+        other = other if form == "raw" else base64.b64encode(other)
+        appended = f'<AppendedData encoding="{form}">\n _'.encode() + other + stored
+        array = element("appended", more=f'offset="{len(other)}"')
+        text = vti(array, head=head, appended=appended + b"\n</AppendedData>\n")
+    (tmp_path / "a.vti").write_bytes(text)
+    np.testing.assert_array_equal(read_volume(tmp_path / "a.vti").density, VALUES)
+
+
+def test_ascii_and_big_endian(tmp_path):
+    (tmp_path / "a.vti").write_bytes(vti(element("ascii", " ".join(map(str, range(24))))))
+    np.testing.assert_array_equal(read_volume(tmp_path / "a.vti").density, VALUES)
+    raw = packed(VALUES.astype(">i2").tobytes(), "", ">I")
+    array = element("binary", in_base64(raw, "").decode(), kind="Int16")
+    (tmp_path / "b.vti").write_bytes(vti(array, head='byte_order="BigEndian"'))
+    np.testing.assert_array_equal(read_volume(tmp_path / "b.vti").density, VALUES)
+
+
+def test_points_are_the_centres_of_voxels_and_cells_fill_theirs(tmp_path):
+    array = element("ascii", " ".join(map(str, range(24))))
+    place = 'Origin="10 20 30" Spacing="1 2 4"'
+    (tmp_path / "a.vti").write_bytes(vti(array, image=place))
+    assert read_volume(tmp_path / "a.vti").bounds == ((9.5, 19, 28), (13.5, 25, 36))
+    cells = vti(array, image=place, extent="2 6 0 3 0 2", kind="CellData")
+    (tmp_path / "a.vti").write_bytes(cells)
+    assert read_volume(tmp_path / "a.vti").bounds == ((12, 20, 30), (16, 26, 38))
+
+
+def test_a_turned_image_is_turned(tmp_path):
+    array = element("ascii", " ".join(map(str, range(24))))
+    turned = 'Origin="5 0 0" Direction="0 -1 0 1 0 0 0 0 1"'
+    (tmp_path / "a.vti").write_bytes(vti(array, image=turned))
+    grid = read_volume(tmp_path / "a.vti")
+    # The first voxel's centre is the origin, the next along i lies along +y.
+    low = np.array(grid.bounds[0]) + 0.5
+    np.testing.assert_allclose((grid.world_from_volume @ [*low, 1])[:3], [5, 0, 0])
+    np.testing.assert_allclose((grid.world_from_volume @ [*(low + [1, 0, 0]), 1])[:3], [5, 1, 0])
+    assert read_values(tmp_path / "a.vti", "smoke").world_from_volume[0, 3] == 5
+
+
+def test_pieces_are_put_together(tmp_path):
+    pieces = "".join(
+        f'<Piece Extent="{a} {b} 0 2 0 1"><PointData>'
+        + element("ascii", " ".join(map(str, VALUES[..., a : b + 1].ravel())))
+        + "</PointData></Piece>"
+        for a, b in ((0, 1), (1, 3))
+    )
+    text = f'<VTKFile type="ImageData"><ImageData WholeExtent="0 3 0 2 0 1">{pieces}'
+    (tmp_path / "a.vti").write_text(text + "</ImageData></VTKFile>")
+    np.testing.assert_array_equal(read_volume(tmp_path / "a.vti").density, VALUES)
+    assert grid_names(tmp_path / "a.vti") == ["smoke"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b'<VTKFile type="UnstructuredGrid"/>', "VTK's type UnstructuredGrid, only ImageData"),
+        (b"<!DOCTYPE x><VTKFile/>", "a document type"),
+        (vti(element("ascii", "1 2 3")), "it has 3 values, its extent asks for 24"),
+        (vti(element("ascii"), extent="0 9 0 9"), "its Extent has 4 numbers, not 6"),
+        (vti(element("ascii"), extent="0 2047 0 2047 0 2047"), "8,589,934,592 values, at most"),
+        (vti(element("binary", "AAAA")), "is not a readable .vti"),
+        (vti(element("binary", "AAAAAAAA"), head='compressor="vtkLZ4DataCompressor"'),
+         "packed by vtkLZ4DataCompressor, only zlib and LZMA"),
+        (vti(element("binary", in_base64(packed(b"\0" * 96, ""), "").decode()),
+             head='compressor="vtkZLibDataCompressor"'), "its blocks hold"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_read_is_one_message(tmp_path, text, message):
+    (tmp_path / "a.vti").write_bytes(text)
+    with pytest.raises(SceneError, match=r"a\.vti: ") as caught:
+        read_volume(tmp_path / "a.vti")
+    assert message in str(caught.value)
+
+
+def test_several_arrays_want_a_name(tmp_path):
+    two = element("ascii", "1 " * 24).replace("smoke", "b") + element("ascii", "2 " * 24)
+    text = vti(two).replace(b'Scalars="smoke"', b"").replace(b'Name="smoke"', b'Name="a"')
+    (tmp_path / "a.vti").write_bytes(text)
+    with pytest.raises(SceneError, match="no grid 'density'. Known: a, b"):
+        read_volume(tmp_path / "a.vti")
+    assert read_volume(tmp_path / "a.vti", "b").density.max() == 1
