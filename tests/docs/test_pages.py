@@ -7,6 +7,7 @@ environment; `<!-- not run -->` leaves it out.
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import shlex
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ NOT_RUN = ("./run", ".ci/run", "pip", "ssh", "sudo", "python", ".venv/bin/python
 """Words that begin a line which is not airlight's, or is a test of its own elsewhere."""
 SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "turntable", "figure --all")
 """Tested elsewhere: they need a screen, a path tracer, or minutes."""
+NEEDS = {".nc": "xarray"}
+"""Endings of files that an extra reads, and a module of it; without it their lines are not run."""
 _BLOCK = re.compile(
     r"(?:<!-- (?P<note>[^>]*?) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.DOTALL | re.MULTILINE,
@@ -67,6 +70,7 @@ def _parameter(page: Path) -> object:
 def test_what_a_page_shows_works(gpu, page, small, model, capsys):
     model("my.obj")
     np.save(small / "smoke.npy", np.ones((4, 5, 6), np.float32))
+    save_cloud(small / "cloud.nc")
     namespace: dict[str, object] = {}
     for block in blocks(page):
         if block.note.startswith("not run"):
@@ -90,12 +94,27 @@ def save(block: Block, folder: Path) -> None:
         (folder / target).write_text(f"{before}{block.text}\n{head}{after}")
 
 
+def save_cloud(path: Path) -> None:
+    """A NetCDF 3 file as a cloud model writes one, where xarray is there to read it."""
+    if not importlib.util.find_spec("xarray"):
+        return
+    import xarray
+
+    water = np.full((3, 4, 5), 1e-4)
+    coords = {name: np.arange(n) * 100.0 for name, n in zip("zyx", water.shape, strict=True)}
+    data = xarray.Dataset({"ql": (("z", "y", "x"), water, {"units": "kg kg-1"})}, coords)
+    data.to_netcdf(path, engine="scipy")
+
+
 def type_in(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     for line in text.replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)
         if not words or words[0].startswith(NOT_RUN):
             continue
         assert words[0] == "airlight", f"what is this? {line}"
+        needed = [module for end, module in NEEDS.items() for w in words if w.endswith(end)]
+        if not all(importlib.util.find_spec(module) for module in needed):
+            continue
         if any(f"{' '.join(words[1:])} ".startswith(f"{slow} ") for slow in SLOW_COMMANDS):
             continue
         code = cli.run(_quickly(words[1:]))

@@ -192,7 +192,11 @@ DAMAGED = [
         "the bounding box in its header is empty: [0.0, 0.0, 0.0] to [0.0, 1.0, 1.0]",
     ),
     ("a.nvdb", b"", "is not a NanoVDB file"),
-    ("a.txt", b"", "is not a density grid. Known endings: .npy, .npz, .vol, .vti, .nc, .nc4, .zarr, .nvdb, .vdb."),
+    (
+        "a.txt",
+        b"",
+        "is not a density grid. Known endings: .npy, .npz, .vol, .vti, .nc, .nc4, .zarr, .nvdb, .vdb.",
+    ),
 ]
 
 
