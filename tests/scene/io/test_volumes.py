@@ -195,7 +195,8 @@ DAMAGED = [
     (
         "a.txt",
         b"",
-        "is not a density grid. Known endings: .npy, .npz, .vol, .vti, .nc, .nc4, .zarr, .nvdb, .vdb.",
+        "is not a density grid. Known endings: .npy, .npz, .vol, .vti, .nc, .nc4, .zarr, .nvdb, "
+        ".vdb.",
     ),
 ]
 

@@ -96,7 +96,7 @@ def test_a_turned_image_is_turned(tmp_path):
     # The first voxel's centre is the origin, the next along i lies along +y.
     low = np.array(grid.bounds[0]) + 0.5
     np.testing.assert_allclose((grid.world_from_volume @ [*low, 1])[:3], [5, 0, 0])
-    np.testing.assert_allclose((grid.world_from_volume @ [*(low + [1, 0, 0]), 1])[:3], [5, 1, 0])
+    np.testing.assert_allclose((grid.world_from_volume @ [low[0] + 1, *low[1:], 1])[:3], [5, 1, 0])
     assert read_values(tmp_path / "a.vti", "smoke").world_from_volume[0, 3] == 5
 
 
@@ -139,6 +139,6 @@ def test_several_arrays_want_a_name(tmp_path):
     two = element("ascii", "1 " * 24).replace("smoke", "b") + element("ascii", "2 " * 24)
     text = vti(two).replace(b'Scalars="smoke"', b"").replace(b'Name="smoke"', b'Name="a"')
     (tmp_path / "a.vti").write_bytes(text)
-    with pytest.raises(SceneError, match="no grid 'density'. Known: a, b"):
+    with pytest.raises(SceneError, match=r"no grid 'density'\. Known: a, b"):
         read_volume(tmp_path / "a.vti")
     assert read_volume(tmp_path / "a.vti", "b").density.max() == 1
