@@ -112,7 +112,7 @@ def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
     """Centres of cells in metres."""
     if axis.centres is None:
         doubts.append(f"'{axis.name}' has no coordinates: its cells are taken as 1 m")
-        return np.arange(axis.size) + 0.5
+        return np.asarray(np.arange(axis.size) + 0.5, np.float64)
     units = axis.units.strip().lower().rstrip(".")
     centres = np.asarray(axis.centres, np.float64)
     if not np.isfinite(centres).all() or (np.sign(np.diff(centres)) == 0).any():

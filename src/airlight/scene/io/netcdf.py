@@ -27,7 +27,18 @@ from .ledger import note_read
 ZARR = ".zarr"
 _GET = "Run: pip install 'airlight[science]'."
 _MOST_PARTS = 1 << 20
-_LIKELY = ("density", "extinction", "qc", "ql", "QC", "QCLOUD", "clw", "lwc", "LWC", "q_liquid")
+_LIKELY: tuple[str, ...] = (
+    "density",
+    "extinction",
+    "qc",
+    "ql",
+    "QC",
+    "QCLOUD",
+    "clw",
+    "lwc",
+    "LWC",
+    "q_liquid",
+)
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
 
 # Of cloud droplets: all light is scattered, ahead; their radius is that of a fair-weather cloud.

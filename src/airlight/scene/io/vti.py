@@ -15,7 +15,7 @@ import re
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -117,7 +117,7 @@ def _parsed(raw: bytes) -> _File:
         raw = raw[: found.start()] + b"</VTKFile>"
     parser = ElementTree.XMLParser(target=_Builder())
     parser.feed(raw)
-    root = cast(ElementTree.Element, parser.close())
+    root = parser.close()
     image = root.find("ImageData")
     if root.tag != "VTKFile" or image is None:
         kind = root.get("type") or root.tag
