@@ -141,9 +141,6 @@ def test_only_gpu_imports_wgpu():
     assert not broken, "\n".join(broken)
 
 
-LONG_FOR_A_REASON = {
-    "make_bsdf": "a class of an optional package, which is there inside the function alone",
-}
 _CALLERS_NAME_THEM = "public: each parameter is an option of its own, which callers name"
 _CLOSED_FORM = "the physical quantities of a formula, in its own symbols"
 _COMPILED = "compiled by Numba, which takes numbers and arrays, no objects"
@@ -191,7 +188,7 @@ def test_nothing_is_too_long():
         f"{relative(path)}: {name}() {lines} lines"
         for path in modules()
         for name, lines in functions(path)
-        if lines > LONGEST_FUNCTION and name not in LONG_FOR_A_REASON
+        if lines > LONGEST_FUNCTION
     ]
     assert not long, "\n".join(long)
 

@@ -6,18 +6,14 @@ import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-import PIL.Image
-import PIL.ImageDraw
-import PIL.ImageFont
-
 from ..app.bench.frames import PAPER_LATTICE, Case, measure
-from ..app.compare.images import FAINT, INK, PAPER, U8
+from ..app.compare.images import U8
 from ..scene.builtin import atrium, cornell
 from ..scene.scene import Scene
 from .clpv_7 import MODES
 from .lpvms_table1 import STEP_M, shifted
 from .panels import QUICK, Drawn, Request, known, milliseconds, renderer
+from .table import table_image
 
 PAPER_MS: dict[str, dict[str, tuple[float, ...]]] = {
     "RSM rendering": {"GTX285": (0.16,), "Xbox 360": (0.5,), "PS3": (0.8,)},
@@ -42,7 +38,6 @@ STAGES: dict[str, tuple[str, ...]] = {
 """Our stages under the paper's names. Its lookup pass adds indirect light to an image; ours
 computes all of a pixel's light, direct light and its shadows too."""
 KEPT = "GV Injection here: all meshes moving. Blockers of static meshes are cached and cost none."
-COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
 
 
 def draw(request: Request) -> Drawn:
@@ -104,16 +99,8 @@ def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
         theirs = [_times(PAPER_MS[name][machine]) for machine in machines]
         own = times if name in ("Propagation", "Total") else times[-1:]
         lines.append((name, _times(own), *theirs))
-    lines.append((KEPT, *[""] * 4))
-    starts = np.cumsum([MARGIN_PX, COLUMN_PX, 2 * COLUMN_PX, COLUMN_PX, COLUMN_PX])
-    height = 2 * MARGIN_PX + LINE_PX * len(lines)
-    image = PIL.Image.new("RGB", (int(starts[-1]) + COLUMN_PX, height), PAPER)
-    pen, font = PIL.ImageDraw.Draw(image), PIL.ImageFont.load_default(18)
-    for row, cells in enumerate(lines):
-        for start, text in zip(starts, cells, strict=True):
-            place = (float(start), float(MARGIN_PX + LINE_PX * row))
-            pen.text(place, text, FAINT if row in (0, len(lines) - 1) else INK, font=font)
-    return np.asarray(image, dtype=np.uint8)
+    lines.append((KEPT,))
+    return table_image(lines, (1, 2, 1, 1, 1))
 
 
 def _times(values: Sequence[float]) -> str:

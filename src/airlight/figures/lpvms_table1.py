@@ -8,17 +8,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import PIL.Image
-import PIL.ImageDraw
-import PIL.ImageFont
 
 from ..app.bench.frames import moved
-from ..app.compare.images import FAINT, INK, PAPER, U8
+from ..app.compare.images import U8
 from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from .panels import Drawn, Request, milliseconds, renderer
+from .table import table_image
 
 PAPER_MS: dict[str, tuple[float, float]] = {
     "reflected": (0.87, 0.84),
@@ -43,7 +41,6 @@ STAGES: dict[str, tuple[str, ...]] = {
 SIDES = (32, 64)
 LATTICE: Mapping[str, Any] = {"iterations": 8, "acceleration": "none", "map_resolution": 256}
 STEP_M = 1e-4  # that surfaces are moved by, so that blockers are recomputed as in the paper
-COLUMN_PX, LINE_PX, MARGIN_PX = 190, 34, 24
 
 
 def draw(request: Request) -> Drawn:
@@ -105,13 +102,5 @@ def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ..
     ]
     for name, times in ours.items():
         lines.append((name, *(milliseconds(t) for t in (*times, *PAPER_MS[name]))))
-    lines.append((device[:60], "", "", "", ""))
-    starts = [MARGIN_PX + COLUMN_PX * k for k in range(5)]
-    size = (MARGIN_PX + COLUMN_PX * 5, 2 * MARGIN_PX + LINE_PX * len(lines))
-    image = PIL.Image.new("RGB", size, PAPER)
-    pen, font = PIL.ImageDraw.Draw(image), PIL.ImageFont.load_default(18)
-    for row, cells in enumerate(lines):
-        for start, text in zip(starts, cells, strict=True):
-            place = (float(start), float(MARGIN_PX + LINE_PX * row))
-            pen.text(place, text, FAINT if row in (0, len(lines) - 1) else INK, font=font)
-    return np.asarray(image, dtype=np.uint8)
+    lines.append((device[:60],))
+    return table_image(lines, (1,) * 5)

@@ -55,21 +55,15 @@ fn of_lattices(p: vec3f, normal: vec3f) -> Unlike {
     // All lattices have the same axes.
     let n = lattice_from_world(lattice_of(0u), normal);
     var out = Unlike(vec3f(0.0), vec3f(0.0));
-    // The finest lattice that has the point; towards its border the next larger one.
-    let last = last_lattice();
-    var left = 1.0;
-    var k = 0u;
+    var at = lattice_step(0u, 1.0, p);
     loop {
-        k = lattice_from(k, p);
-        let weight = left * lattice_weight(lattice_of(k), p);
-        let uvw = lattice_coordinates(lattice_of(k), p, n);
-        out.irradiance += weight * lattice_irradiance(lattice_of(k), uvw, n);
-        out.sky += weight * sky_at(uvw, n);
-        left -= weight;
-        k++;
-        if (k > last || left <= 0.0) {
+        let uvw = lattice_coordinates(lattice_of(at.k), p, n);
+        out.irradiance += at.weight * lattice_irradiance(lattice_of(at.k), uvw, n);
+        out.sky += at.weight * sky_at(uvw, n);
+        if (at.is_last) {
             break;
         }
+        at = lattice_step(at.k + 1u, at.left, p);
     }
     return out;
 }

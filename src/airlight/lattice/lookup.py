@@ -14,17 +14,19 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, Slot, image, storage, texture, uniform
+from ..maths.half import half_scale
 from .inject import forward_share
 from .lobes import SHAPED_LOBE
 from .placement import EVERYWHERE, Hull, Placement
-
-_LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
-
 
 CHANNEL_SLOTS: tuple[Slot, ...] = tuple(
     texture(f"lattice_{channel}", "3d") for channel in ("red", "green", "blue")
 )
 """Of passes that use `wgsl/lattice.wgsl`; `ChannelTextures.bound` binds them."""
+CHANNEL_IMAGES: tuple[Slot, ...] = tuple(
+    image(channel, FILTERED, "3d") for channel in ("red", "green", "blue")
+)
+"""Of passes that fill such textures; `ChannelTextures.written` binds them."""
 
 
 class PackParams(Struct):
@@ -48,9 +50,7 @@ class Pack(ComputePass):
         uniform("params", PackParams),
         storage("injected", "vec4f"),
         storage("propagated", "vec4f"),
-        image("red", FILTERED, "3d"),
-        image("green", FILTERED, "3d"),
-        image("blue", FILTERED, "3d"),
+        *CHANNEL_IMAGES,
     )
     workgroup = (32, 8, 1)
     file = "pack.wgsl"
@@ -75,6 +75,11 @@ class ChannelTextures:
     def bound(self) -> dict[str, Texture]:
         """By the names of CHANNEL_SLOTS."""
         return {"lattice_red": self.red, "lattice_green": self.green, "lattice_blue": self.blue}
+
+    @property
+    def written(self) -> dict[str, Texture]:
+        """By the names of CHANNEL_IMAGES."""
+        return {"red": self.red, "green": self.green, "blue": self.blue}
 
 
 class LatticeTextures(ChannelTextures):
@@ -123,15 +128,13 @@ class LatticeTextures(ChannelTextures):
             ),
             injected=injected,
             propagated=propagated,
-            red=self.red,
-            green=self.green,
-            blue=self.blue,
+            **self.written,
         )
 
 
 def texture_scale(flux: float) -> float:
     """Stored units per W sr^-1 for a lattice into which `flux` (W) comes."""
-    return float(2.0 ** math.floor(math.log2(_LARGEST * 4.0 * math.pi / max(flux, 1e-24))))
+    return half_scale(flux / (4.0 * math.pi))
 
 
 def own_shares() -> tuple[float, float]:

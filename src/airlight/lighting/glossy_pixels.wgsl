@@ -22,20 +22,15 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, open: f32) {
     let mirrored = lattice_from_world(lattice_of(0u), reflect(-v, n));
     var direct = rest;
     var indirect = rest_indirect;
-    let last = last_lattice();
-    var left = 1.0;
-    var k = 0u;
+    var at = lattice_step(0u, 1.0, p);
     loop {
-        k = lattice_from(k, p);
-        let weight = left * lattice_weight(lattice_of(k), p);
-        let light = mirrored_light(k, p, r, n_v, n_own, vec3f(0.0), mirrored);
-        direct += weight * gain * light.sky;
-        indirect += weight * gain * light.indirect;
-        left -= weight;
-        k++;
-        if (k > last || left <= 0.0) {
+        let light = mirrored_light(at.k, p, r, n_v, n_own, vec3f(0.0), mirrored);
+        direct += at.weight * gain * light.sky;
+        indirect += at.weight * gain * light.indirect;
+        if (at.is_last) {
             break;
         }
+        at = lattice_step(at.k + 1u, at.left, p);
     }
     textureStore(direct_light, pixel, vec4f(direct, 1.0));
     textureStore(indirect_light, pixel, vec4f(indirect, 1.0));

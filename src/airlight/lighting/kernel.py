@@ -9,11 +9,12 @@ from typing import Literal
 from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..rays.slots import RAY_SLOTS
 from ..surface.hits import PIXELS, Points
-from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData
+from ..surface.light_table import SHADOWED_LIGHT_SLOTS
 from .shadow_rays import ShadowRays
 
 _NO_ATTENUATION = """
@@ -204,12 +205,7 @@ SURFACE_SLOTS = (
     texture("emission", "2d", "unfilterable-float"),
 )
 _LIGHT_SLOTS = (
-    storage("lights", LightData),
-    storage("parallel_views", LightViewData),
-    storage("local_views", LightViewData),
-    texture("parallel_shadows", "2d-array", "depth"),
-    texture("local_shadows", "2d-array", "depth"),
-    sampler("shadow_compare", "comparison"),
+    *SHADOWED_LIGHT_SLOTS,
     texture("environment", "2d"),
     sampler("environment_sampler"),
 )
@@ -221,12 +217,8 @@ LATTICE_SLOTS = (
     storage("lattices", LatticeParams),
     texture("near_field", "2d", "uint"),
     texture("sky_cube", "3d"),
-    texture("lattice_red", "3d"),
-    texture("lattice_green", "3d"),
-    texture("lattice_blue", "3d"),
-    texture("lattice_visibility_a", "3d"),
-    texture("lattice_visibility_b", "3d"),
-    texture("lattice_walls", "3d"),
+    *CHANNEL_SLOTS,
+    *BLOCKER_SLOTS,
     sampler("linear_clamp"),
 )
 

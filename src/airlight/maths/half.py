@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,15 @@ from numpy.typing import NDArray
 
 HALF_MAX = 65504.0
 """The largest half float."""
+
+
+_BRIGHT = 1000.0
+"""What the brightest of stored light becomes: the rest of the range is for what adds up."""
+
+
+def half_scale(largest: float) -> float:
+    """Stored units per unit of values up to `largest`, a power of two: none leaves half floats."""
+    return float(2.0 ** math.floor(math.log2(_BRIGHT / max(largest, 1e-30))))
 
 
 def half_floats(

@@ -25,6 +25,7 @@ from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
+from ..maths.half import half_scale
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from ..surface.light_table import LightData, packed_lights
@@ -35,7 +36,6 @@ from .gpu_media import GpuMedia
 COLUMN_TEXELS = 16
 """Texels along the columns of a density grid towards each light of the sky."""
 _LIMIT = "max-storage-textures-per-shader-stage"
-_LARGEST = 1000.0  # stored units of the whole sky's irradiance; half floats go to 65504
 
 
 class SkyInMediaParams(Struct):
@@ -159,7 +159,7 @@ class SkyInMedia:
         self.version += 1
         # A scale that fits half floats: a power of two, so that it changes no bits.
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
-        self.scale = 2.0 ** math.floor(math.log2(_LARGEST / max(total, 1e-20)))
+        self.scale = half_scale(total)
         self._lights.write(table)
         # Every light into every cell, shadowed by its map and attenuated by media.
         for level in stale:

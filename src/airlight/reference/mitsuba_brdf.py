@@ -11,7 +11,9 @@ and shadowing (Heitz 2014).
 
 from __future__ import annotations
 
+from functools import reduce
 from importlib import import_module
+from operator import or_
 from typing import Any
 
 # Their stubs describe no variant in particular: what is written here is checked by running it.
@@ -24,71 +26,87 @@ MIN_ALPHA = 0.002
 
 def register() -> None:
     """Make the model known as `airlight` to the variant that is set."""
-    mi.register_bsdf(PLUGIN, make_bsdf())
+    mi.register_bsdf(PLUGIN, plugin_class(GltfReflection, mi.BSDF))
 
 
-def make_bsdf() -> Any:
-    """The BSDF class; made late (hence here), since its base belongs to the variant set."""
+def plugin_class(methods: type, base: Any) -> Any:
+    """The class of Mitsuba with these methods; `base` is the one of the variant that is set.
 
-    class GltfReflection(mi.BSDF):  # type: ignore[misc]
-        def __init__(self, props: Any) -> None:
-            super().__init__(props)
-            take_properties(self, props)
-            front = mi.BSDFFlags.FrontSide
-            self.m_components = [
-                mi.BSDFFlags.DiffuseReflection | front,
-                mi.BSDFFlags.GlossyReflection | front,
-            ]
-            self.m_flags = self.m_components[0] | self.m_components[1]
-
-        def sample(
-            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
-        ) -> tuple[Any, Any]:
-            surface = self._surface(si, active)
-            glossy = sample1 < surface.glossy_share(si.wi)
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = surface.sampled(si.wi, glossy, sample2)
-            bs.eta = 1.0
-            bs.sampled_component, bs.sampled_type = lobe(glossy)
-            value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
-            usable = active & (bs.pdf > 0.0)
-            return bs, dr.select(usable, value / bs.pdf, 0.0)
-
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            surface = self._surface(si, active)
-            above = active & (mi.Frame3f.cos_theta(si.wi) > 0.0) & (mi.Frame3f.cos_theta(wo) > 0.0)
-            value = surface.reflection(si.wi, wo) * mi.Frame3f.cos_theta(wo)
-            return dr.select(above, value, 0.0), dr.select(above, surface.pdf(si.wi, wo), 0.0)
-
-        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            return self._surface(si, active).diffuse
-
-        def _surface(self, si: Any, active: Any) -> Surface:
-            return Surface(
-                self.base_color.eval(si, active),
-                self.roughness.eval_1(si, active),
-                self.metallic.eval_1(si, active),
-                self.specular,
-            )
-
-        def to_string(self) -> str:
-            return "GltfReflection[]"
-
-    return GltfReflection
+    So that a class can be written where no variant is set yet: its methods call `base` by name.
+    """
+    own: dict[str, Any] = {}
+    for part in reversed(methods.__mro__[:-1]):
+        own |= {k: v for k, v in vars(part).items() if k not in ("__dict__", "__weakref__")}
+    return type(methods.__name__, (base,), own)
 
 
-def take_properties(bsdf: Any, props: Any) -> None:
-    """Give a BSDF the properties that a material of glTF has."""
-    bsdf.base_color = props.get_texture("base_color", 0.8)
-    bsdf.roughness = props.get_texture("roughness", 1.0)
-    bsdf.metallic = props.get_texture("metallic", 0.0)
-    bsdf.specular = props.get("specular", 1.0)
+class GltfReflection:
+    """The reflection model as a BSDF: methods for `plugin_class`."""
+
+    def __init__(self, props: Any) -> None:
+        mi.BSDF.__init__(self, props)
+        self.base_color = props.get_texture("base_color", 0.8)
+        self.roughness = props.get_texture("roughness", 1.0)
+        self.metallic = props.get_texture("metallic", 0.0)
+        self.specular = props.get("specular", 1.0)
+        self._set_lobes(self._kinds(), mi.BSDFFlags.FrontSide)
+
+    def _kinds(self) -> tuple[Any, ...]:
+        """The lobes' kinds, in their order."""
+        return (mi.BSDFFlags.DiffuseReflection, mi.BSDFFlags.GlossyReflection)
+
+    def _set_lobes(self, kinds: tuple[Any, ...], sides: Any) -> None:
+        self.m_components = [kind | sides for kind in kinds]
+        self.m_flags = reduce(or_, self.m_components)
+
+    def sample(
+        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any]:
+        """A direction of one of the lobes, and what it is worth."""
+        surface = self._surface(si, active)
+        glossy = sample1 < surface.glossy_share(si.wi)
+        bs = dr.zeros(mi.BSDFSample3f)
+        bs.wo = surface.sampled(si.wi, glossy, sample2)
+        bs.eta = 1.0
+        bs.sampled_component, bs.sampled_type = lobe(glossy)
+        value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
+        usable = active & (bs.pdf > 0.0)
+        return bs, dr.select(usable, value / bs.pdf, 0.0)
+
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        """f times the cosine."""
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        """How likely `wo` is sampled, sr^-1."""
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        """Both."""
+        surface = self._surface(si, active)
+        above = active & (mi.Frame3f.cos_theta(si.wi) > 0.0) & (mi.Frame3f.cos_theta(wo) > 0.0)
+        value = surface.reflection(si.wi, wo) * mi.Frame3f.cos_theta(wo)
+        return dr.select(above, value, 0.0), dr.select(above, surface.pdf(si.wi, wo), 0.0)
+
+    def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+        """The diffuse part's albedo."""
+        return self._surface(si, active).diffuse
+
+    def _surface(self, si: Any, active: Any) -> Surface:
+        return Surface(
+            self.base_color.eval(si, active) * (1.0 - self._passing(si, active)),
+            self.roughness.eval_1(si, active),
+            self.metallic.eval_1(si, active),
+            self.specular,
+        )
+
+    def _passing(self, si: Any, active: Any) -> Any:
+        """The share of light that goes on, of what is not mirrored."""
+        return 0.0
+
+    def to_string(self) -> str:
+        """As Mitsuba prints it."""
+        return f"{type(self).__name__}[]"
 
 
 def lobe(glossy: Any) -> tuple[Any, Any]:

@@ -22,12 +22,9 @@ in closed form where the medium is homogeneous.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
-# Their stubs describe no variant in particular: what is written here is checked by running it.
-dr: Any = import_module("drjit")
-mi: Any = import_module("mitsuba")
+from .mitsuba_brdf import dr, mi, plugin_class
 
 PATH_LAYERS = (
     "direct",
@@ -52,45 +49,46 @@ class Options:
 
 def register() -> None:
     """Make the integrator known as `airlight_layers` to the variant that is set."""
-    mi.register_integrator("airlight_layers", make_integrator())
+    made = plugin_class(LayeredPaths, mi.SamplingIntegrator)
+    mi.register_integrator("airlight_layers", made)
 
 
-def make_integrator() -> Any:
-    """The integrator class; made late, since its base belongs to the variant that is set."""
+class LayeredPaths:
+    """The integrator: methods for `plugin_class`."""
 
-    class LayeredPaths(mi.SamplingIntegrator):  # type: ignore[misc]
-        def __init__(self, props: Any) -> None:
-            super().__init__(props)
-            limit = props.get("max_depth", -1)
-            self.options = Options(
-                max_depth=2**31 if limit < 0 else limit,
-                hide_environment=props.get("hide_environment", False),
-                has_media=props.get("has_media", True),
-                has_masks=props.get("has_masks", True),
-            )
+    def __init__(self, props: Any) -> None:
+        mi.SamplingIntegrator.__init__(self, props)
+        limit = props.get("max_depth", -1)
+        self.options = Options(
+            max_depth=2**31 if limit < 0 else limit,
+            hide_environment=props.get("hide_environment", False),
+            has_media=props.get("has_media", True),
+            has_masks=props.get("has_masks", True),
+        )
 
-        def aov_names(self) -> list[str]:
-            return [f"{layer}.{c}" for layer in PATH_LAYERS for c in "RGB"]
+    def aov_names(self) -> list[str]:
+        """The names of the layers' channels."""
+        return [f"{layer}.{c}" for layer in PATH_LAYERS for c in "RGB"]
 
-        def sample(
-            self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
-        ) -> Any:
-            eye = mi.Ray3f(ray)
-            inside = mi.MediumPtr(medium)
-            here = mi.Bool(active)
-            through = mi.Spectrum(1)
-            if self.options.has_media or self.options.has_masks:
-                through = transmittance(scene, sampler, eye, inside, here, to_surface=True)
-            found = trace(scene, sampler, eye, inside, here, self.options)
-            direct, _, indirect, single, multiple = found
-            layers = (*found, through)
-            total = direct + indirect + single + multiple
-            return total, mi.Bool(True), [layer[k] for layer in layers for k in range(3)]
+    def sample(
+        self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
+    ) -> Any:
+        """The image and all layers, along rays from the eye."""
+        eye = mi.Ray3f(ray)
+        inside = mi.MediumPtr(medium)
+        here = mi.Bool(active)
+        through = mi.Spectrum(1)
+        if self.options.has_media or self.options.has_masks:
+            through = transmittance(scene, sampler, eye, inside, here, to_surface=True)
+        found = trace(scene, sampler, eye, inside, here, self.options)
+        direct, _, indirect, single, multiple = found
+        layers = (*found, through)
+        total = direct + indirect + single + multiple
+        return total, mi.Bool(True), [layer[k] for layer in layers for k in range(3)]
 
-        def to_string(self) -> str:
-            return "LayeredPaths[]"
-
-    return LayeredPaths
+    def to_string(self) -> str:
+        """As Mitsuba prints it."""
+        return "LayeredPaths[]"
 
 
 def mis_weight(pdf: Any, other: Any) -> Any:

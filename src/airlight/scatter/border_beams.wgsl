@@ -71,7 +71,7 @@ fn open_to_border(begin: vec3f, p: vec3f, out: vec3f, reach: f32) -> f32 {
     let colour = unpack4x8unorm(reflectance[cell_of(id)]).rgb;
     let area = lattice.cell * lattice.cell;
     let volume = lattice.cell * area;
-    var power = media_scattering(p) * fluence * volume;
+    var power = media_coefficients(p).scattering * fluence * volume;
     var turned = mat3x3f();
     var walls = vec3f(1e-3);
     for (var face = 0u; face < 6u; face++) {

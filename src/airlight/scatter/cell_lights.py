@@ -7,17 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..gpu.memory import Texture
-from ..gpu.slots import Slot, sampler, storage, texture
-from ..surface.light_table import LightData
-from ..surface.light_views import LightViewData
+from ..gpu.slots import Slot, texture
+from ..surface.light_table import SHADOWED_LIGHT_SLOTS
 
 CELL_LIGHT_SLOTS: tuple[Slot, ...] = (
-    storage("lights", LightData),
-    storage("parallel_views", LightViewData),
-    storage("local_views", LightViewData),
-    texture("parallel_shadows", "2d-array", "depth"),
-    texture("local_shadows", "2d-array", "depth"),
-    sampler("shadow_compare", "comparison"),
+    *SHADOWED_LIGHT_SLOTS,
     texture("lattice_walls", "3d"),
 )
 """Of passes that use `wgsl/cell_light.wgsl`; `CellLights` binds them."""

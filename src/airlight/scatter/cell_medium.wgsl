@@ -12,8 +12,9 @@
     for (var k = 0u; k < n * n * n; k++) {
         let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
         let p = world_from_cells(lattice, vec3f(id) + inside);
-        scattering += media_scattering(p);
-        extinction += media_extinction(p);
+        let held = media_coefficients(p);
+        scattering += held.scattering;
+        extinction += held.extinction;
     }
     let share = 1.0 / f32(n * n * n);
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;

@@ -18,12 +18,11 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
-from ..lattice.lookup import ChannelTextures
+from ..lattice.lookup import CHANNEL_IMAGES, ChannelTextures
 from ..lattice.placement import Placement
+from ..maths.half import half_scale
 from ..maths.lattice26 import true_share
 from ..scene.checks import Rgb
-
-_LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
 
 class EmissionParams(Struct):
@@ -41,9 +40,7 @@ class _Pack(ComputePass):
         uniform("params", EmissionParams),
         storage("track", "vec4f"),
         storage("forward", "vec4f"),
-        image("red", FILTERED, "3d"),
-        image("green", FILTERED, "3d"),
-        image("blue", FILTERED, "3d"),
+        *CHANNEL_IMAGES,
         image("mean", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
@@ -82,7 +79,7 @@ class Emission(ChannelTextures):
         # As bright as half floats hold even if all flux lies in one cell. Marching knows by how
         # much the faces of finer cells are smaller; their sides are left.
         largest, placement = self.placement.cell, placement or self.placement
-        self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / (max(flux, 1e-30) * largest))))
+        self.scale = half_scale(flux * largest)
         params = EmissionParams(
             count=placement.count,
             scale=self.scale * largest / placement.cell,
@@ -96,9 +93,7 @@ class Emission(ChannelTextures):
             params=params,
             track=track,
             forward=forward or track,
-            red=self.red,
-            green=self.green,
-            blue=self.blue,
+            **self.written,
             mean=self.mean,
         )
 

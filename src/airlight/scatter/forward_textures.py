@@ -6,7 +6,6 @@ behind light along z.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ..fields import FORWARD_REACH, ForwardSource
@@ -17,9 +16,8 @@ from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, texture, uniform
 from ..lattice.placement import Placement
+from ..maths.half import half_scale
 from ..scene.lights import AreaLight, DirectionalLight, Light
-
-_LARGEST = 1000.0  # what the brightest light becomes; half floats go to 65504
 
 
 class BlurParams(Struct):
@@ -117,4 +115,4 @@ def _scale(lights: Sequence[Light], cell_size_m: float) -> float:
         ),
         default=0.0,
     )
-    return float(2.0 ** math.floor(math.log2(_LARGEST / max(largest, 1e-20))))
+    return half_scale(largest)

@@ -48,7 +48,7 @@ fn sent(light: LightData, direction: vec3f) -> vec3f {
         let u = uniform_from_hash(hash);
         let share = select(u, (f32(i) + u) / count, params.is_stratified != 0u);
         let p = start + (t0 + share * stretch) * direction;
-        let gained = media_scattering(p) * media_light_transmittance(light, owner, p);
+        let gained = media_coefficients(p).scattering * media_light_transmittance(light, owner, p);
         add_lobe(warped_coordinates(lattice, p), vec3f(0.0), power * gained * (stretch / count));
     }
 }

@@ -83,9 +83,9 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     for (var k = 0u; k < 8u; k++) {
         let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
         let p = unwarped_point(lattice, id, inside);
-        let sigma_s = media_scattering(p);
-        if (any(sigma_s > vec3f(0.0))) {
-            power += sigma_s * arriving(p, size, media_extinction(p));
+        let held = media_coefficients(p);
+        if (any(held.scattering > vec3f(0.0))) {
+            power += held.scattering * arriving(p, size, held.extinction);
         }
     }
     // Scattered isotropically: a constant term alone.

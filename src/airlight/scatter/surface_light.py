@@ -15,13 +15,12 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer
-from ..gpu.slots import FILTERED, image, storage, uniform
-from ..lattice.lookup import ChannelTextures
+from ..gpu.slots import storage, uniform
+from ..lattice.lookup import CHANNEL_IMAGES, ChannelTextures
 from ..lattice.placement import LatticeParams, Placement
+from ..maths.half import half_scale
 from ..maths.lattice26 import LOOKUP_SCALE, mean_hop_length, scattered_lookup_scale
 from ..scene.checks import Rgb
-
-_LARGEST = 1000.0  # what all flux in one cell becomes; half floats go to 65504
 
 
 class SurfaceLightParams(Struct):
@@ -44,9 +43,7 @@ class _Pack(ComputePass):
         storage("total", "vec4f"),
         storage("medium", "vec2f"),
         storage("forward", "vec4f"),
-        image("red", FILTERED, "3d"),
-        image("green", FILTERED, "3d"),
-        image("blue", FILTERED, "3d"),
+        *CHANNEL_IMAGES,
     )
     workgroup = (32, 8, 1)
     file = "surface_light.wgsl"
@@ -96,7 +93,7 @@ class SurfaceLight(ChannelTextures):
         """
         placement = placement or self.placement
         # As bright as half floats hold even if all flux lies in one cell.
-        self.scale = float(2.0 ** math.floor(math.log2(_LARGEST / max(flux, 1e-30))))
+        self.scale = half_scale(flux)
         clear_m = mean_hop_length() * placement.cell
         params = SurfaceLightParams(
             count=placement.count,
@@ -117,9 +114,7 @@ class SurfaceLight(ChannelTextures):
             total=total,
             medium=medium.cells or total,
             forward=forward or total,
-            red=self.red,
-            green=self.green,
-            blue=self.blue,
+            **self.written,
         )
 
     def params(self, placement: Placement | None = None) -> LatticeParams:

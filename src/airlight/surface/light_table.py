@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
+from ..gpu.slots import sampler, storage, texture
 from ..scene.lights import DirectionalLight, Light, LightRow
-from .light_views import view_count
+from .light_views import LightViewData, view_count
 
 _MOST_RECENT = 8
 
@@ -27,6 +28,21 @@ class LightData(Struct):
     view_count = u32()
     nearest = f32("m^2, squares of distances are no smaller")
     pad = f32()
+
+
+LIGHT_VIEW_SLOTS = (
+    storage("lights", LightData),
+    storage("parallel_views", LightViewData),
+    storage("local_views", LightViewData),
+)
+"""Of passes that look up lights and the views of their shadow maps."""
+SHADOWED_LIGHT_SLOTS = (
+    *LIGHT_VIEW_SLOTS,
+    texture("parallel_shadows", "2d-array", "depth"),
+    texture("local_shadows", "2d-array", "depth"),
+    sampler("shadow_compare", "comparison"),
+)
+"""Of passes that look up their shadow maps, too; `lighting.lights.Lights.bound` binds them."""
 
 
 def shared_fields(row: LightRow) -> dict[str, Any]:

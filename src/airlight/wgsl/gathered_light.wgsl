@@ -20,20 +20,15 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     let n_own = lattice_from_world(axes, n);
     let mirrored = lattice_from_world(axes, reflect(-v, n));
     let gain = share * mirrors / PI;
-    let last = last_lattice();
-    var left = 1.0;
-    var k = 0u;
+    var at = lattice_step(0u, 1.0, p);
     loop {
-        k = lattice_from(k, p);
-        let weight = left * lattice_weight(lattice_of(k), p);
-        let light = mirrored_light(k, p, r, n_v, n_own, vec3f(0.0), mirrored);
-        out.direct += weight * gain * light.sky;
-        out.indirect += weight * gain * light.indirect;
-        left -= weight;
-        k++;
-        if (k > last || left <= 0.0) {
+        let light = mirrored_light(at.k, p, r, n_v, n_own, vec3f(0.0), mirrored);
+        out.direct += at.weight * gain * light.sky;
+        out.indirect += at.weight * gain * light.indirect;
+        if (at.is_last) {
             break;
         }
+        at = lattice_step(at.k + 1u, at.left, p);
     }
     return out;
 }

@@ -51,23 +51,17 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     let is_listed = is_traced_separately(r, n_v);
     let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
     var out = Gathered(vec3f(0.0), vec3f(0.0), near.open, is_listed);
-    // The finest lattice that has the point; towards its border the next larger one.
-    let last = last_lattice();
-    var left = 1.0;
-    var k = 0u;
+    var at = lattice_step(0u, 1.0, p);
     loop {
-        k = lattice_from(k, p);
-        let weight = left * lattice_weight(lattice_of(k), p);
-        let uvw = lattice_coordinates(lattice_of(k), p, n_own);
-        let light = lattice_light(k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
-        out.direct += weight * light.sky.shown;
-        out.indirect += weight * light.indirect;
-        out.indirect += weight * light.sky.returned;
-        left -= weight;
-        k++;
-        if (k > last || left <= 0.0) {
+        let uvw = lattice_coordinates(lattice_of(at.k), p, n_own);
+        let light = lattice_light(at.k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
+        out.direct += at.weight * light.sky.shown;
+        out.indirect += at.weight * light.indirect;
+        out.indirect += at.weight * light.sky.returned;
+        if (at.is_last) {
             break;
         }
+        at = lattice_step(at.k + 1u, at.left, p);
     }
     return out;
 }

@@ -77,27 +77,14 @@ fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
     return media[m].emission * density;
 }
 
-// Emission of all media at a point, W m^-3 sr^-1.
-fn media_emission(p: vec3f) -> vec3f {
-    var sum = vec3f(0.0);
-    var node = 0u;
-    for (var v = 0u; v < MEDIA_NODES; v++) {
-        let visit = visit_near(node, p, 0.0);
-        node = visit.next;
-        if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
-        let m = visit.medium;
-        let uvw = medium_coordinates(m, p);
-        if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {
-            sum += medium_emission(m, medium_density(m, p), uvw);
-        }
-    }
-    return sum;
+struct MediaCoefficients {
+    extinction: vec3f,      // m^-1
+    scattering: vec3f,      // m^-1
 }
 
-// Extinction of all media at a point, m^-1.
-fn media_extinction(p: vec3f) -> vec3f {
-    var sum = vec3f(0.0);
+// What all media together have at a point.
+fn media_coefficients(p: vec3f) -> MediaCoefficients {
+    var sum = MediaCoefficients(vec3f(0.0), vec3f(0.0));
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
         let visit = visit_near(node, p, 0.0);
@@ -105,22 +92,9 @@ fn media_extinction(p: vec3f) -> vec3f {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
-        sum += medium_density(m, p) * media[m].sigma_t;
-    }
-    return sum;
-}
-
-// Scattering coefficient of all media at a point, m^-1.
-fn media_scattering(p: vec3f) -> vec3f {
-    var sum = vec3f(0.0);
-    var node = 0u;
-    for (var v = 0u; v < MEDIA_NODES; v++) {
-        let visit = visit_near(node, p, 0.0);
-        node = visit.next;
-        if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
-        let m = visit.medium;
-        sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo;
+        let extinction = medium_density(m, p) * media[m].sigma_t;
+        sum.extinction += extinction;
+        sum.scattering += extinction * media[m].albedo;
     }
     return sum;
 }

@@ -41,6 +41,23 @@ fn lattice_from(k: u32, p: vec3f) -> u32 {
     return i;
 }
 
+// One step of a walk over the lattices that have a point: the finest, and towards its border the next larger one, until
+// no weight is left.
+struct LatticeStep {
+    k: u32,
+    weight: f32,
+    left: f32,          // for larger lattices
+    is_last: bool,
+}
+
+// The step from lattice k on, with `left` of the weight.
+fn lattice_step(k: u32, left: f32, p: vec3f) -> LatticeStep {
+    let found = lattice_from(k, p);
+    let weight = left * lattice_weight(lattice_of(found), p);
+    let rest = left - weight;
+    return LatticeStep(found, weight, rest, found >= last_lattice() || rest <= 0.0);
+}
+
 fn sky_at(uvw: vec3f, n: vec3f) -> vec3f {
     if (!HAS_SKY) {
         return vec3f(0.0);

@@ -12,10 +12,9 @@ from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, u32
 from ...gpu.memory import Texture
-from ...gpu.slots import image, sampler, storage, texture, uniform
+from ...gpu.slots import image, texture, uniform
 from ...lighting.lights import Lights
-from ...surface.light_table import LightData
-from ...surface.light_views import LightViewData
+from ...surface.light_table import SHADOWED_LIGHT_SLOTS
 from ..gpu_media import GpuMedia
 from ..rays import RayParams, Rays
 from .blur import Blur
@@ -38,12 +37,7 @@ class _Jitter(ComputePass):
             uniform("params", JitterParams),
             texture("picked", "2d", "unfilterable-float"),
             *media.slots,
-            storage("lights", LightData),
-            storage("parallel_views", LightViewData),
-            storage("local_views", LightViewData),
-            texture("parallel_shadows", "2d-array", "depth"),
-            texture("local_shadows", "2d-array", "depth"),
-            sampler("shadow_compare", "comparison"),
+            *SHADOWED_LIGHT_SLOTS,
             image("scattered", "rgba32float"),
         )
         super().__init__(gpu, generated=media.wgsl)

@@ -9,8 +9,7 @@ from ...gpu.device import Gpu
 from ...gpu.layout import Struct, u32
 from ...gpu.slots import Slot, image, storage, uniform
 from ...lighting.lights import Lights
-from ...surface.light_table import LightData
-from ...surface.light_views import LightViewData
+from ...surface.light_table import LIGHT_VIEW_SLOTS
 from ..gpu_media import GpuMedia
 from ..rays import RayParams, Rays
 from .bounds import DepthBounds
@@ -46,9 +45,7 @@ class ShadowRays:
             uniform("rays", RayParams),
             uniform("shafts", ShaftParams),
             *self._media.slots,
-            storage("lights", LightData),
-            storage("parallel_views", LightViewData),
-            storage("local_views", LightViewData),
+            *LIGHT_VIEW_SLOTS,
             storage("parallel_bounds", "u32"),
             storage("local_bounds", "u32"),
             *more,

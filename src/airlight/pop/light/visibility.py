@@ -17,7 +17,7 @@ from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.layout import Struct, f32, mat4x4f, u32
 from ...gpu.memory import Buffer
-from ...gpu.slots import sampler, storage, texture, uniform
+from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import Blockers
 from ...lighting.lights import Lights
 from ...lighting.sky import Sky
@@ -25,7 +25,7 @@ from ...maths.ordinates import Ordinates
 from ...maths.transforms import F64
 from ...scene.lights import DirectionalLight, Light
 from ...surface.geometry import GpuScene
-from ...surface.light_table import LightData
+from ...surface.light_table import SHADOWED_LIGHT_SLOTS
 from ...surface.light_views import LightViewData
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
@@ -88,14 +88,9 @@ class Visibility(ComputePass):
         storage("shadows", ShadowsData),
         storage("sky_shares", SkyViewData),
         storage("reach", "u32"),
-        storage("lights", LightData),
-        storage("parallel_views", LightViewData),
-        storage("local_views", LightViewData),
+        *SHADOWED_LIGHT_SLOTS,
         storage("sky_views", LightViewData),
-        texture("parallel_shadows", "2d-array", "depth"),
-        texture("local_shadows", "2d-array", "depth"),
         texture("sky_depth", "2d-array", "depth"),
-        sampler("shadow_compare", "comparison"),
         storage("passed", "f32", "read_write"),
     )
     workgroup = (64, 1, 1)
