@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import DeviceError, SceneError, SettingsError
-from airlight.rendering import Renderer, checked_size, render
+from airlight.rendering import Renderer, render
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -18,6 +18,7 @@ from airlight.scene import (
     PointLight,
     Scene,
 )
+from airlight.scene.image import checked_size
 from airlight.scene.io import load
 
 SIZE = (64, 48)

@@ -25,13 +25,14 @@ from .maths.sampling import pixel_jitter, shutter_shares
 from .maths.tone import auto_exposure
 from .scene.camera import Camera
 from .scene.environment import Environment
-from .scene.image import Image
+from .scene.image import Image, checked_size
 from .scene.io import load
 from .scene.lens import through_lens
 from .scene.light_shapes import LightMeshes
 from .scene.lights import Light
 from .scene.limits import check_extent
 from .scene.mesh import Mesh
+from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
 from .scene.volume import Volume
@@ -39,7 +40,6 @@ from .surface.geometry import GpuScene
 from .techniques import make_technique
 
 Progress = Callable[[str, float], None]
-MAX_SIDE_PX = 16384
 STILL_SAMPLES, LENS_SAMPLES = 8, 64
 _MOST_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
@@ -74,7 +74,7 @@ class Renderer:
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
         check_extent(self.scene)
-        self._light_meshes = LightMeshes()
+        self._light_meshes, self._nearby = LightMeshes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
         self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []
@@ -95,9 +95,11 @@ class Renderer:
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
             self.commands = Commands(gpu)
-            first = self._light_meshes.of(self._first)
+            first = self._nearby.of(self._light_meshes.of(self._first))
             self.meshes = GpuScene(gpu, first)
-            self.technique = make_technique(gpu, first, self.meshes, technique, settings, self.size)
+            self.technique = make_technique(
+                gpu, first, self.meshes, technique, settings, self.size, nearby=self._nearby
+            )
             made.callback(self.technique.release)
             self.view = View(gpu, self.size)
             self._made = made.pop_all()
@@ -137,22 +139,34 @@ class Renderer:
                 moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
-                self.technique.solve(self.commands, self._take(scene), is_still=samples > 1)
+                self.technique.solve(self.commands, self.show(scene), is_still=samples > 1)
                 self._draw(samples, progress, moments)
                 if moments is not None:
-                    self._take(scene)
+                    self.show(scene)
                 encoded = perf_counter()
                 self.gpu.wait()
                 self._count(begin, encoded, perf_counter())
                 return self._image(samples) if read else None
 
-    def _take(self, scene: Scene) -> Scene:
-        """Make `scene` the one that is shown; returns it with the meshes of its lights."""
-        shown = self._light_meshes.of(scene)
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """The place in the world, metres, that is the origin of all positions on the device."""
+        return self._nearby.origin
+
+    def show(self, scene: Scene) -> Scene:
+        """Make `scene` the one that is shown.
+
+        Returns it as the device has it: with the meshes of its lights, from `origin`.
+        """
+        shown = self._nearby.of(self._light_meshes.of(scene))
         if shown.meshes is not self.meshes.current:
             self.meshes.move(shown.meshes)
         self.scene = scene
         return shown
+
+    def aim(self, camera: Camera, jitter_px: tuple[float, float], sample: int) -> None:
+        """Look through `camera`, a camera of the world; as `View.aim`."""
+        self.view.aim(self._nearby.camera(camera), jitter_px, sample)
 
     def _draw(
         self, samples: int, progress: Progress | None, moments: Iterator[Scene] | None = None
@@ -166,13 +180,12 @@ class Renderer:
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, jitter in enumerate(jitters):
             if moments is not None:
-                moment = self._take(next(moments))
-                self.technique.solve(self.commands, moment, is_still=True)
+                self.technique.solve(self.commands, self.show(next(moments)), is_still=True)
             place = (float(jitter[0]), float(jitter[1]))
             camera = self.scene.camera
             if samples > 1:
                 camera, place = through_lens(camera, place, index, self.size[1])
-            self.view.aim(camera, place, index)
+            self.aim(camera, place, index)
             self.technique.draw(self.commands, self.view)
             # Several samples are averaged on the device, and submitted one by one.
             if samples > 1:
@@ -385,16 +398,3 @@ def _is_blurred(scene: Scene, samples: int) -> bool:
 
 def _median(times_ms: Sequence[float]) -> float | None:
     return statistics.median(times_ms) if times_ms else None
-
-
-def checked_size(size: Sequence[int]) -> tuple[int, int]:
-    """(width, height) in pixels. Raises SettingsError for an impossible one."""
-    values = tuple(size)
-    if len(values) != 2 or any(not isinstance(v, (int, np.integer)) for v in values):
-        raise SettingsError(f"size must be two whole numbers, not {size!r}")
-    if any(not 1 <= v <= MAX_SIDE_PX for v in values):
-        raise SettingsError(
-            f"size {values[0]}x{values[1]} is impossible",
-            remedy=f"Each side goes from 1 to {MAX_SIDE_PX} pixels",
-        )
-    return (int(values[0]), int(values[1]))

@@ -16,6 +16,7 @@ from airlight.lattice.placement import LatticeParams
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Scene, Volume
 from airlight.scene.builtin import builtin_scene
+from airlight.scene.nearby import Nearby
 
 SMALL = {"resolution": 12, "surfels": 20_000, "sky_lights": 8}
 SLOTS = (
@@ -153,6 +154,25 @@ def test_volumes_come_along_where_they_are(gpu, tmp_path):
     np.testing.assert_allclose(ends[:3].T, bounds, atol=1e-5)
     assert volume.eye == (1.0, 2.0, 9.0)
     assert (tmp_path / "light" / "volume0.npy").exists()
+
+
+def test_what_lies_far_from_the_origin_is_exported_where_it_is(gpu):
+    """The device's own origin is near the camera; files are in the world, settings too."""
+    by_m = (5120.0, 0.0, -2560.0)  # by as much as the device's origin: what is solved is the same
+    scene = builtin_scene("cornell")
+    far = Nearby((-5120.0, -0.0, 2560.0)).of(scene)
+    box = np.array((-2.0, 0.5, -2.0, 2.0, 5.0, 2.0))
+    fields = [
+        export_lattice(one, technique="lpv", settings={**SMALL, "bounds": tuple(bounds.tolist())})
+        for one, bounds in ((scene, box), (far, box + np.tile(by_m, 2)))
+    ]
+    points, normals = some_points(fields[0].lattices[0], 50)
+    here = fields[0].irradiance(points, normals)
+    there = fields[1].irradiance(points + by_m, normals)
+    assert here.max() > 0.0
+    np.testing.assert_allclose(there, here, rtol=1e-6, atol=1e-9)
+    moved_back = np.subtract(fields[1].lattices[0].origin, by_m)
+    np.testing.assert_allclose(moved_back, fields[0].lattices[0].origin, atol=1e-9)
 
 
 def test_techniques_that_keep_no_light_are_refused():

@@ -21,10 +21,12 @@ class Sample:
 class Emitter:
     """A group of pieces: its analytic shape, its samples, and how its light fades (spots).
 
-    `row`: of the light that stands for it in the scene's table, for the transmittance of media.
+    `row`: of the first of the lights that stand for it in the scene's table, `row_count` of them,
+    for the transmittance of media.
     """
 
     shape: Shape
     samples: tuple[Sample, ...]
     row: int
+    row_count: int = 1
     spot: SpotLight | None = None

@@ -112,7 +112,8 @@ class Emitters:
             self._bodies = self._radii()
             self._lights = self._as_points(scene)
             first = len(self._lights) - len(self._glowing.groups)
-            surfaces = tuple(self._emitter(group) for group in self._groups)
+            stand_ins = self._stand_ins()
+            surfaces = tuple(map(self._emitter, self._groups, stand_ins))
             self.list = surfaces + self._glowing.emitters(first, 0)
         return replace(scene, lights=self._lights)
 
@@ -274,7 +275,31 @@ class Emitters:
         ]
         places = [light.position for light in spots] + [light.position for light in samples]
         self._places = np.array(places).reshape(-1, 3)
+        self._first_sample = len(spots)
         return (*plain, *spots, *samples, *self._glowing.lights)
+
+    def _stand_ins(self) -> list[slice]:
+        """Of each group, which of those points stand for it alone; else the one nearest to it."""
+        owner = np.full(len(self._weights), -1, np.int64)
+        for number, group in enumerate(self._groups):
+            owner[group.rows] = number
+        of_points = [owner[rows] for rows in self._scattering]
+        found, spots = [], 0
+        for number, group in enumerate(self._groups):
+            if group.spot >= 0:
+                found.append(slice(4 * spots, 4 * spots + 4))
+                spots += 1
+                continue
+            own = [k for k, by in enumerate(of_points) if (by == number).all()]
+            if own and own[-1] - own[0] + 1 == len(own):
+                found.append(slice(self._first_sample + own[0], self._first_sample + own[-1] + 1))
+                continue
+            centre = self._found.positions[group.rows].mean(axis=0)
+            far = np.linalg.norm(self._places - centre, axis=1)
+            # What is as near but for rounding is the same point wherever the scene stands.
+            nearest = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
+            found.append(slice(nearest, nearest + 1))
+        return found
 
     def _radii(self) -> F64:
         """(n,) metres: of disks as large as the solid surfaces that pieces are parts of."""
@@ -283,15 +308,15 @@ class Emitters:
         radii = np.sqrt(areas / np.pi)[self._cut.part]
         return np.asarray(np.where(is_solid[self._cut.source], radii, 0.0))
 
-    def _emitter(self, group: _Group) -> Emitter:
+    def _emitter(self, group: _Group, stand_ins: slice) -> Emitter:
         shape = fitted(self._found.taken(group.rows))
         spot = self._sources[group.spot].spot if group.spot >= 0 else None
         parts = zip(group.strata, group.has_cube, strict=True)
         samples = tuple(
             self._sample(rows, k, 0, has_cube=cube) for k, (rows, cube) in enumerate(parts)
         )
-        far = np.linalg.norm(self._places - shape.centre, axis=1)
-        return Emitter(shape, samples, self.plain + int(far.argmin()), spot)
+        count = stand_ins.stop - stand_ins.start
+        return Emitter(shape, samples, self.plain + stand_ins.start, count, spot)
 
     def _sample(self, rows: I64, number: int, index: int, *, has_cube: bool) -> Sample:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""

@@ -43,12 +43,19 @@ from .table import (
 MOST_TEXELS = 1 << 24
 """Of all shadow maps together; where there would be more they are smaller."""
 _NO_MEDIA = """
-fn media_passed(row: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
+fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
 _THROUGH_MEDIA = """
 //! use media_light
-fn media_passed(row: u32, p: vec3f) -> vec3f {
-    return media_light_transmittance(lights[row], row, p);
+fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    var k = 0u;
+    loop {
+        sum += media_light_transmittance(lights[row + k], row + k, p);
+        k++;
+        if (k >= count) { break; }
+    }
+    return sum / f32(count);
 }
 """
 

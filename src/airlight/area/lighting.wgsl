@@ -2,7 +2,7 @@
 //! use specular_cosine
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
-//! needs fn media_passed(row: u32, p: vec3f) -> vec3f
+//! needs fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f
 
 const POLYGON = 0u;
 const SPHERE = 1u;
@@ -181,7 +181,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     if (e.kind == POLYGON && dot(s.p - e.centre, e.normal) <= OWN_PLANE * e.radius) {
         return vec3f(0.0);
     }
-    let passed = media_passed(e.row, s.p);
+    let passed = media_passed(e.row, e.row_count, s.p);
     if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
         return passed * summed(e, s, false).light;
     }

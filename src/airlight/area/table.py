@@ -40,7 +40,11 @@ class EmitterData(Struct):
     cos_outer = f32("below -1: no spot")
     first_sample = u32()
     sample_count = u32()
-    row = u32("of the light that stands for it where media are asked")
+    row = u32("of the first light that stands for it where media are asked")
+    row_count = u32("of those lights")
+    pad0 = u32()
+    pad1 = u32()
+    pad2 = u32()
 
 
 class SampleData(Struct):
@@ -139,6 +143,8 @@ def emitter_rows(emitters: Sequence[Emitter]) -> Any:
                 "first_sample": first,
                 "sample_count": len(emitter.samples),
                 "row": emitter.row,
+                "row_count": emitter.row_count,
+                **dict.fromkeys(("pad0", "pad1", "pad2"), 0),
             }
         )
         first += len(emitter.samples)

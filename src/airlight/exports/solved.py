@@ -18,7 +18,7 @@ from ..pop.solver import PopSolver
 from ..rendering import Renderer
 from ..scene.scene import Scene
 from ..techniques.technique import Technique
-from .light_field import F32, LatticeLight, LightField, VolumeLight
+from .light_field import F32, F64, LatticeLight, LightField, VolumeLight
 
 SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
 """Techniques that solve a light field."""
@@ -54,7 +54,7 @@ def light_field(renderer: Renderer, technique: str = "") -> LightField:
     """
     used = renderer.technique
     volumes = _volume_lights(used, renderer)
-    lattices = _lattices(used)
+    lattices = _lattices(used, np.array(renderer.origin))
     if not lattices and not volumes:
         raise _no_light(technique or used.name)
     return LightField(technique or used.name, renderer.scene.name, lattices, volumes)
@@ -67,8 +67,11 @@ def _no_light(technique: str) -> SettingsError:
     )
 
 
-def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
-    """All lattices that surfaces read, the finest first, with what media scatter in them."""
+def _lattices(used: Technique, origin: F64) -> tuple[LatticeLight, ...]:
+    """All lattices that surfaces read, the finest first, with what media scatter in them.
+
+    `origin`: m in the world, of the device's positions.
+    """
     if used.fields is None or used.fields.irradiance is None:
         return ()
     blockers, bound = used.kit.blockers, used.fields.irradiance.bound
@@ -80,14 +83,14 @@ def _lattices(used: Technique) -> tuple[LatticeLight, ...]:
         "walls": blockers.walls.read(),
     }
     rows = bound["lattices"].read(LatticeParams.dtype)
-    made = [_lattice_light(row, held) for row in rows]
+    made = [_lattice_light(row, held, origin) for row in rows]
     if used.fields.scattered is None:
         return tuple(made)
     airs = _airs(used.fields.scattered)
     return tuple(replace(one, air=air) for one, air in zip(made, airs, strict=True))
 
 
-def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
+def _lattice_light(record: Any, held: Mapping[str, Any], origin: F64) -> LatticeLight:
     cell, is_paper = float(record["cell"]), bool(record["is_paper"])
     first, (x, y, z) = int(record["first_row"]), (int(n) for n in record["count"])
     # Lattices share textures as large as the largest of them.
@@ -100,12 +103,15 @@ def _lattice_light(record: Any, held: Mapping[str, Any]) -> LatticeLight:
         weights = scale * 4.0 / np.pi * np.array([1.0, 1.5, 1.5, 1.5])
     else:
         weights = scale * float(record["lookup_scale"]) * np.ones(4)
-    fade = [record[k] for k in ("fade_low", "fade_low_width", "fade_high", "fade_high_width")]
+    names = ("fade_low", "fade_low_width", "fade_high", "fade_high_width")
+    fade = np.array([record[k] for k in names], np.float64)
+    axes = np.array([record[f"axis_{k}"] for k in "xyz"], np.float64)
+    fade[[0, 2]] += axes @ origin
     return LatticeLight(
-        axes=np.array([record[f"axis_{k}"] for k in "xyz"], np.float64),
-        origin=_three(record["origin"]),
+        axes=axes,
+        origin=_three(record["origin"] + axes @ origin),
         cell=cell,
-        fade=np.array(fade, np.float64),
+        fade=fade,
         rule="linear" if is_paper else "lobe",
         surfaces=(states * weights).astype(np.float32),
         openness=(openness / 255.0).astype(np.float32),
@@ -136,15 +142,15 @@ def _bands(bound: Mapping[str, Texture]) -> np.ndarray[Any, np.dtype[np.float32]
 def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ...]:
     media = used.find(PopMedia)
     solvers = media.solvers if media else ()
-    eye = _three(renderer.scene.camera.position)
-    return tuple(
-        VolumeLight(
-            _scattered(solver),
-            np.asarray(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64),
-            eye,
-        )
-        for solver in solvers
-    )
+    eye, origin = _three(renderer.scene.camera.position), renderer.origin
+    return tuple(VolumeLight(_scattered(s), _world_from_unit(s, origin), eye) for s in solvers)
+
+
+def _world_from_unit(solver: PopSolver, origin: tuple[float, float, float]) -> F64:
+    """Where the cells of a medium's grid are, in the world."""
+    placed = np.array(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64)
+    placed[:3, 3] += origin
+    return placed
 
 
 def _scattered(solver: PopSolver) -> np.ndarray[Any, np.dtype[np.float32]]:

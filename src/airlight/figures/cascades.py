@@ -36,9 +36,9 @@ def cascades_coloured(
     seen = scene or atrium()
     with renderer(request, seen, {"cascades": count}) as made:
         image = made.frame(samples=1)
-        levels = made.technique.kit.lattices.placements
+        levels, origin = made.technique.kit.lattices.placements, made.origin
     assert image is not None
-    given = shares(levels, surface_points(seen.camera, image.layers["depth"]))
+    given = shares(levels, surface_points(seen.camera, image.layers["depth"]) - origin)
     stops = exposure_of(seen, image.radiance)
     bounced = image.layers["indirect"]
     panels: list[tuple[str, U8 | None]] = [

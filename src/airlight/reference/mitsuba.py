@@ -25,6 +25,7 @@ from ..errors import ReferenceFailure, SettingsError, nearest
 from ..maths.tone import auto_exposure
 from ..scene.checks import F32
 from ..scene.image import Image
+from ..scene.nearby import Nearby, origin_near
 from ..scene.scene import Scene
 from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
 from .mitsuba_lights import has_glow
@@ -112,6 +113,7 @@ def render_layers(
     more, the first in the air. direct + indirect + single_scatter + multiple_scatter = all.
     """
     _check(names, size, spp, max_depth)
+    scene = Nearby(origin_near(scene)).of(scene)  # Mitsuba's numbers are single precision, too
     request = _Request(tuple(names), size, spp, max_depth, seed, timeout_s, choose_variant(variant))
     try:
         parts = _render_channels(scene, request, progress)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from ..errors import SettingsError, nearest
 from ..maths.tone import display_srgb8
 from .checks import F32
+
+MAX_SIDE_PX = 16384
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,3 +75,16 @@ class Image:
         held = io.BytesIO()
         PIL.Image.fromarray(self.display()).save(held, "PNG")
         return held.getvalue()
+
+
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    """(width, height) in pixels. Raises SettingsError for an impossible one."""
+    values = tuple(size)
+    if len(values) != 2 or any(not isinstance(v, (int, np.integer)) for v in values):
+        raise SettingsError(f"size must be two whole numbers, not {size!r}")
+    if any(not 1 <= v <= MAX_SIDE_PX for v in values):
+        raise SettingsError(
+            f"size {values[0]}x{values[1]} is impossible",
+            remedy=f"Each side goes from 1 to {MAX_SIDE_PX} pixels",
+        )
+    return (int(values[0]), int(values[1]))

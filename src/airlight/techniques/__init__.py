@@ -19,12 +19,13 @@ auto         the recipe that suits the scene
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import SettingsError, nearest
 from ..gpu.device import Gpu
 from ..lighting.kit import Context, SurfaceSettings
+from ..scene.nearby import Nearby
 from ..scene.scene import Scene
 from ..scene.settings import make_settings
 from ..surface.geometry import GpuScene
@@ -111,10 +112,15 @@ def make_technique(
     name: str,
     given: Mapping[str, Any],
     size: tuple[int, int],
+    *,
+    nearby: Nearby | None = None,
 ) -> Technique:
     """The technique `name` for `scene`: the scene file's settings, then those `given` over them.
 
-    `size` of the image in pixels. Raises SettingsError for an unknown technique or setting.
+    `size` of the image in pixels. `nearby`: how the scene was moved from the world, of which
+    settings say. Raises SettingsError for an unknown technique or setting.
     """
     made = checked_settings(name, scene, given)
+    if nearby is not None:
+        made = replace(made, bounds=nearby.box(made.bounds))
     return RECIPES[chosen_recipe(name, scene)].make(Context(gpu, scene, meshes, size), made)

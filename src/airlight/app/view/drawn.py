@@ -32,10 +32,7 @@ class Drawn:
 
     def give(self, scene: Scene) -> None:
         """Show `scene`, which has the structure of the one the renderer was made for."""
-        r = self.renderer
-        if scene.meshes is not r.scene.meshes:
-            r.meshes.move(scene.meshes)
-        r.scene = scene
+        self.renderer.show(scene)
 
     def solve(self, commands: Commands, *, is_quick: bool = False, is_still: bool = False) -> None:
         """All that the camera does not matter for, unless nothing else has changed.
@@ -52,7 +49,7 @@ class Drawn:
         begin = time.perf_counter()
         self._is_quick = is_quick and r.gpu.is_cpu
         with _quickly(r) if self._is_quick else nullcontext():
-            r.technique.solve(commands, r.scene, is_still=is_still)
+            r.technique.solve(commands, r.show(r.scene), is_still=is_still)
         self._solved = now
         if r.gpu.is_cpu:
             commands.submit()
@@ -64,7 +61,7 @@ class Drawn:
     ) -> None:
         """The layers of one sample, from `camera`."""
         r = self.renderer
-        r.view.aim(camera, jitter, sample)
+        r.aim(camera, jitter, sample)
         r.technique.draw(commands, r.view)
 
     def close(self) -> None:
