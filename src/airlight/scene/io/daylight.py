@@ -66,17 +66,20 @@ def sun_for(probe: Probe, camera: Camera) -> tuple[F64, float]:
     forward = np.subtract(camera.target, camera.position)
     facing = float(np.arctan2(-forward[0], -forward[2]))
     shoulder = _direction(48.0, facing + 0.75)
+    # In the open, the shoulder's sun will do.
     points = _seen_points(probe, camera)
     if len(points) == 0:
         return shoulder, 1.0
     share = float(probe.sees_sky(points, shoulder).mean())
     if share >= _OUTDOOR_SHARE:
         return shoulder, share
+    # Else try a grid of directions by how much of the view they light, and from which side.
     azimuths = facing + 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     tried = [_direction(e, a) for e in _ELEVATIONS_DEG for a in azimuths]
     shares = np.array([probe.sees_sky(points, d).mean() for d in tried])
     from_behind = -np.array(tried) @ (forward / np.linalg.norm(forward))
     score = np.minimum(shares, _ENOUGH_SHARE) * (1.0 - 0.35 * np.maximum(from_behind, 0.0))
+    # The best of them, unless no daylight gets in at all.
     best = int(np.argmax(score))
     if shares[best] == 0.0:
         return shoulder, share

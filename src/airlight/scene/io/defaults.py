@@ -51,6 +51,7 @@ def with_default_lights(
     of the scene, for those who have it already. What was added is in the scene's warnings where
     something might have been meant to be the light.
     """
+    # A scene with light of its own stays as it is.
     if scene.lights or scene.light_groups or scene.environment is not None:
         return scene
     if any(volume.is_emissive for volume in scene.volumes):
@@ -61,6 +62,7 @@ def with_default_lights(
             return scene
         line = f"emissive surfaces are its only light, and dim (radiance {brightest:g}): add a "
         return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
+    # What the scene looks like from within decides where its sun stands.
     probed = _probe(scene, probe)
     room = find_room(probed)
     if brightest >= LAMP_RADIANCE and room is not None:
@@ -72,6 +74,7 @@ def with_default_lights(
     warnings = [*scene.warnings, *_said(brightest, has_room=room is not None)]
     if lamps:
         warnings.append("no daylight gets into this closed room: a lamp was hung under its ceiling")
+    # Nobody chose an exposure for a sun that was not there.
     seen = scene.camera
     if seen.exposure_stops == 0.0 and not is_exposed:
         seen = replace(seen, exposure_stops=None)

@@ -23,6 +23,7 @@ def _thick_fog(scene: Scene) -> str:
         return ""
     eye = np.array(scene.camera.position)
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
+    # How far the nearest thing is that the fog could hide.
     way = float(np.linalg.norm(0.5 * (low + high) - eye))
     if np.all((low <= eye) & (eye <= high)):
         most = float(np.linalg.norm(high - low))
@@ -32,6 +33,7 @@ def _thick_fog(scene: Scene) -> str:
     if scene.medium.bounds is not None:
         first, last = (np.array(corner) for corner in scene.medium.bounds)
         way = min(way, float(np.linalg.norm(last - first)))
+    # Its optical depth on that path.
     depth = min(scene.medium.sigma_t) * way
     if depth <= THICK:
         return ""

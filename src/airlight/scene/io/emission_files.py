@@ -29,6 +29,7 @@ def taken_emission(
     wanted, hot = values.pop("emission_grid", None), values.pop("temperature_grid", None)
     given = {name: values.pop(name) for name in KEYS if name in values}
     radiance = values.pop("emission", None)
+    # Keys that contradict each other, or have nothing to describe.
     if wanted is not None and hot is not None:
         raise SceneError("has an emission_grid and a temperature_grid", remedy="Keep one of them.")
     if given and hot is None:
@@ -38,6 +39,7 @@ def taken_emission(
     if path is None or density is None:
         name = "emission_grid" if hot is None else "temperature_grid"
         raise SceneError(f"{name} belongs to a file, not to a shape")
+    # Density and emission, on one grid that holds both.
     with naming(path):
         found = read_values(path, wanted or hot or "")
         if hot is not None and found.values.ndim != 3:

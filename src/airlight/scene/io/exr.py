@@ -110,6 +110,7 @@ def read_rgb(path: Path) -> F32:
 def _planes(raw: bytes, path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
     """Every channel of the first part as (H, W) float32, and the header."""
     try:
+        # Sizes are checked before any pixel is unpacked.
         with OpenEXR.File(io.BytesIO(raw), separate_channels=True, header_only=True) as file:
             _check_sizes([part.header for part in file.parts], len(raw), path)
         with OpenEXR.File(io.BytesIO(raw), separate_channels=True) as file:
@@ -122,6 +123,7 @@ def _planes(raw: bytes, path: Path) -> tuple[dict[str, F32], Mapping[str, Any]]:
         raise
     except Exception as error:  # OpenEXR raises RuntimeError, ValueError and TypeError
         raise SceneError(f"not a readable EXR file ({error})", where=path) from None
+    # One plane a channel, all alike: what an image is made of here.
     if len({plane.shape for plane in planes.values()}) > 1 or any(
         plane.ndim != 2 for plane in planes.values()
     ):

@@ -95,6 +95,7 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
     `name` is what the file `where` says, seen from the folder `start` (`root`). Raises SceneError
     for one that leads out of the folder, by links, too, and for names of devices.
     """
+    # Names that no other system could open.
     plain = PurePosixPath(name.replace("\\", "/"))
     for part in plain.parts:
         if _WINDOWS_DEVICE.fullmatch(part):
@@ -110,6 +111,7 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
     )
     if plain.is_absolute() or PureWindowsPath(name).drive:
         raise outside
+    # The file itself, wherever links lead, has to lie in the folder.
     try:
         path, folder = ((start or root) / plain).resolve(), root.resolve()
     except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte

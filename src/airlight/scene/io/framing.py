@@ -67,12 +67,14 @@ def find_room(probe: Probe) -> Room | None:
     points = probe.corners.reshape(-1, 3)
     if len(points) == 0:
         return None
+    # A large scene is searched by its largest triangles.
     low, high = points.min(axis=0), points.max(axis=0)
     rounds_of = probe.winding
     probe = probe.largest(_ROOM_TRIANGLES)
     offsets = np.array([(0, 0, 0), (1, 0, 1), (-1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1, 0)])
     directions = sphere_directions(_RAYS)
     best, best_distance = None, 0.0
+    # From points around the middle, look for walls on all sides; the largest room counts.
     for place in (low + high) / 2.0 + 0.15 * (high - low) * offsets:
         hits = probe.cast(np.repeat(place[None], _RAYS, axis=0), directions)
         struck = np.isfinite(hits.distance)
@@ -181,11 +183,13 @@ def _interest(probe: Probe, camera: Camera, room: Room) -> float:
     up to half as much again where some of the view leads out of a window."""
     eye = np.array(camera.position)
     directions = view_directions(camera, 11, 7)
+    # What the view sees; most of it has to face the camera.
     hits = probe.cast(np.repeat(eye[None], len(directions), axis=0), directions)
     struck = hits.triangle >= 0
     length = float(room.size[[0, 2]].max())
     if not struck.any() or hits.is_front[struck].mean() < 0.6:
         return 0.0
+    # How far, and how many different things.
     near: F64 = np.clip(hits.distance[struck] / length, 0.0, 1.0)
     share = np.bincount(probe.mesh[hits.triangle[struck]]) / struck.sum()
     entropy = -float(np.sum(share[share > 0] * np.log2(share[share > 0])))

@@ -200,6 +200,7 @@ class GltfFile:
         if not hung.has("light"):
             return None
         light = listed[hung.index("light", listed, "lights")]
+        # Watts from lumens, by channel; it shines along its node's -Z.
         if light.has("range"):
             self._warn(light, "its range is left out: it lights as far as it reaches")
         strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
@@ -220,6 +221,7 @@ class GltfFile:
     def camera(self, world: dict[int, F64]) -> Camera | None:
         """The first perspective camera of the scene."""
         cameras = self.document.items("cameras")
+        # The first node that holds one of a kind that we have.
         for k, matrix in world.items():
             node = self.nodes[k].item
             if not node.has("camera"):
@@ -230,6 +232,7 @@ class GltfFile:
                 continue
             fov_y = item.child("perspective").number("yfov", 0.8)
             position, forward, up = matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]
+            # It looks along its node's -Z.
             return Camera(
                 position=_vector(position),
                 target=_vector(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),

@@ -30,6 +30,7 @@ def read_clips(
         channels: dict[tuple[int, str], Curve] = {}
         weights: dict[int, Curve] = {}
         samplers = item.items("samplers")
+        # Channels move nodes, or the weights of their morph targets.
         for channel in item.items("channels"):
             target = channel.child("target")
             if not target.has("node"):

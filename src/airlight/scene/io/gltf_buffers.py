@@ -43,6 +43,7 @@ def read_container(path: Path) -> tuple[Item, bytes | None]:
     """The JSON document and, of a GLB, its binary chunk. Raises SceneError."""
     raw = read_bytes(path)
     binary: bytes | None = None
+    # GLB holds the document as its first chunk.
     if raw[:4] == b"glTF":
         raw, binary = _glb_chunks(raw, path)
     elif path.suffix.lower() == ".glb":
@@ -51,6 +52,7 @@ def read_container(path: Path) -> tuple[Item, bytes | None]:
         value = json.loads(raw.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise SceneError(f"its JSON is broken ({error})", where=path) from None
+    # A document of glTF 2.0.
     document = Item(value, "", path)
     if not isinstance(value, dict) or not document.has("asset"):
         raise SceneError("not a glTF file: it has no 'asset'", where=path)
@@ -66,6 +68,7 @@ def _glb_chunks(raw: bytes, path: Path) -> tuple[bytes, bytes | None]:
     truncated = SceneError(
         "the GLB file is truncated", where=path, remedy="Copy or export it again."
     )
+    # The head of the container.
     if len(raw) < 20:
         raise truncated
     version, length = struct.unpack_from("<II", raw, 4)
@@ -73,6 +76,7 @@ def _glb_chunks(raw: bytes, path: Path) -> tuple[bytes, bytes | None]:
         raise SceneError(f"GLB version {version} is not supported", where=path)
     if length > len(raw):
         raise truncated
+    # Its chunks, each after its length and kind; of each kind the first counts.
     chunks: dict[int, bytes] = {}
     at = 12
     while at + 8 <= length:
@@ -169,6 +173,7 @@ class Buffers:
         if k not in self._bytes:
             buffer = self._buffers[k]
             length = buffer.integer("byteLength", low=1)
+            # From a file, from within the document, or from the container.
             if buffer.has("uri"):
                 data = uri_bytes(buffer, self.folder)
             elif k == 0 and self._binary is not None:

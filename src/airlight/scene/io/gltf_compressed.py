@@ -33,6 +33,7 @@ def meshopt_extension(view: Item) -> Item | None:
 
 def decoded_view(extension: Item, packed: bytes) -> bytes:
     """The bytes of a buffer view from its compressed form. Raises SceneError."""
+    # What it claims to hold has to be in proportion to its bytes.
     count, stride = extension.integer("count", low=1), extension.integer("byteStride", low=1)
     if count * stride > min(_MOST_BYTES, max(len(packed), 64) * _MOST_PER_BYTE):
         raise extension.error(
@@ -40,11 +41,13 @@ def decoded_view(extension: Item, packed: bytes) -> bytes:
         )
     mode, name = extension.text("mode"), extension.text("filter", "NONE")
     try:
+        # Rows of vertices, whose filter packs directions and numbers into integers.
         if mode == "ATTRIBUTES":
             rows = meshopt.decode_attributes(packed, count, stride)
             return meshopt.unfiltered(rows, name).tobytes()
         if mode not in ("TRIANGLES", "INDICES"):
             raise meshopt.MeshoptError(f"the mode '{mode}' is unknown")
+        # Indices of vertices, two or four bytes each.
         decode = meshopt.decode_triangles if mode == "TRIANGLES" else meshopt.decode_indices
         indices = decode(packed, count)
         if stride not in (2, 4) or (stride == 2 and indices.max() > 0xFFFF):

@@ -73,6 +73,7 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
         yield None
         return
     attributes = extension.child("attributes")
+    # What is there of the three parts of a placement.
     given: dict[str, F64] = {}
     for name, width in (("TRANSLATION", 3), ("ROTATION", 4), ("SCALE", 3)):
         if attributes.has(name):
@@ -82,10 +83,12 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
             given[name] = buffers.array(attributes, name, width=width).astype(np.float64)
             if not np.isfinite(given[name]).all():
                 raise attributes.child(name).error("holds NaN or infinite numbers")
+    # All parts for the same number of instances.
     counts = {len(values) for values in given.values()}
     if len(counts) > 1:
         raise attributes.error(f"its attributes have {sorted(counts)} values")
     count = counts.pop() if counts else 0
+    # Parts that are not given change nothing.
     shift = given.get("TRANSLATION", np.zeros((count, 3)))
     turn = given.get("ROTATION", np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
     size = given.get("SCALE", np.ones((count, 3)))

@@ -111,6 +111,7 @@ class Materials:
 
     def _reflection(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> None:
         """Base colour, alpha, roughness, metallic and specular."""
+        # The reflection, in either of the two models that glTF had.
         extensions = item.child("extensions")
         if extensions.has("KHR_materials_pbrSpecularGlossiness"):
             old = extensions.child("KHR_materials_pbrSpecularGlossiness")
@@ -127,12 +128,14 @@ class Materials:
             values["metallic_roughness_texture"] = self._texture(
                 pbr, "metallicRoughnessTexture", uses, is_srgb=False
             )
+        # What both have.
         values["base_color"] = tuple(_unit(c) for c in factor[:3])
         values["alpha"] = _unit(factor[3])
         values["specular"] = _specular(extensions)
         if extensions.has("KHR_materials_unlit"):
             values |= {"metallic": 0.0, "roughness": 1.0, "specular": 0.0}
             self._warn(item, "unlit is not supported, the surface is lit as a matte one")
+        # Extensions that are not read, and parts of those that are.
         for name in extensions.keys():  # noqa: SIM118
             if not name.startswith("KHR_materials_"):
                 continue

@@ -37,16 +37,19 @@ def read_primitive(primitive: Item, buffers: Buffers, frame: UvFrame) -> Primiti
     Without normals it is shaded flat, as the specification (3.7.2.1) demands.
     Raises SceneError.
     """
+    # Points and lines are left out.
     mode = primitive.integer("mode", TRIANGLES)
     attributes = primitive.child("attributes")
     if mode not in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN):
         if mode > TRIANGLE_FAN:
             raise primitive.error(f"has the unknown mode {mode}")
         return None
+    # Triangles over positions.
     positions = buffers.array(attributes, "POSITION", width=3).astype(np.float32)
     if not np.isfinite(positions).all():
         raise attributes.child("POSITION").error("positions hold NaN or infinite numbers")
     triangles = _triangles(primitive, buffers, len(positions), mode)
+    # What else each vertex has, one row for each.
     per_vertex = {
         "normals": _normals(attributes, buffers),
         "uvs": _uvs(attributes, buffers, frame),

@@ -107,6 +107,7 @@ class GlbDocument:
         found = light.punctual(self.notes)
         if found is None:
             return
+        # Colour and strength apart, as glTF has them.
         strength = max(found.strength)
         scale = strength if strength > 0.0 else 1.0
         item: Json = {
@@ -117,6 +118,7 @@ class GlbDocument:
         if found.cone_deg is not None:
             inner, outer = np.radians(found.cone_deg)
             item["spot"] = {"innerConeAngle": float(inner), "outerConeAngle": float(outer)}
+        # The light in the document's list, and a node that places it.
         lights = self._listed("KHR_lights_punctual", "lights")
         lights.append(item)
         turned = _facing(np.array(found.direction), np.array((0.0, 1.0, 0.0)))
@@ -171,6 +173,7 @@ class GlbDocument:
         self._nodes.append({key: value for key, value in item.items() if value != ""})
 
     def _mesh(self, geometry: Geometry, mesh: Mesh) -> Json:
+        # Materials and arrays are shared, so each is written once.
         material = self._row(
             "materials",
             id(mesh.material),

@@ -23,6 +23,7 @@ def material_json(
     material: Material, row: TextureRow, extensions: set[str], notes: list[str]
 ) -> Json:
     """A material; `extensions` gets the names of those that it uses."""
+    # What every material has: the metallic-roughness model.
     made = _Textures(material, row, extensions, notes)
     reflection: Json = {
         "baseColorFactor": [*material.base_color, material.alpha],
@@ -34,17 +35,20 @@ def material_json(
     item: Json = {"pbrMetallicRoughness": reflection, "doubleSided": material.two_sided}
     if material.name:
         item["name"] = material.name
+    # Relief and holes.
     if made.put(item, "normalTexture", material.normal_texture):
         item["normalTexture"]["scale"] = material.normal_scale
     if material.alpha_cutoff > 0.0:
         item |= {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
     elif material.is_blended:
         item["alphaMode"] = "BLEND"
+    # What extensions say.
     held: Json = {}
     if material.transmission > 0.0:
         held["KHR_materials_transmission"] = {"transmissionFactor": material.transmission}
     if material.specular < 1.0:
         held["KHR_materials_specular"] = {"specularFactor": material.specular}
+    # Emission; what is beyond 1 is a factor of its own.
     strength = max(material.emission)
     if strength > 0.0:
         item["emissiveFactor"] = [c / max(strength, 1.0) for c in material.emission]

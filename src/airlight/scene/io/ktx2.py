@@ -37,6 +37,7 @@ def read_ktx2(raw: bytes, name: object) -> NDArray[np.uint8]:
     """
     if len(raw) < len(IDENTIFIER) + _HEADER.size:
         raise SceneError("the KTX 2 image ends in its header", where=name)
+    # Only flat images that Basis Universal packed.
     fields = _HEADER.unpack_from(raw, len(IDENTIFIER))
     vulkan_format, width, height, depth, layers, faces = (fields[k] for k in (0, 2, 3, 4, 5, 6))
     if vulkan_format != 0:
@@ -56,6 +57,7 @@ def read_ktx2(raw: bytes, name: object) -> NDArray[np.uint8]:
         )
     import opengl_basisu
 
+    # Its largest level.
     try:
         image = opengl_basisu.Texture(raw).transcode("rgba8")
     except opengl_basisu.BasisuError as error:

@@ -37,12 +37,14 @@ def load_mesh_file(path: Path) -> Scene:
     Vertex colours are sRGB in the file. Where there are no normals they are computed over
     vertices at the same place: smooth over gentle bends, sharp at edges. Raises SceneError.
     """
+    # What the file has, as arrays of its own rows.
     mesh = _read(path)
     positions, triangles = _shape(mesh, path)
     normals = _file_normals(mesh)
     colors = _colors(mesh)
     warnings = tuple(f"{path}: {line}" for line in _unread(mesh))
     del mesh  # its arrays are as large as the file's
+    # Normals of its own, or computed: smooth over gentle bends, sharp at edges.
     if normals is None:
         rows, indices, normals = _with_normals(positions, triangles, keep=colors is not None)
         positions = positions[rows]

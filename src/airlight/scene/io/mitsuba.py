@@ -104,6 +104,7 @@ def load_mitsuba(path: Path) -> Scene:
 
 
 def _scene(tree: Node, source: Source) -> Scene:
+    # Everything that stands in the scene, in the file's order.
     found = _Found()
     for node in tree.children:
         if node.tag == "shape":
@@ -114,6 +115,7 @@ def _scene(tree: Node, source: Source) -> Scene:
         if node.tag == "emitter" and node.kind == "area" and not node.read:
             source.note(f"{node} lights nothing: no shape refers to it")
             node.read.update(node.values)
+    # The camera, and the medium that it stands in.
     sensors = tree.all("sensor")
     if len(sensors) > 1:
         source.note(f"{len(sensors)} sensors: the first one is used")
@@ -123,6 +125,7 @@ def _scene(tree: Node, source: Source) -> Scene:
     integrator = tree.first("integrator")
     if integrator is not None and integrator.get("hide_emitters", False) and found.environment:
         found.environment = replace(found.environment, visible=False)
+    # Say what was not read.
     _tell_unread(tree, source)
     _tell_one_sided(found.one_sided, source)
     scene = Scene(
@@ -133,6 +136,7 @@ def _scene(tree: Node, source: Source) -> Scene:
         medium=medium,
         volumes=volumes,
     )
+    # Without a sensor the camera frames what there is.
     if camera is None:
         from .defaults import with_default_camera
 
@@ -191,17 +195,20 @@ def _read_instance(node: Node, found: _Found, source: Source) -> None:
 
 
 def _read_surface(node: Node, found: _Found, source: Source) -> None:
+    # The medium that the surface encloses.
     interior = next((c for c in node.all("medium") if c.name == "interior"), None)
     exterior = next((c for c in node.all("medium") if c.name == "exterior"), None)
     if interior is not None:
         found.held.append(held_medium(node, interior, exterior, source))
     if re.fullmatch(r"mesh_\d+_back", node.id) or is_back(node):
         return  # the other side of a glowing sheet, as reference/mitsuba_shapes.py writes it
+    # Its material; a surface without one is the border of a medium alone.
     try:
         made = material(node.first("bsdf"), source)
     except NoSurface:
         node.read.update(node.values)
         return
+    # A glowing rectangle, disk or sphere is an area light, all else a mesh.
     made = _glowing(node, made, source)
     light = area_light(node, made)
     if light is not None:
@@ -262,10 +269,12 @@ def _read_emitter(node: Node, found: _Found, source: Source) -> None:
 def _camera(node: Node, source: Source) -> Camera:
     if node.kind not in ("perspective", "thinlens"):
         source.note(f"{node} is read as a perspective one")
+    # The lens.
     aperture_m, focus_m = 0.0, None
     if node.kind == "thinlens":
         aperture_m = 2.0 * float(node.get("aperture_radius", 0.0))
         focus_m = float(node.get("focus_distance", 1.0))
+    # The placement: Mitsuba's cameras look along +Z.
     matrix = node.get("to_world")
     matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
     forward = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
@@ -286,6 +295,7 @@ def _camera(node: Node, source: Source) -> Camera:
 
 def _fov_y(node: Node, source: Source) -> float:
     """The vertical field of view, degrees, from whichever axis is given."""
+    # The image's proportions.
     film = node.first("film")
     width, height = (
         (int(film.get("width", DEFAULT_FILM[0])), int(film.get("height", DEFAULT_FILM[1])))
@@ -295,12 +305,14 @@ def _fov_y(node: Node, source: Source) -> float:
     if min(width, height) < 1:
         raise SceneError(f"{film} has the impossible size {width} x {height}")
     aspect = width / height
+    # Half the angle's tangent along the axis that the file says.
     fov, axis = node.get("fov"), str(node.get("fov_axis", "x")).lower()
     if fov is None:
         focal = float(str(node.get("focal_length", f"{DEFAULT_FOCAL_MM}mm")).removesuffix("mm"))
         tan, axis = FILM_DIAGONAL_MM / (2.0 * focal), "diagonal"
     else:
         tan = math.tan(math.radians(float(fov)) / 2.0)
+    # The same along the vertical axis.
     if axis in ("smaller", "larger"):
         axis = "y" if (aspect > 1.0) == (axis == "smaller") else "x"
     if axis == "x":

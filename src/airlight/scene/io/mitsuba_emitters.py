@@ -73,6 +73,7 @@ def _directional(node: Node, source: Source) -> Light:
 def _spot(node: Node, source: Source) -> Light:
     matrix = node.get("to_world")
     matrix = np.eye(4) if matrix is None else matrix
+    # The cone, and where inside it the light begins to fall off.
     outer = float(node.get("cutoff_angle", 20.0))
     inner = float(node.get("beam_width", 0.75 * outer))
     texture = node.child("texture")
@@ -83,6 +84,7 @@ def _spot(node: Node, source: Source) -> Light:
         inner = float(ours.group(1))
     elif texture is not None:
         source.note(f"{node}: the texture it projects is left out")
+    # What our cone cannot be.
     if not ours and inner < outer:
         source.note(f"{node}: its fall-off, linear in the angle, is read as our smooth one")
     if outer > MAX_HALF_ANGLE_DEG:
@@ -100,6 +102,7 @@ def _spot(node: Node, source: Source) -> Light:
 def _envmap(node: Node, source: Source) -> Environment:
     path = source.file(node)
     pixels = read_radiance(path, source.notes)
+    # Its turn; a turn about the vertical axis is a number of ours.
     matrix = node.get("to_world")
     turn = np.eye(3) if matrix is None else np.asarray(matrix, dtype=np.float64)[:3, :3]
     turn = turn / np.cbrt(abs(np.linalg.det(turn)) or 1.0)
@@ -111,6 +114,7 @@ def _envmap(node: Node, source: Source) -> Environment:
             [-math.sin(angle), 0.0, math.cos(angle)],
         ]
     )
+    # Any other one is put into the map's pixels.
     if not np.allclose(turn, about_y, atol=1e-6):
         source.note(f"{node}: its map is resampled for its turn")
         pixels, angle = _turned_map(pixels, turn), 0.0

@@ -56,6 +56,7 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
     x, y, z = matrix[:3, :3].T
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     is_turned = bool(node.get("flip_normals", False))
+    # A sphere that stays round.
     if node.kind == "sphere":
         axes = matrix[:3, :3] / max(float(lengths[0]), 1e-30)
         if is_turned or np.abs(axes.T @ axes - np.eye(3)).max() > _SKEW or lengths[0] == 0.0:
@@ -64,6 +65,7 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
         radius = float(node.get("radius", 1.0)) * float(lengths[0])
         at = matrix[:3, :3] @ centre + matrix[:3, 3]
         return AreaLight(_vec(at), made.emission, "sphere", radius=radius)
+    # A rectangle or a disk whose axes stay at right angles.
     normal = np.cross(x, y) * (1.0 if x @ np.cross(y, z) >= 0.0 else -1.0)
     if abs(x @ y) > _SKEW * lengths[0] * lengths[1] or not np.linalg.norm(normal) > 0.0:
         return None

@@ -69,12 +69,14 @@ def _twosided(node: Node, source: Source) -> Material:
 def _mask(node: Node, source: Source) -> Material:
     """Opacity is coverage; a texture whose texels are there or not cuts holes."""
     inner = _nested(node, source)
+    # One opacity for the whole surface: it covers a share of what is behind.
     child = node.child("opacity")
     if child is None:
         opacity = sum(triple(node.get("opacity", 0.5))) / 3.0
         if opacity == 0.0:
             raise NoSurface
         return replace(inner, alpha=min(opacity, 1.0), is_blended=True)
+    # A texture, in the alpha of the colour's.
     found = None
     if child.kind == "bitmap":
         found = bitmap(child, source, is_color=False, is_cut=True)
@@ -87,6 +89,7 @@ def _mask(node: Node, source: Source) -> Material:
         inner.base_color_texture.offset,
     ):
         source.note(f"{node}: its opacity takes the uv transform of the colour texture")
+    # Where texels are there or not it cuts, else it blends.
     if is_soft(found[0]):
         return replace(inner, base_color_texture=cut, is_blended=True)
     return replace(inner, base_color_texture=cut, alpha_cutoff=0.5)
@@ -140,6 +143,7 @@ def _principled(node: Node, source: Source) -> Material:
 
 def _conductor(node: Node, source: Source) -> Material:
     tint, texture = color_input(node, "specular_reflectance", 1.0, source)
+    # What the metal mirrors straight on, by Fresnel's formula or by its name.
     if "eta" in node.values or "k" in node.values:
         etas, ks = triple(node.get("eta", 0.0)), triple(node.get("k", 1.0))
         base = [

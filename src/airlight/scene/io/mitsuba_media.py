@@ -114,6 +114,7 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
     sigma_t, albedo, g = _without_medium(held, air, source)
     if float(sigma_t.max()) <= 0.0:
         return None
+    # One density everywhere, in a box or a sphere.
     if held.is_homogeneous:
         return Volume(
             sigma_t=_rgb(sigma_t),
@@ -123,6 +124,7 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
             bounds=held.extent,
             world_from_volume=held.world_from_shape,
         )
+    # A grid: its densities, and the coefficients of density 1.
     density, scale = _factored(np.asarray(sigma_t, dtype=np.float32), held, source)
     placed = held.world_from_grid
     return Volume(
@@ -163,12 +165,14 @@ def _lies_inside(held: Held, air: Held) -> bool:
 def _region(shape: Node, source: Source) -> tuple[str, F64, Bounds]:
     """Kind, placement and own extent of a shape; the box around anything but cube and sphere."""
     matrix = shape_matrix(shape)
+    # Shapes that volumes of ours have.
     if shape.kind == "cube":
         return "cube", matrix, UNIT
     if shape.kind == "sphere":
         radius = float(shape.get("radius", 1.0))
         c = np.array(shape.get("center", (0.0, 0.0, 0.0)))
         return "sphere", matrix, (_rgb(c - radius), _rgb(c + radius))
+    # Of all others the box around them.
     parts: list[Placed] = shape_geometries(shape, source)
     if not parts:
         raise SceneError(f"{shape} holds a medium, but is not read", where=source.path)

@@ -44,12 +44,14 @@ def read_ply(path: Path) -> Geometry:
 
     Raises SceneError.
     """
+    # What Mitsuba itself writes is read here, all else by the general reader.
     raw = read_bytes(path)
     check_counts(raw, "ply", path)
     parts = _header(raw)
     if parts is None:
         return _by_meshfile(path)
     vertex_count, vertex_type, face_count, face_type, start = parts
+    # Rows are taken as they lie in the file.
     needed = start + vertex_count * vertex_type.itemsize + face_count * face_type.itemsize
     if len(raw) < needed:
         raise SceneError(f"it ends after {len(raw):,} bytes of {needed:,}", where=path)
@@ -73,6 +75,7 @@ def _header(
     lines = raw[:end].decode("ascii", "replace").splitlines()
     if "format binary_little_endian 1.0" not in lines:
         return None
+    # Elements, and the types of their fields.
     counts: dict[str, int] = {}
     fields: dict[str, list[tuple[str, str]]] = {}
     current = ""
@@ -83,6 +86,7 @@ def _header(
             counts[current], fields[current] = int(words[2]), []
         elif words[:1] == ["property"] and current and len(words) >= 3:
             fields[current].append((words[-1], " ".join(words[1:-1])))
+    # Vertices and triangles of types that one row each can have.
     if list(counts) != ["vertex", "face"] or len(fields["face"]) != 1:
         return None
     kind = fields["face"][0][1]
@@ -91,6 +95,7 @@ def _header(
         return None
     if not all(kind in _TYPES for _, kind in fields["vertex"]):
         return None
+    # One row type each.
     vertex = np.dtype([(name, _TYPES[kind]) for name, kind in fields["vertex"]])
     face = np.dtype([("count", "u1"), ("index", index_type, (3,))])
     return counts["vertex"], vertex, counts["face"], face, end + len(b"end_header\n")

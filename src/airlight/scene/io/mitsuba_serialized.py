@@ -41,6 +41,7 @@ def read_serialized(path: Path, index: int) -> Geometry:
 
 def _extent(raw: bytes, index: int, path: Path) -> tuple[int, int, int]:
     """Where mesh `index` begins and ends, and the version of its format."""
+    # The table of offsets stands at the end, its length last.
     if len(raw) < 8:
         raise SceneError(f"it ends after {len(raw)} bytes", where=path)
     (count,) = struct.unpack_from("<I", raw, len(raw) - 4)
@@ -53,6 +54,7 @@ def _extent(raw: bytes, index: int, path: Path) -> tuple[int, int, int]:
         raise SceneError(f"its table names {count} meshes, more than it holds", where=path)
     if not 0 <= index < count:
         raise SceneError(f"shape_index is {index}, but the file holds {count} meshes", where=path)
+    # The mesh ends where the next one begins.
     offsets = np.frombuffer(raw, "<u8" if version == 4 else "<u4", count, table).astype(np.int64)
     begin, end = int(offsets[index]), int(offsets[index + 1]) if index + 1 < count else table
     if not 0 <= begin <= end - 4 <= table:
@@ -67,10 +69,12 @@ class _Reader:
         self.data, self.at = data, 0
 
     def mesh(self, *, has_name: bool) -> Geometry:
+        # What each vertex has.
         flags, *_ = self.unpack("<I")
         if has_name:
             self.at = self.data.index(b"\0", self.at) + 1
         vertices, triangles = self.unpack("<QQ")
+        # Arrays, one after the other.
         real = "<f8" if flags & _DOUBLE else "<f4"
         positions = self.rows(real, vertices, 3)
         normals = self.rows(real, vertices, 3) if flags & _NORMALS else None

@@ -85,6 +85,7 @@ def _local(node: Node) -> F64:
 
 
 def _from_file(node: Node, source: Source) -> list[Placed]:
+    # Meshes of the file, and which way up their textures lie in it.
     path = source.file(node)
     if node.kind == "ply":
         from .mitsuba_ply import read_ply
@@ -102,6 +103,7 @@ def _from_file(node: Node, source: Source) -> list[Placed]:
         loaded = load_obj(path)
         parts = [Placed(mesh.geometry, mesh.world_from_object) for mesh in loaded.meshes]
         flip_v = not node.get("flip_tex_coords", True)
+    # What the node changes of them.
     faceted, turned = node.get("face_normals", False), node.get("flip_normals", False)
     to_world = shape_matrix(node)
     placed = []
@@ -169,6 +171,7 @@ def _sphere() -> Geometry:
         ],
         axis=1,
     )
+    # Triangles at the poles that have no area are left out.
     indices = _cells(ROUND_STEPS, ROUND_STEPS // 2)
     area = np.linalg.norm(
         np.cross(

@@ -178,6 +178,7 @@ def rotation(axis: F64, angle_deg: float, where: object = "") -> F64:
 
 def _lookat(step: Element, where: Path) -> F64:
     """Columns left, up, forward, origin: Mitsuba's cameras and spots look along +Z."""
+    # Three points, of which the last may be left out.
     origin, target, up = (
         np.array((_numbers(step.get(key, ""), f"<lookat {key}>", where) or [0, 0, 0])[:3])
         for key in ("origin", "target", "up")
@@ -187,6 +188,7 @@ def _lookat(step: Element, where: Path) -> F64:
     forward = target - origin
     if not np.any(forward):
         raise SceneError("<lookat> has its target at its origin", where=where)
+    # Three axes at right angles.
     forward = forward / np.linalg.norm(forward)
     left = np.cross(up, forward)
     if np.linalg.norm(left) < 1e-9:

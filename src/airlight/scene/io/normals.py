@@ -63,6 +63,7 @@ def _smooth_sums(positions: F64, triangles: Ints) -> tuple[F64, NDArray[np.bool_
     A vertex is rough where not all of its faces are sure to join: those at an edge, at slivers and
     where very many faces meet.
     """
+    # Faces around each vertex, weighted by their angles there.
     count = len(positions)
     sums = np.zeros((3, count))
     faces = np.empty((len(triangles), 3), np.float32)
@@ -74,6 +75,7 @@ def _smooth_sums(positions: F64, triangles: Ints) -> tuple[F64, NDArray[np.bool_
             np.add.at(sums[axis], corners.ravel(), (face[:, axis, None] * angle).ravel())
         faces[part] = face
         is_rough[corners[~face.any(axis=1)]] = True
+    # A vertex is smooth where all of its faces are near their mean.
     means = _unit(sums.T).astype(np.float32)
     for part in chunks(len(triangles)):
         corners = triangles[part]

@@ -88,6 +88,7 @@ def opened_npz(path: Path) -> Iterator[Archive]:
 
 def _array(stream: IO[bytes], size_bytes: int, kinds: str, most_values: int | None) -> NDArray[Any]:
     """The array of an .npy stream of `size_bytes`."""
+    # What the head says that it holds.
     shape, is_fortran, dtype = _header(stream)
     if dtype.hasobject:
         raise SceneError("holds Python objects, it must hold numbers")
@@ -98,6 +99,7 @@ def _array(stream: IO[bytes], size_bytes: int, kinds: str, most_values: int | No
         raise SceneError(
             f"has {count:,} values, at most {most_values:,} can be used", remedy="Downsample it."
         )
+    # The values, no more than the file can hold.
     wanted_bytes = count * dtype.itemsize
     if wanted_bytes > size_bytes:
         raise SceneError(f"is cut short: {wanted_bytes:,} bytes of values do not fit in it")

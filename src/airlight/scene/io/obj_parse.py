@@ -56,10 +56,12 @@ class ObjData:
 
 def parse_obj(raw: bytes, path: Path) -> ObjData:
     """Parse the bytes of an OBJ file. Raises SceneError naming `path` and the line."""
+    # Numbers of all lines of a kind at once.
     lines = _Lines(raw, path)
     points, point_sizes = lines.numbers(_V)
     uvs, uv_sizes = lines.numbers(_VT)
     normals, normal_sizes = lines.numbers(_VN)
+    # Faces, their negative indices counted from the line they stand on.
     corners, sizes = lines.corners()
     face_lines = lines.of(_FACE)
     for column, kind in enumerate((_V, _VT, _VN)):
@@ -154,12 +156,14 @@ class _Lines:
 
     def corners(self) -> tuple[I64, I64]:
         """Corners of all polygons (C, 3) as written, 0 where absent; and corners per polygon."""
+        # Every corner as a/b/c, with 0 for what it leaves out.
         text = self.text(_FACE)
         if b"/\n" in text or b"/ " in text:
             text = re.sub(rb"/+(?=[ \n])", b"", text)
         text = text.replace(b"//", b"/0/")
         sizes = _token_counts(text)
         values = _parsed(text.replace(b"/", b" "), np.int64)
+        # How many numbers each corner has says where the next one begins.
         slashes = _slashes_per_token(text)
         if values is None or len(values) != len(slashes) + slashes.sum() or (slashes > 2).any():
             raise self._unreadable(_FACE, text.replace(b"/", b" "))
@@ -205,6 +209,7 @@ class _Statements:
         self.libraries: list[str] = []
         self._material_from = [(-1, 0)]
         self._flat_from = [(-1, 0)]
+        # Of all other lines those that change the faces after them.
         known = {"": 0}
         first = lines.data[lines.starts]
         wanted = (lines.kind == _OTHER) & np.isin(first, np.frombuffer(b"ums", dtype=np.uint8))

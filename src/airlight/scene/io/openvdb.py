@@ -122,10 +122,12 @@ def _metadata(stream: VdbStream) -> dict[str, bytes]:
 
 def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> SparseGrid:
     """A grid's values and place; an instance has the tree of its parent."""
+    # Its head, and where it lies.
     stream.at = chosen.at
     (compression,) = stream.unpack("<I")
     metadata = _metadata(stream)
     world_from_index = _transform(stream)
+    # An instance has the values of its parent.
     source = chosen
     if chosen.parent:
         parents = [g for g in found if g.name == chosen.parent.split(_SUFFIX)[0]]
@@ -143,6 +145,7 @@ def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> S
 
 def _transform(stream: VdbStream) -> F64:
     """(4, 4) world from index. The library stores row vectors' matrices."""
+    # Each kind of map stores its own numbers.
     kind = stream.text()
     matrix = np.eye(4)
     if kind in ("AffineMap", "UnitaryMap"):

@@ -90,17 +90,20 @@ def _clipped(shape: F64, normal: F64) -> I64 | None:
     """
     import mapbox_earcut
 
+    # The polygon along the axis that it faces most.
     axis = int(np.abs(normal).argmax())
     flat = np.ascontiguousarray(np.delete(shape, axis, axis=1))
     ends = np.array([len(flat)], dtype=np.uint32)
     cut = mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
     if not 0 < len(cut) <= len(flat) - 2:
         return None
+    # The triangles have to cover it, and no more.
     a, b, c = flat[cut].transpose(1, 0, 2)
     area = _area(b - a, c - a)
     whole = 0.5 * float(_area(flat, np.roll(flat, -1, axis=0)).sum())
     if not np.isclose(0.5 * np.abs(area).sum(), abs(whole), rtol=1e-6):
         return None  # it crosses itself
+    # All the same way around, and as many as a polygon of so many corners has.
     is_turned = area * whole < 0.0
     cut[is_turned] = cut[is_turned][:, ::-1]
     missing = len(flat) - 2 - len(cut)

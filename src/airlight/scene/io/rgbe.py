@@ -30,6 +30,7 @@ def decode(raw: bytes, path: Path) -> F32:
     header, _, rest = raw.partition(b"\n\n")
     if b"32-bit_rle_xyze" in header:
         raise SceneError("XYZE colours are not supported", where=path, remedy="Save it as RGBE.")
+    # The size, and which way rows and columns go.
     line, _, body = rest.partition(b"\n")
     size = _SIZE.match(line)
     if size is None or size[2] != b"Y":
@@ -40,6 +41,7 @@ def decode(raw: bytes, path: Path) -> F32:
     check_size(width, height, len(raw), path)
     if len(body) < height * _fewest_bytes(width):
         raise SceneError("the file is truncated or damaged", where=path)
+    # Pixels of a shared exponent, the top row first.
     try:
         quads = _quads(body, height, width)
     except (IndexError, ValueError):

@@ -93,6 +93,7 @@ def _check_names(raw: Raw) -> None:
 
 
 def _scene(raw: Raw, path: Path) -> Scene:
+    # Tables, each with what moves it.
     folder, (camera, seen) = path.parent, _camera(raw)
     parts = [_part(table, label, folder) for label, table in _numbered(raw, "mesh")]
     volumes = [placed_volume(table, label, folder) for label, table in _numbered(raw, "volume")]
@@ -101,6 +102,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
     said: list[str] = []
     environment, turning = _environment(raw, folder, said)
     sky = read_sky(raw)
+    # Everything that moves, by its number in the scene.
     tracks = [
         *_part_tracks(parts, len(lights), has_camera=camera is not None),
         *([CameraTrack(seen)] if seen else []),
@@ -124,6 +126,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
         animation=animation(raw, tracks),
         light_groups=light_groups(shining, folder),
     )
+    # Sky, camera and default light depend on what the scene holds.
     if not (scene.meshes or scene.volumes or scene.medium):
         raise SceneError("there is nothing to see: no [[mesh]], [[volume]] or [medium]")
     is_exposed = "exposure_stops" in raw.get("camera", ())
@@ -184,12 +187,14 @@ def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment |
     label = ENVIRONMENT.header
     if "environment" not in raw:
         return None, {}
+    # Its values, and their keyframes.
     table, keys = take_keys(raw["environment"], label)
     values = check_table(ENVIRONMENT, table, label)
     between = values.pop("between", "smooth")
     moved = curves("environment", keys, between, label) if keys else {}
     if "file" in values and "radiance" in values:
         raise SceneError(f"{label} has both a file and a radiance", remedy="Use one of them.")
+    # A map from a file, or one radiance.
     with inside(label):
         if "file" in values:
             from .images import read_radiance

@@ -126,12 +126,14 @@ def _moved_camera(camera: Camera, matrix: F64) -> Camera:
 
 def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with its materials' factors, and the texture channels behind them, replaced."""
+    # What the table says of the material.
     names = ("base_color", "roughness", "metallic", "emission", "transmission")
     factors = {name: values[name] for name in names if name in values}
     if "opacity" in values:
         factors |= {"alpha": values["opacity"], "is_blended": True}
     if not factors:
         return scene
+    # Materials once each, so that meshes go on sharing them.
     made: dict[int, Material] = {}  # one new material for each old one, so that sharing stays
     meshes = []
     for mesh in scene.meshes:

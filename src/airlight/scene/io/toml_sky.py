@@ -46,6 +46,7 @@ def _placed(placed: dict[str, Any], values: dict[str, Any]) -> Sky:
         raise SceneError(
             f"a place and time lack {missing[0]}", remedy=f"Write {', '.join(_PLACE)}."
         )
+    # The hour is that of the place, unless its offset is said.
     offset = placed.get("utc_offset_h")
     zone = zone_of(placed["longitude_deg"])
     if offset is not None:

@@ -27,6 +27,7 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
     `raw` has the tables of `original`'s file, lights and camera as they are now. Meshes and
     volumes move as in that file, since they come from it; notes say what could not be written.
     """
+    # What moves by the file itself, which the table names.
     tracks = scene.animation.tracks if scene.animation else ()
     kept = {_place(track) for track in (original.animation.tracks if original.animation else ())}
     _drop(raw.get("camera") or {}, _MOVING)
@@ -34,6 +35,7 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
     if not any(_place(track) in kept for track in from_file):
         for table in raw.get("mesh", ()):
             _drop(table, _MOVING)
+    # Keyframes into the table of what they move; the rest is said.
     for track in tracks:
         if isinstance(track, CameraTrack) and raw.get("camera"):
             _put(raw["camera"], track.curves, "camera", notes)

@@ -79,9 +79,11 @@ class _Target:
 def _target(path: Path) -> _Target:
     """Raises OutputError for what must not, or cannot, be written."""
     written = str(path.absolute())
+    # Streams that are open already are written to as they are.
     found = _DESCRIPTOR.fullmatch(written)
     if written in _STANDARD or found:
         return _Target(path, None, int(found[1]) if found else _STANDARD[written])
+    # A link stays, and the file behind it is replaced.
     with _said(path, ValueError):  # ValueError: a null character
         state = _state(path)
         behind = Path(os.path.realpath(path))
@@ -91,6 +93,7 @@ def _target(path: Path) -> _Target:
         raise OutputError(
             f"the folder '{folder}' does not exist", where=path, remedy="Create it first."
         )
+    # What is there may be replaced, and is nothing that is read.
     if state is not None:
         _check_state(path, state)
     check_output(path)
