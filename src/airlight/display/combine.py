@@ -77,6 +77,7 @@ class Combine:
         """
         if len(layers) > MOST_LAYERS:
             raise SettingsError(f"{len(layers)} layers cannot be shown at once")
+        # Slots without a layer get one of weight 0.
         filled = [*layers, *[self._means[0]] * (MOST_LAYERS - len(layers))]
         params = CombineParams(
             weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],

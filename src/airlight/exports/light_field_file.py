@@ -118,6 +118,7 @@ def _arrays(field: LightField) -> dict[str, NDArray[Any]]:
 def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
     from .. import __version__
 
+    # What made it.
     header: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
@@ -126,6 +127,7 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
         "technique": field.technique,
         **_ABOUT,
     }
+    # Where each lattice and each volume lies, and what its numbers are.
     header["lattices"] = [
         {
             "arrays": f"lattice{i}_...",
@@ -148,6 +150,7 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
         }
         for i, v in enumerate(field.volumes)
     ]
+    # All arrays by name.
     header["arrays"] = {
         name: {"shape": list(a.shape), "dtype": str(a.dtype), **_about(name)}
         for name, a in arrays.items()

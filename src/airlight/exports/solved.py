@@ -74,6 +74,7 @@ def _lattices(used: Technique, origin: F64) -> tuple[LatticeLight, ...]:
     """
     if used.fields is None or used.fields.irradiance is None:
         return ()
+    # Textures that all lattices share, read once.
     blockers, bound = used.kit.blockers, used.fields.irradiance.bound
     held = {
         "states": _bands(bound),
@@ -82,6 +83,7 @@ def _lattices(used: Technique, origin: F64) -> tuple[LatticeLight, ...]:
         ),
         "walls": blockers.walls.read(),
     }
+    # Each lattice's own part of them.
     rows = bound["lattices"].read(LatticeParams.dtype)
     made = [_lattice_light(row, held, origin) for row in rows]
     if used.fields.scattered is None:

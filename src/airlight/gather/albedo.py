@@ -40,6 +40,7 @@ class Albedos:
 
     def __init__(self, gpu: Gpu, materials: Sequence[Material]) -> None:
         rows, texels, first = [], [], 0
+        # Maps one after the other, each at its own small size.
         for material in materials:
             found = albedo_map(material)
             map = material.base_color_texture or material.metallic_roughness_texture

@@ -46,6 +46,7 @@ class Lighting(FullscreenPass):
 
         `points`: whether surfaces are those of pixels, or hits of rays.
         """
+        # Rays look for shadows where the device binds so much.
         slots_of = partial(
             lighting_slots, part, attenuation, gloss, points, has_panes=emitters.has_panes
         )
@@ -59,6 +60,7 @@ class Lighting(FullscreenPass):
         surfaces = {
             "HAS_SURFACES": float(emitters.has_surfaces),
         }
+        # What is added up: lattices' light, lights', or both.
         kernel = (
             Kernel(points.wgsl, surfaces, {})
             + lattices_kernel(part, lattices, gloss)

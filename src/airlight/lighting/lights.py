@@ -41,6 +41,7 @@ class Lights:
         `has_panes`: whether surfaces tint the light that passes them.
         """
         self.gpu = gpu
+        # Shadow maps of directional lights and of local ones, a layer for each view.
         self._mapped = len(lights) if mapped is None else mapped
         own = lights[: self._mapped]
         parallel = sum(isinstance(light, DirectionalLight) for light in own)
@@ -49,6 +50,7 @@ class Lights:
             gpu, "directional shadows", parallel_resolution, parallel, has_panes=has_panes
         )
         self.local = ShadowMaps(gpu, "local shadows", local_resolution, local, has_panes=has_panes)
+        # The table of all lights, and what lies behind everything.
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
         self._environment = environment
         self.background = EnvironmentTexture(gpu, environment)
@@ -69,6 +71,7 @@ class Lights:
         high: F64,
     ) -> None:
         """Update the table, the background and those shadow maps that changed."""
+        # What shaders read of lights and background.
         if lights != self._lights:
             self._lights = lights
             self.table.write(packed_lights(lights))
@@ -77,6 +80,7 @@ class Lights:
             if not self.background.take(environment):
                 self.background.texture.release()
                 self.background = EnvironmentTexture(self.gpu, environment)
+        # Shadow maps of those views that changed.
         own = lights[: self._mapped]
         directional = [x for x in own if isinstance(x, DirectionalLight)]
         local_lights = [x for x in own if not isinstance(x, DirectionalLight)]

@@ -217,6 +217,7 @@ class LpvSolver(Solver):
             has_interreflection=self.settings.bounces,
             damping=self.settings.damping,
         )
+        # As media take it: the mean over all directions.
         light = self.mean_radiance()
         scene = frame.scene
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)

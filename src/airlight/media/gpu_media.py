@@ -187,6 +187,7 @@ class GpuMedia:
             box = medium_box(scene.medium, low, high, scene.camera.position)
             rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
         grids = iter(self.atlas.regions if self.atlas is not None else ())
+        # Its box in the world, its coefficients and where its grids lie.
         for index, volume in enumerate(scene.volumes):
             kind = _kind(volume)
             to_world = np.asarray(volume.world_from_volume)
@@ -208,6 +209,7 @@ class GpuMedia:
                 if self._noise is not None and volume.detail > 0.0:
                     row |= _detail_fields(volume)
             rows.append(row)
+        # Media of the same mean cosine have the same number.
         phases = {g: i for i, g in enumerate(dict.fromkeys(tuple(row["g"]) for row in rows))}
         return [row | {"phase": phases[tuple(row["g"])]} for row in rows]
 

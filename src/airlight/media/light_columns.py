@@ -92,6 +92,7 @@ class LightColumns:
             return
         self._lights = lights
         self._table.write(pack_array(LightData, light_rows(lights)))
+        # Optical depths from every voxel of a grid towards every light.
         for medium, region in self.regions.items():
             (nx, ny, nz), count = region.count, len(lights)
             params = ColumnParams(

@@ -63,6 +63,7 @@ class VolumeBlockers:
 
     def encode(self, commands: Commands, placement: Placement, walls: Buffer) -> None:
         """Fill `faces` from the `walls` of the blockers and the volumes."""
+        # What the volumes of a cell take away, then with what its walls do.
         lattice = placement.params()
         self._sample.dispatch(
             commands,

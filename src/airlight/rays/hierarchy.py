@@ -46,9 +46,11 @@ def build(low: F32, high: F32, *, most: int = MOST_IN_LEAF, levels: int = LEVELS
 
     Leaves have at most `most` items. More than `most` * 4^levels items need more levels.
     """
+    # Nothing to divide.
     if len(low) < 2:
         alone = np.array([[LEAF if len(low) else 0, 0, 0, 0]], np.uint32)
         return Hierarchy(np.arange(len(low)), alone, np.zeros(1, np.uint32), (0, 1))
+    # All nodes of a level at once; each is cut in two, and the halves in two: four children.
     growth = _Growth(most, levels)
     boxes = Boxes.of(low, high)
     items = np.arange(len(low))
@@ -56,10 +58,12 @@ def build(low: F32, high: F32, *, most: int = MOST_IN_LEAF, levels: int = LEVELS
     room = most << max(2 * levels, 0)
     while len(parts.counts):
         room = max(room >> 1, most)
+        # The node's own cut.
         parts, cuts = sweep(parts, boxes, room)
         parts, cuts = growth.begin(parts, cuts)
         if not len(parts.counts):
             break
+        # Those of its halves.
         halves = _divided(parts, cuts.before)
         room = max(room >> 1, most)
         halves, half_cuts = sweep(halves, boxes, room)

@@ -70,10 +70,12 @@ def _read(path: Path, count: int) -> Hierarchy | None:
 
 def _is_whole(order: Any, children: Any, axes: Any, levels: list[int], count: int) -> bool:
     """Whether each item is in one leaf and each node below one of the level before it."""
+    # Arrays of the types and sizes that belong together.
     if children.dtype != np.uint32 or children.shape != (len(axes), 4) or order.shape != (count,):
         return False
     if levels[0] != 0 or levels[-1] != len(children) or len(levels) < 2:
         return False
+    # What leaves hold, and what nodes are below others.
     flat = children.ravel()
     leaves = flat[flat >= LEAF]
     nodes = np.sort(flat[(flat > 0) & (flat < LEAF)])

@@ -39,6 +39,7 @@ class Masks:
         self._first = self.rows.size
         self._parts: list[U32] = []
         self._known: dict[int, tuple[int, int]] = {}
+        # By instance: its material, and how likely a ray meets what is blended.
         for index, (mesh, row) in enumerate(zip(meshes, materials, strict=True)):
             self.rows[index, 25] = row
             material = mesh.material
@@ -47,6 +48,7 @@ class Masks:
             is_cut = material.alpha_cutoff > 0.0 or material.is_blended
             if texture is None or not is_cut or is_whole(texture):
                 continue
+            # Of holes the map of alpha, and where it lies on the mesh.
             self.rows[index, 26:28] = self._place(texture)
             floats[index, 28:32] = uv_transform(texture)
             floats[index, 32] = material.alpha_cutoff / max(material.alpha, 1e-6)

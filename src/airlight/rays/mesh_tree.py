@@ -63,6 +63,7 @@ class StillTree:
     ) -> None:
         """`meshes` of all instances, in the scene's order, and whether their materials have holes;
         `instances`: those that it holds."""
+        # Triangles of all instances, in the world, each with its instance's number.
         parts = [_in_world(meshes[index]) for index in instances]
         words = [triangle_words(part, np.arange(len(part.indices))) for part in parts]
         for index, rows in zip(instances, words, strict=True):
@@ -73,6 +74,7 @@ class StillTree:
             np.concatenate([box[k] for box in boxes]) if boxes else np.zeros((0, 3), np.float32)
             for k in range(2)
         )
+        # Stored in the tree's order: a leaf is a run of them.
         self.tree = built(low, high)
         order = self.tree.order
         self._all: U32 = triangles[order]

@@ -47,16 +47,19 @@ class RayScene:
 
     def __init__(self, gpu: Gpu, scene: GpuScene) -> None:
         self.gpu, self._order = gpu, scene.order
+        # What the scene shows at first, by instance.
         self._keys = [scene.first_vertices[index] for index in scene.order]
         self._first = [scene.original[index] for index in scene.order]
         self._masks = Masks(self._first, scene.material_rows)
         self._is_there = np.array([not is_gone(mesh.material) for mesh in self._first], bool)
+        # One tree over all of it; meshes that move get their own when they do.
         self.still = StillTree(self._first, self._chosen(), self._masks.has_holes)
         self._in_still = np.isin(np.arange(len(self._keys)), self.still.instances)
         self.trees: dict[int, MeshTree] = {}
         self._with_holes = {
             key for key, hole in zip(self._keys, self._masks.has_holes, strict=True) if hole
         }
+        # What lies in the buffers.
         self._meshes: Sequence[Mesh] | None = None
         self._rooms: dict[int, int] = {}
         self._packed: tuple[bytes, ...] = ()
@@ -106,6 +109,7 @@ class RayScene:
         """Show `meshes`, in the order of the scene."""
         self._meshes = meshes
         ordered = [meshes[index] for index in self._order]
+        # Instances that moved leave the static tree, and are placed one by one.
         is_still = self._in_still & np.array(
             [_stands(mesh, first) for mesh, first in zip(ordered, self._first, strict=True)], bool
         )
@@ -113,6 +117,7 @@ class RayScene:
         changed = {-1} if self.still.hide(hidden) else set()
         placed = np.flatnonzero(~is_still & self._is_there)
         changed |= self._grow({self._keys[i]: ordered[i] for i in placed})
+        # Buffers are made again where a tree is new or has outgrown its room.
         if (
             not self._buffers
             or self.trees.keys() != self._rooms.keys() - {-1}
@@ -139,6 +144,7 @@ class RayScene:
 
     def _lay(self) -> None:
         """Make the buffers: nodes of the instances, of the still ones, of each mesh; triangles."""
+        # Where each tree begins, the static one first.
         node, triangle = len(self._keys) + 1, 0
         self._firsts: dict[int, tuple[int, int]] = {}
         self._rooms = {}
@@ -146,6 +152,7 @@ class RayScene:
         for key, tree in shown.items():
             self._firsts[key], self._rooms[key] = (node, triangle), len(tree.nodes)
             node, triangle = node + len(tree.nodes), triangle + len(tree.tree.order)
+        # Buffers of that size replace the old ones.
         for buffer in self._buffers:
             buffer.release()
         words = 4 * (INSTANCE_WORDS * (len(self._keys) + 1) + self._masks.texels.size)

@@ -30,6 +30,7 @@ def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
 
     The boxes on the grid hold those given: lows are rounded down, highs up.
     """
+    # A grid of 255 steps over the box; a step is stored as half of its bits, rounded up.
     rows = np.zeros((len(tree.children), NODE_WORDS), np.uint32)
     corner = lows.min(axis=1)
     corner[~np.isfinite(corner)] = 0.0
@@ -39,6 +40,7 @@ def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
     bits = step.view(np.uint32)
     rows[:, 3] = bits[:, 0] >> 16 | bits[:, 1]
     rows[:, 4] = bits[:, 2] | tree.axes
+    # The children's boxes on it; one without a box is empty, from the far end to the near one.
     scale = 1.0 / np.maximum(step.astype(np.float64), 1e-300)[:, None, :]
     is_there = np.isfinite(lows[..., :1])
     with np.errstate(invalid="ignore"):
@@ -46,6 +48,7 @@ def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
         high = np.ceil((highs.astype(np.float64) - corner[:, None]) * scale)
     low = np.where(is_there, np.clip(low, 0.0, 255.0), 255.0).astype(np.uint32)
     high = np.where(is_there, np.clip(high, 0.0, 255.0), 0.0).astype(np.uint32)
+    # Four bytes to a word.
     shift = np.array([0, 8, 16, 24], np.uint32)[:, None]
     rows[:, 5:8] = (low << shift).sum(axis=1, dtype=np.uint32)
     rows[:, 8:11] = (high << shift).sum(axis=1, dtype=np.uint32)
@@ -76,6 +79,7 @@ def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
     floats, halves = rows.view(np.float32), rows.view(np.float16)
     normals = None if geometry.normals is None else packed_normals(geometry.normals)
     uvs = geometry.uvs
+    # Part by part: large meshes have no other copy.
     for part in chunks(len(order)):
         corners = geometry.indices[order[part]]
         floats[part, :9] = geometry.positions[corners].reshape(-1, 9)

@@ -140,17 +140,20 @@ def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
 
 def _clusters(positions: NDArray[np.float32], low: F64, cell: float, count: I64) -> tuple[I64, I64]:
     """The cluster (V,) of each vertex, and of each cluster the vertex nearest to its middle."""
+    # The cluster of each vertex, by cell; only cells with vertices count.
     at = np.empty(len(positions), np.int64)
     for part in chunks(len(positions)):
         at[part] = _cell_number(positions[part], low, cell, count)
     is_used = np.zeros(int(np.prod(count)), dtype=bool)
     is_used[at] = True
     cluster = (np.cumsum(is_used) - 1)[at]
+    # How far each vertex is from its cluster's middle.
     sizes = np.bincount(cluster)
     distance = np.zeros(len(positions))
     for column in positions.T:
         offset = column - (np.bincount(cluster, column) / sizes)[cluster]
         distance += offset * offset
+    # The nearest of each.
     least = np.full(len(sizes), np.inf)
     np.minimum.at(least, cluster, distance)
     nearest = np.flatnonzero(distance == least[cluster])

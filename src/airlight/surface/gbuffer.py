@@ -103,6 +103,7 @@ class GBuffer:
         self._key = key
 
     def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
+        # What is seen, and whether its depth is drawn first.
         draws = scene.solid(clip_from_world)
         first, then, is_depth_first = self._parts.of(scene, draws)
         depth = {
@@ -112,6 +113,7 @@ class GBuffer:
             "depth_clear_value": 0.0,
         }
         params = CameraParams(clip_from_world=clip_from_world)
+        # Triangle ids first, which a full-screen pass turns into surfaces.
         if self._visibility:
             targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
@@ -125,6 +127,7 @@ class GBuffer:
                 keep = bool(first)
                 self._draw(commands, scene, self._only_pass, then, params, depth, keep=keep)
             return
+        # Or surfaces by rasterisation alone.
         used = self._only_pass
         if is_depth_first:
             used = self._pass

@@ -195,6 +195,7 @@ class MeshPass:
         """Encode the draws into a render pass, or into a recording."""
         active: MeshPipeline | None = None
         textures: Any = None
+        # Pipelines and textures are set where they change.
         for draw in draws:
             pipeline = self._pipeline(draw)
             if pipeline is not active:
@@ -226,6 +227,7 @@ class MeshPass:
         commands.tally.ran(commands.stage_name, vertices)
 
     def _pipeline(self, draw: Draw) -> MeshPipeline:
+        # What a pipeline depends on.
         is_cutout = draw.material.alpha_cutoff > 0.0 or draw.material.is_translucent
         two_sided = draw.material.two_sided
         kind = self.kind if is_cutout else self.opaque

@@ -73,6 +73,7 @@ class PeeledGBuffer(GBuffer):
 
     def _rasterise(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         assert self._solid is not None, "begin comes first"
+        # The layer before, and this one's, take turns in two textures.
         before, self.depth = self._depths[(self._index + 1) % 2], self._depths[self._index % 2]
         depth: dict[str, Any] = {
             "view": self.depth.resource,

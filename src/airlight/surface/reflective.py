@@ -81,6 +81,7 @@ class ReflectiveShadowMaps:
         self, gpu: Gpu, label: str, resolution: int, layers: int, *, block: int = 1
     ) -> None:
         """`block`: texels along each side of a block that counts as one virtual point light."""
+        # A layer for each view: depth, normal, and the flux that it reflects.
         self.resolution, self.layers, self.block = resolution, layers, block
         size = (resolution, resolution, layers) if layers else (1, 1, 1)
 
@@ -91,6 +92,7 @@ class ReflectiveShadowMaps:
         self.normal = map_of("normal", "rgba16float")
         self.flux = map_of("flux", "rgba16float")
         self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
+        # How it is drawn, and what lies in it.
         self._pass, self._tint = MeshPass(gpu, _ReflectivePipeline), MeshPass(gpu, _PassedPipeline)
         self._visibility = (
             VisibilityBuffer(gpu, (resolution, resolution), _FluxFromIds, of_lights=True)
@@ -110,6 +112,7 @@ class ReflectiveShadowMaps:
         views: list[LightView],
     ) -> bool:
         """Draw those `views` that changed; returns whether any did."""
+        # Views whose light, camera or geometry changed.
         stale = []
         for layer, view in enumerate(views):
             key = (scene.version, view.clip_from_world.tobytes(), lights[view.light])
@@ -121,6 +124,7 @@ class ReflectiveShadowMaps:
             self._drawn[layer] = None  # until it is drawn: after an error nothing counts as drawn
             self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
             self._drawn[layer] = key
+        # Layers of lights that are no more hold no light.
         gone = [layer for layer in self._drawn if layer >= len(views)]
         for layer in gone:
             del self._drawn[layer]

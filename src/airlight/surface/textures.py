@@ -150,17 +150,20 @@ def _tables(is_srgb: bool) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
 
 
 def _halved(level: NDArray[Any], *, is_opaque: bool) -> NDArray[Any]:
+    # Even sides; a last odd row or column is left out.
     height, width = level.shape[:2]
     if height > 1 and height % 2:
         level = level[:-1]
     if width > 1 and width % 2:
         level = level[:, :-1]
+    # The four texels that become one.
     rows = (level[0::2], level[1::2]) if level.shape[0] > 1 else (level, level)
     quads = [
         q
         for row in rows
         for q in ((row[:, 0::2], row[:, 1::2]) if level.shape[1] > 1 else (row, row))
     ]
+    # Colours count by their alpha: what is not there has none.
     if is_opaque:
         return np.asarray((quads[0] + quads[1] + quads[2] + quads[3]) * np.float32(0.25))
     alpha = sum(q[..., 3:] for q in quads)

@@ -188,6 +188,7 @@ class VisibilityBuffer:
 
         `params` are those of the second pass.
         """
+        # Which triangle each pixel sees.
         color = {
             "view": self.triangle_ids.resource,
             "load_op": "clear",
@@ -200,6 +201,7 @@ class VisibilityBuffer:
             self._pass.draw(
                 commands, encoder, scene, draws, TriangleIdParams(clip_from_world=clip_from_world)
             )
+        # What that triangle is there.
         table = scene.triangle_table
         has_transforms = table.has_map_transforms
         if has_transforms not in self._surfaces:

@@ -187,6 +187,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
 
+    # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
     volumes = context.scene.volumes
     media = Media(
@@ -197,6 +198,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         is_lattice_marched=True,
         has_multiple=True,
     )
+    # Surfaces and fog, then volumes, which take the light that surfaces reflect.
     lattice = ScatterSolver(
         kit, settings, has_volumes=False, has_border_light=settings.cascade_light
     )

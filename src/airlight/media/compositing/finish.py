@@ -98,6 +98,7 @@ class Finish(FullscreenPass):
     file = "finish.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, *, has_sky: bool, lists: bool = False) -> None:
+        # Images that are written, and reduced ones that they come from.
         self._media, self._has_sky, self._has_single = media, has_sky, has_sky or lists
         names = [*_TARGETS, *["single"] * self._has_single]
         self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
