@@ -139,7 +139,8 @@ class Renderer:
                 moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
-                self.technique.solve(self.commands, self.show(scene), is_still=samples > 1)
+                if moments is None:
+                    self.technique.solve(self.commands, self.show(scene), is_still=samples > 1)
                 self._draw(samples, progress, moments)
                 if moments is not None:
                     self.show(scene)
@@ -363,16 +364,21 @@ def render(
     """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
     `size`: (width, height) in pixels. `samples` jittered images are averaged (8, or 64
-    where the camera has a lens or a shutter). `settings` as in `airlight render -D`.
+    where the camera has a lens, or a shutter while things move). `settings` as in
+    `airlight render -D`.
     `progress(stage, share)` is called after each step. `timed` renders a few more frames, for
     `frame_ms` and the milliseconds of each pass in `image.stats`. `time`, seconds, is when a moving
-    scene is shown.
+    scene is shown; without it, one whose shutter is open is shown from its animation's start on.
     Raises SceneError, SettingsError, DeviceError.
     """
     if isinstance(scene, (str, Path)):
         scene = load(scene)
+    camera, moving = scene.camera, scene.animation
+    is_blurred = moving is not None and camera.shutter_s > 0.0
+    if moving is not None and is_blurred and time is None:
+        time = moving.start_s
     if samples is None:
-        samples = LENS_SAMPLES if scene.camera.is_sampled else STILL_SAMPLES
+        samples = LENS_SAMPLES if is_blurred or camera.aperture_m > 0.0 else STILL_SAMPLES
     if samples < 1 or samples > 4096:
         raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
     if progress:

@@ -35,9 +35,9 @@ def test_a_folder_of_arrays_with_a_header(gpu, tmp_path, capsys):
     ("words", "message"),
     [
         (
-            ["-o", "{in}/light.vdb"],
-            "cannot write a light field that ends in '.vdb'. "
-            "End its name in .npz, or name a folder.",
+            ["-o", "{in}/light.obj"],
+            "cannot write a light field that ends in '.obj'. "
+            "End its name in .npz or .vdb, or name a folder.",
         ),
         (["-o", "{in}/file"], "this is a file, not a folder"),
         (["-o", "{in}/nowhere/light.npz"], "does not exist"),

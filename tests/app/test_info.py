@@ -110,3 +110,12 @@ def test_when_a_scene_moves(tmp_path, capsys):
     assert "animation: start_s 1, end_s 3.5, fps 10, loop False, frames 25, moving (camera)" in said
     (tmp_path / "b.toml").write_text(SCENE)
     assert facts(capsys, str(tmp_path / "b.toml"))["animation"] is None
+
+
+def test_a_sun_is_among_the_lights_and_none_for_grids(tmp_path, capsys):
+    (tmp_path / "a.toml").write_text(SCENE)
+    told = facts(capsys, str(tmp_path / "a.toml"), "--sun", "35,135")
+    assert any(light["type"] == "directional" for light in told["lights"])
+    np.save(tmp_path / "a.npy", np.ones((2, 2, 2), np.float32))
+    assert cli.run(["info", str(tmp_path / "a.npy"), "--sun", "35,135"]) == 2
+    assert "a.npy: --sun lights scenes" in capsys.readouterr().err

@@ -106,3 +106,27 @@ def test_a_frame_leaves_the_scene_at_its_time(gpu):
     with Renderer(moving(1.0), "direct", SIZE) as renderer:
         alone = renderer.frame(time=0.5).radiance
     assert np.array_equal(after, alone)
+
+
+def test_an_open_shutter_needs_no_time(gpu, monkeypatch):
+    """From the animation's start on, and of many samples; a still scene has those of a still."""
+    image = render(moving(1.0), "direct", SIZE, samples=8).radiance
+    assert np.array_equal(image, render(moving(1.0), "direct", SIZE, samples=8, time=0.0).radiance)
+    seen = []
+    whole = Renderer.frame
+    monkeypatch.setattr(
+        Renderer, "frame", lambda self, **kw: seen.append(kw["samples"]) or whole(self, **kw)
+    )
+    render(moving(1.0), "direct", (16, 16))
+    render(replace(moving(1.0), animation=None), "direct", (16, 16))
+    assert seen == [64, 8]
+
+
+def test_a_frame_solves_once_for_each_moment(gpu, monkeypatch):
+    with Renderer(moving(1.0), "direct", SIZE) as renderer:
+        times, whole = [], renderer.technique.solve
+        monkeypatch.setattr(
+            renderer.technique, "solve", lambda *a, **kw: times.append(a[1]) or whole(*a, **kw)
+        )
+        renderer.frame(time=0.5, samples=4)
+    assert len(times) == 4

@@ -18,7 +18,7 @@ from .scene_argument import load_scene, reads, show_warnings
 
 
 @click.command("export-lattice")
-@output_option("FILE.npz|DIR", "An .npz, or a folder for .npy files and header.json.")
+@output_option("FILE.npz|FILE.vdb|DIR", "A folder is for .npy files and header.json.")
 @solving_options("lpv, lpv-march, lpv-sum, lpv-scatter, pop or auto.")
 @scene_options()
 def command(scene: str, output: Path, **options: Any) -> None:
@@ -27,10 +27,12 @@ def command(scene: str, output: Path, **options: Any) -> None:
     \b
     airlight export-lattice builtin:room -o room-light.npz -t lpv
     airlight export-lattice fog.toml -o light/ -D resolution=48
+    airlight export-lattice fog.toml -o light.vdb
 
     The header gives placement, units, basis and order. Lattices hold radiance in spherical
     harmonics of order 1 and irradiance on six sides of every cell; volumes solved by pop hold
-    what they scatter towards the scene's camera.
+    what they scatter towards the scene's camera. A .vdb holds grids of colours: the mean radiance
+    in each lattice, what air scatters, and what volumes scatter.
     """
     reads(scene)
     _check_output(output)
@@ -51,13 +53,13 @@ def command(scene: str, output: Path, **options: Any) -> None:
 
 def _check_output(output: Path) -> None:
     """Refuse, before any work, what could not be written after it. Raises OutputError."""
-    if output.suffix == ".npz":
+    if output.suffix in (".npz", ".vdb"):
         check_writable(output)
     elif output.suffix:
         raise OutputError(
             f"cannot write a light field that ends in '{output.suffix}'",
             where=output,
-            remedy="End its name in .npz, or name a folder.",
+            remedy="End its name in .npz or .vdb, or name a folder.",
         )
     else:
         check_folder(output)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from ..errors import one_line
-from .options import model_options
+from ..errors import SettingsError, one_line
+from .options import model_options, sun_option
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 @model_options()
+@sun_option()
 def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Say what a FILE holds.
 
@@ -30,8 +31,10 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     from ..scene.io import VOLUME_SUFFIXES, model_keys
     from ..scene.io.images import IMAGE_SUFFIXES
 
-    model_keys(file, **model)
+    model_keys(file, **{name: value for name, value in model.items() if name != "sun"})
     ending = Path(file).suffix.lower()
+    if "sun" in model and ending in (*VOLUME_SUFFIXES, *IMAGE_SUFFIXES):
+        raise SettingsError("--sun lights scenes, and this is none", where=file)
     if ending in VOLUME_SUFFIXES:
         facts = grid_facts(Path(file))
     elif ending in IMAGE_SUFFIXES:

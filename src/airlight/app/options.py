@@ -116,7 +116,7 @@ def scene_options() -> Decorator:
 
     To `model_options` this adds --sun and --ground.
     """
-    return together(click.argument("scene"), model_options(), _sun_option(), _ground_option())
+    return together(click.argument("scene"), model_options(), sun_option(), _ground_option())
 
 
 def size_option(default: str) -> Decorator:
@@ -177,7 +177,8 @@ def model_options() -> Decorator:
     )
 
 
-def _sun_option() -> Decorator:
+def sun_option() -> Decorator:
+    """--sun, among what `model` says."""
     return click.option(
         "--sun",
         metavar="WHERE",

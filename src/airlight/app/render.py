@@ -137,16 +137,9 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
         "settings": options["settings"],
         "adapter": options["adapter"],
         "timed": options["stats"] is not None,
-        "time": _time_s(scene, options["time_s"]),
+        "time": options["time_s"],
         **({"samples": options["samples"]} if options["samples"] else {}),
     }
-
-
-def _time_s(scene: Scene, time_s: float | None) -> float | None:
-    """When: as asked, or where the shutter is open for a while from the animation's start."""
-    if time_s is None and scene.animation is not None and scene.camera.shutter_s > 0.0:
-        return scene.animation.start_s
-    return time_s
 
 
 def _shown(image: Image, options: dict[str, Any]) -> Image:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import AirlightError, SettingsError
-from .options import model_options
+from .options import model_options, sun_option
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 @model_options()
+@sun_option()
 def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
     try:

@@ -3,4 +3,5 @@
 solved             a renderer's lattices and volumes, read back -> light field
 light_field        the arrays, and the lookup of irradiance in NumPy
 light_field_file   .npz, or a folder of .npy, with a JSON header
+vdb                OpenVDB files for programs that show volumes
 """

@@ -211,7 +211,15 @@ class LightField:
         return total
 
     def save(self, path: Any) -> None:
-        """Write `path`, an .npz or a folder. Raises OutputError."""
+        """Write `path`: an .npz, a folder, or a .vdb, which `load` does not read again.
+
+        Raises OutputError.
+        """
+        if str(path).endswith(".vdb"):
+            from .vdb import save_light_vdb
+
+            save_light_vdb(self, path)
+            return
         from .light_field_file import save_light_field
 
         save_light_field(self, path)

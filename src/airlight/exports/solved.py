@@ -32,7 +32,7 @@ def export_lattice(
     settings: Mapping[str, Any] | None = None,
     adapter: str = "auto",
 ) -> LightField:
-    """Solve the light in `scene`, write it to `path` (.npz or a folder) if given, return it.
+    """Solve the light in `scene`, write it to `path` (.npz, .vdb or a folder) if given, return it.
 
     `settings` as in `airlight render -D`. Raises SettingsError for a technique that stores no
     light, DeviceError, OutputError.

@@ -32,11 +32,6 @@ class Camera:
     focus_m: float | None = None
     shutter_s: float = 0.0
 
-    @property
-    def is_sampled(self) -> bool:
-        """Whether an image is a mean over a lens or a time: few samples show as many images."""
-        return self.aperture_m > 0.0 or self.shutter_s > 0.0
-
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "position", checks.vec3(self.position, "camera position"))

@@ -183,3 +183,13 @@ def test_statements_that_are_not_read_are_named(tmp_path):
     assert not any("statements" in line for line in load_obj(path).warnings)
     path.write_text(shape + "l 1 2\np 1\ncurv 0 1 1 2\n")
     assert "its statements 'p', 'l', 'curv' are not read" in load_obj(path).warnings[0]
+
+
+@pytest.mark.parametrize("codec", ["utf-16-le", "utf-16-be"])
+def test_utf_16_is_read_where_its_mark_says_so(tmp_path, codec):
+    text = "\ufeffmtllib ä.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_bytes(text.encode(codec))
+    (tmp_path / "ä.mtl").write_bytes("\ufeffnewmtl red\nKd 1 0 0\n".encode(codec))
+    (mesh,) = load_obj(tmp_path / "a.obj").meshes
+    assert len(mesh.geometry.indices) == 1
+    assert mesh.material.base_color[1] == 0.0

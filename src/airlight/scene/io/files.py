@@ -89,6 +89,14 @@ def read_text(path: Path) -> str:
         raise SceneError(f"is not UTF-8 text (byte {error.start})", where=path) from None
 
 
+def in_utf8(raw: bytes) -> bytes:
+    """Text whose mark says that it is UTF-16, as some editors of Windows save it, in UTF-8."""
+    for mark, codec in ((b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be")):
+        if raw.startswith(mark):
+            return raw[2:].decode(codec, "replace").encode()
+    return raw
+
+
 def inside(root: Path, name: str, where: object, start: Path | None = None) -> Path:
     """The file called `name` in the folder `root` or below it; backslashes separate as slashes do.
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...errors import SceneError
 from ..material import Texture
-from .files import read_bytes
+from .files import in_utf8, read_bytes
 
 _OPTION_ARGUMENTS = {
     "-bm": 1,
@@ -31,7 +31,7 @@ def read_blocks(path: Path) -> list[Block]:
     blocks: dict[str, Block] = {}
     block: Block | None = None
     # A backslash at its end continues a line.
-    text = read_bytes(path).decode("utf-8", "replace").replace("\\\n", " ")
+    text = in_utf8(read_bytes(path)).decode("utf-8", "replace").replace("\\\n", " ")
     for number, line in enumerate(text.splitlines(), start=1):
         keyword, _, rest = line.split("#", 1)[0].strip().replace("\t", " ").partition(" ")
         if keyword.lower() == "newmtl":

@@ -17,7 +17,7 @@ from ...maths.colour import srgb_decode
 from ..material import DEFAULT_MATERIAL, Material
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
-from .files import read_bytes
+from .files import in_utf8, read_bytes
 from .mtl import load_mtl
 from .normals import compact, creased_normals
 from .obj_parse import I64, Floats, ObjData, parse_obj
@@ -31,7 +31,7 @@ def load_obj(path: Path) -> Scene:
     Raises SceneError with file and line for bad numbers and indices, and for no triangles.
     What had to be approximated or replaced is in the scene's warnings.
     """
-    data = parse_obj(read_bytes(path), path)
+    data = parse_obj(in_utf8(read_bytes(path)), path)
     textures = TextureFiles(path)
     if data.unread:
         listed = ", ".join(f"'{keyword}'" for keyword in data.unread)
