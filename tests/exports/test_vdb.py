@@ -57,8 +57,9 @@ def field() -> LightField:
 
 
 def test_cells_lie_where_the_lattice_has_them():
-    light, volume = light_grids(field())
-    lattice = field().lattices[0]
+    made = field()
+    light, volume = light_grids(made)
+    lattice = made.lattices[0]
     world = light.world_from_index @ [1, 2, 3, 1]
     own = lattice.axes @ world[:3]
     np.testing.assert_allclose((own - lattice.origin) / lattice.cell, [1.5, 2.5, 3.5])
