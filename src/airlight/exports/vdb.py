@@ -119,7 +119,7 @@ def _tree(values: F32) -> tuple[bytes, bytes]:
     split = [n for pair in zip(leaf_count, (_LEAF,) * 3, strict=True) for n in pair]
     blocks = padded.reshape(*split, channels).transpose(0, 2, 4, 1, 3, 5, 6)
     masks = active.reshape(split).transpose(0, 2, 4, 1, 3, 5)
-    is_lit = blocks.any(axis=(3, 4, 5, 6))
+    is_lit: NDArray[np.bool_] = np.asarray(blocks.any(axis=(3, 4, 5, 6)))
     if not is_lit.any():
         is_lit[0, 0, 0] = True
     topology, stored = bytearray(), bytearray()
