@@ -27,7 +27,7 @@ from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image, checked_size
 from .scene.io import load
-from .scene.lens import through_lens
+from .scene.lens import has_moments, shutter_time, still_samples, through_lens
 from .scene.light_shapes import LightMeshes
 from .scene.lights import Light
 from .scene.limits import check_extent
@@ -40,7 +40,6 @@ from .surface.geometry import GpuScene
 from .techniques import make_technique
 
 Progress = Callable[[str, float], None]
-STILL_SAMPLES, LENS_SAMPLES = 8, 64
 _MOST_TIMES = 256
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
@@ -134,7 +133,7 @@ class Renderer:
             before = self.scene
             scene = self._asked(before if time is None else before.at(time), **changes)
             moments: Iterator[Scene] | None = None
-            if time is not None and _is_blurred(scene, samples):
+            if time is not None and samples > 1 and has_moments(scene):
                 times_s = time + scene.camera.shutter_s * shutter_shares(samples)
                 moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
             with self.whole():
@@ -373,12 +372,8 @@ def render(
     """
     if isinstance(scene, (str, Path)):
         scene = load(scene)
-    camera, moving = scene.camera, scene.animation
-    is_blurred = moving is not None and camera.shutter_s > 0.0
-    if moving is not None and is_blurred and time is None:
-        time = moving.start_s
-    if samples is None:
-        samples = LENS_SAMPLES if is_blurred or camera.aperture_m > 0.0 else STILL_SAMPLES
+    time = shutter_time(scene, time)
+    samples = still_samples(scene) if samples is None else samples
     if samples < 1 or samples > 4096:
         raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
     if progress:
@@ -395,11 +390,6 @@ def render(
             renderer.frame(read=False)
         stats = {**renderer.stats(), "passes": renderer.timed_passes()}
         return dataclasses.replace(image, stats=stats)
-
-
-def _is_blurred(scene: Scene, samples: int) -> bool:
-    """Whether a frame of so many samples shows more than one moment."""
-    return samples > 1 and scene.camera.shutter_s > 0.0 and scene.animation is not None
 
 
 def _median(times_ms: Sequence[float]) -> float | None:

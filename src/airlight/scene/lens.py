@@ -1,4 +1,4 @@
-"""A thin lens by samples: where on the lens each one looks from, and how its image is moved."""
+"""A thin lens and a shutter by samples: where on the lens each one looks from, and when."""
 
 from __future__ import annotations
 
@@ -8,6 +8,26 @@ import numpy as np
 
 from ..maths.sampling import lens_points
 from .camera import Camera
+from .scene import Scene
+
+STILL_SAMPLES, LENS_SAMPLES = 8, 64
+
+
+def has_moments(scene: Scene) -> bool:
+    """Whether something may move while the camera's shutter is open."""
+    return scene.animation is not None and scene.camera.shutter_s > 0.0
+
+
+def shutter_time(scene: Scene, time_s: float | None) -> float | None:
+    """When the shutter opens: as asked, or where it stays open from the animation's start on."""
+    if time_s is None and scene.animation is not None and has_moments(scene):
+        return scene.animation.start_s
+    return time_s
+
+
+def still_samples(scene: Scene) -> int:
+    """Samples of a still: many where it is a mean over a lens or a time."""
+    return LENS_SAMPLES if has_moments(scene) or scene.camera.aperture_m > 0.0 else STILL_SAMPLES
 
 
 def through_lens(
