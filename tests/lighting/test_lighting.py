@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from airlight.gpu.device import Gpu, open_gpu
-from airlight.lighting.kernel import Emitters, LatticeLight, Part
+from airlight.lighting.kernel import Emitters, LatticeLight
 from airlight.lighting.lighting import Lighting
+from airlight.lighting.slots import Part
 
 GRANTED = 16
 """Sampled textures that WebGPU grants every stage."""

@@ -14,8 +14,9 @@ from ..gpu.raster import FullscreenPass
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lighting.gathered import Gathered
-from ..lighting.kernel import LATTICE_SLOTS, LATTICES_FIRST, LatticeLight
+from ..lighting.kernel import LATTICES_FIRST, LatticeLight
 from ..lighting.kit import Kit
+from ..lighting.slots import LATTICE_SLOTS
 from ..lighting.view import View
 from .points import PointParams, Points
 

@@ -13,7 +13,8 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import Slot, image, storage
-from .kernel import LATTICE_SLOTS, SURFACE_SLOTS, LatticeLight
+from .kernel import LatticeLight
+from .slots import LATTICE_SLOTS, SURFACE_SLOTS
 
 _ENTRY_BYTES = 32
 _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list

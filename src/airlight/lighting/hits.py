@@ -17,10 +17,11 @@ from ..gpu.demands import fits
 from ..gpu.memory import Texture, linear_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..surface.hits import HITS, Hits
-from .kernel import Emitters, LatticeLight, LightingParams, Part, lighting_slots
+from .kernel import Emitters, LatticeLight
 from .kit import Kit
 from .lighting import Lighting, RadianceLayers
 from .shadow_rays import ShadowRays, shadow_key
+from .slots import LightingParams, Part, lighting_slots
 
 
 class HitLighting:

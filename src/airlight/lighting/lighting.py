@@ -14,16 +14,8 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.raster import FullscreenPass
 from ..surface.hits import PIXELS, Points
-from .kernel import (
-    Emitters,
-    Gloss,
-    Kernel,
-    LatticeLight,
-    Part,
-    lattices_kernel,
-    lighting_slots,
-    lights_kernel,
-)
+from .kernel import Emitters, Kernel, LatticeLight, lattices_kernel, lights_kernel
+from .slots import Gloss, Part, lighting_slots
 
 
 class Lighting(FullscreenPass):

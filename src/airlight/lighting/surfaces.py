@@ -21,18 +21,12 @@ from ..scene.scene import Scene
 from .gathered import Gathered
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
-from .kernel import (
-    Emitters,
-    Gloss,
-    LatticeLight,
-    LightingParams,
-    Part,
-    lighting_slots,
-)
+from .kernel import Emitters, LatticeLight
 from .kit import Kit
 from .lighting import Lighting
 from .occlusion import Occlusion, lattice_reach
 from .shadow_rays import ShadowRays, shadow_key
+from .slots import Gloss, LightingParams, Part, lighting_slots
 from .view import View
 
 _AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before

@@ -10,7 +10,6 @@ Henyey-Greenstein scattering; the sensors perspective and thinlens; <default>, <
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,6 @@ import numpy as np
 from ...errors import SceneError
 from ...maths.weld import open_vertices, welded
 from ..camera import Camera
-from ..checks import Vec3
 from ..environment import Environment
 from ..lights import Light
 from ..material import Material
@@ -29,6 +27,7 @@ from ..medium import FILL_MARGIN, medium_box
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from .files import naming
+from .mitsuba_camera import camera_of
 from .mitsuba_emitters import emitter, with_emission
 from .mitsuba_lights import area_light, is_back
 from .mitsuba_materials import NoSurface, material
@@ -37,9 +36,6 @@ from .mitsuba_nodes import Node, walk
 from .mitsuba_shapes import shape_geometries
 from .mitsuba_textures import Source
 from .mitsuba_xml import read_tree
-
-DEFAULT_FILM = (768, 576)
-DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
 
 # Values that say how to render, not what: leaving them out changes no image.
 _HOW = frozenset(
@@ -119,7 +115,7 @@ def _scene(tree: Node, source: Source) -> Scene:
     sensors = tree.all("sensor")
     if len(sensors) > 1:
         source.note(f"{len(sensors)} sensors: the first one is used")
-    camera = _camera(sensors[0], source) if sensors else None
+    camera = camera_of(sensors[0], source) if sensors else None
     around = next((c for c in sensors[0].children if c.tag == "medium"), None) if sensors else None
     medium, volumes = medium_and_volumes(found.held, around, source)
     integrator = tree.first("integrator")
@@ -264,64 +260,6 @@ def _read_emitter(node: Node, found: _Found, source: Source) -> None:
         found.environment = light
     elif light is not None:
         found.lights.append(light)
-
-
-def _camera(node: Node, source: Source) -> Camera:
-    if node.kind not in ("perspective", "thinlens"):
-        source.note(f"{node} is read as a perspective one")
-    # The lens.
-    aperture_m, focus_m = 0.0, None
-    if node.kind == "thinlens":
-        aperture_m = 2.0 * float(node.get("aperture_radius", 0.0))
-        focus_m = float(node.get("focus_distance", 1.0))
-    # The placement: Mitsuba's cameras look along +Z.
-    matrix = node.get("to_world")
-    matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
-    forward = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-    x, y, z = (float(v) for v in matrix[:3, 3])
-    target = matrix[:3, 3] + forward
-    if np.linalg.det(matrix[:3, :3]) < 0.0:
-        source.note(f"{node}: its transform mirrors the image, which is left out")
-    up: Vec3 = tuple(float(v) for v in matrix[:3, 1])  # type: ignore[assignment]
-    return Camera(
-        position=(x, y, z),
-        target=(float(target[0]), float(target[1]), float(target[2])),
-        up=up,
-        fov_y_deg=_fov_y(node, source),
-        aperture_m=aperture_m,
-        focus_m=focus_m,
-    )
-
-
-def _fov_y(node: Node, source: Source) -> float:
-    """The vertical field of view, degrees, from whichever axis is given."""
-    # The image's proportions.
-    film = node.first("film")
-    width, height = (
-        (int(film.get("width", DEFAULT_FILM[0])), int(film.get("height", DEFAULT_FILM[1])))
-        if film
-        else DEFAULT_FILM
-    )
-    if min(width, height) < 1:
-        raise SceneError(f"{film} has the impossible size {width} x {height}")
-    aspect = width / height
-    # Half the angle's tangent along the axis that the file says.
-    fov, axis = node.get("fov"), str(node.get("fov_axis", "x")).lower()
-    if fov is None:
-        focal = float(str(node.get("focal_length", f"{DEFAULT_FOCAL_MM}mm")).removesuffix("mm"))
-        tan, axis = FILM_DIAGONAL_MM / (2.0 * focal), "diagonal"
-    else:
-        tan = math.tan(math.radians(float(fov)) / 2.0)
-    # The same along the vertical axis.
-    if axis in ("smaller", "larger"):
-        axis = "y" if (aspect > 1.0) == (axis == "smaller") else "x"
-    if axis == "x":
-        tan /= aspect
-    elif axis == "diagonal":
-        tan /= math.hypot(1.0, aspect)
-    elif axis != "y":
-        raise SceneError(f"{node}: fov_axis '{axis}' is unknown", remedy="Use x or y.")
-    return 2.0 * math.degrees(math.atan(tan))
 
 
 def _tell_unread(tree: Node, source: Source) -> None:

@@ -1,0 +1,103 @@
+"""What each part of the lighting pass binds: its parameters and its slots."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from ..area.attenuation import Attenuation
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
+from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.lookup import CHANNEL_SLOTS
+from ..lattice.placement import LatticeParams
+from ..rays.slots import RAY_SLOTS
+from ..surface.hits import PIXELS, Points
+from ..surface.light_table import SHADOWED_LIGHT_SLOTS
+
+Part = Literal["whole", "lights", "lattices", "rest", "gathered"]
+"""Which light a pass adds up.
+
+whole     all of it
+lights    that of lights, emission and background, into one target
+rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
+lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
+gathered  on top of "lights" what rays gathered, and lattices' light in smooth surfaces alone
+"""
+Gloss = Literal["none", "inline", "listed"]
+"""Who traces smooth surfaces' mirrored rays into the lattice: nobody, the pass, `GlossyPixels`."""
+
+
+class LightingParams(Struct):
+    """The camera and the number of lights.
+
+    The sun's disk: where, the cosine of its angular radius, what it sends to the eye. `horizon`:
+    half a row of the environment's map, in heights of the map, 0 where its rows blend everywhere.
+    """
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    light_count = u32()
+    size = vec2f("px")
+    environment_rotation = f32("rad")
+    has_lattice = u32()
+    towards_sun = vec3f()
+    sun_cosine = f32()
+    sun_radiance = vec3f("W m^-2 sr^-1")
+    horizon = f32()
+
+
+SURFACE_SLOTS = (
+    uniform("params", LightingParams),
+    PIXELS.slot,
+    texture("albedo", "2d", "unfilterable-float"),
+    texture("normal", "2d", "unfilterable-float"),
+    texture("emission", "2d", "unfilterable-float"),
+)
+_LIGHT_SLOTS = (
+    *SHADOWED_LIGHT_SLOTS,
+    texture("environment", "2d"),
+    sampler("environment_sampler"),
+)
+PANE_SLOTS = (
+    texture("parallel_panes", "2d-array", "unfilterable-float"),
+    texture("local_panes", "2d-array", "unfilterable-float"),
+)
+LATTICE_SLOTS = (
+    storage("lattices", LatticeParams),
+    texture("near_field", "2d", "uint"),
+    texture("sky_cube", "3d"),
+    *CHANNEL_SLOTS,
+    *BLOCKER_SLOTS,
+    sampler("linear_clamp"),
+)
+_LISTS = (
+    storage("found", "atomic<u32>", "read_write"),
+    storage("listed", "vec4u", "read_write"),
+)
+GATHERED = ("gathered_irradiance", "gathered_sky")
+"""What `Gathered` brings, by slot."""
+_GATHERED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in GATHERED)
+
+
+def lighting_slots(
+    part: Part,
+    attenuation: Attenuation | None = None,
+    gloss: Gloss = "none",
+    points: Points = PIXELS,
+    *,
+    has_panes: bool = False,
+    is_traced: bool = False,
+) -> tuple[Slot, ...]:
+    """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
+    is_after = part in ("lattices", "rest", "gathered")
+    has_lattices = part != "lights" and (part != "gathered" or gloss == "inline")
+    return (
+        *(points.slot if slot is PIXELS.slot else slot for slot in SURFACE_SLOTS),
+        *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
+        *(LATTICE_SLOTS if has_lattices else ()),
+        *(_GATHERED_SLOTS if part == "gathered" else ()),
+        *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
+        *(PANE_SLOTS if has_panes and not is_after else ()),
+        *(RAY_SLOTS if is_traced and not is_after else ()),
+        *(_LISTS if gloss == "listed" and part != "lights" else ()),
+    )

@@ -1,0 +1,75 @@
+"""Sensors of Mitsuba 3's scenes as cameras."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...errors import SceneError
+from ..camera import Camera
+from ..checks import Vec3
+from .mitsuba_nodes import Node
+from .mitsuba_textures import Source
+
+DEFAULT_FILM = (768, 576)
+DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
+
+
+def camera_of(node: Node, source: Source) -> Camera:
+    """The camera that a sensor is; what of it cannot be is noted. Raises SceneError."""
+    if node.kind not in ("perspective", "thinlens"):
+        source.note(f"{node} is read as a perspective one")
+    # The lens.
+    aperture_m, focus_m = 0.0, None
+    if node.kind == "thinlens":
+        aperture_m = 2.0 * float(node.get("aperture_radius", 0.0))
+        focus_m = float(node.get("focus_distance", 1.0))
+    # The placement: Mitsuba's cameras look along +Z.
+    matrix = node.get("to_world")
+    matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
+    forward = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    x, y, z = (float(v) for v in matrix[:3, 3])
+    target = matrix[:3, 3] + forward
+    if np.linalg.det(matrix[:3, :3]) < 0.0:
+        source.note(f"{node}: its transform mirrors the image, which is left out")
+    up: Vec3 = tuple(float(v) for v in matrix[:3, 1])  # type: ignore[assignment]
+    return Camera(
+        position=(x, y, z),
+        target=(float(target[0]), float(target[1]), float(target[2])),
+        up=up,
+        fov_y_deg=_fov_y(node, source),
+        aperture_m=aperture_m,
+        focus_m=focus_m,
+    )
+
+
+def _fov_y(node: Node, source: Source) -> float:
+    """The vertical field of view, degrees, from whichever axis is given."""
+    # The image's proportions.
+    film = node.first("film")
+    width, height = (
+        (int(film.get("width", DEFAULT_FILM[0])), int(film.get("height", DEFAULT_FILM[1])))
+        if film
+        else DEFAULT_FILM
+    )
+    if min(width, height) < 1:
+        raise SceneError(f"{film} has the impossible size {width} x {height}")
+    aspect = width / height
+    # Half the angle's tangent along the axis that the file says.
+    fov, axis = node.get("fov"), str(node.get("fov_axis", "x")).lower()
+    if fov is None:
+        focal = float(str(node.get("focal_length", f"{DEFAULT_FOCAL_MM}mm")).removesuffix("mm"))
+        tan, axis = FILM_DIAGONAL_MM / (2.0 * focal), "diagonal"
+    else:
+        tan = math.tan(math.radians(float(fov)) / 2.0)
+    # The same along the vertical axis.
+    if axis in ("smaller", "larger"):
+        axis = "y" if (aspect > 1.0) == (axis == "smaller") else "x"
+    if axis == "x":
+        tan /= aspect
+    elif axis == "diagonal":
+        tan /= math.hypot(1.0, aspect)
+    elif axis != "y":
+        raise SceneError(f"{node}: fov_axis '{axis}' is unknown", remedy="Use x or y.")
+    return 2.0 * math.degrees(math.atan(tan))
