@@ -11,7 +11,7 @@ from ..gpu.memory import Texture
 from ..lighting.view import View
 from .combine import DEPTH, NORMAL, RADIANCE, RAW, Combine
 from .meter import Meter
-from .show import Show
+from .show import Place, Show
 from .tone import Tone
 
 IMAGE = "image"
@@ -71,27 +71,50 @@ class Presenter:
                 reach_m=look.reach_m,
             )
 
-    def tone(self, commands: Commands, look: Look, *, settled: bool = True) -> None:
-        """Tone map the mean; the metered exposure follows slowly unless `settled`."""
+    def tone(
+        self,
+        commands: Commands,
+        look: Look,
+        *,
+        settled: bool = True,
+        exposed_as: Presenter | None = None,
+    ) -> None:
+        """Tone map the mean; the metered exposure follows slowly unless `settled`.
+
+        `exposed_as`: what was metered of another presenter's image, to be compared with.
+        """
+        meter = exposed_as._meter if exposed_as else self._meter
         is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
         with commands.stage("tone"):
-            if is_metered and not is_raw:
+            if is_metered and not is_raw and exposed_as is None:
                 speed = 1.0 if settled or not self._is_metered_before else 0.3
                 self._meter.encode(commands, self._combine.image, speed)
                 self._is_metered_before = True
             self._tone.encode(
                 commands,
                 self._combine.image,
-                self._meter.stops,
+                meter.stops,
                 is_metered=is_metered,
                 exposure_stops=look.exposure_stops or 0.0,
                 curve=look.curve,
                 is_raw=is_raw,
             )
 
-    def show(self, commands: Commands, view: Any) -> None:
-        """Draw the tone-mapped image onto the surface's texture `view`."""
-        self._show.draw(commands, self._tone.shown, view)
+    def show(
+        self,
+        commands: Commands,
+        view: Any,
+        place: Place | None = None,
+        compared: tuple[Presenter, float] | None = None,
+    ) -> None:
+        """Draw the tone-mapped image onto a place of the surface's texture `view`.
+
+        Without a `place` the image fills it. `compared`: another presenter, and the share of the
+        width right of which its image is seen.
+        """
+        place = place or Place((0.0, 0.0), tuple(view.size[:2]))
+        other = (compared[0]._tone.shown, compared[1]) if compared else None
+        self._show.draw(commands, view, place, self._tone.shown, other)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -2,17 +2,19 @@
 
 override is_encoding: bool = false;
 
-struct Corner {
-    @builtin(position) position: vec4f,
-    @location(0) uv: vec2f,
-}
+const GROUND = vec3f(0.067, 0.071, 0.078);    // beside the image
+const LINE = vec3f(0.94, 0.94, 0.94);         // between two images
 
-@vertex fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
-    return Corner(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), vec2f(corner.x, 1.0 - corner.y));
-}
+@fragment fn fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let within = at.xy - params.corner;
+    let uv = within / params.extent;
+    let split = floor(params.split * params.extent.x);
 
-@fragment fn fragment(in: Corner) -> @location(0) vec4f {
-    let c = textureSampleLevel(shown, linear_clamp, in.uv, 0.0).rgb;
+    // Left of the line the one image, right of it the other.
+    let one = textureSampleLevel(shown, linear_clamp, uv, 0.0).rgb;
+    let other = textureSampleLevel(compared, linear_clamp, uv, 0.0).rgb;
+    var c = select(one, other, within.x > split);
+    c = select(c, LINE, params.split < 1.0 && abs(within.x - split) < 1.0);
+    c = select(c, GROUND, any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)));
     return vec4f(select(c, srgb_decode(c), is_encoding), 1.0);
 }

@@ -183,6 +183,12 @@ def with_sky(scene: Scene, sky: Sky) -> Scene:
     )
 
 
+def without_sun(scene: Scene) -> Scene:
+    """The scene without the sun of its computed sky, its last light."""
+    has_sun = bool(scene.lights) and isinstance(scene.lights[-1], DirectionalLight)
+    return replace(scene, lights=scene.lights[:-1]) if has_sun else scene
+
+
 def followed(scene: Scene) -> Scene:
     """The scene with its sky turned to its sun, the last light, where a hand has turned that."""
     from .environment import Environment

@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 
 from airlight.app.cli import run
-from airlight.app.view.browser import PAGE, link_to, say_where
+from airlight.app.view.browser import FILES, link_to, say_where
 from airlight.app.view.guard import bound_socket
+from airlight.app.view.page import web_text
 
 SCENE = Path(__file__).with_name("view_box.toml")
 SMALL = [
@@ -54,8 +55,12 @@ def test_listening_to_others_warns_and_loopback_does_not(capsys, monkeypatch):
 
 
 def test_the_page_asks_for_nothing_from_elsewhere():
-    assert "http:" not in PAGE and "https:" not in PAGE
-    assert 'src="renderview-client.js"' in PAGE
+    for name in FILES:
+        text = web_text(name).replace("http://www.w3.org/2000/svg", "")  # a name, not an address
+        assert "http:" not in text and "https:" not in text and "//cdn" not in text
+    page = web_text("index.html")
+    # What wraps the socket stands before what opens it.
+    assert page.index('src="page.js"') < page.index('src="renderview-client.js"')
 
 
 @pytest.mark.needs("uvicorn")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from airlight.app.view.canvas import CanvasView
+from airlight.app.view.save import Saver
 from airlight.app.view.session import Session
 from airlight.errors import DeviceError
 from airlight.gpu.device import open_gpu
@@ -39,7 +40,7 @@ def view():
         pytest.skip(str(error))
     canvas = offscreen.RenderCanvas(size=(480, 300))
     session = Session(load(SCENE), technique="single", settings=SMALL)
-    made = CanvasView(canvas, session, folder=Path())
+    made = CanvasView(canvas, session, Saver(session, Path()))
     yield made
     session.close()
     canvas.close()
@@ -124,12 +125,13 @@ def test_the_help_is_drawn_and_goes_again(view):
 
 def test_the_sections_of_a_computed_sky_and_of_the_lens_can_be_drawn(view, monkeypatch):
     """Every section open: none of them refuses what a sky, thick fog and a lens give it."""
-    from airlight.app.view import gui
+    from imgui_bundle import imgui
+
     from airlight.scene import Medium, Sky
 
     state, hands = view.session.state, view.session.controls
     before, camera = state.scene, hands.camera
-    monkeypatch.setattr(gui, "_header", lambda name, is_open=True: name != "time of passes")
+    monkeypatch.setattr(imgui, "collapsing_header", lambda name, flags: True)
     state.put_sky(Sky(30.0, 200.0))
     assert state.look.exposure_stops is None
     state.scene = replace(state.scene, medium=Medium(sigma_t=50.0))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.app.view.save import Saver
+from airlight.app.view.source import Source
 from airlight.scene.builtin.cornell import cornell
 from airlight.scene.image import Image
 
@@ -24,9 +25,7 @@ def session():
         state=state,
         image=lambda: image,
         scene_now=lambda: scene,
-        loaded=scene,
-        source="builtin:cornell",
-        model={},
+        source=Source("builtin:cornell", scene),
     )
 
 

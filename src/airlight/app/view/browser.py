@@ -14,44 +14,18 @@ import click
 from .canvas import CanvasView, close_on_signals, missing
 from .guard import Guard, bound_socket, is_loopback, new_token
 from .messages import believed
+from .page import Page, web_text
 from .session import Session
 
 _LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
 _SERVER = 0  # the id of what the server itself says; browsers count from 1
 
-PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-  <meta charset="utf-8">
-  <title>airlight</title>
-  <link rel="stylesheet" href="renderview.css">
-  <style>
-    html, body { margin: 0; height: 100%; overflow: hidden; background: #181818; }
-    #canvas { display: block; border: none; }
-    #status { position: fixed; right: 0; bottom: 0; padding: .5em 1em; color: #ddd;
-              background: #333c; font: 14px sans-serif; }
-    #status.fine { display: none; }
-  </style>
-</head>
-<body>
-  <div id="canvas" style="width:100vw; height:100vh"></div>
-  <div id="status"></div>
-  <script type="module" src="renderview.js"></script>
-  <script type="module" src="renderview-client.js"></script>
-  <script>
-    const status = document.getElementById('status')
-    const said = new MutationObserver(() => {
-      const text = status.innerText
-      const isPassive = text.includes('(passive)')
-      status.classList.toggle('fine', text.includes('Connected') && !isPassive)
-      const note = 'Another tab steers; here you look on.'
-      if (isPassive && text !== note) { status.innerText = note }
-    })
-    said.observe(status, { childList: true, subtree: true, characterData: true })
-  </script>
-</body>
-</html>
-"""
+FILES = {
+    "index.html": "text/html; charset=utf-8",
+    "panel.css": "text/css; charset=utf-8",
+    "panel.js": "text/javascript; charset=utf-8",
+    "page.js": "text/javascript; charset=utf-8",
+}
 
 
 def serve(
@@ -75,8 +49,10 @@ def serve(
         raise missing(error.name or "uvicorn") from None
     bound = bound_socket(listen, port)
     token = new_token()
-    canvas = make_canvas(http, session, size)
-    view = CanvasView(canvas, session)
+    page = Page(session, http.asgi.send_all)
+    canvas = make_canvas(http, session, size, page)
+    view = CanvasView(canvas, session, page.saver, page)
+    page.touched = view.touched
     http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
     config = uvicorn.Config(
@@ -104,17 +80,24 @@ def serve(
         pass
     finally:
         bound.close()
+        page.uploads.close()
         session.close()
     click.echo("stopped", err=True)
 
 
-def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
+def make_canvas(http: Any, session: Session, size: tuple[int, int], page: Page) -> Any:
     """A canvas of `rendercanvas.http` that does not believe everything a browser says."""
 
     sizes: dict[int, dict[str, Any]] = {}
 
     class GuardedCanvas(http.HttpRenderCanvas):  # type: ignore[misc]
         def _on_event(self, event: dict[str, Any], id: int) -> None:
+            # Who looks on may ask what stands in the panel, and change nothing.
+            is_asking = isinstance(event, dict) and event.get("type") == "hello"
+            if is_asking and id != self._active_client:
+                event = {**event, "shown": page.is_shown}
+            if (is_asking or id == self._active_client) and page.heard(event):
+                return
             kept = event if id == _SERVER else believed(event)
             if kept is None:
                 return
@@ -124,13 +107,14 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int]) -> Any:
             super()._on_event(kept, id)
             if self._active_client != steering:
                 # Who steered is gone: no button of theirs is held, and another's size counts.
-                session.controls.release()
+                session.release()
                 if self._active_client in sizes:
                     super()._on_event(sizes[self._active_client], self._active_client)
 
     title = f"{session.state.scene.name} - airlight"
-    page = PAGE.replace("<title>airlight", f"<title>{html.escape(title)}")
-    http.resources["index.html"] = ("text/html; charset=utf-8", page)
+    for name, kind in FILES.items():
+        text = web_text(name).replace("<title>airlight", f"<title>{html.escape(title)}")
+        http.resources[name] = (kind, text)
     canvas = GuardedCanvas(size=size, title=title, max_fps=30, update_mode="ondemand")
     canvas._size_info.set_physical_size(*size, 1.0)
     return canvas

@@ -8,10 +8,13 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
+from ...display.show import Place
 from ...errors import AirlightError
 from ...gpu.canvas import CanvasSurface, imgui_overlay
+from .gizmos import Mark
+from .projection import Projection
 from .save import Copy, Saver
 from .session import Session
 
@@ -31,81 +34,132 @@ NOT_INSTALLED = "Install it with: pip install 'airlight[view]'"
 _LARGEST_SIDE_PX = 8192
 _NEWS_S = 0.1
 _FRAMES_PER_EVENT = 4  # imgui takes a click in over several: moved there, pressed, let go, shown
+_POINTER = ("pointer_down", "pointer_up", "pointer_move")
+
+
+class Front(Protocol):
+    """What shows the panel: imgui on the window's surface, or a page beside the image."""
+
+    is_shown: bool
+    shows_help: bool
+    marks: tuple[Mark, ...]
+
+    def width(self, whole: float, height: float) -> float:
+        """How much of the surface's width, in logical pixels, is not the image's."""
+
+    def covers(self, x: float, y: float) -> bool:
+        """Whether a click here, in logical pixels, is the panel's."""
+
+    def takes_text(self) -> bool:
+        """Whether keys are being typed into one of its fields."""
+
+    def render(self) -> None:
+        """Draw, or tell the page, what stands in it now."""
 
 
 class CanvasView:
     """Draws when something changed, and goes on until the image is refined."""
 
     def __init__(
-        self,
-        canvas: Any,
-        session: Session,
-        *,
-        folder: Path | None = None,
-        copy: Copy | None = None,
+        self, canvas: Any, session: Session, saver: Saver, front: Front | None = None
     ) -> None:
-        self.canvas, self.session = canvas, session
+        self.canvas, self.session, self.saver = canvas, session, saver
         self.surface = CanvasSurface(session.gpu, canvas)
         session.attach(self.surface.format)
-        self.saver = Saver(session, folder or Path.cwd(), copy)
-        self.overlay: Any = None
-        self.panel: Any = None
-        self._owed = 0
-        self._make_panel()
-        # Before the overlay, which decides by the last frame: on a slow machine, too long ago.
+        # Before imgui, which decides by the last frame: on a slow machine, too long ago.
         canvas.add_event_handler(self.on_event, *EVENTS, order=-100)
+        self.panel = front or self._imgui()
+        self._owed = 0
         canvas.request_draw(self.draw)
 
-    def _make_panel(self) -> None:
+    def _imgui(self) -> Front | None:
         try:
-            self.overlay = imgui_overlay(self.session.gpu, self.canvas)
+            overlay = imgui_overlay(self.session.gpu, self.canvas)
             from .gui import Panel
         except ImportError:
             self.session.state.notice = "no panel: imgui-bundle is not installed"
-            return
-        self.panel = Panel(self.session, self.saver)
-        self.overlay.set_gui(self.panel.draw)
+            return None
+        return Panel(self.session, self.saver, overlay)
+
+    @property
+    def _ratio(self) -> float:
+        return float(self.canvas.get_pixel_ratio())
+
+    def image_place(self) -> Place:
+        """Where on the surface the image is, pixels."""
+        width, height = self.surface.size
+        logical = (width / self._ratio, height / self._ratio)
+        left = round(self.panel.width(*logical) * self._ratio) if self.panel else 0
+        return Place((left, 0), (width - left, height))
+
+    def seen(self) -> Projection:
+        """The camera onto the image, in logical pixels."""
+        width, height = self.image_place().extent
+        size = (max(width / self._ratio, 1.0), max(height / self._ratio, 1.0))
+        return Projection(self.session.controls.camera, size)
 
     def draw(self) -> None:
         """One frame. A window folded to nothing is not drawn."""
-        width, height = self.surface.size
-        if width < 1 or height < 1:
+        if min(self.surface.size) < 1:
             return
-        size = (min(width, _LARGEST_SIDE_PX), min(height, _LARGEST_SIDE_PX))
-        wants_more = self.session.frame(self.surface.view(), size, time.monotonic())
-        if self.overlay:
-            self.overlay.render()
+        place = self.image_place()
+        size = (min(int(place.extent[0]), _LARGEST_SIDE_PX), int(place.extent[1]))
+        size = (size[0], min(size[1], _LARGEST_SIDE_PX))
+        wants_more = self.session.frame(self.surface.view(), size, time.monotonic(), place)
+        if self.panel:
+            grips = self.session.grips
+            grips.is_shown = self.panel.is_shown and self.session.renderer is not None
+            self.panel.marks = grips.marks(self.seen())
+            self.panel.render()
         self._owed = max(0, self._owed - 1)
         if wants_more or self._owed:
             self.canvas.request_draw()
 
     def on_event(self, event: dict[str, Any]) -> None:
-        """Keys of the viewer, and the camera's share of mouse and keys."""
+        """Keys of the viewer, lights in a hand, and the camera's share of mouse and keys."""
+        kind = event["event_type"]
         if not self._is_panels(event):
-            if event["event_type"] == "key_down":
-                self._key(event["key"])
-            self.session.controls.handle(event)
+            if kind == "key_down":
+                self._key(event["key"], event.get("modifiers", ()))
+            if not (
+                kind in _POINTER and self.session.grips.handle(self._within(event), self.seen())
+            ):
+                self.session.controls.handle(event)
+        self.touched()
+
+    def touched(self) -> None:
+        """A hand did something: the next images are wanted."""
         self.session.touch(time.monotonic())
         self._owed = _FRAMES_PER_EVENT
         self.canvas.request_draw()
 
-    def _key(self, key: str) -> None:
-        if key == "Tab" and self.panel:
-            self.panel.is_shown = not self.panel.is_shown
-        elif key == "?" and self.panel:
-            self.panel.shows_help = not self.panel.shows_help
+    def _within(self, event: dict[str, Any]) -> dict[str, Any]:
+        """A pointer's event with its place in the image."""
+        return {**event, "x": event["x"] - self.image_place().corner[0] / self._ratio}
+
+    def _key(self, key: str, modifiers: tuple[str, ...]) -> None:
+        session, panel = self.session, self.panel
+        if key == "Tab" and panel:
+            panel.is_shown = not panel.is_shown
+        elif key == "?" and panel:
+            panel.shows_help = not panel.shows_help
+        elif key == "Escape":
+            session.state.picked = -1
         elif key == "r":
-            self.session.controls.reset()
+            session.controls.reset()
         elif key == "f":
-            self.session.controls.is_flying = not self.session.controls.is_flying
+            session.controls.is_flying = not session.controls.is_flying
+        elif key.lower() in ("z", "y") and {"Control", "Meta"} & set(modifiers):
+            is_again = key.lower() == "y" or "Shift" in modifiers
+            (session.redo if is_again else session.undo)()
 
     def _is_panels(self, event: dict[str, Any]) -> bool:
         """Whether a press, a turn of the wheel or a key is the panel's; a drag goes on over it."""
         if self.panel is None:
             return False
         if event["event_type"] in ("pointer_down", "wheel"):
-            return bool(self.panel.covers(event["x"], event["y"]))
-        return event["event_type"] == "key_down" and bool(self.overlay.backend.io.want_text_input)
+            return self.panel.covers(event["x"], event["y"])
+        return event["event_type"] == "key_down" and self.panel.takes_text()
 
     async def watch(self, sleep: Callable[[float], Any]) -> None:
         """Draw again after every edit of the scene file, and when what was made between frames is
@@ -115,6 +169,11 @@ class CanvasView:
             await sleep(_NEWS_S)
             if self.session.has_edit() or self.session.has_news():
                 self.canvas.request_draw()
+
+
+def canvas_view(canvas: Any, session: Session, *, copy: Copy | None = None) -> CanvasView:
+    """A view whose panel is imgui's, and which saves into the folder of this moment."""
+    return CanvasView(canvas, session, Saver(session, Path.cwd(), copy))
 
 
 async def close_on_signals(canvas: Any) -> None:

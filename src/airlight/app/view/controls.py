@@ -109,6 +109,12 @@ class CameraControls:
         # A frame that took long must not throw the camera out of the room.
         self._shift(along * speed * min(seconds, 0.25))
 
+    def pinch(self, dx: float, dy: float, scale: float) -> None:
+        """Two fingers went along by pixels, and `scale` times as far apart."""
+        self._pan(dx, dy)
+        notches = float(np.log(scale) / np.log(_NEARER_PER_NOTCH))
+        self._wheel({"dy": 100.0 * notches})
+
     def take_turn(self) -> Turn:
         """What the light was turned by since the last call."""
         turn, self.turn = self.turn, Turn(0.0, 0.0)

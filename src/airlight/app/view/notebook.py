@@ -13,6 +13,7 @@ from ...scene.io import load
 from ...scene.scene import Scene
 from .canvas import CanvasView
 from .messages import believed
+from .page import Page, web_text
 from .session import Session
 
 _STILL_SAMPLES = 8
@@ -61,7 +62,11 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
     """A canvas of `rendercanvas.anywidget` with `session` on it and `still` behind it."""
 
     class LiveView(anywidget.AnywidgetRenderCanvas):  # type: ignore[misc]
+        _esm, _css = widget_files(anywidget.JS, anywidget.CSS)
+
         def _rfb_handle_msg(self, widget: Any, content: Any, buffers: Any) -> None:
+            if page.heard(content):
+                return
             kept = content if content == {"type": "close"} else believed(content)
             if kept is not None:
                 super()._rfb_handle_msg(widget, kept, buffers)
@@ -72,12 +77,23 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
             image = base64.b64encode(png_bytes(still)).decode()
             return {**data, "image/png": image}, metadata
 
+    page = Page(session, lambda message: canvas.send(message))
     canvas = LiveView(size=size, max_fps=30, update_mode="ondemand")
-    canvas.view = CanvasView(canvas, session)
+    canvas.view = CanvasView(canvas, session, page.saver, page)
+    page.touched = canvas.view.touched
     from rendercanvas.utils.asyncs import sleep
 
     anywidget.loop.add_task(canvas.view.watch, sleep, name="watch the scene file")
     return canvas
+
+
+def widget_files(js: str, css: str) -> tuple[str, str]:
+    """The module and the style of the widget: rendercanvas's, with the panel beside its image."""
+    module = js.replace("export default", "const renderviewModule =", 1)
+    return (
+        "\n".join([module, web_text("panel.js"), web_text("notebook.js")]),
+        f"{css}\n{web_text('panel.css')}",
+    )
 
 
 def png_bytes(image: Image) -> bytes:

@@ -16,13 +16,32 @@ _NAME_LETTERS = 60  # of up to four bytes: file names end at 255
 
 
 class Saver:
-    """Writes into `folder` under names that are not taken; `copy` puts text on a clipboard.
+    """Writes into `folder` under names that are not taken; `copy` puts text on a clipboard, `ask`
+    opens the desktop's dialog for a file.
 
     What goes wrong becomes the session's message.
     """
 
-    def __init__(self, session: Session, folder: Path, copy: Copy | None = None) -> None:
-        self.session, self.folder, self._copy = session, folder, copy
+    def __init__(
+        self,
+        session: Session,
+        folder: Path,
+        copy: Copy | None = None,
+        ask: Callable[[], str] | None = None,
+    ) -> None:
+        self.session, self.folder, self._copy, self._ask = session, folder, copy, ask
+
+    @property
+    def can_ask(self) -> bool:
+        """Whether there is a dialog for files."""
+        return self._ask is not None
+
+    def ask(self) -> None:
+        """Open what a person chooses in the dialog."""
+        assert self._ask
+        name = self._ask()
+        if name:
+            self.session.open(name)
 
     @property
     def can_copy(self) -> bool:
@@ -54,7 +73,7 @@ class Saver:
 
     def copy_scene(self) -> None:
         """The scene file's text onto the clipboard, its paths relative to the file's folder."""
-        source = Path(self.session.source)
+        source = Path(self.session.source.name)
         try:
             text = self._text(source.parent if source.suffix else self.folder)
         except (AirlightError, OSError, ValueError) as error:
@@ -69,7 +88,12 @@ class Saver:
         s = self.session
         chosen = {s.state.technique: s.state.chosen_settings} if s.state.chosen_settings else {}
         return scene_text(
-            s.scene_now(), s.loaded, s.source or "builtin:scene", folder, chosen, s.model
+            s.scene_now(),
+            s.source.loaded,
+            s.source.name or "builtin:scene",
+            folder,
+            chosen,
+            s.source.model,
         )
 
     def _free(self, suffix: str) -> Path:

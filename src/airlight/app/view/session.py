@@ -5,41 +5,40 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ...display.presenter import Look, Presenter, layer_names
+from ...display.presenter import layer_names
+from ...display.show import Place
 from ...errors import AirlightError
 from ...gpu.device import open_gpu
 from ...maths.sampling import pixel_jitter
 from ...rendering import Renderer
 from ...scene.image import Image
-from ...scene.io import BUILTIN_PREFIX, load
-from ...scene.io.doubts import doubts
-from ...scene.io.ground import without_ground
 from ...scene.lens import through_lens
 from ...scene.scene import Scene
 from ...techniques import checked_settings
 from .build import Turns, said
-from .controls import CameraControls
+from .document import Document
 from .drawn import Drawn, is_same
 from .fine import SAMPLES, Fine, Shot, finer_settings
-from .free_space import FreeSpace
 from .making import Making
 from .quality import STILL_SAMPLES, Plan, Quality
-from .state import ViewState, reloaded, structure
-from .watch import Watch
+from .shown import Shown
+from .source import Source
+from .state import ViewState, structure
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
 COARSER_SAMPLES = 16
 """Of a still view, before a finer image is begun."""
 PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
+PREVIEW = ("preview",)
+"""The structure of what is seen until the technique's first image is there."""
+PREVIEW_TECHNIQUE = "direct"
+PREVIEW_SETTINGS = {"ambient_occlusion": False, "shadow_resolution": 256}
 
 
-class Session:
+class Session(Document):
     """`attach` it to a surface's format, then `frame` again and again.
 
     Raises SettingsError for an unknown technique or setting, DeviceError without a device; later
@@ -57,33 +56,25 @@ class Session:
         model: Mapping[str, Any] | None = None,
     ) -> None:
         checked_settings(technique, scene, settings or {})
-        self.gpu = open_gpu(adapter)
-        self.source, self.loaded, self._adapter = source, scene, adapter
-        self.model = dict(model or {})
-        look = Look(exposure_stops=scene.camera.exposure_stops, reach_m=reach_m(scene) / 4.0)
+        self.gpu, self._adapter = open_gpu(adapter), adapter
         own = {technique: dict(settings)} if settings else {}
-        self.state = ViewState(scene, technique, own, look)
-        self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
+        super().__init__(Source(source, scene, model), ViewState(scene, technique, own))
         self.quality = Quality(is_cpu=self.gpu.is_cpu)
         self.frame_ms, self.times_ms = 0.0, dict[str, float]()
-        is_file = bool(source) and not source.startswith(BUILTIN_PREFIX)
-        self._watch = Watch(Path(source)) if is_file else None
         self._turns = Turns()
         self._making, self.fine = Making(self.gpu, self._turns), Fine(self.gpu, self._turns)
+        self.compared, self._compared_is = Fine(self.gpu, self._turns), ""
+        self._shown = Shown(self.gpu)
         self._drawn: Drawn | None = None
         self._shot: Shot | None = None
-        self._presenter: Presenter | None = None
-        self._format = ""
         self._size = (1, 1)
         self._camera, self._time_s = scene.camera, 0.0
         self._jitters = pixel_jitter(STILL_SAMPLES)
         self._made: tuple[Any, ...] | None = None
         self._refused: tuple[Any, ...] | None = None
         self._seen: tuple[Any, ...] = ()
-        self._toned: tuple[Any, ...] = ()
         self._before_s: float | None = None
         self._progress = ""
-        self._doubted: tuple[Any, tuple[str, ...]] = (None, ())
         self._touched_s = float("-inf")
 
     @property
@@ -93,11 +84,7 @@ class Session:
 
     def attach(self, format: str) -> None:
         """The surface's textures have this format."""
-        if format != self._format:
-            self._format = format
-            if self._presenter:
-                self._presenter.release()
-            self._presenter = None
+        self._shown.attach(format)
 
     def touch(self, now_s: float) -> None:
         """A hand is at the mouse or the keys: fine images wait a moment."""
@@ -110,32 +97,13 @@ class Session:
             return ("image",)
         return layer_names(self.renderer.technique.layers(self.renderer.view))
 
-    def has_edit(self) -> bool:
-        """Take an edit of the scene file, if there is one; a broken one becomes the message."""
-        if self._watch is None or not self._watch.changed():
-            return False
-        self.reload()
-        return True
+    def frame(
+        self, target: Any, size: tuple[int, int], now_s: float, place: Place | None = None
+    ) -> bool:
+        """Draw an image of `size` pixels onto `target`; true where more frames are wanted.
 
-    def reload(self) -> None:
-        """Load the file again; what was changed here and not in the file stays."""
-        try:
-            after = load(self.source, **self.model)
-        except AirlightError as error:
-            self.state.message = str(error)
-            return
-        state, before = self.state, self.loaded
-        state.scene, self.loaded = reloaded(state.scene, before, after), after
-        state.message, state.notice = "", "the scene file was read again"
-        self.controls.free = FreeSpace(after)
-        if after.camera != before.camera:
-            self.controls.camera = self.controls.home = after.camera
-            state.look = replace(state.look, exposure_stops=after.camera.exposure_stops)
-
-    def frame(self, target: Any, size: tuple[int, int], now_s: float) -> bool:
-        """Draw onto `target`, a surface of `size` pixels; true where more frames are wanted.
-
-        Where it is false, `has_news` tells when one is wanted again.
+        Where it is false, `has_news` tells when one is wanted again. `place`: of `target`, else the
+        image fills it.
         """
         with self._turns.frame():
             self._size = size
@@ -144,19 +112,21 @@ class Session:
             self.controls.height_px = size[1]
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
-            is_busy = self.controls.is_held or now_s - self._touched_s < _HAND_S
+            is_busy = self.is_held or now_s - self._touched_s < _HAND_S
             if not is_busy:
                 self.state.settle_sky()
+                self.history.note(self.state)
             # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()
             if changed:
                 self._shot = None
                 self.fine.moved()
+                self.compared.moved()
             plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
-            self._show(target)
+            self._show(target, place)
             is_waiting = self.state.notice in (PREPARING, REBUILDING)
             is_moving = self.controls.is_moving or self.state.is_playing
             return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
@@ -183,15 +153,6 @@ class Session:
         return self._progress
 
     @property
-    def doubts(self) -> tuple[str, ...]:
-        """What of the air is hardly meant; looked for when the air has changed and a hand rests."""
-        scene = self.state.scene
-        key = (scene.medium, id(scene.meshes))
-        if key != self._doubted[0] and not self.controls.is_held:
-            self._doubted = key, doubts(self.scene_now())
-        return self._doubted[1]
-
-    @property
     def share(self) -> float:
         """How much of the refinement is done, 0 to 1."""
         if self.quality.samples == STILL_SAMPLES:
@@ -202,9 +163,10 @@ class Session:
     def has_news(self) -> bool:
         """Whether something that was being made between frames is ready to be shown."""
         fine = self.fine
-        is_finer = fine.is_shown and self._toned[:2] != (fine.presenter, fine.samples)
+        is_finer = self._shown.is_behind(fine) or self._shown.is_behind_other(self.compared)
         is_further = self._making.progress != self._progress
-        return self._making.has_ended or fine.has_ended or is_finer or is_further
+        has_ended = fine.has_ended or self.compared.has_ended
+        return self._making.has_ended or has_ended or is_finer or is_further
 
     def wait(self) -> None:
         """Return once the renderer that is being made is there, or has been refused."""
@@ -248,21 +210,15 @@ class Session:
         self._seen = ()
         return replace(image, tone_map=self.state.look.curve)
 
-    def scene_now(self) -> Scene:
-        """The scene with the camera and exposure of this moment."""
-        stops = self.state.look.exposure_stops
-        scene = self.state.moved()
-        return replace(scene, camera=replace(self.controls.camera, exposure_stops=stops))
-
     def close(self) -> None:
         """Give the device's memory back."""
         self._making.close()
         self.fine.drop()
-        if self._presenter:
-            self._presenter.release()
+        self.compared.drop()
+        self._shown.release()
         if self._drawn:
             self._drawn.close()
-        self._drawn = self._presenter = None
+        self._drawn = None
 
     def _has_changed(self) -> bool:
         s = self.state
@@ -282,20 +238,29 @@ class Session:
                 self._making.give_up()
                 self._say_made()
             return
-        state.notice = REBUILDING if self._drawn else PREPARING
-        if not self.fine.is_empty:
-            self.fine.retire()
-            self.fine = Fine(self.gpu, self._turns)
+        state.notice = REBUILDING if self._made not in (None, PREVIEW) else PREPARING
+        self.fine, self.compared = self._emptied(self.fine), self._emptied(self.compared)
         # The first image is a coarse one: there is something to see as soon as may be.
-        self._making.begin(wanted, self._maker(self.quality.coarse(self._size), {}))
+        size = self.quality.coarse(self._size)
+        if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
+            self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
+        else:
+            self._making.begin(wanted, self._maker(size, state.technique))
 
-    def _maker(self, size: tuple[int, int], more: Mapping[str, Any]) -> Callable[[], Renderer]:
+    def _emptied(self, fine: Fine) -> Fine:
+        """One of which nothing was made; what `fine` holds is given back in the background."""
+        if fine.is_empty:
+            return fine
+        fine.retire()
+        return Fine(self.gpu, self._turns)
+
+    def _maker(
+        self, size: tuple[int, int], technique: str, more: Mapping[str, Any] | None = None
+    ) -> Callable[[], Renderer]:
         """Makes a renderer of the state as it is now, with `more` settings."""
-        state, scene = self.state, self.scene_now()
-        settings = {**state.chosen_settings, **more}
-        return lambda: Renderer(
-            scene, state.technique, size, settings=settings, adapter=self._adapter
-        )
+        scene, adapter = self.scene_now(), self._adapter
+        settings = {**self.state.settings.get(technique, {}), **(more or {})}
+        return lambda: Renderer(scene, technique, size, settings=settings, adapter=adapter)
 
     def _take_made(self) -> None:
         """The renderer that was being made; where it was refused, the one before stays."""
@@ -308,6 +273,8 @@ class Session:
         if self._drawn:
             self._drawn.close()
         self._drawn, self._refused, state.message = drawn, None, ""
+        if self._made == PREVIEW:
+            return
         self.quality.samples = COARSER_SAMPLES if self._finer() else STILL_SAMPLES
         self._say_made()
 
@@ -323,11 +290,17 @@ class Session:
 
     def _refine(self) -> None:
         """The view stands still, and its coarser image is done."""
-        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
+        state = self.state
+        if self._made != structure(state):
             return
         if self._shot is None:
-            self._shot = Shot(self.scene_now(), self._size, self.state.look, self._format)
-        self.fine.begin(self._maker(self._size, self._finer()), self._shot)
+            self._shot = Shot(self.scene_now(), self._size, state.look, self._shown.format)
+        if self.quality.samples != STILL_SAMPLES:
+            self.fine.begin(self._maker(self._size, state.technique, self._finer()), self._shot)
+        if state.compared != self._compared_is:
+            self.compared, self._compared_is = self._emptied(self.compared), state.compared
+        if state.compared:
+            self.compared.begin(self._maker(self._size, state.compared), self._shot)
 
     def _draw_or_say(self, plan: Plan) -> None:
         begin = time.perf_counter()
@@ -361,12 +334,7 @@ class Session:
         if not plan.is_moving:
             camera, place = through_lens(camera, place, plan.sample, plan.size[1])
         drawn.draw(commands, camera, place, plan.sample)
-        if self._presenter is None:
-            self._presenter = Presenter(self.gpu, plan.size, self._format)
-        self._presenter.resize(plan.size)
-        layers = r.technique.layers(r.view)
-        self._presenter.take(commands, layers, r.view, self.state.look, plan.sample)
-        self._tone(self._presenter, plan.sample, settled=not plan.is_moving)
+        self._shown.take(drawn, self.state.look, plan.sample, settled=not plan.is_moving)
         r.gpu.wait()
         if commands.is_timed:
             if not r.gpu.is_cpu:
@@ -374,27 +342,10 @@ class Session:
             self.times_ms = dict(commands.stage_ms)
         commands.is_timed = False
 
-    def _tone(self, presenter: Presenter, samples: int, *, settled: bool) -> None:
-        assert self._drawn
-        commands = self._drawn.renderer.commands
-        presenter.tone(commands, self.state.look, settled=settled)
-        commands.submit()
-        self._toned = (presenter, samples, self.state.look)
-
-    def _show(self, target: Any) -> None:
-        """The finest image that there is, onto the surface."""
-        shown = self.fine.presenter if self.fine.is_shown else self._presenter
-        if shown is None or self._drawn is None:
+    def _show(self, target: Any, place: Place | None) -> None:
+        """The best image that there is, onto the surface."""
+        if self._drawn is None:
             return
-        samples = self.fine.samples if self.fine.is_shown else self._toned[1]
-        if self._toned != (shown, samples, self.state.look):
-            self._tone(shown, samples, settled=True)
-        commands = self._drawn.renderer.commands
-        shown.show(commands, target)
-        commands.submit()
-
-
-def reach_m(scene: Scene) -> float:
-    """The diagonal of what is to be seen, metres."""
-    low, high = without_ground(scene).bounds
-    return float(np.linalg.norm(high - low)) or 1.0
+        state, commands = self.state, self._drawn.renderer.commands
+        beside = (self.compared, state.split) if state.compared and self._shot else None
+        self._shown.show(commands, target, place, self.fine, beside, state.look)

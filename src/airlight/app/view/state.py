@@ -11,12 +11,14 @@ import numpy as np
 
 from ...display.presenter import Look
 from ...scene.checks import Vec3
+from ...scene.environment import Environment
 from ...scene.lights import Light
 from ...scene.medium import Medium
 from ...scene.scene import Scene
-from ...scene.sun_sky import Sky, followed, with_sky
+from ...scene.sun_sky import Sky, followed, with_sky, without_sun
 from ...scene.volume import Volume
 from .controls import Turn, turned_direction
+from .slices import Slice, Sliced, transferred
 
 _UP = (0.0, 1.0, 0.0)
 
@@ -26,8 +28,10 @@ class ViewState:
     """The panel and the controls write it, the session draws it.
 
     `settings` by technique lie over what the scene file says. `light` is the one that a drag
-    turns. `time_s` is where the scene's animation stands. `message` is what went wrong last,
-    `notice` what went well.
+    turns, `picked` the one that shows its handles, -1 for none. `time_s` is where the scene's animation stands. `message` is what went wrong last,
+    `notice` what went well. `compared`: another technique, whose image is right of the `split`, a
+    share of the width; empty for none. `own_environment`: the scene's map, while another is shown.
+    `sliced`: by number of volume, how its grid is looked at.
     """
 
     scene: Scene
@@ -35,12 +39,50 @@ class ViewState:
     settings: dict[str, dict[str, Any]] = field(default_factory=dict)
     look: Look = field(default_factory=Look)
     light: int = 0
+    picked: int = -1
     message: str = ""
     notice: str = ""
     shows_times: bool = False
     time_s: float = 0.0
     is_playing: bool = False
+    compared: str = ""
+    split: float = 0.5
+    own_environment: Environment | None = None
+    sliced: dict[int, Sliced] = field(default_factory=dict)
     _moved: tuple[tuple[int, float], Scene] | None = None
+
+    def __post_init__(self) -> None:
+        self.show(self.scene)
+
+    def show(self, scene: Scene) -> None:
+        """Another scene than before, as its file has it."""
+        self.scene, self.time_s = scene, 0.0
+        environment = scene.environment
+        is_map = environment is not None and environment.map is not None and not environment.sky
+        self.own_environment = environment if is_map else None
+        self.sliced = {
+            i: Sliced(v.density) for i, v in enumerate(scene.volumes) if v.density is not None
+        }
+
+    def begin(self, scene: Scene, look: Look) -> None:
+        """Another scene altogether; the technique stays, its settings go."""
+        self.show(scene)
+        self.settings, self.light, self.picked, self.look = {}, 0, -1, look
+        self.message = self.notice = ""
+
+    def take(self, before: Scene, after: Scene) -> None:
+        """What the scene's file changed from `before` to `after`; what was changed here stays."""
+        scene = reloaded(self.scene, before, after)
+        if not same(before.volumes, after.volumes) or not same(
+            before.environment, after.environment
+        ):
+            time_s = self.time_s
+            self.show(scene)
+            self.time_s = time_s
+        self.scene = scene
+        self.message, self.notice = "", "the scene file was read again"
+        if after.camera != before.camera:
+            self.look = replace(self.look, exposure_stops=after.camera.exposure_stops)
 
     @property
     def chosen_settings(self) -> dict[str, Any]:
@@ -73,6 +115,24 @@ class ViewState:
         volumes = list(self.scene.volumes)
         volumes[index] = volume
         self.scene = replace(self.scene, volumes=tuple(volumes))
+
+    def put_slice(self, index: int, view: Slice) -> None:
+        """Look at a grid otherwise; where other densities than before count, it changes."""
+        before, after = self.sliced[index], self.sliced[index].seen(view)
+        self.sliced = {**self.sliced, index: after}
+        if (before.view.low, before.view.high) != (view.low, view.high):
+            volume = self.scene.volumes[index]
+            density = transferred(after.density, view, after.top)
+            self.set_volume(index, replace(volume, density=density))
+
+    def put_environment(self, environment: Environment | None) -> None:
+        """What is around the scene; the sun of a computed sky goes with that."""
+        had = self.scene.environment
+        if had is not None and had.sky is not None:
+            self.scene = without_sun(self.scene)
+        if environment is not None and environment.map is not None and environment.sky is None:
+            self.own_environment = environment
+        self.scene = replace(self.scene, environment=environment)
 
     def put_sky(self, sky: Sky) -> None:
         """A computed sky with its sun, which a drag turns from now on; exposed by the image."""

@@ -6,7 +6,7 @@ import os
 import sys
 
 from ...errors import DeviceError
-from .canvas import CanvasView, close_on_signals, missing
+from .canvas import canvas_view, close_on_signals, missing
 from .session import Session
 
 
@@ -36,7 +36,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
     def copy(text: str) -> None:
         glfw.set_clipboard_string(canvas._window, text)
 
-    view = CanvasView(canvas, session, copy=copy)
+    view = canvas_view(canvas, session, copy=copy)
     loop.add_task(close_on_signals, canvas, name="close on signals")
     loop.add_task(view.watch, sleep, name="watch the scene file")
     loop.run()

@@ -1,0 +1,236 @@
+"""The panel's sections of the scene: lights, sky, fog and volumes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any, assert_never
+
+import numpy as np
+
+from ...scene.environment import Environment
+from ...scene.lights import Light
+from ...scene.lights.light_key import LightKey
+from ...scene.medium import Medium
+from ...scene.sun_sky import LEAST_TURBIDITY, LOWEST_DEG, MOST_TURBIDITY, Sky
+from ...scene.volume import Volume
+from .slices import COLOURS
+from .state import ViewState, fog_for, source_angles_deg, travel_from
+from .widgets import Widget
+
+_LEAST_SIGMA, _MOST_SIGMA = 1e-4, 1e3
+NO_SKY, UNIFORM, SUN_AND_SKY, MAP = "none", "uniform", "sun and sky", "map"
+
+
+def lights(state: ViewState) -> Iterator[Widget]:
+    """Choose a light, turn or move it, and what it gives."""
+    all_lights = state.scene.lights
+    if not all_lights:
+        return
+    names = tuple(f"{i + 1}  {light.noun}" for i, light in enumerate(all_lights))
+    index = min(state.light, len(names) - 1)
+
+    def choose(name: str) -> None:
+        state.light = state.picked = names.index(name)
+
+    yield Widget("light", "choice", "light", names[index], choose, choices=names)
+    light = all_lights[index]
+    for key in light.controls():
+        yield from _of_light(state, index, light, key)
+
+
+def _of_light(state: ViewState, index: int, light: Light, key: LightKey) -> Iterator[Widget]:
+    """The widgets of one field of a light."""
+    assert key.control is not None
+    name, label, value = f"light.{index}.{key.name}", key.control.label, getattr(light, key.name)
+    step = _step(state)
+
+    def put(new: Any) -> None:
+        state.set_light(index, state.scene.lights[index].changed(key.name, new))
+
+    match key.control.widget:
+        case "point":
+            yield Widget(name, "vector", label, tuple(value), put, step=step)
+        case "sky":
+            angles = source_angles_deg(value)
+            yield Widget(name, "sky", label, angles, lambda a: put(travel_from(*a)))
+        case "angle":
+            yield Widget(name, "number", label, value, put, 1.0, 89.0)
+        case "length":
+            yield Widget(name, "number", label, value, put, step, 500.0 * step, True)
+        case "lengths":
+            yield Widget(name, "vector", label, tuple(value), _positive(put, step), step=step)
+        case "strength":
+            yield from _strength(name, label, value, put)
+        case _:
+            assert_never(key.control.widget)
+
+
+def _step(state: ViewState) -> float:
+    low, high = state.scene.bounds
+    return float(np.linalg.norm(high - low)) / 500.0 or 1e-3
+
+
+def _positive(put: Callable[[Any], None], least: float) -> Callable[[Any], None]:
+    return lambda lengths: put(tuple(max(float(v), least) for v in lengths))
+
+
+def _strength(
+    name: str, label: str, rgb: tuple[float, ...], put: Callable[[Any], None]
+) -> Iterator[Widget]:
+    """The largest channel, and a colour in which that is 1."""
+    largest = max(*rgb, 1e-6)
+    colour = tuple(c / largest for c in rgb)
+    yield Widget(name, "number", label, largest, lambda v: put(_scaled(colour, v)), 1e-3, 1e4, True)
+    yield Widget(f"{name}.colour", "colour", "colour", colour, lambda c: put(_scaled(c, largest)))
+
+
+def _scaled(colour: tuple[float, ...], strength: float) -> tuple[float, float, float]:
+    r, g, b = (float(c) * strength for c in colour)
+    return r, g, b
+
+
+def sky(state: ViewState) -> Iterator[Widget]:
+    """What surrounds the scene: nothing, one radiance, the file's map, or a sky with its sun."""
+    environment, own = state.scene.environment, state.own_environment
+    names = (NO_SKY, UNIFORM, SUN_AND_SKY, *([MAP] if own is not None else []))
+
+    def choose(name: str) -> None:
+        if name == SUN_AND_SKY:
+            state.put_sky(Sky())
+        else:
+            chosen = {NO_SKY: None, UNIFORM: Environment((0.5, 0.5, 0.5)), MAP: own}[name]
+            state.put_environment(chosen)
+
+    yield Widget("sky.kind", "choice", "environment", _kind(environment), choose, choices=names)
+    if environment is None:
+        return
+    if environment.sky is not None:
+        yield from _of_sky(state, environment.sky)
+        return
+    put = _putter(state, environment)
+    yield Widget("sky.scale", "number", "scale", environment.scale, put("scale"), 0.0, 10.0, True)
+    if environment.map is None:
+        yield from _strength("sky.radiance", "radiance", environment.radiance, put("radiance"))
+    else:
+        turned = environment.rotation_deg
+        yield Widget(
+            "sky.turned", "number", "turned (degrees)", turned, put("rotation_deg"), -180.0, 180.0
+        )
+    yield Widget("sky.seen", "flag", "it is seen", environment.visible, put("visible"))
+
+
+def _kind(environment: Environment | None) -> str:
+    if environment is None:
+        return NO_SKY
+    if environment.sky is not None:
+        return SUN_AND_SKY
+    return UNIFORM if environment.map is None else MAP
+
+
+def _putter(state: ViewState, environment: Environment) -> Callable[[str], Callable[[Any], None]]:
+    def put(name: str) -> Callable[[Any], None]:
+        return lambda value: state.put_environment(replace(environment, **{name: value}))
+
+    return put
+
+
+def _of_sky(state: ViewState, sky: Sky) -> Iterator[Widget]:
+    """Where the sun of a computed sky stands, and its haze; a drag turns it, too."""
+
+    def put(name: str) -> Callable[[Any], None]:
+        return lambda value: state.put_sky(replace(sky, **{name: value}))
+
+    up, round_, hazy = put("elevation_deg"), put("azimuth_deg"), put("turbidity")
+    yield Widget("sun.up", "number", "sun's elevation", sky.elevation_deg, up, LOWEST_DEG, 90.0)
+    yield Widget(
+        "sun.round", "number", "sun's azimuth", sky.azimuth_deg % 360.0, round_, 0.0, 360.0
+    )
+    ends = (LEAST_TURBIDITY, MOST_TURBIDITY)
+    yield Widget("sun.haze", "number", "haze (turbidity)", sky.turbidity, hazy, *ends)
+
+
+def air(state: ViewState) -> Iterator[Widget]:
+    """Fog and volumes: how much, how white, how far forwards, and what is in a grid."""
+    scene = state.scene
+
+    def add(_: Any) -> None:
+        state.scene = replace(state.scene, medium=fog_for(state.scene))
+
+    def clear(_: Any) -> None:
+        state.scene = replace(state.scene, medium=None)
+
+    def put_fog(fog: Any) -> None:
+        state.scene = replace(state.scene, medium=fog)
+
+    if scene.medium is None:
+        yield Widget("fog.add", "button", "add fog", None, add)
+    else:
+        yield from _scattering("fog", "fog: ", scene.medium, put_fog)
+        yield Widget("fog.clear", "button", "no fog", None, clear)
+    for index, volume in enumerate(scene.volumes):
+        head = f"volume {index + 1}: " if len(scene.volumes) > 1 else "volume: "
+        yield from _scattering(f"volume.{index}", head, volume, _volume_putter(state, index))
+        if volume.density is not None:
+            yield from _slice(state, index)
+
+
+def _volume_putter(state: ViewState, index: int) -> Callable[[Any], None]:
+    return lambda volume: state.set_volume(index, volume)
+
+
+def _scattering(
+    name: str, head: str, of: Medium | Volume, put: Callable[[Any], None]
+) -> Iterator[Widget]:
+    """How dense, how white and how far forwards a medium or a volume is."""
+    largest = max(*of.sigma_t, _LEAST_SIGMA)
+
+    def thicken(sigma: float) -> None:
+        even = max(of.sigma_t) <= 0.0
+        put(replace(of, sigma_t=_scaled(of.sigma_t, sigma / largest) if not even else (sigma,) * 3))
+
+    def whiten(albedo: Any) -> None:
+        put(replace(of, albedo=albedo))
+
+    def point(g: float) -> None:
+        put(replace(of, g=(g, g, g)))
+
+    yield Widget(
+        f"{name}.sigma",
+        "number",
+        f"{head}extinction (1/m)",
+        largest,
+        thicken,
+        _LEAST_SIGMA,
+        _MOST_SIGMA,
+        True,
+    )
+    yield Widget(f"{name}.albedo", "colour", f"{head}albedo", of.albedo, whiten)
+    yield Widget(f"{name}.g", "number", f"{head}g, back to forth", of.g[1], point, -0.98, 0.98)
+
+
+def _slice(state: ViewState, index: int) -> Iterator[Widget]:
+    """A plane through a grid in false colours, and which densities are shown and rendered."""
+    sliced = state.sliced[index]
+    view = sliced.view
+
+    def put(name: str) -> Callable[[Any], None]:
+        return lambda value: state.put_slice(index, replace(view, **{name: value}))
+
+    def key(name: str) -> str:
+        return f"volume.{index}.slice.{name}"
+
+    top = sliced.top
+    yield Widget(key("axis"), "choice", "slice along", view.axis, put("axis"), choices=tuple("xyz"))
+    yield Widget(key("share"), "number", "slice at", view.share, put("share"), 0.0, 1.0)
+    yield Widget(key("map"), "choice", "colours", view.colours, put("colours"), choices=COLOURS)
+    yield Widget(key("chart"), "chart", "", sliced.chart)
+    tip = "Densities below are empty; those above are full"
+    low, high = view.low * top, view.high * top
+    ends = (0.0, top)
+    lower, upper = put("low"), put("high")
+    for name, label, value, change in (
+        ("low", "empty below", low, lambda v: lower(v / top)),
+        ("high", "full above", high, lambda v: upper(v / top)),
+    ):
+        yield Widget(key(name), "number", label, value, change, *ends, tip=tip, waits=True)

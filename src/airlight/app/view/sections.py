@@ -1,0 +1,230 @@
+"""The panel's sections, as the session stands: technique, time, image, camera, passes, export."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...maths.tone import TONE_CURVES
+from ...techniques import TECHNIQUES, settings_class
+from .document import reach_m
+from .panel import Control, checked, controls, shown_value
+from .save import Saver
+from .scene_sections import air, lights, sky
+from .session import Session
+from .widgets import Section, Widget
+
+NONE = "none"
+
+
+def sections(session: Session, saver: Saver) -> list[Section]:
+    """All that a person at the viewer can change, in the order in which it is asked for."""
+    state = session.state
+    found = [
+        Section("technique", tuple(_technique(session))),
+        Section("settings", tuple(_settings(session)), is_open=False),
+        Section("lights", tuple(lights(state))),
+        Section("sky", tuple(sky(state)), is_open=False),
+        Section("air", tuple(air(state)), is_open=bool(state.scene.volumes)),
+        Section("image", tuple(_image(session))),
+        Section("camera", tuple(_camera(session)), is_open=False),
+        Section("scene and files", tuple(_files(session, saver))),
+        Section("time of passes", tuple(_passes(session)), is_open=False),
+    ]
+    if state.scene.animation is not None:
+        found.insert(1, Section("time", tuple(_time(session))))
+    return [section for section in found if section.widgets]
+
+
+def _technique(session: Session) -> Iterator[Widget]:
+    state = session.state
+
+    def choose(name: str) -> None:
+        state.technique = name
+
+    def compare(name: str) -> None:
+        state.compared = "" if name == NONE else name
+
+    names = tuple(TECHNIQUES)
+    yield Widget("technique", "choice", "technique", state.technique, choose, choices=names)
+    yield Widget(
+        "compared",
+        "choice",
+        "compare with",
+        state.compared or NONE,
+        compare,
+        choices=(NONE, *names),
+        tip="Another technique's image of the same view, right of a line that you can drag",
+    )
+
+
+def _settings(session: Session) -> Iterator[Widget]:
+    state = session.state
+    given = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
+    for control in controls(settings_class(state.technique, state.scene)):
+        yield Widget(
+            f"setting.{state.technique}.{control.name}",
+            control.kind,
+            control.label,
+            shown_value(control, given),
+            _setter(session, control),
+            control.low,
+            control.high,
+            control.is_logarithmic,
+            control.choices,
+            control.tip,
+            waits=True,
+        )
+
+    def forget(_: Any) -> None:
+        state.settings.pop(state.technique, None)
+
+    yield Widget("settings.reset", "button", "as in the file", None, forget)
+
+
+def _setter(session: Session, control: Control) -> Callable[[Any], None]:
+    state = session.state
+
+    def put(value: Any) -> None:
+        settings = settings_class(state.technique, state.scene)
+        try:
+            chosen = checked(settings, state.chosen_settings, control.name, value)
+        except Exception as error:  # of the value: said, not raised
+            state.message = str(error)
+            return
+        state.settings[state.technique] = chosen
+
+    return put
+
+
+def _image(session: Session) -> Iterator[Widget]:
+    state, look = session.state, session.state.look
+
+    def put(name: str) -> Callable[[Any], None]:
+        def change(value: Any) -> None:
+            state.look = replace(state.look, **{name: value})
+
+        return change
+
+    def meter(is_metered: bool) -> None:
+        state.look = replace(state.look, exposure_stops=None if is_metered else 0.0)
+
+    layers = session.layers
+    at = look.layer if look.layer in layers else layers[0]
+    is_metered = look.exposure_stops is None
+    yield Widget("layer", "choice", "layer", at, put("layer"), choices=layers)
+    yield Widget("metered", "flag", "exposure from the image", is_metered, meter)
+    if look.exposure_stops is not None:
+        stops = put("exposure_stops")
+        yield Widget("stops", "number", "exposure (stops)", look.exposure_stops, stops, -8.0, 8.0)
+    curves = tuple(TONE_CURVES)
+    yield Widget("curve", "choice", "tone curve", look.curve, put("curve"), choices=curves)
+
+
+def _time(session: Session) -> Iterator[Widget]:
+    state, animation = session.state, session.state.scene.animation
+    assert animation is not None
+
+    def play(value: bool) -> None:
+        state.is_playing = value
+
+    def seek(value: float) -> None:
+        state.time_s = value
+
+    yield Widget("play", "flag", "play", state.is_playing, play)
+    ends = (animation.start_s, animation.last_s)
+    yield Widget("time", "number", "time (s)", state.time_s, seek, *ends)
+
+
+def _camera(session: Session) -> Iterator[Widget]:
+    hands, scene = session.controls, session.state.scene
+    camera, span = hands.camera, hands.reach_m
+
+    def put(name: str) -> Callable[[Any], None]:
+        def change(value: Any) -> None:
+            hands.camera = replace(hands.camera, **{name: value})
+
+        return change
+
+    def fly(way: str) -> None:
+        hands.is_flying = way == "fly"
+
+    def reach(value: float) -> None:
+        hands.reach_m = value
+
+    way = "fly" if hands.is_flying else "orbit"
+    yield Widget("way", "choice", "drags", way, fly, choices=("orbit", "fly"))
+    yield Widget("home", "button", "back to the scene's", None, lambda _: hands.reset())
+    yield Widget("fov", "number", "field of view", camera.fov_y_deg, put("fov_y_deg"), 5.0, 120.0)
+    wide = put("aperture_m")
+    yield Widget(
+        "aperture", "number", "aperture (m)", camera.aperture_m, wide, 0.0, 0.1 * span, True
+    )
+    focus = camera.focus_m or float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+    yield Widget("focus", "number", "focus (m)", focus, put("focus_m"), 1e-3 * span, span, True)
+    yield Widget("steps", "number", "size of steps", span, reach, 1e-2, 1e4, True)
+    own = reach_m(scene)
+    yield Widget("steps.own", "button", "steps as the scene", None, lambda _: reach(own))
+
+
+def _files(session: Session, saver: Saver) -> Iterator[Widget]:
+    names = session.source.places()
+    here = names[0]
+    yield Widget(
+        "scene",
+        "choice",
+        "scene",
+        here,
+        session.open,
+        choices=names,
+        tip="Shipped scenes, and files beside the one that was opened. A file that is dropped on "
+        "the image is opened, too: a scene, a model, or an environment map",
+    )
+    if saver.can_ask:
+        yield Widget("ask", "button", "open ...", None, lambda _: saver.ask())
+    yield Widget("undo", "button", "undo", None, lambda _: session.undo(), tip="control-z")
+    yield Widget(
+        "redo", "button", "redo", None, lambda _: session.redo(), tip="control-y", beside=True
+    )
+    yield from _saves(saver)
+
+
+def _saves(saver: Saver) -> Iterator[Widget]:
+    def save(suffix: str) -> Callable[[Any], None]:
+        def saved(_: Any) -> None:
+            saver.save_image(suffix)
+
+        return saved
+
+    def save_scene(_: Any) -> None:
+        saver.save_scene()
+
+    yield Widget("png", "button", "PNG", None, save(".png"))
+    yield Widget("exr", "button", "EXR with layers", None, save(".exr"), beside=True)
+    if saver.can_copy:
+        copy = "copy as scene file"
+        yield Widget("copy", "button", copy, None, lambda _: saver.copy_scene())
+    beside = saver.can_copy
+    yield Widget("save", "button", "save scene file", None, save_scene, beside=beside)
+
+
+def _passes(session: Session) -> Iterator[Widget]:
+    state = session.state
+
+    def measure(value: bool) -> None:
+        state.shows_times = value
+
+    yield Widget("times", "flag", "measure", state.shows_times, measure)
+    if not state.shows_times:
+        return
+    times = sorted(session.times_ms.items(), key=lambda item: -item[1])
+    whole = sum(ms for _, ms in times) or 1.0
+    for name, ms in times:
+        yield Widget(f"time.{name}", "bar", "", (ms / whole, f"{name}  {ms:.1f} ms"))
+    if session.renderer:
+        megabytes = session.gpu.allocated_bytes / 2**20
+        device = f"{session.gpu.info.name}, {megabytes:.0f} MiB"
+        yield Widget("device", "bar", "", (0.0, device))
