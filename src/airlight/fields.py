@@ -14,7 +14,7 @@ a field does not know which solver it comes from.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -186,7 +186,12 @@ class Fields:
 
 
 class Solver(Protocol):
-    """One part of a technique's light transport; made once, used for any number of frames."""
+    """One part of a technique's light transport; made once, used for any number of frames.
+
+    `may_lag`: it takes long, and while a hand moves a light its fields of an earlier frame will do.
+    """
+
+    may_lag: ClassVar[bool] = False
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """`fields` with those that this solver adds; nothing in them depends on a view."""

@@ -35,6 +35,8 @@ from .settings import LpvSettings
 class LpvSolver(Solver):
     """Yields the irradiance of surfaces, and the light that they reflect into media."""
 
+    may_lag = True
+
     def __init__(self, kit: Kit, settings: LpvSettings, *, is_marched: bool = False) -> None:
         """`is_marched`: whether media scatter it towards the eye (Billeter2012, Fig. 5)."""
         self.kit, self.settings, self.is_marched = kit, settings, is_marched

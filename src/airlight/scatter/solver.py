@@ -30,6 +30,8 @@ from .surface_light import SurfaceLight
 class ScatterSolver(Solver):
     """Yields the irradiance of surfaces and the mean radiance that media scatter."""
 
+    may_lag = True
+
     def __init__(
         self,
         kit: Kit,

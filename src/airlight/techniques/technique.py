@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import fields as fields_of
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..fields import Fields, Frame, Solver
@@ -56,11 +58,15 @@ class Technique:
             self.translucent = Translucent(kit.gpu, kit.context.size, most)
         self._seen: dict[str, Texture] | None = None  # through translucent surfaces
         self.fields: Fields | None = None
+        self._added: dict[int, dict[str, Any]] = {}  # by each solver, in the last frame it solved
 
-    def solve(self, commands: Commands, scene: Scene, *, is_still: bool = False) -> None:
+    def solve(
+        self, commands: Commands, scene: Scene, *, is_still: bool = False, lags: bool = False
+    ) -> None:
         """Update lights, sky and lattices, then run each solver on the fields of those before.
 
-        `is_still`: for an image of several samples.
+        `is_still`: for an image of several samples. `lags`: solvers that may lag leave their fields
+        as they were; nothing but lights and sky may have changed since.
         """
         scene = self.kit.emitters.of(self._scene_filter(scene))
         frame = Frame(scene, *self.kit.bounds(scene), is_still=is_still)
@@ -68,8 +74,12 @@ class Technique:
         self.kit.encode(commands, scene, *frame.bounds)
         # Each solver adds its fields to those of the solvers before it.
         fields = Fields(self.kit.sky_irradiance)
-        for solver in self.solvers:
-            fields = solver.solve(commands, frame, fields)
+        for index, solver in enumerate(self.solvers):
+            if lags and solver.may_lag and index in self._added:
+                fields = replace(fields, **self._added[index])
+                continue
+            before, fields = fields, solver.solve(commands, frame, fields)
+            self._added[index] = _changes(before, fields)
         self.fields = fields
 
     def draw(self, commands: Commands, view: View) -> None:
@@ -128,3 +138,9 @@ class Technique:
 def _surface_layers(view: View) -> dict[str, Texture]:
     """The layers of surfaces alone."""
     return {"direct": view.layers.direct, "indirect": view.layers.indirect}
+
+
+def _changes(before: Fields, after: Fields) -> dict[str, Any]:
+    """What a solver added."""
+    names = [f.name for f in fields_of(Fields)]
+    return {n: getattr(after, n) for n in names if getattr(after, n) is not getattr(before, n)}

@@ -77,6 +77,39 @@ def test_a_moving_light_makes_fewer_steps_and_coarser_shadows_until_it_rests():
     drawn.close()
 
 
+def test_while_a_light_moves_lattices_lag_and_are_solved_when_there_is_time(monkeypatch):
+    from airlight.app.view import drawn as module
+
+    drawn = drawn_with()
+    r, clock, solved_s = drawn.renderer, [0.0], []
+    if not r.gpu.is_cpu:
+        pytest.skip("a GPU has time for lattices")
+    lattice = r.technique.find(LpvSolver)
+    inner = lattice.solve
+    monkeypatch.setattr(
+        lattice,
+        "solve",
+        lambda *a: (solved_s.append(clock[0]), clock.__setitem__(0, clock[0] + 0.5), inner(*a))[-1],
+    )
+    monkeypatch.setattr(module.time, "perf_counter", lambda: clock[0])
+    drawn.solve(r.commands)  # takes half a second
+    fields = r.technique.fields
+    for frame in range(31):  # a drag for three seconds
+        clock[0] = 10.0 + 0.1 * frame
+        lamp = r.scene.lights[0]
+        x, y, z = lamp.position
+        drawn.give(replace(r.scene, lights=(lamp.changed("position", (x + 0.01, y, z)),)))
+        drawn.solve(r.commands, is_quick=True)
+    assert r.technique.fields.irradiance is not None
+    assert fields.irradiance is not None
+    # A fifth of the time is the lattice's: once within two seconds and a half.
+    assert len(solved_s) == 2
+    assert solved_s[1] == pytest.approx(12.0, abs=0.11)
+    drawn.solve(r.commands)  # the hand rests
+    assert len(solved_s) == 3
+    drawn.close()
+
+
 def test_nested_lattices_follow_the_camera():
     drawn = drawn_with(cascades=2)
     scene = drawn.renderer.scene

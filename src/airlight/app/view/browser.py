@@ -48,6 +48,7 @@ def serve(
     except ImportError as error:
         raise missing(error.name or "uvicorn") from None
     bound = bound_socket(listen, port)
+    session.prepare(size)
     token = new_token()
     page = Page(session, http.asgi.send_all)
     canvas = make_canvas(http, session, size, page)

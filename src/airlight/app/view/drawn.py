@@ -19,6 +19,9 @@ QUICK_COARSENESS = 2.0
 """How much larger the texels of directional lights' shadow maps are, as pixels are then."""
 QUICK_STEPS = 32
 """The fewest with an estimate of what later ones would add: living room, .86 of 64 steps' light."""
+LATTICE_SHARE = 0.2
+"""Of the time while a hand moves a light: what lattices may take on a CPU adapter."""
+_LIGHTS = (1, 2, 5)  # of `solved_by`: lights, their groups, the environment
 
 
 class Drawn:
@@ -29,6 +32,7 @@ class Drawn:
         self.solve_ms = 0.0
         self._solved: tuple[Any, ...] = ()
         self._is_quick = False
+        self._lattices_ms, self._lattices_s = 0.0, 0.0  # what they took last, and when that was
 
     def give(self, scene: Scene) -> None:
         """Show `scene`, which has the structure of the one the renderer was made for."""
@@ -38,7 +42,8 @@ class Drawn:
         """All that the camera does not matter for, unless nothing else has changed.
 
         `is_quick`: a hand moves what shines, and fewer steps of propagation and coarser shadows
-        will do for now on a CPU adapter; what was solved so is solved again where it is not.
+        will do for now on a CPU adapter, and lattices lag: direct light follows the hand at once,
+        indirect light when there is time. What was solved so is solved again where it is not.
         `is_still`: for an image of several samples, as always or never of this renderer.
         """
         self.solve_ms = 0.0
@@ -47,14 +52,22 @@ class Drawn:
         if is_same(now, self._solved) and (is_quick or not self._is_quick):
             return
         begin = time.perf_counter()
-        self._is_quick = is_quick and r.gpu.is_cpu
+        was_quick, self._is_quick = self._is_quick, is_quick and r.gpu.is_cpu
+        lags = self._is_quick and _are_lights(now, self._solved)
+        if lags and not was_quick:
+            self._lattices_s = begin
+        wait_s = self._lattices_ms * 1e-3 * (1.0 / LATTICE_SHARE - 1.0)
+        lags &= begin - self._lattices_s < wait_s
         with _quickly(r) if self._is_quick else nullcontext():
-            r.technique.solve(commands, r.show(r.scene), is_still=is_still)
+            r.technique.solve(commands, r.show(r.scene), is_still=is_still, lags=lags)
         self._solved = now
         if r.gpu.is_cpu:
             commands.submit()
             r.gpu.wait()
-            self.solve_ms = (time.perf_counter() - begin) * 1e3
+            end = time.perf_counter()
+            self.solve_ms = (end - begin) * 1e3
+            if not lags:
+                self._lattices_ms, self._lattices_s = self.solve_ms, end
 
     def draw(
         self, commands: Commands, camera: Camera, jitter: tuple[float, float], sample: int
@@ -106,6 +119,14 @@ def solved_by(r: Renderer) -> tuple[Any, ...]:
     nested = scene.camera if "cascades" in r.technique.stats else None
     # After an error the renderer recreates its resources, with nothing solved.
     return (r.technique, *parts, place, nested)
+
+
+def _are_lights(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
+    """Whether nothing but lights and sky has changed since there was a solution."""
+    others = [i for i in range(len(now)) if i not in _LIGHTS]
+    return len(before) == len(now) and is_same(
+        tuple(now[i] for i in others), tuple(before[i] for i in others)
+    )
 
 
 def is_same(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:

@@ -31,6 +31,10 @@ class FreeSpace:
         self.gap_m = _GAP * float(np.linalg.norm(high - low))
         self._probe: Probe | None = None
 
+    def warm(self) -> None:
+        """Make what rays are cast at now, so that the first drag need not wait for it."""
+        self._probe = self._probe or Probe.of(self.scene)
+
     def is_enclosed(self, eye: F64) -> bool:
         """Whether the eye stands in a room, so that walls are to hold it."""
         directions = sphere_directions(_RAYS)
@@ -77,6 +81,6 @@ class FreeSpace:
 
     def _reaches(self, eye: F64, directions: F64) -> F64:
         """How far rays (N, 3) from the eye get, metres."""
-        if self._probe is None:
-            self._probe = Probe.of(self.scene)
+        self.warm()
+        assert self._probe is not None
         return self._probe.cast(np.repeat(eye[None], len(directions), axis=0), directions).distance

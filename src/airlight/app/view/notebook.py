@@ -38,7 +38,7 @@ def view(
     session = Session(
         loaded, source=source, technique=technique, settings=settings, adapter=adapter
     )
-    session.frame_size(size)
+    session.prepare(size)
     still = session.image(_STILL_SAMPLES)
     try:
         from rendercanvas import anywidget

@@ -15,6 +15,7 @@ STILL_SAMPLES = 64
 MOST_SCALE = 8.0
 _SLOW_MS, _FAST_MS, _AIM_MS = 90.0, 40.0, 65.0
 _BLOCKING_MS, _STILL_MS = 600.0, 350.0  # a window that answers no later is felt as stuck
+_SAVES = 0.85  # of the time, at least: coarser images that take more are no answer
 _PATIENCE = 6  # fast frames in a row before a finer one is tried
 _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
@@ -39,6 +40,8 @@ class Quality:
         self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
         self.still_scale = 1.0  # of a side, at rest
         self._full = (0, 0)
+        self._coarsest = MOST_SCALE
+        self._finer: tuple[float, float] | None = None  # the scale before, and what it took, ms
         self._quick_frames = 0
         self._slow_ms = 0.0  # of the frame before, where that was slow
         self._changed_s = float("-inf")
@@ -66,6 +69,7 @@ class Quality:
         image to be done before the next coarse one.
         """
         if full != self._full:
+            self._coarsest, self._finer = MOST_SCALE, None
             self._full, self.still_scale, self._is_last = full, 1.0, False
         if changed:
             self._changed_s = now_s
@@ -100,7 +104,7 @@ class Quality:
             self._quick_frames = 0
             if before:
                 self._slow_ms = 0.0
-                self.scale = _step_above(self.scale * (min(ms, before) / _AIM_MS) ** 0.5)
+                self._coarsen(min(ms, before))
         elif ms < _FAST_MS and self.scale > 1.0:
             self._quick_frames += 1
             if self._quick_frames >= _PATIENCE:
@@ -108,6 +112,15 @@ class Quality:
                 self.scale = _step_below(self.scale)
         else:
             self._quick_frames = 0
+
+    def _coarsen(self, ms: float) -> None:
+        """Moving images take `ms`: coarser ones, unless that has saved little the last time."""
+        if self._finer and ms > _SAVES * self._finer[1]:
+            self.scale = self._coarsest = self._finer[0]
+            self._finer = None
+            return
+        self._finer = (self.scale, ms)
+        self.scale = min(_step_above(self.scale * (ms / _AIM_MS) ** 0.5), self._coarsest)
 
 
 def _reduced(full: tuple[int, int], scale: float) -> tuple[int, int]:

@@ -35,7 +35,14 @@ PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
 PREVIEW = ("preview",)
 """The structure of what is seen until the technique's first image is there."""
 PREVIEW_TECHNIQUE = "direct"
-PREVIEW_SETTINGS = {"ambient_occlusion": False, "shadow_resolution": 256}
+PREVIEW_SETTINGS = {
+    "ambient_occlusion": False,
+    "shadow_resolution": 256,
+    "sky_lights": 6,
+    "resolution": 8,
+    "area_samples": 4,
+}
+"""The living room: 3.0 s of processor time until there is an image, 9 with `lpv` (CPU adapter)."""
 
 
 class Session(Document):
@@ -187,9 +194,10 @@ class Session(Document):
             if self._camera != before:  # the scene moves its camera; a hand may take it from there
                 self.controls.camera = self._camera
 
-    def frame_size(self, size: tuple[int, int]) -> None:
-        """The size of images until a frame says another."""
+    def prepare(self, size: tuple[int, int]) -> None:
+        """Begin with the first image, of `size` until a frame says another."""
         self._size = size
+        self._make()
 
     def image(self, samples: int = _SAVED_SAMPLES) -> Image:
         """What is seen now, at full size, with its layers. Raises AirlightError."""
@@ -245,7 +253,14 @@ class Session(Document):
         if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
             self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
         else:
-            self._making.begin(wanted, self._maker(size, state.technique))
+            make, free = self._maker(size, state.technique), self.controls.free
+
+            def made() -> Renderer:
+                if free is not None:  # the first drag asks for it
+                    free.warm()
+                return make()
+
+            self._making.begin(wanted, made)
 
     def _emptied(self, fine: Fine) -> Fine:
         """One of which nothing was made; what `fine` holds is given back in the background."""

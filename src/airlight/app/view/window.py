@@ -25,6 +25,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
         from rendercanvas.utils.asyncs import sleep
     except ImportError as error:
         raise missing(error.name or "glfw") from None
+    session.prepare(size)
     title = f"{session.state.scene.name} - airlight"
     try:
         canvas = RenderCanvas(size=size, title=title, max_fps=60, update_mode="ondemand")
