@@ -90,6 +90,8 @@ def _setter(session: Session, control: Control) -> Callable[[Any], None]:
 
     def put(value: Any) -> None:
         settings = settings_class(state.technique, state.scene)
+        if value == "" and control.kind == "text":
+            value = control.default
         try:
             chosen = checked(settings, state.chosen_settings, control.name, value)
         except Exception as error:  # of the value: said, not raised

@@ -135,7 +135,8 @@ def plain(widget: Widget, encode: Callable[[U8], str]) -> Mapping[str, Any]:
         "beside": widget.beside,
         "step": widget.step if widget.kind == "vector" else None,
     }
-    return {**known, **{name: v for name, v in rare.items() if v not in (None, False, [])}}
+    said = {n: v for n, v in rare.items() if v is not None and v is not False and v != []}
+    return {**known, **said}
 
 
 def _if(is_so: bool, value: Any) -> Any:
@@ -146,7 +147,7 @@ def _if(is_so: bool, value: Any) -> Any:
 
 def _number(value: Any, low: float | None, high: float | None) -> float:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or abs(value) > _FARTHEST:
+    if not (is_number and abs(value) <= _FARTHEST):
         raise Unfit
     least, most = -_FARTHEST if low is None else low, _FARTHEST if high is None else high
     return float(min(max(value, least), most))
