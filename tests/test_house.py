@@ -296,6 +296,7 @@ _READS_ITS_OWN = {
     "gpu/raster.py": "shaders of the package",
     "gpu/source.py": "shaders of the package",
     "maths/area_light.py": "a table of the package",
+    "app/view/page.py": "the viewer's page, of the package",
     "app/bench/child.py": "what the system says of the process",
     "reference/mitsuba_child.py": "what a child of ours wrote into a folder of ours",
     "reference/mitsuba_process.py": "what the parent wrote into a folder of ours",
@@ -520,7 +521,7 @@ def test_the_wheel_carries_every_shader_and_the_type_marker(tmp_path):
     carried = set(zipfile.ZipFile(wheel).namelist())
     wanted = {
         path.relative_to(SOURCE.parent).as_posix()
-        for path in [*modules(), *shaders(), SOURCE / "py.typed"]
+        for path in [*modules(), *shaders(), *SOURCE.rglob("web/*"), SOURCE / "py.typed"]
     }
     assert wanted <= carried, sorted(wanted - carried)
     assert not [name for name in carried if name.startswith("tests/")]

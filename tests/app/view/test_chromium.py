@@ -61,7 +61,8 @@ def page():
     flags = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=flags)
-        opened = browser.new_context(viewport={"width": 640, "height": 320}).new_page()
+        context = browser.new_context(viewport={"width": 640, "height": 320}, has_touch=True)
+        opened = context.new_page()
         for _ in range(50):
             try:
                 opened.goto(link)
@@ -114,6 +115,44 @@ def test_keys_fly(page):
     opened.keyboard.down("d")
     until(opened, lambda p: np.abs(p - before).mean() > 3.0, "flying is seen")
     opened.keyboard.up("d")
+
+
+@pytest.mark.slow
+def test_the_panel_is_html_beside_the_image_and_a_slider_changes_it(page):
+    opened, _ = page
+    panel, image = opened.locator("aside.panel"), opened.locator("img.renderview-view")
+    assert panel.is_hidden()  # on a narrow page, until it is asked for
+    opened.set_viewport_size({"width": 900, "height": 320})
+    opened.locator("button.toggle").click()
+    panel.wait_for(state="visible")
+    until(opened, lambda p: image.bounding_box()["width"] == 900 - 304, "the image makes room")
+    before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
+    strength = opened.locator('[data-key^="light.0."] input[type=range]').first
+    strength.fill("400")
+    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "a weaker light")
+    opened.get_by_role("button", name="undo").click()
+    until(opened, lambda p: np.abs(p - before).mean() < 1.0, "it is undone")
+    opened.locator("button.toggle").click()
+    panel.wait_for(state="hidden")
+
+
+@pytest.mark.slow
+def test_two_fingers_come_nearer(page):
+    opened, _ = page
+    opened.keyboard.press("r")
+    before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
+    cdp = opened.context.new_cdp_session(opened)
+
+    def touch(kind: str, *places: tuple[int, int]) -> None:
+        points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)]
+        cdp.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    touch("touchStart", (440, 160), (480, 160))
+    for step in range(1, 8):
+        touch("touchMove", (440 - 12 * step, 160), (480 + 12 * step, 160))
+        opened.wait_for_timeout(40)
+    touch("touchEnd")
+    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "it came nearer")
 
 
 @pytest.mark.slow

@@ -106,7 +106,7 @@ def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
     assert "application/vnd.jupyter.widget-view+json" in shown
     # Without a kernel the page still has an image.
     assert pixels(base64.b64decode(shown["image/png"])).shape == (SIZE[1], SIZE[0], 3)
-    text = next(o for o in cells[1].outputs if o.output_type == "stream").text.split()
+    text = "".join(o.text for o in cells[1].outputs if o.output_type == "stream").split()
     before, after = (pixels(base64.b64decode(part)) for part in text)
     assert before.shape == after.shape == (200, 720, 3)
-    assert np.abs(after[:, 340:] - before[:, 340:]).mean() > 2.0
+    assert np.abs(after - before).mean() > 2.0

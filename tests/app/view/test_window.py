@@ -153,7 +153,7 @@ def test_the_wheel_keys_and_sun(desk):
 @pytest.mark.slow
 def test_the_panel_takes_its_own_clicks_and_tab_hides_it(desk):
     before = desk.rested()
-    desk.do("mousemove", 60, 190, "mousedown", 1, "mousemove", 90, 160, "mouseup", 1)  # the sun pad
+    desk.do("mousemove", 60, 290, "mousedown", 1, "mousemove", 90, 262, "mouseup", 1)  # the sun pad
     turned = desk.until_changed(before, "the sun pad turned the sun", least=1.0)
     # The sky, which no sun lights, stays where it is: the camera took nothing of that drag.
     assert np.abs(turned[:60] - before[:60]).mean() < 1.0
@@ -219,12 +219,12 @@ def test_another_renderer_is_made_while_the_old_image_stays_live(desk):
 @pytest.mark.slow
 def test_a_click_at_rest_opens_the_list_of_techniques(desk):
     desk.rested()
-    desk.do("mousemove", 60, 52)
+    desk.do("mousemove", 60, 104)
     time.sleep(0.5)
-    before = desk.shot()[65:200, 5:130]
+    before = desk.shot()[118:250, 15:150]
     desk.do("click", 1)
     end = time.monotonic() + 20.0
-    while np.abs(desk.shot()[65:200, 5:130] - before).mean() < 8.0:
+    while np.abs(desk.shot()[118:250, 15:150] - before).mean() < 8.0:
         assert time.monotonic() < end, "the list stayed shut"
         time.sleep(0.2)
     desk.do("mousemove", 480, 310, "click", 1)  # beside it: shut again

@@ -18,6 +18,13 @@ from .page import Page, web_text
 from .session import Session
 
 _LARGEST_MESSAGE = 1 << 16  # bytes that a browser may send at once
+_SERVING: dict[str, Any] = {
+    "log_level": "error",
+    "lifespan": "on",
+    "ws_max_size": _LARGEST_MESSAGE,
+    "timeout_graceful_shutdown": 1,
+    "access_log": False,
+}
 _SERVER = 0  # the id of what the server itself says; browsers count from 1
 
 FILES = {
@@ -56,15 +63,8 @@ def serve(
     page.touched = view.touched
     http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
-    config = uvicorn.Config(
-        Guard(http.asgi, token, listen),
-        log_level="error",
-        lifespan="on",
-        ws_max_size=_LARGEST_MESSAGE,
-        timeout_graceful_shutdown=1,
-        access_log=False,
-    )
-    server = uvicorn.Server(config)
+    guard = Guard(http.asgi, token, listen)
+    server = uvicorn.Server(uvicorn.Config(guard, **_SERVING))
 
     def stop(event: dict[str, Any]) -> None:
         server.should_exit = True

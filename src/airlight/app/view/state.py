@@ -27,11 +27,12 @@ _UP = (0.0, 1.0, 0.0)
 class ViewState:
     """The panel and the controls write it, the session draws it.
 
-    `settings` by technique lie over what the scene file says. `light` is the one that a drag
-    turns, `picked` the one that shows its handles, -1 for none. `time_s` is where the scene's animation stands. `message` is what went wrong last,
-    `notice` what went well. `compared`: another technique, whose image is right of the `split`, a
-    share of the width; empty for none. `own_environment`: the scene's map, while another is shown.
-    `sliced`: by number of volume, how its grid is looked at.
+    `settings` by technique lie over what the scene file says. `light` is the one that a drag turns,
+    `picked` the one that shows its handles, -1 for none. `time_s` is where the scene's animation
+    stands. `message` is what went wrong last, `notice` what went well. `compared`: another
+    technique, whose image is right of the `split`, a share of the width; empty for none.
+    `own_environment`: the scene's map, while another is shown. `sliced`: by number of volume, how
+    its grid is looked at.
     """
 
     scene: Scene
