@@ -39,13 +39,15 @@ class Source:
 
     With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
     W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
-    of one (its row: the scene's medium first, then the volumes), at the density's own resolution.
+    of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
+    one volume's, at the density's own resolution.
     """
 
     texture: Texture
     uvw_from_world: F64
     scale: float = 1.0
     medium: int = ABSOLUTE
+    parts: int = 1
 
     @property
     def cell_m(self) -> float:

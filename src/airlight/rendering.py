@@ -28,13 +28,13 @@ from .scene.environment import Environment
 from .scene.image import Image, checked_size
 from .scene.io import load
 from .scene.lens import has_moments, shutter_time, still_samples, through_lens
-from .scene.light_shapes import LightMeshes
 from .scene.lights import Light
 from .scene.limits import check_extent
 from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
+from .scene.shown import ShownScenes, drawn_alike
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
@@ -73,7 +73,7 @@ class Renderer:
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
         check_extent(self.scene)
-        self._light_meshes, self._nearby = LightMeshes(), Nearby(origin_near(self.scene))
+        self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
         self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []
@@ -94,7 +94,7 @@ class Renderer:
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
             self.commands = Commands(gpu)
-            first = self._nearby.of(self._light_meshes.of(self._first))
+            first = self._nearby.of(self._shown.of(self._first))
             self.meshes = GpuScene(gpu, first)
             self.technique = make_technique(
                 gpu, first, self.meshes, technique, settings, self.size, nearby=self._nearby
@@ -136,6 +136,10 @@ class Renderer:
             if time is not None and samples > 1 and has_moments(scene):
                 times_s = time + scene.camera.shutter_s * shutter_shares(samples)
                 moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
+            if not drawn_alike(scene, self._first):
+                self._first = scene
+                self._release()
+                self._make()
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
                 if moments is None:
@@ -156,9 +160,9 @@ class Renderer:
     def show(self, scene: Scene) -> Scene:
         """Make `scene` the one that is shown.
 
-        Returns it as the device has it: with the meshes of its lights, from `origin`.
+        Returns it as the device has it: with its lights' meshes, volumes in parts, from `origin`.
         """
-        shown = self._nearby.of(self._light_meshes.of(scene))
+        shown = self._nearby.of(self._shown.of(scene))
         if shown.meshes is not self.meshes.current:
             self.meshes.move(shown.meshes)
         self.scene = scene

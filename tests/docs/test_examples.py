@@ -12,6 +12,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 MADE = {
     "array_to_volume.py": ["array_to_volume.png"],
     "cloud_turning_sun.py": ["cloud.webp", "cloud/0000.png", "cloud/0023.png"],
+    "dyed_smoke.py": ["dyed_smoke.png"],
     "many_puffs.py": ["many_puffs.png"],
     "smoke_in_atrium.py": ["smoke_in_atrium.png"],
     "sun_shafts.py": ["sun_shafts.png", "sun_shafts.exr", "sun_shafts_parts.png"],

@@ -228,7 +228,7 @@ def test_lights_of_a_dark_scene_have_no_cells(gpu: Gpu) -> None:
 
 
 def test_too_many_grids_are_refused(gpu: Gpu) -> None:
-    medium = GridMedium(gpu, over_floor().volumes[0], 8, voxels=None, others=0)
+    medium = GridMedium(gpu, over_floor().volumes, 8)
     with pytest.raises(DeviceError, match=r"4000 grids of 64\^3 cells need \d+ MB") as told:
         GridPropagation(medium, PopSettings(grid=64), 4000)
     assert "virtual_lights" in str(told.value)

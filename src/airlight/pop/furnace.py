@@ -26,8 +26,7 @@ class Furnace:
 
     def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
         self._medium, self._is_exact = medium, settings.exact_sky
-        others = medium.mixture.media - 1
-        self._mixture = Mixture(medium.gpu, medium.cells, others, has_blocks=False)
+        self._mixture = Mixture(medium.gpu, medium.cells, medium.mixture.count, has_blocks=False)
         self._beams = DeltaBeams(medium, settings, settings.ordinates, self._mixture)
         self._sky = uniform_sky(settings.ordinates)
 

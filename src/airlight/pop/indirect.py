@@ -12,6 +12,7 @@ from __future__ import annotations
 from ..fields import ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.slots import sampler, storage, uniform
@@ -21,7 +22,7 @@ from ..lattice.placement import LatticeParams
 from ..maths.ordinates import uniform_sky
 from ..maths.transforms import F64
 from .delta.beams import DeltaBeams
-from .light.table import OrdinateData
+from .light.incident import IncidentLight
 from .medium.grid_medium import GridMedium
 from .medium.placement import MediumParams
 from .settings import PopSettings
@@ -40,11 +41,9 @@ class IndirectParams(Struct):
 
 
 class _Indirect(ComputePass):
-    slots = (
+    own_slots = (
         uniform("params", MediumParams),
         uniform("reflected", IndirectParams),
-        storage("ordinates", OrdinateData),
-        storage("passed", "f32"),
         storage("diffuse", "vec4f"),
         storage("reach", "u32"),
         uniform("lattice", LatticeParams),
@@ -56,6 +55,10 @@ class _Indirect(ComputePass):
     workgroup = (64, 1, 1)
     file = "indirect.wgsl"
 
+    def __init__(self, gpu: Gpu, light: IncidentLight) -> None:
+        self.slots = (*self.own_slots, *light.slots)  # type: ignore[misc]
+        super().__init__(gpu, generated=light.mixture.beam_wgsl(has_blocks=False))
+
 
 class IndirectLight:
     """Fills `Emission.indirect`: scattered radiance per unit scattering coefficient."""
@@ -64,7 +67,8 @@ class IndirectLight:
         self._medium = medium
         self._sky = uniform_sky(settings.ordinates)
         self._uniform = DeltaBeams(medium, settings, settings.ordinates, medium.mixture)
-        self._pass, self._linear = _Indirect(medium.gpu), linear_sampler(medium.gpu)
+        self._pass = _Indirect(medium.gpu, self._uniform.light)
+        self._linear = linear_sampler(medium.gpu)
 
     def encode_medium(
         self, commands: Commands, params: MediumParams, reflected: ReflectedLight
@@ -101,8 +105,7 @@ class IndirectLight:
                 direct=source.direct,
                 is_whole=int(self._is_whole(reflected)),
             ),
-            ordinates=light.table.rows,
-            passed=light.passed,
+            **light.bound,
             diffuse=self._uniform.diffuse.diffuse,
             reach=medium.density.reach,
             lattice=source.placement.params(),
@@ -118,4 +121,4 @@ class IndirectLight:
 
     def _is_whole(self, reflected: ReflectedLight) -> bool:
         """Whether all light arrives: nothing is absorbed, or the lattice knows the medium."""
-        return min(self._medium.volume.albedo) > _WHITE or reflected.knows_media
+        return min(self._medium.albedo) > _WHITE or reflected.knows_media

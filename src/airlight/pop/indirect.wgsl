@@ -4,16 +4,16 @@
 //! use delta_beam
 //! use phase
 //! use lattice
+//! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
 
 // The mean radiance in a cell under a uniform sky of radiance 1; see maths/delta_beam.py, fluence.
 fn uniform_radiance(cell: u32) -> vec3f {
     if (reflected.is_whole != 0u) {
         return vec3f(1.0);
     }
-    let loss = params.sigma_t * beam_loss(params.g, params.albedo);
     var fluence = diffuse[cell].xyz;
     for (var n = 0u; n < params.ordinate_count; n++) {
-        fluence += ordinates[n].irradiance.rgb * exp(-loss * passed[n * params.cells + cell]);
+        fluence += ordinates[n].irradiance.rgb * exp(-reduced_depth(n, cell));
     }
     return clamp(fluence * PHASE_ISOTROPIC, vec3f(0.0), vec3f(1.0));
 }

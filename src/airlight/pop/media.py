@@ -20,11 +20,13 @@ from ..lighting.view import View
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
 from ..media.march.march import MAX_SOURCES
+from ..scene.coefficients import grouped
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .light.importance import Look
 from .light.visibility import Surfaces
+from .medium.mixture import MediaCount
 from .settings import PopSettings
 from .several_media import encode, introduce
 from .solver import Illumination, PopSolver
@@ -47,13 +49,13 @@ class PopMedia(Solver):
         self.kit, self.settings = kit, settings
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
         self._scene = kit.context.scene
-        volumes = self._media_of(self._scene)
+        volumes = grouped(self._media_of(self._scene))
         if len(volumes) > MAX_SOURCES:
             raise SceneError(
                 f"the scene has {len(volumes)} media, at most {MAX_SOURCES} can be drawn",
                 remedy="Leave some out.",
             )
-        self._first_row = media.count - len(volumes)
+        self._first_row = media.count - sum(map(len, volumes))
         # The surfaces around the media, with their virtual point lights.
         self._maps = reflected_maps(kit, media, settings)
         reflected = self._maps.reflected if self._maps else None
@@ -63,21 +65,22 @@ class PopMedia(Solver):
         self.solvers = self._made(volumes, media)
         introduce(self.solvers)
 
-    def _made(self, volumes: list[Volume], media: GpuMedia) -> list[PopSolver]:
-        """A solver for each volume; a grid with a texture to itself is on the device already."""
+    def _made(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
+        """A solver for each volume or its parts; a grid with its own texture is there already."""
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         lights = len(self._scene.lights) + virtual
         shared = media.atlas.texture if media.atlas is not None and media.atlas.is_alone else None
+        every = sum(map(len, volumes))
         return [
             PopSolver(
                 self.kit.gpu,
-                volume,
+                parts,
                 self.settings,
                 lights=lights,
-                voxels=shared if volume.density is not None else None,
-                others=len(volumes) - 1,
+                voxels=shared if parts[0].density is not None else None,
+                others=MediaCount(others=len(volumes) - 1, other_parts=every - len(parts)),
             )
-            for volume in volumes
+            for parts in volumes
         ]
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
@@ -101,9 +104,12 @@ class PopMedia(Solver):
             fields.reflected if has_reflected else None,
             Look(view.camera, view.size[0] / view.size[1]),
         )
-        encode(commands, self.solvers, self._media_of(scene), lit)
-        sources = tuple(s.source(self._first_row + i) for i, s in enumerate(self.solvers))
-        return replace(fields, volumes=sources)
+        encode(commands, self.solvers, grouped(self._media_of(scene)), lit)
+        sources, row = [], self._first_row
+        for solver in self.solvers:
+            sources.append(solver.source(row))
+            row += len(solver.medium.parts)
+        return replace(fields, volumes=tuple(sources))
 
     @property
     def stats(self) -> dict[str, Any]:

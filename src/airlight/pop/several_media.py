@@ -23,7 +23,10 @@ def introduce(solvers: Sequence[PopSolver]) -> None:
 
 
 def encode(
-    commands: Commands, solvers: Sequence[PopSolver], volumes: Sequence[Volume], lit: Illumination
+    commands: Commands,
+    solvers: Sequence[PopSolver],
+    volumes: Sequence[Sequence[Volume]],
+    lit: Illumination,
 ) -> None:
     """Bring the emission of all up to date, each with its volume as it is in this frame."""
     # Ordinates and densities; where one medium changes, so does the mixture of all.

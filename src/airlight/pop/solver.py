@@ -12,10 +12,12 @@ media of a scene have a solver each, and light one another; see `several_media`.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ..errors import SceneError
 from ..fields import ReflectedLight, Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -36,7 +38,8 @@ from .light.incident import IncidentLight
 from .light.ordinates import SceneOrdinates, local_lights
 from .light.table import LocalLight
 from .light.visibility import Surfaces
-from .medium.grid_medium import GridMedium
+from .medium.grid_medium import NO_OTHERS, GridMedium
+from .medium.mixture import MediaCount
 from .medium.placement import MediumParams
 from .settings import PopSettings
 
@@ -111,22 +114,30 @@ class PopSolver:
     def __init__(
         self,
         gpu: Gpu,
-        volume: Volume,
+        volume: Volume | Sequence[Volume],
         settings: PopSettings,
         *,
         lights: int = 0,
         voxels: Texture | None = None,
-        others: int = 0,
+        others: MediaCount = NO_OTHERS,
     ) -> None:
         """For at most so many `lights` beside the environment, and a number of `others`.
 
+        `volume`: one, or the parts of one that have the same phase function. Raises SceneError
+        where a scheme that knows one extinction gets parts.
         `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
         """
         self.settings = settings
         is_beam = settings.scheme == "delta-beam"
         # Grids of ordinates know one medium only.
-        others = others if is_beam else 0
-        self.medium = GridMedium(gpu, volume, settings.grid, voxels=voxels, others=others)
+        others = others if is_beam else NO_OTHERS
+        parts = [volume] if isinstance(volume, Volume) else list(volume)
+        if len(parts) > 1 and not is_beam:
+            raise SceneError(
+                f"scheme = '{settings.scheme}' knows no volume whose colour varies",
+                remedy="Use scheme = 'delta-beam', or another technique",
+            )
+        self.medium = GridMedium(gpu, parts, settings.grid, voxels=voxels, others=others)
         self.emission = Emission(self.medium, settings.furnace_correction)
         scheme = DeltaBeams if is_beam else OrdinateGrids
         self.transport: Transport = scheme(
@@ -146,7 +157,7 @@ class PopSolver:
         self._view_key = b""
 
     def encode(
-        self, commands: Commands, lit: Illumination, volume: Volume | None = None
+        self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None = None
     ) -> Texture:
         """Solve one medium alone; returns the texture of in-scattered radiance towards the eye.
 
@@ -164,10 +175,14 @@ class PopSolver:
         self.encode_view(commands, lit, is_new_medium=is_new_medium, is_new_light=is_new_light)
         return self.emission.texture
 
-    def begin(self, commands: Commands, lit: Illumination, volume: Volume | None) -> bool:
+    def begin(
+        self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None
+    ) -> bool:
         """Take the light and the medium of a frame; returns whether the medium changed."""
-        if volume is not None and volume is not self.medium.volume:
-            self.medium.take(volume)
+        parts = (volume,) if isinstance(volume, Volume) else volume or self.medium.volumes
+        old = self.medium.volumes
+        if not (len(parts) == len(old) and all(map(operator.is_, parts, old))):
+            self.medium.take(parts)
         # Directional lights and environment as ordinates, directed to what the camera sees.
         with commands.stage("pop ordinates"):
             importance = self._importance_of(lit)
@@ -261,6 +276,7 @@ class PopSolver:
             self.medium.placement.uvw_from_world,
             scale=self.scale,
             medium=medium,
+            parts=len(self.medium.parts),
         )
 
     @property

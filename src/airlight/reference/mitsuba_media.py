@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..scene.checks import F32, F64, Rgb
+from ..scene.coefficients import albedo_of, shares_by_g, sigma_t_of
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -123,7 +124,8 @@ def _add_volume(
         media.boundaries.append(ellipsoid(inset, name, exterior, files, notes))
     else:
         media.boundaries.append(boundary(inset, name, exterior))
-    media.is_colored = media.is_colored or bool(np.ptp(own.sigma_t) > 0.0)
+    is_tinted = volume.tint is not None or bool(np.ptp(own.sigma_t) > 0.0)
+    media.is_colored = media.is_colored or is_tinted
 
 
 def _constant_volume(
@@ -156,34 +158,51 @@ def _grid_volume(
     notes: list[str],
 ) -> Element:
     """A heterogeneous medium. Grids are written at absolute scale, m^-1."""
-    density = volume.density
-    assert density is not None
-    own_t = density[..., None] * own.sigma_t.astype(np.float32)
+    own_t = sigma_t_of(volume)
     medium = plugin("medium", "heterogeneous", id=name)
     sigma_t = own_t if around is None else own_t + around.sigma_t.astype(np.float32)
     _add_grid(medium, "sigma_t", sigma_t, volume, files)
     add_truth(medium, "has_spectral_extinction", bool(np.ptp(sigma_t, axis=-1).max() > 0.0))
-    if around is None:
-        add_rgb(medium, "albedo", _rgb(own.albedo))
-        medium.append(_phase(own.g))
-        return medium
-    own_s = own_t * own.albedo.astype(np.float32)
-    sigma_s = own_s + (around.sigma_t * around.albedo).astype(np.float32)
-    if np.array_equal(own.albedo, around.albedo):
+    own_s = np.asarray(own_t * albedo_of(volume))
+    around_s = np.zeros(3, np.float32)
+    if around is not None:
+        around_s = (around.sigma_t * around.albedo).astype(np.float32)
+    # The albedo, and the phase functions that scattering is mixed of.
+    is_one_albedo = around is None or np.array_equal(own.albedo, around.albedo)
+    if volume.albedo_grid is None and is_one_albedo:
         add_rgb(medium, "albedo", _rgb(own.albedo))
     else:
-        albedo = (sigma_s / np.maximum(sigma_t, np.float32(1e-30))).astype(np.float32)
+        albedo = ((own_s + around_s) / np.maximum(sigma_t, np.float32(1e-30))).astype(np.float32)
         _add_grid(medium, "albedo", albedo, volume, files)
-        notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
-    if own.g == around.g:
-        medium.append(_phase(own.g))
-        return medium
-    medium.append(blend := plugin("phase", "blendphase"))
-    weight = (own_s / np.maximum(sigma_s, np.float32(1e-30))).mean(axis=-1, dtype=np.float32)
-    _add_grid(blend, "weight", weight, volume, files)
-    blend.extend([_phase(around.g, "phase_0"), _phase(own.g, "phase_1")])
-    notes.append(f"{name} in air of another g: their phase functions are mixed by voxel")
+        if around is not None:
+            notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
+    parts: list[tuple[float, F32]] = [
+        (float(np.mean(g)), np.asarray(own_s * part, np.float32))
+        for g, part in shares_by_g(volume, own_t)
+    ]
+    if around is not None and {g for g, _ in parts} != {around.g}:
+        parts.insert(0, (around.g, np.broadcast_to(around_s, own_s.shape)))
+        notes.append(f"{name} in air of another g: their phase functions are mixed by voxel")
+    medium.append(_mixed_phase(parts, volume, files))
     return medium
+
+
+def _mixed_phase(
+    parts: list[tuple[float, F32]], volume: Volume, files: FileStore, name: str = ""
+) -> Element:
+    """Phase functions of mean cosines, by the scattering that has each, of which files hold shares.
+
+    Mitsuba mixes two at a time: the last with the mixture of those before it.
+    """
+    *before, (g, last) = parts
+    if not before:
+        return _phase(g, name)
+    blend = plugin("phase", "blendphase", name)
+    whole = sum((s for _, s in before), start=last)
+    weight = (last / np.maximum(whole, np.float32(1e-30))).mean(axis=-1, dtype=np.float32)
+    _add_grid(blend, "weight", weight, volume, files)
+    blend.extend([_mixed_phase(before, volume, files, "phase_0"), _phase(g, "phase_1")])
+    return blend
 
 
 def _add_grid(parent: Element, name: str, values: F32, volume: Volume, files: FileStore) -> None:

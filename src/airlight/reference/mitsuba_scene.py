@@ -160,8 +160,14 @@ def with_grey_g(scene: Scene, channel: int) -> Scene:
         return (g[channel],) * 3
 
     medium = scene.medium and replace(scene.medium, g=grey(scene.medium.g))
-    volumes = tuple(replace(volume, g=grey(volume.g)) for volume in scene.volumes)
+    volumes = tuple(_with_grey_g(volume, channel) for volume in scene.volumes)
     return replace(scene, medium=medium, volumes=volumes)
+
+
+def _with_grey_g(volume: Volume, channel: int) -> Volume:
+    if volume.g_grid is not None:
+        return replace(volume, g_grid=volume.g_grid[..., channel])
+    return replace(volume, g=(volume.g[channel],) * 3)
 
 
 def _has_grey_g(scene: Scene) -> bool:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 
 from ..errors import SceneError
 from . import checks
 from .checks import F32, F64, Bounds, Rgb
+from .coefficients import as_grids, coefficient_grid, density_and_tint, parts_of
 from .emission import Emission
 from .medium import mean_cosine
 
@@ -25,6 +27,12 @@ class Volume:
     `sigma_t` is per metre at density 1. `world_from_volume` is a rigid or affine 4x4 matrix
     applied after `bounds`. `detail` is the amplitude of procedural noise added at march time.
     `emission` is the light that it gives off itself; its grid, if any, is as large as the density.
+
+    Coefficients may differ from voxel to voxel (Elek2014 section 4), in grids as large as the
+    density, (z, y, x) or (z, y, x, 3): `tint` and `albedo_grid`, in [0, 1], are multiplied with
+    sigma_t and `albedo`; `g_grid`, in (-1, 1), takes the place of `g`, which is its mean. A density
+    with three channels is taken apart into one and a tint. `of_coefficients` takes any of them.
+    Raises SceneError.
     """
 
     sigma_t: Rgb
@@ -37,6 +45,10 @@ class Volume:
     detail: float = 0.0
     source: str = ""
     emission: Emission | None = None
+    tint: F32 | None = None
+    albedo_grid: F32 | None = None
+    g_grid: F32 | None = None
+    part_of: object = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -56,8 +68,33 @@ class Volume:
         if self.density is None and self.detail > 0.0:
             raise SceneError("detail makes a density grid finer, a shape has none")
         if self.density is not None:
-            put(self, "density", _checked_density(self.density))
+            density, tint = _checked_density(self.density)
+            put(self, "density", density)
+            if tint is not None:
+                put(self, "tint", tint if self.tint is None else tint * self.tint)
+        self._check_coefficients()
         self._check_emission()
+
+    def _check_coefficients(self) -> None:
+        put = object.__setattr__
+        for name, low in (("tint", 0.0), ("albedo_grid", 0.0), ("g_grid", -0.9999)):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            if self.density is None:
+                raise SceneError(
+                    f"a shape has no voxels that its {name} could belong to",
+                    remedy="Give it a density grid.",
+                )
+            shape, high = self.density.shape, 0.9999 if low else 1.0
+            if name == "albedo_grid":
+                high /= max(*self.albedo, 1e-6)
+            put(self, name, coefficient_grid(values, f"volume {name}", shape, low=low, high=high))
+        if self.g_grid is not None and self.density is not None:
+            # The mean, of what is scattered.
+            weights = self.density.astype(np.float64)[..., None] + 1e-30
+            r, g, b = (self.g_grid * weights).sum(axis=(0, 1, 2)) / weights.sum()
+            put(self, "g", (float(r), float(g), float(b)))
 
     def _check_emission(self) -> None:
         size = self.emission.size if self.emission else None
@@ -72,19 +109,52 @@ class Volume:
             have, want = (" x ".join(map(str, s[::-1])) for s in (size, self.density.shape))
             raise SceneError(f"volume emission has {have} voxels, its density has {want}")
 
+    @classmethod
+    def of_coefficients(
+        cls,
+        *,
+        sigma_s: Any = None,
+        sigma_a: Any = None,
+        sigma_t: Any = None,
+        albedo: Any = None,
+        g: Any = 0.0,
+        **others: Any,
+    ) -> Volume:
+        """A volume of sigma_s and sigma_a, or of sigma_t and albedo, m^-1, and g.
+
+        Each is a number, a colour, or a grid (z, y, x) or (z, y, x, 3); one at least is a grid.
+        `others`: bounds, world_from_volume, detail, emission. Raises SceneError.
+        """
+        given = {"sigma_s": sigma_s, "sigma_a": sigma_a, "sigma_t": sigma_t, "albedo": albedo}
+        return cls(**as_grids({**given, "g": g}), **others)
+
+    @cached_property
+    def parts(self) -> tuple[Volume, ...]:
+        """Volumes of constant coefficients that add up to this one; see `scene.coefficients`."""
+        return parts_of(self)
+
+    @property
+    def has_coefficient_grids(self) -> bool:
+        """Whether coefficients other than the density differ from voxel to voxel."""
+        return not (self.tint is None and self.albedo_grid is None and self.g_grid is None)
+
     @property
     def is_emissive(self) -> bool:
         """Whether it gives off light itself, at this time or another."""
         return self.emission is not None and max(self.emission.radiance) > 0.0
 
 
-def _checked_density(density: F32) -> F32:
-    grid = checks.array(density, "volume density", shape=(None, None, None), dtype=np.float32)
+def _checked_density(density: F32) -> tuple[F32, F32 | None]:
+    """The density, and the tint of one that has colours."""
+    shape = (None, None, None, 3) if np.ndim(density) == 4 else (None, None, None)
+    grid = checks.array(density, "volume density", shape=shape, dtype=np.float32)
     if grid.size == 0:
         raise SceneError("volume density is empty")
     if grid.min() < 0.0:
         raise SceneError(f"volume density is negative (down to {float(grid.min()):g})")
     checks.at_most(grid, checks.MOST, "volume density")
+    if grid.ndim == 4:
+        return density_and_tint(grid)
     # A volume made from another keeps its very array: it need not be uploaded again.
     is_shared = isinstance(density, np.ndarray) and np.shares_memory(density, grid)
-    return density if is_shared and not density.flags.writeable else grid
+    return density if is_shared and not density.flags.writeable else grid, None

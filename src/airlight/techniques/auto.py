@@ -5,9 +5,10 @@ surfaces  without media `lpv`; with media `lpv-scatter`, whose lattice holds ref
 volumes   `pop`: a solver for the light of each volume, marched as a source. Light that surfaces
           reflect into a volume comes from the lattice, which the volume attenuates and adds to
           (`volumes`). Volumes are part of the lattice's medium instead where there are more than
-          four, or where a box or ball keeps much of a local light from the room: single scattering
-          is exact there. (A thick ball in the Cornell box: the relative L2 error of its light is
-          .21, with pop .33. For density grids pop is the better one, .27 against .55.)
+          four (or eight parts of volumes of many colours), or where a box or ball keeps much of a
+          local light from the room: single scattering is exact there. (A thick ball in the Cornell
+          box: the relative L2 error of its light is .21, with pop .33. For density grids pop is the
+          better one, .27 against .55.)
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..maths.transforms import F64
+from ..scene.coefficients import grouped
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene, volume_world_bounds
 from ..scene.volume import Volume
 
 _MOST_SOLVED = 4  # volumes that can be marched as sources of their own
+_MOST_PARTS = 8  # parts of those, each of which every path of the ordinates stores
 _SHADED_SHARE = 0.05
 
 
@@ -27,9 +30,14 @@ def recipe_for(scene: Scene) -> str:
     """The name of the recipe that `auto` takes for a scene."""
     if scene.medium is None and not scene.volumes:
         return "lpv"
-    if not scene.volumes or len(scene.volumes) > _MOST_SOLVED or _shades_a_room(scene):
+    if not scene.volumes or _are_many(scene) or _shades_a_room(scene):
         return "lpv-scatter"
     return "lpv with pop" if scene.medium is None else "lpv-scatter with pop"
+
+
+def _are_many(scene: Scene) -> bool:
+    """Whether volumes, or the parts of which those of many colours are sums, are too many."""
+    return len(grouped(scene.volumes)) > _MOST_SOLVED or len(scene.volumes) > _MOST_PARTS
 
 
 def _shades_a_room(scene: Scene) -> bool:

@@ -21,6 +21,7 @@ from ..lighting.cascades import cascades_nest
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
+from ..scene.coefficients import grouped
 from .settings import (
     LpvMarchSettings,
     LpvScatterSettings,
@@ -145,7 +146,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
         shafts="off", march_resolution=settings.march, march_steps=settings.march_steps
     )
     every, volumes = EveryMedium(context.scene), context.scene.volumes
-    sources = len(every(context.scene))
+    sources = len(grouped(every(context.scene)))
     media = Media(kit, drawn, sources=sources, has_sky=False, solved=volumes)
     solved = PopMedia(kit, media.on_device, settings, every)
     layers = partial(_pop_layers, media)
@@ -174,7 +175,8 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     volumes = context.scene.volumes
-    media = Media(kit, part_of(settings, MediaSettings), sources=len(volumes), solved=volumes)
+    sources = len(grouped(volumes))
+    media = Media(kit, part_of(settings, MediaSettings), sources=sources, solved=volumes)
     lattice = LpvSolver(kit, settings)
     lattice.media = LatticeVolumes(lattice, media.on_device)
     solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvMarchSettings))
@@ -193,7 +195,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
     media = Media(
         kit,
         part_of(settings, MediaSettings),
-        sources=len(volumes),
+        sources=len(grouped(volumes)),
         solved=volumes,
         is_lattice_marched=True,
         has_multiple=True,

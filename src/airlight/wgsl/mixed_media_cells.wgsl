@@ -27,7 +27,20 @@ fn leaving_of(m: u32, cell: u32) -> vec3f {
 
 // All that the medium itself scatters.
 fn scattering_own(cell: u32) -> vec3f {
-    return density[cell] * media[0].sigma_t * media[0].albedo;
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < OWN_PARTS; m++) {
+        sum += density[m * params.cells + cell] * media[m].sigma_t * media[m].albedo;
+    }
+    return sum;
+}
+
+// Its mass, as the mean extinction of three channels.
+fn mass_own(cell: u32) -> f32 {
+    var sum = 0.0;
+    for (var m = 0u; m < OWN_PARTS; m++) {
+        sum += density[m * params.cells + cell] * dot(media[m].sigma_t, vec3f(1.0 / 3.0));
+    }
+    return sum;
 }
 
 fn leaving_beams(cell: u32) -> vec3f {

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
-from airlight.scene.io.volumes import read_volume
+from airlight.scene.io.volumes import read_values, read_volume
 
 TURNED = np.array([[0, 2, 0, 0], [-2, 0, 0, 0], [0, 0, 2, 0], [10, 20, 30, 1.0]])
 COUNTED = np.arange(512, dtype=np.float32).reshape(8, 8, 8)
@@ -50,18 +50,18 @@ def packed(raw: bytes, compression: int) -> bytes:
     return struct.pack("<q", -len(raw)) + raw
 
 
-def inner(count: int, compression: int, dtype: str, tiles, active: tuple[int, ...]) -> bytes:
+def inner(count: int, compression: int, dtype: str, tiles, active, width: int = 1) -> bytes:
     """An inner node: its first child is there, and the tiles by offset."""
-    values = np.zeros(count, dtype)
-    values[list(tiles)] = list(tiles.values())
+    values = np.zeros((count, width), dtype)
+    values[list(tiles)] = np.reshape(list(tiles.values()), (-1, 1))
     stored = packed(values.tobytes(), compression)
     return bits(count, (0,)) + bits(count, active) + b"\6" + stored
 
 
 def leaf_values(values, compression: int, kind: int, dtype: str, inactive=()) -> bytes:
     """A leaf's mask and values; `kind` says what its inactive ones are, where they are zero."""
-    values = np.asarray(values).reshape(-1)
-    on = np.ones(512, bool) if kind == 6 else values != 0
+    values = np.asarray(values).reshape(512, -1)
+    on = np.ones(512, bool) if kind == 6 else (values != 0).any(axis=1)
     stored = values[on] if compression & ACTIVE_MASK and kind != 6 else values
     head = np.packbits(on, bitorder="little").tobytes() + struct.pack("<b", kind)
     return head + b"".join(inactive) + packed(stored.astype(dtype).tobytes(), compression)
@@ -98,11 +98,14 @@ def vdb_bytes(
         body += text("ScaleTranslateMap") + np.concatenate(rows).astype("<f8").tobytes()
     else:
         body += text("AffineMap") + matrix.astype("<f8").tobytes()
-    body += struct.pack("<IfII3i", 1, background, 0, 1, 0, 0, 0)
+    width = 3 if "vec3" in tree else 1
+    body += struct.pack(f"<I{width}fII3i", 1, *[background] * width, 0, 1, 0, 0, 0)
     dtype = "<f2" if tree.endswith("_HalfFloat") else "<f4"
-    body += inner(32768, compression, dtype, {}, ())
-    body += inner(4096, compression, dtype, tiles or {}, active)
-    on = np.ones(512, bool) if kind == 6 else np.asarray(values).reshape(-1) != 0
+    body += inner(32768, compression, dtype, {}, (), width)
+    body += inner(4096, compression, dtype, tiles or {}, active, width)
+    on = np.ones(512, bool)
+    if kind != 6:
+        on = (np.asarray(values).reshape(512, -1) != 0).any(axis=1)
     body += np.packbits(on, bitorder="little").tobytes()
     block = at + len(body)
     body += leaf_values(values, compression, kind, dtype, inactive)
@@ -128,6 +131,30 @@ def test_a_fog_volume_is_read_where_it_is(tmp_path):
     np.testing.assert_array_equal(grid.density, COUNTED.transpose(2, 1, 0))
     np.testing.assert_allclose(grid.bounds, ((0.75, 1.75, 2.75), (4.75, 5.75, 6.75)))
     np.testing.assert_array_equal(grid.world_from_volume, np.eye(4))
+
+
+@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize("mask", [0, ACTIVE_MASK])
+def test_a_grid_of_vectors_is_read_with_its_channels(tmp_path, mask, half):
+    """`Cd`, as others write colours: three numbers a voxel, in tiles too."""
+    colours = np.stack([SPARSE, np.roll(SPARSE, 7) / 2.0, 0.0 * SPARSE], axis=-1)
+    tree = "Tree_vec3s_5_4_3" + ("_HalfFloat" if half else "")
+    options = {
+        "compression": ZIP | mask,
+        "kind": 0,
+        "tree": tree,
+        "tiles": {1: 7.0},
+        "active": (1,),
+    }
+    (tmp_path / "a.vdb").write_bytes(vdb_bytes(colours, **options))
+    found = read_values(tmp_path / "a.vdb", "density").values
+    assert found.shape == (16, 8, 8, 3)
+    np.testing.assert_array_equal(found[:8], np.moveaxis(colours, (0, 1, 2), (2, 1, 0)))
+    assert (found[8:] == 7.0).all()
+    with pytest.raises(SceneError, match="has 3 channels, which one is the density"):
+        read_volume(tmp_path / "a.vdb")
+    green = read_volume(tmp_path / "a.vdb", channels="g").density
+    np.testing.assert_array_equal(green, found[..., 1])
 
 
 def test_a_turned_grid_keeps_its_matrix(tmp_path):
@@ -235,7 +262,7 @@ def test_names_that_are_not_utf_8(tmp_path):
         (b"", "is not a readable .vdb: it ends after 0 bytes"),
         (vdb_bytes(COUNTED)[:5000], "is not a readable .vdb: grid 'density' lies outside"),
         (vdb_bytes(COUNTED, version=221), "file version 221, 222 to 224 are read"),
-        (vdb_bytes(COUNTED, tree="Tree_int32_5_4_3"), "only trees of float and double"),
+        (vdb_bytes(COUNTED, tree="Tree_int32_5_4_3"), "only trees of float, double and vec3"),
         (vdb_bytes(COUNTED, kind=9), "inactive values are of the unknown kind 9"),
         (vdb_bytes(np.zeros(512), kind=0), "has no active voxels"),
         (vdb_bytes(COUNTED, matrix=np.zeros((4, 4))), "transform is not finite, or flat"),

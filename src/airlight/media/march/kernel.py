@@ -44,6 +44,7 @@ class SourceData(Struct):
     uvw_from_world = mat4x4f()
     scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
     medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
+    parts = u32("media from it on that are one volume's")
 
 
 LatticeForm = Literal["none", "mean", "two bands", "reduced medium"]

@@ -59,7 +59,8 @@ def _sources_wgsl(variant: Variant) -> str:
         f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
         f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
         f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
-        f"            * sources[{i}].scale * source_weight(sources[{i}].medium, p);\n    }}\n"
+        f"            * sources[{i}].scale\n"
+        f"            * source_weight(sources[{i}].medium, sources[{i}].parts);\n    }}\n"
         for i in range(sources)
     ]
     lattices = ""

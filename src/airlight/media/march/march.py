@@ -239,7 +239,12 @@ class March:
         packed = pack_array(
             SourceData,
             [
-                {"uvw_from_world": s.uvw_from_world, "scale": s.scale, "medium": s.medium}
+                {
+                    "uvw_from_world": s.uvw_from_world,
+                    "scale": s.scale,
+                    "medium": s.medium,
+                    "parts": s.parts,
+                }
                 for s in sources
             ],
         )

@@ -17,7 +17,7 @@
 //! needs fn step_length(t: f32, lattice: vec2f, near: f32) -> f32
 
 // The scattering coefficient that a source leaves out; 1 where it is an emission.
-fn source_weight(medium: i32, p: vec3f) -> vec3f {
+fn source_weight(medium: i32, parts: u32) -> vec3f {
     if (medium == -1) {
         return vec3f(1.0);
     }
@@ -27,8 +27,8 @@ fn source_weight(medium: i32, p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
-        if (ray_medium(k) == u32(medium)) {
-            sum = media_density_here[k] * sigma_s_of(ray_medium(k));
+        if (ray_medium(k) - u32(medium) < parts) {
+            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
         }
     }
     return sum;

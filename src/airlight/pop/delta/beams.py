@@ -76,10 +76,10 @@ class DeltaBeams:
 
         The last `virtual` of `local` are virtual point lights, which the device overwrites.
         """
-        volume, table = self._medium.volume, self.light.table
+        medium, table = self._medium, self.light.table
         self._has_local_lights = len(local) > virtual
         if local:
-            self._near.write(volume.g, volume.albedo)
+            self._near.write(medium.volume.g, medium.albedo)
         self.light.write(ordinates, local, scale)
         if self._sends:
             self._medium.scattered.scale = table.scale

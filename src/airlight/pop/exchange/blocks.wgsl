@@ -5,6 +5,7 @@
 //! needs fn leaving_beams(cell: u32) -> vec3f
 //! needs fn leaving_forward(cell: u32) -> vec3f
 //! needs fn scattering_own(cell: u32) -> vec3f
+//! needs fn mass_own(cell: u32) -> f32
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= BLOCKS_PER_AXIS * BLOCKS_PER_AXIS * BLOCKS_PER_AXIS) {
@@ -30,7 +31,7 @@
                 let cell = (z * params.count.y + y) * params.count.x + x;
                 let point = cell_centre(vec3u(x, y, z));
                 let uvw = (receiver.uvw_from_sender * vec4f(point, 1.0)).xyz;
-                let rho = density[cell];
+                let rho = mass_own(cell);
                 if (rho <= 0.0 || (all(uvw > vec3f(0.0)) && all(uvw < vec3f(1.0)))) {
                     continue;
                 }

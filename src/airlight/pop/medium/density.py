@@ -71,33 +71,34 @@ class _Reach(ComputePass):
 class Density:
     """The density of all media on the grid of one.
 
-    `fine`: a filterable 3D texture of the medium's own density, in x. `cells`: f32
-    [medium][z][y][x], means of its own density first, then of the other media. `reach`: u32, 1
+    `fine`: a filterable 3D texture of the medium's own density, in x; `fine_parts`: those of its
+    further parts. `cells`: f32 [medium][z][y][x], means of its own density first, then of those
+    parts, then of the other media. `reach`: u32, 1
     where a cell or one beside it holds any medium; other cells need no light.
     """
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
         self.placement, self._mixture = placement, mixture
-        self.fine = Texture(
-            gpu, "fine density", placement.fine_count, "rgba16float", dimension="3d", written=True
-        )
+        fines = [_fine_texture(gpu, placement) for _ in range(mixture.count.own)]
+        self.fine, self.fine_parts = fines[0], fines[1:]
         self.cells = Buffer(gpu, "density", 4 * placement.cells * mixture.media)
         self.reach = Buffer(gpu, "reach of the medium", 4 * placement.cells)
         self._fine, self._cells, self._reach = _Fine(gpu), _Cells(gpu), _Reach(gpu, mixture)
         self._others = None if mixture.is_alone else _Others(gpu, mixture)
         self.linear = linear_sampler(gpu)
 
-    def encode(self, commands: Commands, params: MediumParams, voxels: Texture) -> None:
-        """Fill `fine` and the medium's own part of `cells` from `voxels`."""
+    def encode(self, commands: Commands, params: MediumParams, voxels: Sequence[Texture]) -> None:
+        """Fill `fine`, `fine_parts` and the medium's own part of `cells` from each one's voxels."""
         fine_count, cells = self.placement.fine_count, (self.placement.cells,)
-        self._fine.dispatch(
-            commands,
-            fine_count,
-            params=params,
-            voxels=voxels,
-            linear_clamp=self.linear,
-            fine=self.fine,
-        )
+        for own, fine in zip(voxels, (self.fine, *self.fine_parts), strict=True):
+            self._fine.dispatch(
+                commands,
+                fine_count,
+                params=params,
+                voxels=own,
+                linear_clamp=self.linear,
+                fine=fine,
+            )
         self._cells.dispatch(commands, cells, params=params, fine=self.fine, density=self.cells)
 
     def encode_others(
@@ -118,6 +119,11 @@ class Density:
         self._reach.dispatch(
             commands, (cells,), params=params, density=self.cells, reach=self.reach
         )
+
+
+def _fine_texture(gpu: Gpu, placement: MediumPlacement) -> Texture:
+    size = placement.fine_count
+    return Texture(gpu, "fine density", size, "rgba16float", dimension="3d", written=True)
 
 
 def density_texture(gpu: Gpu, volume: Volume) -> Texture:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ...errors import SceneError
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
@@ -13,8 +15,17 @@ from ...gpu.memory import Buffer, Texture
 from ...maths.half import half_floats
 from ...scene.volume import Volume
 from .density import Density, density_texture, voxel_count
-from .mixture import Mixture
-from .placement import SPHERE_SIDE, MediumParams, MediumPlacement, PlacedVolume, shape_density
+from .mixture import MediaCount, Mixture
+from .placement import (
+    SPHERE_SIDE,
+    MediumParams,
+    MediumPlacement,
+    PlacedVolume,
+    placed_parts,
+    shape_density,
+)
+
+NO_OTHERS = MediaCount()
 
 
 @dataclass
@@ -32,6 +43,8 @@ class ScatteredLight:
 class GridMedium:
     """A volume, its `density` in cells, and the `others`, whose number is fixed.
 
+    A volume of varying colour is several `parts` with one phase function, on one grid.
+
     `mixture`: the coefficients of all of them in its cells. `params`: for passes over the ordinates
     of the frame. `scattered`: set by the scheme that solves it.
     """
@@ -40,16 +53,23 @@ class GridMedium:
     scattered: ScatteredLight
 
     def __init__(
-        self, gpu: Gpu, volume: Volume, resolution: int, *, voxels: Texture | None, others: int
+        self,
+        gpu: Gpu,
+        parts: Sequence[Volume],
+        resolution: int,
+        *,
+        voxels: Texture | None = None,
+        others: MediaCount = NO_OTHERS,
     ) -> None:
-        """`voxels`: the density as a filterable 3D texture, where there is one already."""
+        """`voxels`: the density of the only part as a filterable 3D texture, if there is one."""
         self.gpu, self._resolution = gpu, resolution
-        self.placed = PlacedVolume.of(volume, resolution)
+        self.parts = placed_parts(parts, resolution)
         self.others: tuple[GridMedium, ...] = ()
-        self.mixture = Mixture(gpu, self.placement.cells, others)
+        count = others._replace(own=len(parts))
+        self.mixture = Mixture(gpu, self.placement.cells, count)
         self.density = Density(gpu, self.placement, self.mixture)
         self._own_voxels = voxels is None
-        self._voxels = density_texture(gpu, volume) if voxels is None else voxels
+        self._voxels = [density_texture(gpu, v) for v in parts] if voxels is None else [voxels]
         self._key: tuple[Any, ...] = ()
 
     def meet(self, others: Sequence[GridMedium]) -> None:
@@ -57,54 +77,78 @@ class GridMedium:
 
         (The schemes that propagate in grids know one medium only.)
         """
-        self.others = () if self.mixture.is_alone else tuple(others)
+        self.others = tuple(others) if self.mixture.count.others else ()
+
+    @property
+    def volumes(self) -> list[Volume]:
+        """The parts of this frame."""
+        return [part.volume for part in self.parts]
+
+    @property
+    def placed(self) -> PlacedVolume:
+        """The first of them, which says where all are and what their phase function is."""
+        return self.parts[0]
 
     @property
     def volume(self) -> Volume:
-        """The volume of this frame."""
-        return self.placed.volume
+        """The volume of this frame, or its first part."""
+        return self.parts[0].volume
+
+    @property
+    def albedo(self) -> tuple[float, float, float]:
+        """Of all parts together."""
+        mass = [np.multiply(p.volume.sigma_t, p.width.mass) for p in self.parts]
+        scattered = [m * p.volume.albedo for m, p in zip(mass, self.parts, strict=True)]
+        r, g, b = np.sum(scattered, axis=0) / np.maximum(np.sum(mass, axis=0), 1e-30)
+        return (float(r), float(g), float(b))
 
     @property
     def placement(self) -> MediumPlacement:
         """Where the grid is."""
-        return self.placed.placement
+        return self.parts[0].placement
 
     @property
     def cells(self) -> int:
         """How many cells there are."""
-        return self.placed.placement.cells
+        return self.placement.cells
 
     @property
     def fine_others(self) -> list[Texture]:
-        """The fine densities of the others."""
-        return [other.density.fine for other in self.others]
+        """The fine densities of its further parts, then of the others."""
+        of_others = [(other.density.fine, *other.density.fine_parts) for other in self.others]
+        return [*self.density.fine_parts, *(fine for fines in of_others for fine in fines)]
 
     def write_mixture(self, mixture: Mixture, *, is_white: bool = False) -> None:
         """Upload this medium and the others to `mixture`; without absorption if `is_white`."""
-        mixture.write(self.placed, [other.placed for other in self.others], is_white=is_white)
+        every = [*self.parts, *(part for other in self.others for part in other.parts)]
+        mixture.write(every, is_white=is_white)
 
     def params_of(
         self, ordinates: int, albedo: tuple[float, float, float] | None = None
     ) -> MediumParams:
         """The parameters of passes over so many `ordinates`; with another `albedo`, if any."""
-        fields = self.placed.fields(ordinates)
+        fields = self.parts[0].fields(ordinates)
         return MediumParams(**(fields if albedo is None else fields | {"albedo": albedo}))
 
-    def take(self, volume: Volume) -> None:
-        """Go on with a changed volume. Raises SceneError where its grid's size changed."""
-        old, new = self.placed, PlacedVolume.of(volume, self._resolution)
-        same_voxels = voxel_count(volume) == voxel_count(old.volume)
-        same_grid = new.placement.count == old.placement.count
-        if not (same_voxels and same_grid and volume.shape == old.volume.shape):
-            raise SceneError("the volume changed in size", remedy="Make a new Renderer")
-        if self._own_voxels and volume.density is not old.volume.density:
-            self._voxels.write(half_floats(shape_density(volume, SPHERE_SIDE)))
-        self.placed = new
+    def take(self, volumes: Sequence[Volume]) -> None:
+        """Go on with changed parts. Raises SceneError where their grids' size changed."""
+        made = placed_parts(volumes, self._resolution)
+        if len(made) != len(self.parts):
+            raise SceneError("the volume's colours changed in number", remedy="Make a new Renderer")
+        for new, old, voxels in zip(made, self.parts, self._voxels, strict=True):
+            same_voxels = voxel_count(new.volume) == voxel_count(old.volume)
+            same_grid = new.placement.count == old.placement.count
+            if not (same_voxels and same_grid and new.volume.shape == old.volume.shape):
+                raise SceneError("the volume changed in size", remedy="Make a new Renderer")
+            if self._own_voxels and new.volume.density is not old.volume.density:
+                voxels.write(half_floats(shape_density(new.volume, SPHERE_SIDE)))
+        self.parts = made
 
     def encode(self, commands: Commands) -> bool:
         """Fill the medium's own density where the volume changed; returns whether it did."""
         v = self.volume
-        key = (id(v.density), v.sigma_t, v.albedo, v.g, v.world_from_volume.tobytes(), v.bounds)
+        key: tuple[Any, ...] = (v.g, v.world_from_volume.tobytes(), v.bounds)
+        key += tuple((id(p.density), p.sigma_t, p.albedo) for p in self.volumes)
         if key == self._key:
             return False
         self._key = key

@@ -9,7 +9,7 @@ scatters itself. What the others scatter outside its box arrives as inter-medium
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,16 +38,30 @@ class MixedData(Struct):
     overlap = f32("share of the solved medium's box that lies in this one's")
 
 
+class MediaCount(NamedTuple):
+    """How many `own` parts a medium has, how many `others` there are, and all parts of those."""
+
+    own: int = 1
+    others: int = 0
+    other_parts: int = 0
+
+    @property
+    def rows(self) -> int:
+        """All parts of all media."""
+        return self.own + self.other_parts
+
+
 class Mixture:
     """The table of all media that the passes of one medium bind; nothing where it is alone.
 
-    `rows`: MixedData, the medium's own first. `inter_medium`: vec4f [block][cell], the irradiance
-    that arrives from every block of the others. `blocks`: how many there are.
+    `rows`: MixedData, the medium's own parts first. `inter_medium`: vec4f [block][cell], the
+    irradiance that arrives from every block of the others. `blocks`: how many there are.
     """
 
-    def __init__(self, gpu: Gpu, cells: int, others: int, *, has_blocks: bool = True) -> None:
-        """For a grid of `cells` and so many `others`, whose light arrives if it `has_blocks`."""
-        self.media, self.blocks, self.cells = 1 + others, BLOCKS * others * has_blocks, cells
+    def __init__(self, gpu: Gpu, cells: int, count: MediaCount, *, has_blocks: bool = True) -> None:
+        """For a grid of `cells`; the light of the other media arrives if it `has_blocks`."""
+        self.count, self.cells = count, cells
+        self.media, self.blocks = count.rows, BLOCKS * count.others * has_blocks
         self.rows = Buffer(gpu, "mixed media", MixedData.dtype.itemsize * self.media)
         nbytes = 16 * max(1, cells * self.blocks)
         self.inter_medium = Buffer(gpu, "inter-medium irradiance", nbytes)
@@ -58,11 +72,9 @@ class Mixture:
         """Whether there is no other medium."""
         return self.media == 1
 
-    def write(
-        self, own: PlacedVolume, others: Sequence[PlacedVolume], *, is_white: bool = False
-    ) -> None:
-        """Upload the media as they are; without absorption if `is_white`."""
-        packed = pack_array(MixedData, [_row(own, other) for other in (own, *others)])
+    def write(self, parts: Sequence[PlacedVolume], *, is_white: bool = False) -> None:
+        """Upload the media as they are, the own parts first; without absorption if `is_white`."""
+        packed = pack_array(MixedData, [_row(parts[0], part) for part in parts])
         if is_white:
             packed["albedo"] = 1.0
         if packed.tobytes() != self._written:
@@ -77,7 +89,7 @@ class Mixture:
     @property
     def cell_wgsl(self) -> str:
         """WGSL before such a pass."""
-        return _used("one_medium_cells", "mixed_media_cells", self.media)
+        return _used("one_medium_cells", "mixed_media_cells", self.count)
 
     @property
     def cell_wgsl_after_beams(self) -> str:
@@ -97,7 +109,7 @@ class Mixture:
     def beam_wgsl(self, *, has_blocks: bool) -> str:
         """WGSL before such a pass; `has_blocks`: the last ordinates are blocks of the others."""
         blocks = f"const BLOCKS = {self.blocks if has_blocks else 0}u;\n"
-        both = _used("one_medium_beams", "mixed_media_beams", self.media)
+        both = _used("one_medium_beams", "mixed_media_beams", self.count)
         return both if self.is_alone else blocks + both
 
     @property
@@ -128,8 +140,10 @@ def fine_bound(others: Sequence[Texture]) -> dict[str, Any]:
     return {f"fine{m}": fine for m, fine in enumerate(others, 1)}
 
 
-def _used(alone: str, mixed: str, media: int) -> str:
-    return f"//! use {alone}\n" if media == 1 else f"const MEDIA = {media}u;\n//! use {mixed}\n"
+def _used(alone: str, mixed: str, count: MediaCount) -> str:
+    if count.rows == 1:
+        return f"//! use {alone}\n"
+    return f"const MEDIA = {count.rows}u;\nconst OWN_PARTS = {count.own}u;\n//! use {mixed}\n"
 
 
 def _row(own: PlacedVolume, other: PlacedVolume) -> dict[str, Any]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -128,11 +129,12 @@ class Width:
     """How wide the medium of a volume is, estimated from a few samples of its density.
 
     `diffusivity`, m: the largest possible, a third of the radius; see `maths.diffusion`.
-    `density`: the mean density, weighted by mass.
+    `density`: the mean density, weighted by mass. `mass`: the plain mean density.
     """
 
     diffusivity: float
     density: float
+    mass: float = 1.0
 
 
 def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
@@ -142,7 +144,7 @@ def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
     probed = density[steps].astype(np.float64)
     cell = placement.extent / np.array(probed.shape[::-1])
     mean = float((probed**2).sum() / max(float(probed.sum()), 1e-30))
-    return Width(largest_diffusivity(probed, cell), mean)
+    return Width(largest_diffusivity(probed, cell), mean, float(probed.mean()))
 
 
 def shape_density(volume: Volume, side: int) -> Any:
@@ -155,6 +157,18 @@ def shape_density(volume: Volume, side: int) -> Any:
     radius2 = at[:, None, None] ** 2 + at[None, :, None] ** 2 + at[None, None, :] ** 2
     inside = (radius2 <= 1.0).astype(np.float32)
     return inside.reshape(side, 2, side, 2, side, 2).mean(axis=(1, 3, 5))
+
+
+def placed_parts(parts: Sequence[Volume], resolution: int) -> list[PlacedVolume]:
+    """The parts of one volume on its grid; they are as wide as all of them together."""
+    made = [PlacedVolume.of(part, resolution) for part in parts]
+    if len(made) == 1:
+        return made
+    sums = np.zeros(shape_density(parts[0], SPHERE_SIDE).shape, np.float32)
+    for part in parts:
+        sums += np.float32(np.mean(part.sigma_t)) * shape_density(part, SPHERE_SIDE)
+    whole = medium_width(replace(parts[0], density=sums), made[0].placement)
+    return [replace(p, width=replace(p.width, diffusivity=whole.diffusivity)) for p in made]
 
 
 @dataclass(frozen=True, eq=False)

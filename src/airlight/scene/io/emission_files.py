@@ -51,8 +51,13 @@ def taken_emission(
         return Emission(radiance or WHITE, **named, **given), density
 
 
-def on_one_grid(density: VolumeGrid, other: GridValues) -> tuple[VolumeGrid, F32]:
-    """Both on voxels of the density's size, over a box that holds both; 0 outside their own."""
+def on_one_grid(
+    density: VolumeGrid, other: GridValues, *, grows: bool = True
+) -> tuple[VolumeGrid, F32]:
+    """Both on voxels of the density's size, over a box that holds both; 0 outside their own.
+
+    Unless it `grows`, the density keeps its box.
+    """
     to_density = np.linalg.inv(_world_from_voxels(density.density, density)) @ _world_from_voxels(
         other.values, other
     )
@@ -61,8 +66,8 @@ def on_one_grid(density: VolumeGrid, other: GridValues) -> tuple[VolumeGrid, F32
     placed = corners @ to_density[:3, :3].T + to_density[:3, 3]
     # Whole voxels of the density that the other grid needs beyond it.
     count = np.array(density.density.shape[::-1])
-    before = np.maximum(np.ceil(-placed.min(axis=0) - _SAME), 0.0).astype(int)
-    after = np.maximum(np.ceil(placed.max(axis=0) - count - _SAME), 0.0).astype(int)
+    before = grows * np.maximum(np.ceil(-placed.min(axis=0) - _SAME), 0.0).astype(int)
+    after = grows * np.maximum(np.ceil(placed.max(axis=0) - count - _SAME), 0.0).astype(int)
     if (before.max(initial=0) + after.max(initial=0)) > LONGEST_SIDE:
         raise SceneError("its grids lie far apart", remedy="Give each a volume of its own.")
     grown = _grown(density, before, after)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ..checks import F32, F64, Bounds, Rgb
+from ..coefficients import scale_density_tint
 from ..medium import Medium
 from ..volume import Volume
 from .files import opened
@@ -31,7 +32,8 @@ GRID: Bounds = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 class Held:
     """A medium and where it is: the shape's kind and placement.
 
-    `sigma_t` (3,) for a homogeneous one, else (z, y, x, 3) with its box and placement.
+    `sigma_t` (3,) for a homogeneous one, else (z, y, x, 3) with its box and placement; then
+    `albedo` and `g` may be grids of the same shape.
     """
 
     node: Node
@@ -41,7 +43,7 @@ class Held:
     extent: Bounds
     sigma_t: F64 | F32
     albedo: F64
-    g: float
+    g: float | F32
     grid_bounds: Bounds = GRID
     world_from_grid: F64 | None = None
 
@@ -71,8 +73,8 @@ def held_medium(shape: Node, interior: Node, exterior: Node | None, source: Sour
         matrix,
         extent,
         sigma_t,
-        _albedo(interior, source),
-        _mean_cosine(interior.first("phase"), source),
+        _albedo(interior, source, sigma_t.shape),
+        _phase(interior.first("phase"), source, sigma_t.shape, is_alone=exterior is None),
         grid,
         world_from_grid,
     )
@@ -116,6 +118,7 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
         return None
     # One density everywhere, in a box or a sphere.
     if held.is_homogeneous:
+        assert isinstance(g, float)  # only a grid's phase functions are mixed by voxel
         return Volume(
             sigma_t=_rgb(sigma_t),
             albedo=_rgb(albedo),
@@ -125,19 +128,25 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
             world_from_volume=held.world_from_shape,
         )
     # A grid: its densities, and the coefficients of density 1.
-    density, scale = _factored(np.asarray(sigma_t, dtype=np.float32), held, source)
+    top, density, tint = scale_density_tint(np.asarray(sigma_t, dtype=np.float32))
     placed = held.world_from_grid
+    is_one_albedo = albedo.ndim < 4
     return Volume(
-        sigma_t=_rgb(scale),
+        sigma_t=top,
         density=density,
-        albedo=_rgb(albedo),
-        g=(g,) * 3,
+        tint=tint,
+        albedo=_rgb(albedo) if is_one_albedo else (1.0, 1.0, 1.0),
+        albedo_grid=None if is_one_albedo else np.asarray(albedo, np.float32),
+        g=(g,) * 3 if isinstance(g, float) else (0.0, 0.0, 0.0),
+        g_grid=None if isinstance(g, float) else g,
         bounds=held.grid_bounds,
         world_from_volume=np.eye(4) if placed is None else placed,
     )
 
 
-def _without_medium(held: Held, air: Held | None, source: Source) -> tuple[F64 | F32, F64, float]:
+def _without_medium(
+    held: Held, air: Held | None, source: Source
+) -> tuple[F64 | F32, F64, float | F32]:
     """Coefficients less those of the medium around, where the shape lies in it."""
     if air is None or held.exterior is None or held.exterior.id != air.node.id:
         if air is not None and _lies_inside(held, air):
@@ -149,8 +158,10 @@ def _without_medium(held: Held, air: Held | None, source: Source) -> tuple[F64 |
         source.note(f"{held.node} is thinner than the medium around it, which cannot be said")
     sigma_t: F64 = np.maximum(rest, 0.0)
     scattered = inner * held.albedo - outer * air.albedo
-    totals = [part.reshape(-1, 3).sum(axis=0) for part in (scattered, sigma_t)]
-    albedo = np.clip(totals[0] / np.maximum(totals[1], 1e-30), 0.0, 1.0)
+    parts = (scattered, sigma_t)
+    if held.albedo.ndim < 4:
+        parts = tuple(part.reshape(-1, 3).sum(axis=0) for part in parts)
+    albedo = np.clip(parts[0] / np.maximum(parts[1], 1e-30), 0.0, 1.0)
     if held.g != air.g:
         source.note(f"{held.node}: its g is taken as its own, the mix with the medium is left out")
     return sigma_t, albedo, held.g
@@ -211,14 +222,17 @@ def _constant(node: Node, child: Node | None, name: str, default: float, source:
     return triple(default)
 
 
-def _albedo(node: Node, source: Source) -> F64:
+def _albedo(node: Node, source: Source, shape: tuple[int, ...] = ()) -> F64:
+    """(3,), or a grid of the `shape` of that of sigma_t."""
     if "sigma_s" in node.values or "sigma_a" in node.values:
         sigma_s, sigma_a = (np.array(triple(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
         return np.asarray(sigma_s / np.maximum(sigma_s + sigma_a, 1e-30))
     child = node.child("albedo")
     if child is not None and child.kind == "gridvolume":
         values, _, _ = _grid(child, source)
-        source.note(f"{node}: its albedo grid is read as its mean")
+        if values.shape == shape:
+            return np.clip(values, 0.0, 1.0).astype(np.float64)
+        source.note(f"{node}: its albedo grid has other voxels than its sigma_t, and is its mean")
         return np.asarray(np.clip(values.reshape(-1, 3).mean(axis=0, dtype=np.float64), 0.0, 1.0))
     return np.asarray(np.clip(_constant(node, child, "albedo", 0.75, source), 0.0, 1.0))
 
@@ -246,18 +260,20 @@ def _channel_count(path: Path) -> int:
     return int(struct.unpack("<i", header[20:24])[0]) if len(header) == 24 else 1
 
 
-def _factored(values: F32, held: Held, source: Source) -> tuple[F32, F64]:
-    """Density and sigma_t whose product is `values` (z, y, x, 3), where one density will do."""
-    top = values.reshape(-1, 3).max(axis=0).astype(np.float64)
-    strongest = int(np.argmax(top))
-    density = values[..., strongest] / np.float32(top[strongest])
-    scale = np.array([np.vdot(density, values[..., k]) for k in range(3)], dtype=np.float64) / max(
-        float(np.vdot(density, density)), 1e-30
-    )
-    off = np.abs(density[..., None] * scale.astype(np.float32) - values).max()
-    if off > 1e-3 * top[strongest]:
-        source.note(f"{held.node}: its channels differ in shape, they get the strongest one's")
-    return density, scale
+def _phase(
+    phase: Node | None, source: Source, shape: tuple[int, ...], *, is_alone: bool
+) -> float | F32:
+    """The mean cosine; by voxel where a medium that `is_alone` mixes two by a grid of `shape`."""
+    if phase is None or phase.kind != "blendphase" or not is_alone:
+        return _mean_cosine(phase, source)
+    parts, weight = phase.all("phase"), phase.child("weight")
+    if len(parts) != 2 or weight is None or weight.kind != "gridvolume":
+        return _mean_cosine(phase, source)
+    values, _, _ = _grid(weight, source)
+    if values.shape != shape:
+        return _mean_cosine(phase, source)
+    first, second = (_phase(part, source, shape, is_alone=True) for part in parts)
+    return np.asarray((1.0 - values) * first + values * second, np.float32)
 
 
 def _mean_cosine(phase: Node | None, source: Source) -> float:

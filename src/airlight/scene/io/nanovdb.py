@@ -51,7 +51,8 @@ _ROOT_TILE, _UPPER, _LOWER, _LEAF = (
 class SparseGrid:
     """A VDB grid as a dense array.
 
-    `values` (x, y, z) float32, of the voxels from `first` (3,) on, background included.
+    `values` (x, y, z) float32, of vectors (x, y, z, 3): the voxels from `first` (3,) on, background
+    included.
     `world_from_index` (4, 4): voxel centres lie at whole numbers. `is_level_set`: values are
     signed distances, negative inside. `name`: the grid's own.
     """

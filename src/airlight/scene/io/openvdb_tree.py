@@ -1,4 +1,6 @@
-"""The voxels of an OpenVDB tree of floats: root, two levels of inner nodes, leaves of 8^3.
+"""The voxels of an OpenVDB tree of floats or of vectors of three.
+
+A tree is a root, two levels of inner nodes, and leaves of 8^3.
 
 Each inner node and the root hold children, and tiles: one value for a whole child's extent.
 Topology comes first, depth first; the leaves' values follow in the same order.
@@ -15,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from ..checks import F32
+from ..checks import F32, F64
 from .nanovdb import check_span
 
-_TYPES = {"float": "<f4", "double": "<f8"}
+_TYPES = {"float": ("<f4", 1), "double": ("<f8", 1), "vec3s": ("<f4", 3), "vec3d": ("<f8", 3)}
+"""How a value of a tree is stored, and how many numbers it is."""
 _TREE = "_5_4_3"
 _AS_HALF = "_HalfFloat"
 _ZIP, _ACTIVE_MASK, _BLOSC = 1, 2, 4
@@ -77,28 +80,37 @@ class _Found:
     tiles: list[tuple[NDArray[np.int64], int, F32, NDArray[np.bool_]]] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Values:
-    """How a tree's values are stored."""
+    """How a tree's values are stored; of vectors each has `width` numbers."""
 
     stream: VdbStream
     dtype: str
+    width: int
     is_half: bool
     compression: int
-    background: float
+
+    def __post_init__(self) -> None:
+        self.background = self.one()
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of one value."""
+        return () if self.width == 1 else (self.width,)
 
     def read(self, mask: NDArray[np.bool_]) -> F32:
-        """(n,) values of a node, whose active ones the (n,) `mask` says."""
+        """(n,) or (n, 3) values of a node, whose active ones the (n,) `mask` says."""
         inactive, selected = self._inactive(len(mask))
         is_sparse = bool(self.compression & _ACTIVE_MASK) and inactive is not None
         stored = self._stored(int(mask.sum()) if is_sparse else len(mask))
         if not is_sparse or inactive is None:
             return stored
-        values = np.where(selected, inactive[1], inactive[0]).astype(np.float32)
+        where = selected.reshape(-1, *[1] * len(self.shape))
+        values = np.where(where, inactive[1], inactive[0]).astype(np.float32)
         values[mask] = stored
         return values
 
-    def _inactive(self, count: int) -> tuple[tuple[float, float] | None, NDArray[np.bool_]]:
+    def _inactive(self, count: int) -> tuple[tuple[F64, F64] | None, NDArray[np.bool_]]:
         """The two inactive values and where the second is; None where all are stored."""
         (kind,) = self.stream.unpack("<b")
         first, second = -self.background, self.background
@@ -116,15 +128,15 @@ class _Values:
         has_mask = kind in (_MASK_OF_BACKGROUNDS, _MASK_AND_ONE_VALUE, _MASK_AND_TWO_VALUES)
         return (first, second), self.stream.mask(count) if has_mask else none
 
-    def one(self) -> float:
+    def one(self) -> F64:
         """A value that stands alone: never packed, never half."""
-        (value,) = np.frombuffer(self.stream.take(np.dtype(self.dtype).itemsize), self.dtype)
-        return float(value)
+        raw = self.stream.take(self.width * np.dtype(self.dtype).itemsize)
+        return np.frombuffer(raw, self.dtype).astype(np.float64).reshape(self.shape)
 
     def _stored(self, count: int) -> F32:
         dtype = np.dtype("<f2" if self.is_half else self.dtype)
-        raw = self._unpacked(count * dtype.itemsize)
-        return np.frombuffer(raw, dtype).astype(np.float32)
+        raw = self._unpacked(count * self.width * dtype.itemsize)
+        return np.frombuffer(raw, dtype).astype(np.float32).reshape(-1, *self.shape)
 
     def _unpacked(self, size: int) -> bytes:
         """`size` bytes, behind their packed length where they are packed."""
@@ -163,19 +175,18 @@ def _from_blosc(packed: bytes, size: int) -> bytes:
 
 
 def read_tree(stream: VdbStream, kind: str, compression: int, end: int) -> tuple[F32, Corner]:
-    """The active box of a tree, dense: values (x, y, z) and the index of the first voxel.
+    """The active box of a tree, dense: values (x, y, z), of vectors (x, y, z, 3), and its corner.
 
     `kind` is the grid's type as its descriptor names it. Raises VdbError for damage, SceneError
     for trees of other values and boxes that are too large.
     """
     name = kind.removesuffix(_AS_HALF).removeprefix("Tree_").removesuffix(_TREE)
     if name not in _TYPES:
-        raise SceneError(f"holds a {kind}, only trees of float and double are read")
-    dtype = _TYPES[name]
+        raise SceneError(f"holds a {kind}, only trees of float, double and vec3 are read")
+    dtype, width = _TYPES[name]
     if stream.unpack("<I")[0] != 1:
         raise VdbError("its tree has several buffers")
-    background = float(np.frombuffer(stream.take(np.dtype(dtype).itemsize), dtype)[0])
-    values = _Values(stream, dtype, kind.endswith(_AS_HALF), compression, background)
+    values = _Values(stream, dtype, width, kind.endswith(_AS_HALF), compression)
 
     # The topology: tiles with their values, leaves with masks alone.
     found = _Found()
@@ -184,11 +195,12 @@ def read_tree(stream: VdbStream, kind: str, compression: int, end: int) -> tuple
     # The leaves' values, in the order of the topology.
     low, high = _active_box(found)
     check_span(high - low, len(stream.data))
-    dense = np.full(high - low, background, dtype=np.float32)
+    dense = np.empty((*(high - low), *values.shape), dtype=np.float32)
+    dense[...] = values.background
     _put_tiles(dense, low, found)
     for corner, _ in found.leaves:
         mask = stream.mask(_LEAF_VALUES)
-        block = values.read(mask).reshape(8, 8, 8)
+        block = values.read(mask).reshape(8, 8, 8, *values.shape)
         _put(dense, np.array(corner) - low, block)
     if stream.at > end:
         raise VdbError("its leaves go on beyond the grid's end")
@@ -203,7 +215,7 @@ def _read_root(values: _Values, found: _Found) -> None:
     tiles, children = stream.unpack("<II")
     for _ in range(tiles):
         corner = np.array([stream.unpack("<3i")], dtype=np.int64)
-        value = np.array([values.one()], np.float32)
+        value = values.one().astype(np.float32)[None]
         is_active = np.array([stream.unpack("<B")[0] != 0])
         found.tiles.append((corner, side, value, is_active))
     for _ in range(children):
@@ -221,7 +233,8 @@ def _read_inner(values: _Values, corner: Corner, level: int, found: _Found) -> N
     cells = np.stack([offsets >> 2 * log2, offsets >> log2, offsets], axis=1) & ((1 << log2) - 1)
     corners = np.array(corner, dtype=np.int64) + side * cells
     # Inactive tiles of the background are what the box holds anyway.
-    is_tile = ~has_child & (is_active | (tiles != np.float32(values.background)))
+    is_other = (tiles != values.background.astype(np.float32)).reshape(count, -1).any(axis=1)
+    is_tile = ~has_child & (is_active | is_other)
     if is_tile.any():
         found.tiles.append((corners[is_tile], side, tiles[is_tile], is_active[is_tile]))
     for below in corners[has_child].tolist():
@@ -251,8 +264,8 @@ def _active_box(found: _Found) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _put_tiles(dense: F32, low: NDArray[np.int64], found: _Found) -> None:
     """Fill tiles, and what lies between them inside of a level set, into the box."""
     for corners, side, tiles, _ in found.tiles:
-        begin = np.clip(corners - low, 0, dense.shape)
-        end = np.clip(corners - low + side, 0, dense.shape)
+        begin = np.clip(corners - low, 0, dense.shape[:3])
+        end = np.clip(corners - low + side, 0, dense.shape[:3])
         for (x, y, z), (to_x, to_y, to_z), value in zip(
             begin.tolist(), end.tolist(), tiles.tolist(), strict=True
         ):
@@ -261,7 +274,7 @@ def _put_tiles(dense: F32, low: NDArray[np.int64], found: _Found) -> None:
 
 def _put(dense: F32, at: NDArray[np.int64], block: F32) -> None:
     """Copy a leaf's block to `at`, as far as it lies in the box."""
-    begin, end = np.maximum(at, 0), np.minimum(at + 8, dense.shape)
+    begin, end = np.maximum(at, 0), np.minimum(at + 8, dense.shape[:3])
     if (begin >= end).any():
         return
     inside = tuple(slice(b, e) for b, e in zip(begin, end, strict=True))

@@ -222,6 +222,31 @@ _EMISSION = Key(
     "0",
 )
 
+_COEFFICIENT_GRIDS = tuple(
+    Key(
+        f"{name}_grid",
+        checks.text,
+        "text",
+        f"which of the file's named grids {meaning}; of one channel or of three",
+    )
+    for name, meaning in (
+        (
+            "sigma_t",
+            "extinction is in proportion to, not the density; sigma_t is then 1",
+        ),
+        ("albedo", "`albedo` is multiplied with, voxel by voxel: `Cd`"),
+        (
+            "sigma_s",
+            "scattering is in proportion to, not the density; sigma_s is then 1",
+        ),
+        (
+            "sigma_a",
+            "absorption is in proportion to, not the density; sigma_a is then 1",
+        ),
+        ("g", "holds the mean cosine, instead of `g`"),
+    )
+)
+
 _EMISSION_GRIDS = (
     Key(
         "emission_grid",
@@ -312,6 +337,7 @@ VOLUME = Table(
         *_SCATTERING,
         _EMISSION,
         *_EMISSION_GRIDS,
+        *_COEFFICIENT_GRIDS,
         Key(
             "detail",
             checks.number,

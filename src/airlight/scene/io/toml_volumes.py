@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from ..animation.density import FileSequence
 from ..checks import Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
+from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
 from .emission_files import taken_emission
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
@@ -17,7 +19,7 @@ from .toml_keys import SEQUENCE_KEYS
 from .toml_meshes import existing_file, world_from_mesh
 from .toml_schema import check_table, inside
 from .toml_tables import VOLUME
-from .volumes import NOWHERE, is_grid_file, read_volume
+from .volumes import NOWHERE, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
 _OF_FILES = ("grid", "channels")
@@ -27,7 +29,11 @@ def placed_volume(
     raw: Any, label: str, folder: Path
 ) -> tuple[Volume, tuple[str, ...], FileSequence | None]:
     """The volume, what its file left open, and the sequence that it is the first file of."""
-    values = with_extinction(check_table(VOLUME, raw, label), label)
+    values = check_table(VOLUME, raw, label)
+    with inside(label):
+        grids = taken_grids(values)
+    given = dict(values)
+    values = with_extinction(values, label)
     if sum(name in values for name in ("file", "shape", "sequence")) != 1:
         raise SceneError(f"{label} needs either a file, a sequence or a shape")
     if "sequence" not in values:
@@ -37,9 +43,11 @@ def placed_volume(
     matrix = world_from_mesh(values, label)
     values = {name: value for name, value in values.items() if name not in _PLACING}
     if "shape" in values:
-        for name in _OF_FILES:
-            if name in values:
-                raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
+        for name in (
+            *(name for name in _OF_FILES if name in values),
+            *(f"{n}_grid" for n in grids),
+        ):
+            raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
         with inside(label):
             emission, _ = taken_emission(values, None, None)
             return Volume(world_from_volume=matrix, emission=emission, **values), (), None
@@ -51,11 +59,15 @@ def placed_volume(
         else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
-    grid = read_volume(files[0], *(values.get(name, "density") for name in _OF_FILES))
+    wanted = [values.get(name, "density") for name in _OF_FILES]
+    grid = density_or_first(files[0], wanted[0], wanted[1], grids)
     glowing = values.get("emission_grid", values.get("temperature_grid"))
     with inside(label):
         emission, grown = taken_emission(values, files[0], grid)
     grid = grown or grid
+    if grids:
+        with inside(label):
+            values, grid = _with_coefficients(values, given, files[0], grid, grids)
     sequence = file_sequence(values, files, grid.density.shape, glowing)
     warnings = grid.warnings
     if "bounds" in values:
@@ -71,6 +83,25 @@ def placed_volume(
 def _grid_file(path: Path, written: str, label: str) -> Path:
     """A grid's file, or the folder that a zarr store is. Raises SceneError."""
     return path if is_grid_file(path) else existing_file(path, written, label)
+
+
+def _with_coefficients(
+    values: dict[str, Any],
+    given: dict[str, Any],
+    path: Path,
+    grid: VolumeGrid,
+    grids: dict[str, str],
+) -> tuple[dict[str, Any], VolumeGrid]:
+    """The values with coefficients by voxel, and the density on the box that holds their grids."""
+    grid, made = read_coefficients(path, grid, grids, {n: given[n] for n in NAMES if n in given})
+    if "sequence" in given:
+        if "sigma_t" in made:
+            raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
+        text = f"{path.name}: the colours of a sequence stay those of its first file"
+        grid = replace(grid, warnings=(*grid.warnings, text))
+    if "sigma_t" in made:
+        values = {name: value for name, value in values.items() if name not in NAMES}
+    return {**values, **made}, grid
 
 
 def with_extinction(values: dict[str, Any], label: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ..checks import F32, Bounds
 from ..emission import Emission
 from ..scene import Scene
 from ..volume import Volume
+from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid
 from .volumes import VolumeGrid, grid_names, read_values, read_volume
@@ -34,6 +35,7 @@ def load_volume_scene(file: Path) -> Scene:
     Where the file has flames or temperatures, too, it is a fire.
     """
     grid, emission, told = _with_emission(read_volume(file), file)
+    colours, said = _colours(grid, file)
     optics = grid.optics or _chosen_optics(grid, file)
     volume = Volume(
         sigma_t=(optics.sigma_t,) * 3,
@@ -44,12 +46,13 @@ def load_volume_scene(file: Path) -> Scene:
         world_from_volume=grid.world_from_volume,
         source=str(file),
         emission=emission,
+        albedo_grid=colours,
     )
     chosen = f"{file.name} {optics.text}"
     if grid.optics:
         chosen = f"{file.name}: {optics.text}: sigma_t = {optics.sigma_t:g} m^-1, "
         chosen += f"albedo = {optics.albedo:g}, g = {optics.g}"
-    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, chosen))
+    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, *said, chosen))
 
 
 def _chosen_optics(grid: VolumeGrid, file: Path) -> Optics:
@@ -91,6 +94,21 @@ def _with_emission(
     keys += f" with temperature_scale = {scale:g}" if scale != 1.0 else ""
     text = f"{file.name} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
     return grown, replace(found, radiance=(r, g, b)), (text,)
+
+
+def _colours(grid: VolumeGrid, file: Path) -> tuple[F32 | None, tuple[str, ...]]:
+    """The file's colours, which ALBEDO is multiplied with, and what was chosen for them."""
+    name = colours_of(file)
+    if name is None:
+        return None, ()
+    _, values = on_one_grid(grid, read_values(file, name), grows=False)
+    if values.ndim == 4 and values.shape[3] != 3:
+        return None, (f"{file.name}: its grid '{name}' is no colour, and left out",)
+    clipped = np.clip(values, 0.0, 1.0)
+    text = f'{file.name} has colours: albedo_grid = "{name}", albedo = {ALBEDO} were chosen'
+    if not np.array_equal(clipped, values):
+        text += "; values outside of 0 to 1 were cut off"
+    return clipped, (text,)
 
 
 def fitting_sigma_t(density: F32, bounds: Bounds) -> float:

@@ -66,7 +66,10 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
     suffix = path.suffix.lower()
     with naming(path):
         if suffix in _SPARSE:
-            return _fitting(_from_sparse(_SPARSE[suffix](path, grid)), path)
+            sparse = _from_sparse(_SPARSE[suffix](path, grid))
+            if sparse.density.ndim == 4:
+                sparse = replace(sparse, density=_density(sparse.density, channels))
+            return _fitting(sparse, path)
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
@@ -128,12 +131,12 @@ def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     """Voxels at whole numbers; a level set as what it holds, its rim anti-aliased."""
     matrix = grid.world_from_index
     low = np.array(grid.first) - 0.5
-    high = low + grid.values.shape
+    high = low + grid.values.shape[:3]
     values = grid.values
     if grid.is_level_set:
         voxel_m = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3]))))
         values = np.clip(0.5 - values / np.float32(voxel_m), 0.0, 1.0)
-    density = np.ascontiguousarray(values.transpose(2, 1, 0), np.float32)
+    density = np.ascontiguousarray(np.moveaxis(values, (0, 1, 2), (2, 1, 0)), np.float32)
     scale = np.diag(matrix[:3, :3])
     if np.array_equal(matrix[:3, :3], np.diag(scale)) and scale.min() > 0.0:
         low, high = (corner * scale + matrix[:3, 3] for corner in (low, high))

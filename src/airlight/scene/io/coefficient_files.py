@@ -1,0 +1,110 @@
+"""Grids of coefficients that a volume's file holds beside its density: `Cd`, albedo, sigma_a."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import SceneError
+from ..checks import F32
+from ..coefficients import as_grids
+from ..medium import mean_cosine
+from .emission_files import on_one_grid
+from .files import naming
+from .volumes import GridValues, VolumeGrid, grid_names, read_values, read_volume
+
+NAMES = ("sigma_t", "albedo", "sigma_s", "sigma_a", "g")
+KEYS = tuple(f"{name}_grid" for name in NAMES)
+_OF_DENSITY = ("sigma_t", "sigma_s", "sigma_a")
+COLOURS = ("Cd", "albedo", "color", "colour")
+"""Grids of a file that are its scattering albedo, as the programs that write them name them."""
+
+
+def taken_grids(values: dict[str, Any]) -> dict[str, str]:
+    """The grids that a [[volume]]'s keys name, by coefficient; takes them out of `values`.
+
+    A sigma with a grid is 1 unless it is given.
+    """
+    found = {name: values.pop(f"{name}_grid") for name in NAMES if f"{name}_grid" in values}
+    for name in _OF_DENSITY:
+        if name in found:
+            values.setdefault(name, (1.0, 1.0, 1.0))
+    if "g" in found and "g" in values:
+        raise SceneError("has g and g_grid", remedy="Keep one of them.")
+    return found
+
+
+def density_or_first(path: Path, grid: str, channels: str, grids: Mapping[str, str]) -> VolumeGrid:
+    """A file's density; of a file with none the first of the `grids` that says where there is any.
+
+    Raises SceneError.
+    """
+    held = grid_names(path)
+    instead = [grids[name] for name in _OF_DENSITY if name in grids]
+    if grid in held or not held or not instead:
+        return read_volume(path, grid, channels)
+    found = read_values(path, instead[0])
+    with naming(path):
+        density = found.values if found.values.ndim == 3 else found.values.max(axis=-1)
+        if float(density.min(initial=0.0)) < 0.0:
+            raise SceneError(f"'{instead[0]}' is negative, down to {float(density.min()):g}")
+    return VolumeGrid(density, found.bounds, (), found.world_from_volume)
+
+
+def read_coefficients(
+    path: Path, density: VolumeGrid, grids: Mapping[str, str], numbers: Mapping[str, Any]
+) -> tuple[VolumeGrid, dict[str, Any]]:
+    """The density, on a box that holds all `grids` of extinction; and arguments of a Volume.
+
+    `numbers`: the coefficients that were given; those without a grid are in proportion to the
+    density. Raises SceneError for what cannot be read, and values that mean nothing.
+    """
+    read = {name: _read(path, grids[name], name) for name in grids}
+    for name in _OF_DENSITY:
+        if name in read:
+            density, _ = on_one_grid(density, read[name])
+    placed = {name: on_one_grid(density, found, grows=False)[1] for name, found in read.items()}
+    if not any(name in grids for name in _OF_DENSITY):
+        return density, {f"{name}_grid": placed[name] for name in grids}
+    full: dict[str, Any] = dict.fromkeys((*NAMES[:4],))
+    full["g"] = numbers.get("g", 0.0)
+    for name in NAMES:
+        number = numbers.get(name)
+        if name in placed:
+            factor = 1.0 if number is None or name == "g" else np.array(number, np.float32)
+            full[name] = _coloured(placed[name]) * factor
+        elif number is not None and name in _OF_DENSITY:
+            full[name] = density.density[..., None] * np.array(number, np.float32)
+        elif number is not None and name == "albedo":
+            full[name] = number
+    if "g" not in placed:
+        full["g"] = mean_cosine(full["g"])
+    made = as_grids(full)
+    density = VolumeGrid(
+        made.pop("density"), density.bounds, density.warnings, density.world_from_volume
+    )
+    return density, made
+
+
+def colours_of(path: Path) -> str | None:
+    """The grid of a file that is its scattering colour, if it has one."""
+    return next((name for name in grid_names(path) if name in COLOURS), None)
+
+
+def _read(path: Path, grid: str, name: str) -> GridValues:
+    found = read_values(path, grid)
+    with naming(path):
+        if found.values.ndim == 4 and found.values.shape[3] != 3:
+            raise SceneError(
+                f"'{grid}' has {found.values.shape[3]} channels, {name} has one or three"
+            )
+        if not np.isfinite(found.values).all():
+            raise SceneError(f"'{grid}' holds NaN or infinite values")
+    return found
+
+
+def _coloured(values: F32) -> F32:
+    return values if values.ndim == 4 else np.repeat(values[..., None], 3, axis=-1)
