@@ -120,7 +120,7 @@ def used_by(name: str, seen: set[str]) -> set[str]:
 def lacking(name: str) -> set[str]:
     """Functions that a shader calls and neither it nor what it uses defines or says it needs.
 
-    `first_SLOT` is generated with flat interpolants (gpu.carried); types begin with a capital.
+    `first_SLOT` is generated with flat interpolants (gpu.interpolants); types begin with a capital.
     """
     own = re.sub(r"//.*", "", SHADERS[name].read_text())
     calls = {c for c in re.findall(r"\b([a-z]\w*)\s*\(", own) if not c.startswith("first_")}

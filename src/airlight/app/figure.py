@@ -56,7 +56,7 @@ def command(
     airlight figure clpv-5 clpv-6 -o figures/
     airlight figure --all -o figures/        and a page of all of them, figures/index.html
 
-    Path-traced panels need Mitsuba (pip install 'airlight[reference]') and are kept in the cache.
+    Path-traced panels need Mitsuba (pip install 'airlight[reference]') and are cached on disk.
     """
     from ..figures.gallery import write_gallery
     from ..figures.registry import FIGURES, figure

@@ -68,8 +68,8 @@ class LatticeLight:
         `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
         """
         p, n = self._own(points), self._own(normals)
-        place = self._bent(p, n)
-        uvw = self._eased(self._lookup_place(place, n), _rim_shares(n))
+        coordinates = self._bent(p, n)
+        uvw = self._eased(self._lookup_coordinates(coordinates, n), _rim_shares(n))
         here = self._facing(uvw, n)
         next_cell = self._facing(uvw + n / np.array(self.count), n)
         return np.maximum(here, CREVICE_SHARE * next_cell)
@@ -101,56 +101,56 @@ class LatticeLight:
         along = (states[..., 1:] * n).sum(axis=-1)
         return np.asarray(np.pi * np.maximum(states[..., 0] - 2.0 / 3.0 * along, 0.0), np.float64)
 
-    def _cells(self, place: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
+    def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
         """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
-        cell = np.clip(np.floor(place), 0, np.array(self.count) - 1).astype(np.intp)
+        cell = np.clip(np.floor(coordinates), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
-    def _lookup_place(self, place: F64, n: F64) -> F64:
+    def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
         """Twin: lookup_coordinates in wgsl/lattice.wgsl."""
         if self.dead_ends is None:
-            return place + _raised(place, n)
-        place = self._lifted(place, n)
-        wanted = place + _raised(place, n)
-        cell = np.floor(place + BEFORE * n)
+            return coordinates + _raised(coordinates, n)
+        coordinates = self._lifted(coordinates, n)
+        wanted = coordinates + _raised(coordinates, n)
+        cell = np.floor(coordinates + BEFORE * n)
         within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
         return np.where(self._ends(cell, n), within, wanted)
 
-    def _lifted(self, place: F64, n: F64) -> F64:
+    def _lifted(self, coordinates: F64, n: F64) -> F64:
         """Twin: lifted in wgsl/lattice.wgsl."""
         is_facing = np.abs(n) > 0.5
-        before = place + np.where(is_facing, 0.5 * np.sign(n), 0.0)
+        before = coordinates + np.where(is_facing, 0.5 * np.sign(n), 0.0)
         cell = np.floor(before)
         t = before - cell
         side = np.where(t > 1.0 - BEFORE, 1.0, 0.0) - np.where(t < BEFORE, 1.0, 0.0)
-        way = np.where(is_facing, 0.0, side)
-        is_above = self._ends(cell, way)
-        is_below = self._ends(cell + way, -way) & ~is_above
-        lifted = cell + 0.5 + 0.5 * way + (BEFORE + 0.01) * np.where(is_below, way, -way)
-        return np.where((is_above | is_below) & (way != 0.0), lifted, place)
+        step = np.where(is_facing, 0.0, side)
+        is_above = self._ends(cell, step)
+        is_below = self._ends(cell + step, -step) & ~is_above
+        lifted = cell + 0.5 + 0.5 * step + (BEFORE + 0.01) * np.where(is_below, step, -step)
+        return np.where((is_above | is_below) & (step != 0.0), lifted, coordinates)
 
-    def _ends(self, cell: F64, way: F64) -> NDArray[np.bool_]:
+    def _ends(self, cell: F64, step: F64) -> NDArray[np.bool_]:
         """(n, 3): the axes along which `directions` from cells lead into an enclosed face.
 
         Twin: ends in wgsl/lattice.wgsl.
         """
         assert self.dead_ends is not None
         _, at = self._cells(cell)
-        hop = 2 * np.arange(3) + (way < 0.0)
+        hop = 2 * np.arange(3) + (step < 0.0)
         return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
 
     def _bent(self, p: F64, n: F64) -> F64:
         """Twin: warped_surface_coordinates in wgsl/lattice_space.wgsl."""
-        place = (p - np.array(self.origin)) / self.cell
-        return np.stack([self._warped_axis(place, n, axis) for axis in range(3)], axis=1)
+        coordinates = (p - np.array(self.origin)) / self.cell
+        return np.stack([self._warped_axis(coordinates, n, axis) for axis in range(3)], axis=1)
 
-    def _warped_axis(self, place: F64, n: F64, axis: int) -> F64:
+    def _warped_axis(self, coordinates: F64, n: F64, axis: int) -> F64:
         """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
         beyond = WHOLE_BEFORE * n
         beyond[:, axis] = 0.0
-        cell, at = self._cells(place + beyond)
+        cell, at = self._cells(coordinates + beyond)
         low, high = self.walls[at][:, axis].astype(np.float64), self._wall_above(cell, axis)
-        t = place[:, axis] - cell[:, axis]
+        t = coordinates[:, axis] - cell[:, axis]
         between = (t - low) / np.maximum(1.0 + high - low, 0.25)
         below, above = (t - low) / (1.0 + low), 1.0 + (t - 1.0 - high) / (1.0 - high)
         bent = np.where(t < low, below, np.where(t > 1.0 + high, above, between))
@@ -162,10 +162,10 @@ class LatticeLight:
         x, y, z = (np.minimum(cell[:, k] + (k == axis), self.count[k] - 1) for k in range(3))
         return np.where(cell[:, axis] == last, 0.0, self.walls[z, y, x, axis])
 
-    def _eased(self, place: F64, rim: F64) -> F64:
+    def _eased(self, coordinates: F64, rim: F64) -> F64:
         """Twin: lattice_eased in wgsl/lattice.wgsl; `rim` (n, 3) as from `_rim_shares`."""
-        cell, at = self._cells(place)
-        t = np.clip(place - cell, 0.0, 1.0) - 0.5
+        cell, at = self._cells(coordinates)
+        t = np.clip(coordinates - cell, 0.0, 1.0) - 0.5
         open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
         share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
         within = rim * _smoothstep(0.0, 0.25, share) * _smoothstep(0.5 - BEFORE, 0.5, np.abs(t))
@@ -242,9 +242,9 @@ def _rim_shares(n: F64) -> F64:
     return 1.0 - _smoothstep(0.2, 0.5, np.abs(n))
 
 
-def _raised(place: F64, n: F64) -> F64:
+def _raised(coordinates: F64, n: F64) -> F64:
     """The offset before a surface, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
-    along = place * np.sign(n)
+    along = coordinates * np.sign(n)
     f = along - np.floor(along)
     return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))
 

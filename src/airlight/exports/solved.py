@@ -127,10 +127,10 @@ def _airs(source: LatticeSource) -> list[F32]:
     bands, largest = _bands(source.bound), source.placement
     weights = source.scale * np.array([1.0, *[source.direct] * 3])
     found = []
-    for place in source.levels:
+    for placement in source.levels:
         # Lattices share textures, which hold the power of cells.
-        (x, y, z), first = place.count, place.first_row
-        own = bands[:z, first : first + y, :x] * weights * (largest.cell / place.cell) ** 2
+        (x, y, z), first = placement.count, placement.first_row
+        own = bands[:z, first : first + y, :x] * weights * (largest.cell / placement.cell) ** 2
         found.append(own.astype(np.float32))
     return found
 

@@ -68,7 +68,7 @@ def draw(request: Request) -> Drawn:
 def passes_while_moving(
     request: Request, scene: Scene, settings: Mapping[str, Any], frames: int
 ) -> dict[str, float]:
-    """Milliseconds per stage, all meshes moving: blockers of what stands are kept, and cost none.
+    """Milliseconds per stage, all meshes moving: blockers of static ones are cached, and cost none.
 
     Raises SettingsError, DeviceError.
     """

@@ -1,4 +1,4 @@
-"""Every figure by its name, and how one is drawn and kept."""
+"""Every figure by its name, and how one is drawn and stored."""
 
 from __future__ import annotations
 

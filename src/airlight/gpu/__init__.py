@@ -7,5 +7,5 @@ layout, slots, source        structs declared once, bindings, WGSL files and `//
    -> commands, recorded     what a frame encodes; what stays the same is replayed
 failures, demands            what the device refuses, with pass, limit and remedy
 process, one_thread          which process and which thread may use it
-carried, lanes               flat interpolants and lanes of vectors, on CPU adapters
+interpolants, lanes          flat interpolants and lanes of vectors, on CPU adapters
 """

@@ -69,7 +69,7 @@ _UNIFORMS_IN_STORAGE: Mapping[str, int] = {  # see slots.on_cpu_adapter
     "max-storage-buffers-per-shader-stage": 18,
     "max-dynamic-storage-buffers-per-pipeline-layout": 8,
 }
-_CARRIED: Mapping[str, int] = {  # what a triangle carries to its pixels, see carried.py
+_INTERPOLATED: Mapping[str, int] = {  # what a triangle brings to its pixels, see interpolants.py
     "max-inter-stage-shader-variables": 31,
 }
 
@@ -100,7 +100,7 @@ def asked_limits(asked: Asked, paths: CodePaths, there: Mapping[str, int]) -> di
     if more and paths.stored_uniforms:
         more |= _UNIFORMS_IN_STORAGE
     if more and paths.flat_interpolants:
-        more |= _CARRIED
+        more |= _INTERPOLATED
     wanted = {**DEFAULT_LIMITS, **more}
     return {name: min(value, there[name]) for name, value in wanted.items() if name in there}
 

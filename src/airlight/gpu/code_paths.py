@@ -33,7 +33,7 @@ class CodePaths:
                          `lpv/propagate_rows.wgsl`, `scatter/propagate_rows.wgsl`
     visibility_buffer    triangle ids first, then each pixel's surface once, of maps in one buffer:
                          `surface.visibility_buffer`, `packed_maps`, `triangle_table`, `provoking`
-    flat_interpolants    full-screen triangles bring uniforms as flat interpolants: `gpu.carried`
+    flat_interpolants    full-screen triangles interpolate uniforms, flat: `gpu.interpolants`
     stored_uniforms      uniforms are bound as storage buffers: `gpu.slots`
     wide_reads           rows of hierarchies are read as 64-bit integers: `rays.slots`
     listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`

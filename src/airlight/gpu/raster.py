@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from .bindings import Bindings
-from .carried import MOST_WORDS, Carried, carried, first_elements
 from .commands import Commands
 from .compute import shader_path
 from .demands import check_slots, check_targets, compiled
 from .device import Gpu
+from .interpolants import MOST_WORDS, Interpolated, first_elements, interpolated
 from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
 
@@ -121,13 +121,13 @@ class RasterPipeline:
             fragment=self._fragment_state(module),
         )
 
-    def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Carried:
+    def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Interpolated:
         if self.gpu.paths.flat_interpolants:
             most = 4 * self.gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
-            made = carried(self._slots, firsts, text, most)
+            made = interpolated(self._slots, firsts, text, most)
             if made.entry != "fragment":
                 return made
-        return Carried(
+        return Interpolated(
             self._slots, _FULLSCREEN_VERTEX + first_elements(self._slots, firsts), text, "fragment"
         )
 

@@ -73,9 +73,9 @@ def cascades(kit: Kit, settings: LpvSettings, steps: int) -> list[Cascade]:
     return made
 
 
-def _small(places: list[Placement], index: int, settings: LpvSettings) -> SmallObjects:
+def _small(placements: list[Placement], index: int, settings: LpvSettings) -> SmallObjects:
     """The objects that a lattice leaves out because they are smaller than its cells."""
     if settings.small_objects == "none":
         return EVERYTHING
-    cells = [0.0, *(place.cell for place in places[1:]), 0.0]
+    cells = [0.0, *(placement.cell for placement in placements[1:]), 0.0]
     return SmallObjects(cells[index], cells[index + 1], has_static=settings.small_objects == "all")

@@ -42,7 +42,7 @@ class LpvSolver(Solver):
         self.kit, self.settings, self.is_marched = kit, settings, is_marched
         gpu, scene = kit.gpu, kit.context.scene
         self.steps = settings.iterations or max(
-            enough_steps(place.count) for place in kit.lattices.nest.levels
+            enough_steps(placement.count) for placement in kit.lattices.nest.levels
         )
         self.is_paper = settings.scheme == "paper"
         # Where blockers act from the first step on, a virtual point light may be narrower than a
@@ -116,11 +116,11 @@ class LpvSolver(Solver):
         """All that the lattices' light depends on; None where they must be filled anyway."""
         if self.media or any(part.is_stale for part in self.cascades):
             return None
-        places = tuple(replace(part.placement, fade=None) for part in self.cascades)
+        placements = tuple(replace(part.placement, fade=None) for part in self.cascades)
         # Groups are compared by identity: `points` holds on to them.
         groups = tuple(map(id, scene.light_groups))
         versions = (*self.maps.version, self.kit.meshes.version)
-        return (*versions, *places, groups, scale, self.power_scale, self._hull, self.steps)
+        return (*versions, *placements, groups, scale, self.power_scale, self._hull, self.steps)
 
     def _fill(self, commands: Commands, scale: float) -> None:
         """Fill all lattices: inject -> propagate -> textures."""
@@ -241,11 +241,11 @@ class LpvSolver(Solver):
 
     def mean_radiance(self) -> LatticeSource:
         """The light that surfaces reflect, as media take it: its mean over all directions."""
-        place = self.cascades[-1].placement
-        scale = LOOKUP_SCALE / (place.cell**2 * self.power_scale)
+        placement = self.cascades[-1].placement
+        scale = LOOKUP_SCALE / (placement.cell**2 * self.power_scale)
         bound = {**self.textures.bound, **self.kit.blockers.bound}
         finer = tuple(part.placement for part in self.cascades[:-1])
-        return LatticeSource(place, bound, scale, finer=finer)
+        return LatticeSource(placement, bound, scale, finer=finer)
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """Return the fields as they are: the lattices do not depend on the eye."""
@@ -254,8 +254,8 @@ class LpvSolver(Solver):
     @property
     def stats(self) -> dict[str, Any]:
         """The lattice's cells and the number of steps, for --stats."""
-        places = [part.placement for part in self.cascades]
-        found = {"lattice": list(places[-1].count), "iterations": self.steps}
-        if len(places) > 1:
-            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in places]
+        placements = [part.placement for part in self.cascades]
+        found = {"lattice": list(placements[-1].count), "iterations": self.steps}
+        if len(placements) > 1:
+            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in placements]
         return found

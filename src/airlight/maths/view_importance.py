@@ -95,14 +95,14 @@ def _window(view: Frustum, extent: F64) -> tuple[tuple[float, float], F64, F64] 
 class Lobes:
     """Importance that scatters at `point` (n, 3) m: `power` (n,), about `travel` (n, 3), unit.
 
-    `a` (n,): mean cosine. `even`: power that has forgotten its direction.
+    `a` (n,): mean cosine. `isotropic`: power that has no direction any more.
     """
 
     point: F64
     travel: F64
     power: F64
     a: F64
-    even: float
+    isotropic: float
 
 
 def scattered_importance(grid: ViewGrid, medium: MediumGrid) -> Lobes:
@@ -124,7 +124,7 @@ def scattered_importance(grid: ViewGrid, medium: MediumGrid) -> Lobes:
     return _merged(grid, power[..., 0], along[..., 0], float(done.residual.sum()))
 
 
-def _merged(grid: ViewGrid, power: F64, along: F64, even: float) -> Lobes:
+def _merged(grid: ViewGrid, power: F64, along: F64, isotropic: float) -> Lobes:
     n, k = SIDE // _MERGED, _MERGED
 
     def joined(values: F64) -> F64:
@@ -138,7 +138,7 @@ def _merged(grid: ViewGrid, power: F64, along: F64, even: float) -> Lobes:
     travel = travel / np.linalg.norm(travel, axis=1, keepdims=True)
     a = np.clip(joined(along)[kept] / total, -_SHARPEST, _SHARPEST)
     point = joined(power[..., None] * grid.centres)[kept] / total
-    return Lobes(point, travel, total[:, 0], a[:, 0], even)
+    return Lobes(point, travel, total[:, 0], a[:, 0], isotropic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +183,7 @@ def importance_map(
     omega = np.repeat(latlong_row_solid_angles(h, w), w)
     # Lobes have what leaves at once; only what scatters again leaves evenly.
     at_once = float(lobes.power @ left @ omega) * ISOTROPIC
-    again = lobes.even * (1.0 - at_once / max(float(lobes.power.sum()), 1e-300))
+    again = lobes.isotropic * (1.0 - at_once / max(float(lobes.power.sum()), 1e-300))
     seen = lobes.power @ (phase * left) + again * ISOTROPIC
     total = float(seen @ omega)
     return np.asarray(

@@ -1,7 +1,7 @@
 """Rays against the triangles of a scene, on the device.
 
    sweep      where a hierarchy is divided     hierarchy  four children to a node, on the host
-   kept       hierarchies cached on disk       words      nodes and triangles as shaders read them
+   cached     hierarchies cached on disk       words      nodes and triangles as shaders read them
    mesh_tree  of one mesh; of all that stand   masks      alpha of materials with holes
               still
    slots      what a pass binds                rays       RayScene: the buffers to bind

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..scene.mesh import Geometry, Mesh
 from ..surface.instances import is_mirrored, normal_matrix
+from .cached import built
 from .hierarchy import U32, Hierarchy, child_boxes, cost
-from .kept import built
 from .words import (
     HOLES,
     INSTANCE_MASK,

@@ -58,20 +58,24 @@ def cascades(
     gpu, made = kit.gpu, []
     varies = is_varied(scene, kit.placement, settings)
     for level in kit.lattices.levels:
-        place = level.placement
+        placement = level.placement
         cells = LatticeCells(gpu, level, light.media, settings, is_varied=varies)
         reduced = reduced_scene(scene)
-        frames, stills = (_schedule(reduced, settings, place, is_still=s) for s in (False, True))
-        levels = Levels(gpu, place.count, place.cell, frames, cells.kind(scene, kit.placement))
+        frames, stills = (
+            _schedule(reduced, settings, placement, is_still=s) for s in (False, True)
+        )
+        levels = Levels(
+            gpu, placement.count, placement.cell, frames, cells.kind(scene, kit.placement)
+        )
         injection = Injection(kit, scene, light, cells)
         made.append(Cascade(level, cells, injection, levels, (frames, stills)))
     return made
 
 
 def _schedule(
-    reduced: Scene, settings: ScatterSettings, place: Placement, *, is_still: bool
+    reduced: Scene, settings: ScatterSettings, placement: Placement, *, is_still: bool
 ) -> Schedule:
-    s, count = settings, place.count
+    s, count = settings, placement.count
     # The paper has one lattice.
     faster = "none" if s.scheme.startswith("paper") else s.acceleration
     # As many iterations as were asked for, or as leave the residual that was.
@@ -80,7 +84,7 @@ def _schedule(
     if s.residual > 0.0 and faster == "cycle":
         steps = cycles_to(s.residual)
     elif s.residual > 0.0:
-        steps = iterations_to(s.residual, sigma_s, sigma_t, place.cell, count)
+        steps = iterations_to(s.residual, sigma_s, sigma_t, placement.cell, count)
     plan = schedule(faster, steps, count)
     if any(sigma_t):
         return plan

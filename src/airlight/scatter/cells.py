@@ -86,8 +86,8 @@ class LatticeCells:
         Raises SettingsError (scheme paper in a dense medium).
         """
         # The coefficients of a homogeneous medium are the same wherever the lattice is.
-        media, place = self.media, dataclasses.replace(self.placement, fade=None)
-        known = (media.version, place if self._means else None)
+        media, placement = self.media, dataclasses.replace(self.placement, fade=None)
+        known = (media.version, placement if self._means else None)
         if known == self._media_of:
             return False
         self._media_of = known
@@ -97,7 +97,7 @@ class LatticeCells:
             levels.set_homogeneous(media.sigma_s, media.sigma_t)
         else:
             self.surface_medium = SurfaceMedium(cells=self._medium)
-            self._means.encode(commands, place, self._medium, self._samples())
+            self._means.encode(commands, placement, self._medium, self._samples())
             levels.set_varied(commands, self._medium)
         return True
 

@@ -88,12 +88,12 @@ class MapBlockers(Blockers):
         lights = views_along(self.placement.axes)
         views = light_views(lights, *self.meshes.bounds, self.maps.resolution)
         self.maps.encode(commands, self.meshes, lights, views)
-        place, side = self.placement, self.maps.resolution
+        placement, side = self.placement, self.maps.resolution
         self._texels.dispatch(
             commands,
             (side, side, VIEWS),
             params=MapParams(resolution=side, units=UNITS),
-            lattice=place.params(),
+            lattice=placement.params(),
             views=self.maps.views,
             depth=self.maps.depth,
             flux=self.maps.flux,

@@ -106,12 +106,12 @@ class ScatterSolver(Solver):
             total, track = part.levels.encode(commands, injection.source)
         # The track becomes mean radiance in media, the states irradiance of surfaces.
         with commands.stage("copy"):
-            flux, beams, place = self.light.flux, injection.beams, part.placement
+            flux, beams, placement = self.light.flux, injection.beams, part.placement
             self.emission.encode(
-                commands, track, flux, beams, sigma_t=self.media.sigma_t, placement=place
+                commands, track, flux, beams, sigma_t=self.media.sigma_t, placement=placement
             )
             medium, near = part.cells.surface_medium, injection.surface_beams
-            self.surfaces.encode(commands, total, flux, medium, forward=near, placement=place)
+            self.surfaces.encode(commands, total, flux, medium, forward=near, placement=placement)
         return total
 
     def _enter(self, commands: Commands, part: Cascade, outer: Cascade, total: Buffer) -> None:
@@ -130,14 +130,16 @@ class ScatterSolver(Solver):
     def _added(self, scene: Scene, fields: Fields) -> Fields:
         """The fields, with what was solved."""
         # What surfaces read; then what media scatter, which surfaces also reflect into others.
-        places = self.kit.lattices.placements
-        table = self.kit.lattices.table.filled([self.surfaces.params(place) for place in places])
+        placements = self.kit.lattices.placements
+        table = self.kit.lattices.table.filled(
+            [self.surfaces.params(placement) for placement in placements]
+        )
         irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_reflected=True)
         has_beams = self.media.has_forward and self.kit.lights.count > 0
         light = self.emission.source(
             self.kit.blockers.bound,
             self.light.forward.source(self.kit.lights.table) if has_beams else None,
-            finer=places[:-1],
+            finer=placements[:-1],
             is_reduced_medium=self.media.is_reduced,
         )
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
@@ -152,13 +154,13 @@ class ScatterSolver(Solver):
     @property
     def stats(self) -> dict[str, object]:
         """What was solved, for --stats."""
-        levels, places = self.largest.levels, self.kit.lattices.placements
+        levels, placements = self.largest.levels, self.kit.lattices.placements
         found: dict[str, object] = {
             "lattice": list(self.kit.placement.count),
             "iterations": levels.schedule.iterations,
             "levels": len(levels.levels),
             "cycles": levels.schedule.cycles,
         }
-        if len(places) > 1:
-            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in places]
+        if len(placements) > 1:
+            found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in placements]
         return found

@@ -115,8 +115,8 @@ def command(
     airlight compare builtin:cornell --technique direct lpv -o comparison/
     airlight compare builtin:cornell -t direct lpv -D resolution=48 -o finer/
 
-    The reference comes from Mitsuba (pip install 'airlight[reference]') and is kept in the
-    cache folder by the scene's content.
+    The reference comes from Mitsuba (pip install 'airlight[reference]') and is cached on
+    disk by the scene's content.
     """
     names = tuple(dict.fromkeys(techniques)) or ("direct", "auto")
     reads(scene)

@@ -93,7 +93,7 @@ def _facts(c: Comparison) -> str:
     facts = {
         "size": f"{c.size[0]} x {c.size[1]}",
         "reference": f"Mitsuba 3, {r.spp} samples a pixel in {seconds(r.seconds)}"
-        + (" (kept from an earlier run)" if r.is_from_cache else ""),
+        + (" (cached by an earlier run)" if r.is_from_cache else ""),
         "noise floor": f"relMSE {number(r.floor)}",
         "exposure": f"{c.stops:+.2f} stops",
         **c.about,

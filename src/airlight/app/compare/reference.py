@@ -1,4 +1,4 @@
-"""The reference of a comparison: rendered once for a scene's content, then kept on disk."""
+"""The reference of a comparison: rendered once for a scene's content, then cached on disk."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from ...scene.scene import Scene
     from ..progress import Report
 
-FORMAT = 1  # raise it when what is kept, or what it means, changes
+FORMAT = 1  # raise it when what is cached, or what it means, changes
 SPP_LIMIT = 1 << 16
-SPP_AT_ONCE = 256  # each such part is kept: an interrupted comparison goes on where it was
+SPP_AT_ONCE = 256  # each such part is cached: an interrupted comparison goes on where it was
 NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
 """Fields of a scene that no reference depends on."""
 NO_LAYERS = "only the whole image has a reference"
@@ -74,7 +74,7 @@ def reference_for(
 ) -> Reference:
     """At least `spp` samples a pixel; more, up to 65536, until the floor (relmse) is below `noise`.
 
-    Kept in the cache folder under a hash of the scene; a kept one is used if it is good enough
+    Cached on disk under a hash of the scene; a cached one is used if it is good enough
     and else refined with new samples. Where Mitsuba cannot tell layers (`NoLayers`) the reference
     is of the whole image alone, and its `notes` say so. Raises ReferenceFailure, and
     SettingsError where AIRLIGHT_CACHE leads nowhere.
@@ -108,15 +108,15 @@ class _Job:
 def _cached_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference:
     """The reference of the layers `names`, from `file` in the cache as far as it goes."""
     path = env.cache_folder() / "references" / file
-    kept = _read(path, names)
-    have = kept
+    cached = _read(path, names)
+    have = cached
     while (missing := _samples_missing(have, job.spp, job.noise)) > 0:
         fresh = _render(job, names, missing, have.spp if have else 0)
         have = fresh if have is None else _merged(have, fresh)
         not_cached = _cache(have, path)
         have = dataclasses.replace(have, not_cached=not_cached)
     assert have is not None
-    return dataclasses.replace(have, is_from_cache=have is kept)
+    return dataclasses.replace(have, is_from_cache=have is cached)
 
 
 def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> int:
@@ -173,15 +173,15 @@ def _merged(a: Reference, b: Reference) -> Reference:
 
 
 def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
-    """What is kept at `path`; None where that is nothing, broken, or without the layers `names`."""
+    """What is cached at `path`; None where it is nothing, broken, or lacks the layers `names`."""
     try:
         with own_files(), opened_npz(path) as archive:
             about = json.loads(str(archive.array("about", kinds="U")))
             arrays = {name: archive.array(name) for name in archive.names if name != "about"}
         image = Image(arrays.pop("radiance"), arrays)
-        kept = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
+        cached = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
         wanted = ("variance", *names[1:], *(f"{name}_variance" for name in names[1:]))
-        return kept if all(name in arrays for name in wanted) else None
+        return cached if all(name in arrays for name in wanted) else None
     except (AirlightError, ValueError, KeyError, TypeError, RecursionError):
         return None
 

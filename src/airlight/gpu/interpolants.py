@@ -14,7 +14,7 @@ from .layout import Field, Struct
 from .slots import Slot
 
 MOST_WORDS = 64
-"""WebGPU carries at least 16 vec4s; a device may carry more."""
+"""WebGPU interpolates at least 16 vec4s; a device may have room for more."""
 _ENTRY = re.compile(
     r"@fragment fn fragment\(@builtin\(position\) position: vec4f\) -> (@location\(0\) )?(\w+) \{"
 )
@@ -56,7 +56,7 @@ class _Part:
 
 
 @dataclass(frozen=True)
-class Carried:
+class Interpolated:
     """What a pass is compiled from: slots, WGSL before its file, the file's, entry point."""
 
     slots: tuple[Slot, ...]
@@ -65,12 +65,12 @@ class Carried:
     entry: str
 
 
-def carried(
+def interpolated(
     slots: tuple[Slot, ...],
     firsts: Mapping[str, tuple[str, ...]],
     text: str,
     most_words: int = MOST_WORDS,
-) -> Carried:
+) -> Interpolated:
     """The pass `text` with its parameters as flat interpolants, as many as fit.
 
     Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
@@ -78,7 +78,7 @@ def carried(
     """
     found = _ENTRY.search(text)
     if not found:
-        return Carried(slots, first_elements(slots, firsts), text, "fragment")
+        return Interpolated(slots, first_elements(slots, firsts), text, "fragment")
     parts: list[_Part] = []
     used, renamed, rest = 0, [], dict(firsts)
     named = {slot.name: slot for slot in slots}
@@ -90,10 +90,10 @@ def carried(
         parts.append(part)
         rest.pop(slot.name, None)
         renamed += [slot.name] if slot.is_dynamic else []
-    kept = tuple(_renamed(slot) if slot.name in renamed else slot for slot in slots)
+    bound = tuple(_renamed(slot) if slot.name in renamed else slot for slot in slots)
     generated = _wgsl(parts, found[1] or "", found[2]) + first_elements(slots, rest)
     plain = f"fn fragment(position: vec4f) -> {found[2]} {{"
-    return Carried(kept, generated, text.replace(found[0], plain), "carried_fragment")
+    return Interpolated(bound, generated, text.replace(found[0], plain), "interpolated_fragment")
 
 
 def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]) -> str:
@@ -107,14 +107,14 @@ def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]
 def _part(slot: Slot, left_out: tuple[str, ...]) -> _Part:
     assert slot.struct is not None
     if slot.is_dynamic:
-        return _Part(slot.name, f"kept_{slot.name}", slot.struct)
+        return _Part(slot.name, f"stored_{slot.name}", slot.struct)
     return _Part(f"carried_{slot.name}", f"{slot.name}[0]", slot.struct, left_out)
 
 
 def _renamed(slot: Slot) -> Slot:
     """The buffer under another name: the pass's own is the variable's."""
     return replace(
-        slot, declaration=slot.declaration.replace(f" {slot.name}:", f" kept_{slot.name}:")
+        slot, declaration=slot.declaration.replace(f" {slot.name}:", f" stored_{slot.name}:")
     )
 
 
@@ -137,7 +137,7 @@ def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
     members = "".join(
         f"    @location({i}) @interpolate(flat) w{i}: vec4u,\n" for i in range(len(groups))
     )
-    lines = [f"struct Carried {{\n    @builtin(position) position: vec4f,\n{members}}}"]
+    lines = [f"struct Interpolants {{\n    @builtin(position) position: vec4f,\n{members}}}"]
     lines += [f"var<private> {part.variable}: {part.struct.__name__};" for part in parts]
     lines += [
         f"fn first_{part.variable.removeprefix('carried_')}() -> {part.struct.__name__} "
@@ -146,13 +146,13 @@ def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
         if part.variable.startswith("carried_")
     ]
     lines += [
-        "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Carried {",
+        "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Interpolants {",
         "    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));",
-        "    var out: Carried;",
+        "    var out: Interpolants;",
         "    out.position = vec4f(corner * 2.0 - 1.0, 0.0, 1.0);",
         *(f"    out.w{i} = vec4u({group});" for i, group in enumerate(groups)),
         "    return out;\n}",
-        f"@fragment fn carried_fragment(in: Carried) -> {attribute}{returned} {{",
+        f"@fragment fn interpolated_fragment(in: Interpolants) -> {attribute}{returned} {{",
     ]
     first = 0
     for part in parts:

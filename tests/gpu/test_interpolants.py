@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.gpu.carried import MOST_WORDS, carried
+from airlight.gpu.interpolants import MOST_WORDS, interpolated
 from airlight.gpu.layout import Struct, f32, i32, mat4x4f, pack_array, u32, vec2f, vec3f, vec3u
 from airlight.gpu.memory import Texture, buffer_of
 from airlight.gpu.raster import FullscreenPass
@@ -80,22 +80,22 @@ def test_pixels_read_what_was_given(gpu, commands, owned, tmp_path):
     np.testing.assert_array_equal(target.read()[0], np.asarray(expected, np.float32))
 
 
-def test_as_much_is_carried_as_fits():
+def test_as_much_is_interpolated_as_fits():
     slots = (uniform("params", Kinds), *(storage(f"table{i}", Kinds) for i in range(3)))
     names = {slot.name: () for slot in slots[1:]}
-    made = carried(slots, names, WGSL)
-    assert made.entry == "carried_fragment"
+    made = interpolated(slots, names, WGSL)
+    assert made.entry == "interpolated_fragment"
     words = sum(field.size // 4 for field in Kinds.fields.values())
     assert MOST_WORDS // words == 2
     assert "return carried_table0;" in made.generated
     assert "return table1[0];" in made.generated
     assert "return table2[0];" in made.generated
-    assert "var<uniform> kept_params: Kinds;" in made.slots[0].declaration
+    assert "var<uniform> stored_params: Kinds;" in made.slots[0].declaration
 
 
 @pytest.mark.parametrize("entry", ["in: Corner", "@builtin(position) at: vec4f"])
 def test_other_entries_are_left_as_they_are(entry):
     text = f"@fragment fn fragment({entry}) -> @location(0) vec4f {{ return vec4f(); }}"
     slots = (uniform("params", Kinds),)
-    made = carried(slots, {}, text)
+    made = interpolated(slots, {}, text)
     assert (made.slots, made.text, made.entry) == (slots, text, "fragment")

@@ -15,7 +15,7 @@ from ..scene.io.numpy_files import opened_npz
 from ..scene.io.writing import whole_file
 from .hierarchy import COUNT_SHIFT, F32, INDEX_MASK, LEAF, Hierarchy, build
 
-WORTH_KEEPING = 20_000
+WORTH_CACHING = 20_000
 """Triangles from which reading a file is quicker than building: 50 ms."""
 _VERSION = 2  # of `build`: what other versions made is not read
 
@@ -25,7 +25,7 @@ def built(low: F32, high: F32) -> Hierarchy:
 
     Raises SettingsError where the cache folder's name leads nowhere.
     """
-    if len(low) < WORTH_KEEPING:
+    if len(low) < WORTH_CACHING:
         return build(low, high)
     told = hashlib.blake2b(str(_VERSION).encode(), digest_size=16)
     told.update(np.ascontiguousarray(low).data.cast("B"))
