@@ -54,8 +54,9 @@ NOTEBOOK = """
 import airlight as al
 widget = al.view("builtin:cornell", "direct", (64, 36), settings=dict(resolution=8,
     shadow_resolution=64, sky_lights=0, surfels=2000, ambient_occlusion=False))
-sent = []
-widget.send = lambda message, buffers: sent.append((message, buffers))
+sent, told = [], []
+widget.send = lambda message, buffers=None: (
+    sent.append((message, buffers)) if buffers else told.append(message))
 widget
 """
 FRONT_END = """
@@ -77,6 +78,7 @@ async def images(count):
         await asyncio.sleep(0.05)
     raise TimeoutError("no images")
 
+say("hello", shown=True)
 say("resize", width=720, height=200, pwidth=720, pheight=200, ratio=1.0)
 before = await images(6)
 at = dict(x=400.0, y=90.0, buttons=[1], modifiers=[], ntouches=0, touches={})
@@ -84,6 +86,7 @@ say("pointer_down", **at, button=1)
 say("pointer_move", **{**at, "x": 460.0}, button=0)
 say("pointer_up", **{**at, "x": 460.0}, button=1)
 after = await images(len(sent) + 8)
+assert {"panel", "status", "marks"} <= {message["type"] for message in told}
 import base64
 print(base64.b64encode(before).decode())
 print(base64.b64encode(after).decode())
@@ -106,7 +109,8 @@ def test_the_notebook_runs_and_a_drag_changes_the_widget(tmp_path):
     assert "application/vnd.jupyter.widget-view+json" in shown
     # Without a kernel the page still has an image.
     assert pixels(base64.b64decode(shown["image/png"])).shape == (SIZE[1], SIZE[0], 3)
-    text = "".join(o.text for o in cells[1].outputs if o.output_type == "stream").split()
+    streams = [o for o in cells[1].outputs if o.output_type == "stream" and o.name == "stdout"]
+    text = "".join(o.text for o in streams).split()
     before, after = (pixels(base64.b64decode(part)) for part in text)
     assert before.shape == after.shape == (200, 720, 3)
     assert np.abs(after - before).mean() > 2.0

@@ -179,6 +179,7 @@ class Fine:
         drawn = self._drawn
         drawn.give(shot.scene)
         drawn.renderer.resize(shot.size)
+        drawn.renderer.view.is_still = True
         drawn.solve(commands, is_still=True)
         for index, jitter in enumerate(self._jitters):
             if self._shot is not shot:
